@@ -22,9 +22,9 @@ from threadpoolctl import threadpool_limits
 from bench import calculix
 from bench.calculix import PressedPad
 from skincad import load
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.models import finite_strain, linear
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers import finite_strain, plane_level
 
 FORCE = 4.0  # N
 LEVELS = ((0.25, 2), (0.5, 2), (0.5, 3), (1.0, 3), (1.0, 4), (2.0, 4), (2.0, 5))  # fineness, order
@@ -47,7 +47,7 @@ def own(pad: Pad, tier: str, fineness: float, order: int) -> PressedPad:
     """Return skincad's level of a tier; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
     for _ in range(REPEATS):
-        solver = plane_level.level if tier == "linear" else finite_strain.Levels()
+        solver = linear.level if tier == "linear" else finite_strain.Levels()
         started, clock = process_time(), perf_counter()
         found = solver(plane_piece(pad, fineness), order, FORCE, ())
         seconds.append(process_time() - started)

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.measure import REPEATS, alone, best, factorise, free_block, system
 from skincad import load
-from skincad.mechanics.tiers.table import TIERS
+from skincad.mechanics.models.table import TIERS
 
 DESIGN = "yamada-2002"
 SMOOTH = "contact.friction=0"  # what each model leaves out, not what all do
@@ -34,7 +34,7 @@ def ready(tier: str) -> bool:
 
 def measured(tier: str) -> dict[str, Any]:
     """Return one tier's median time by stage, s, and what it finds."""
-    from skincad.mechanics.touching import check
+    from skincad.mechanics.check import check
 
     for name in (tier, *TIERS[tier].builds_on):
         import_module(TIERS[name].where.partition(":")[0])
@@ -72,7 +72,7 @@ def tiers(names: list[str]) -> dict[str, dict[str, Any]]:
 
 def stages(row: dict[str, Any]) -> None:
     """Print the linear tier's stages against one factorisation of the matrix with its unknowns."""
-    from skincad.mechanics.tiers.linear import RUNGS
+    from skincad.mechanics.models.linear import RUNGS
 
     design = load(DESIGN)
     for rung in RUNGS:

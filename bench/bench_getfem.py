@@ -18,8 +18,8 @@ from bench import getfem
 from bench.getfem import FrictionalPad
 from skincad import load
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
-from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.contact.frictional import halved
+from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import Pad, pad_of

@@ -37,8 +37,8 @@ def wide(template: str, ridges: int) -> Design:
 
 def checked(template: str, ridges: int) -> dict[str, Any]:
     """Return the time by stage and the size of one linear check."""
-    import skincad.mechanics.tiers.linear  # noqa: F401 the import is not the tier's
-    from skincad.mechanics.touching import check
+    import skincad.mechanics.models.linear  # noqa: F401 the import is not the tier's
+    from skincad.mechanics.check import check
 
     found = check(wide(template, ridges), tier="linear")
     share = (found.all_touch_force.value or 0.0) / found.force
@@ -49,9 +49,9 @@ def solved(fineness: float, order: int) -> dict[str, Any]:
     """Return the time by stage and the size of one level on nine ridges."""
     from time import perf_counter
 
-    from skincad.mechanics.bodies.meshed import plane_piece
+    from skincad.mechanics.bodies.mesh import plane_piece
+    from skincad.mechanics.models.linear import level
     from skincad.mechanics.problem import pad_of
-    from skincad.mechanics.tiers.plane_level import level
 
     design = load("plain-ridges")
     pad = pad_of(design)

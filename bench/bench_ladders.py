@@ -26,10 +26,16 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
 from skincad.ladders.contact import MESH, taken_of
 from skincad.ladders.ladder import LADDERS, ladder_of
+from skincad.mechanics.models import table
+from skincad.mechanics.models.table import (
+    FOLDER_VARIABLE,
+    TIERS,
+    own_seconds,
+    run,
+    save_timings,
+    unsupported_reason,
+)
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import table
-from skincad.mechanics.tiers.measured import FOLDER_VARIABLE, save_timings
-from skincad.mechanics.tiers.table import TIERS, own_seconds, run, unsupported_reason
 
 REPEATS = 3
 

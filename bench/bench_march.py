@@ -18,10 +18,9 @@ from bench.measure import best
 from skincad.effects.kinds import MarchedPad
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import triangles
-from skincad.mechanics.film.rungs import RUNGS
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import filled_pad
+from skincad.mechanics.film.stress import RUNGS, filled_pad
 from skincad.scenes.march import march
 from skincad.scenes.scene import Scene, load_scene
 

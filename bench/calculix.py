@@ -20,9 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes
-from skincad.mechanics.bodies.meshed import on_whole
-from skincad.mechanics.bodies.symmetry import half_of
+from skincad.mechanics.bodies.mesh import Sizes, default_sizes, half_of, on_whole
 from skincad.mechanics.problem import Pad
 
 # gone

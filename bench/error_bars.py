@@ -21,13 +21,12 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.left_out import LeftOut, free_ends
 from skincad.mechanics.left_out import finite_strain as small_strain
+from skincad.mechanics.models import corrected, finite_strain, linear, solid, winkler
+from skincad.mechanics.models.linear import RUNGS, level
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
-from skincad.mechanics.tiers import corrected, finite_strain, linear, solid, winkler
-from skincad.mechanics.tiers.linear import RUNGS
-from skincad.mechanics.tiers.plane_level import level
 from skincad.mechanics.validity import small_strain_violation
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from bench import calculix
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.problem import Pad
 
 PACKAGES = ("python3-getfem", "gmsh")

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.problem import pad_of
 
 REPEATS = 3

@@ -16,7 +16,7 @@ from bench.exam.skins import templates
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.reference import shear_frequency
+from skincad.mechanics.dynamics.ringing import shear_frequency
 from skincad.scenes.scene import Scene, load_scene
 from skincad.shape.skin import skin_of
 

@@ -14,10 +14,10 @@ import skincad
 from bench.campaign.random_designs import drawn
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
+from skincad.mechanics.manufacture import KEYS, intervals
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.winkler import all_touch_force
 from skincad.mechanics.problem import Request
-from skincad.mechanics.sensitivity import KEYS, intervals
-from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.winkler import all_touch_force
 
 BY, FINEST = 0.03, 5e-3
 

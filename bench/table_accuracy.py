@@ -17,12 +17,11 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.check import check
+from skincad.mechanics.models.linear import RUNGS, level
+from skincad.mechanics.models.table import AUTO, load
 from skincad.mechanics.problem import NEGLIGIBLE, pad_of
-from skincad.mechanics.tiers.linear import RUNGS
-from skincad.mechanics.tiers.plane_level import level
-from skincad.mechanics.tiers.table import AUTO, load
-from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import simulate

@@ -17,9 +17,9 @@ from bench.error_bars import force_of
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import friction
+from skincad.mechanics.models.corrected import plain_pad
+from skincad.mechanics.models.friction import solve
 from skincad.mechanics.problem import NEGLIGIBLE, ContactError
-from skincad.mechanics.tiers.corrected import plain_pad
-from skincad.mechanics.tiers.friction import solve
 from skincad.shape.skin import skin_of
 
 COEFFICIENTS = 0.2, 0.5, 1.0

@@ -25,7 +25,7 @@ from bench.random_scenes import random_scene
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.dynamics.plate_ringing import skin_mass
+from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.march import March, march
 from skincad.scenes.omitted import omitted, path_of

@@ -3,7 +3,7 @@
 `python -m bench.table_swaying 2 20`: random scenes of seed 2, 20 of them. Three to seven ridges are pressed
 to a nominal strain of 0.02 to 0.13 and pulled to 0.95 of friction at 0.15 to 0.6, films bonded or silicone in
 their place, in small and in finite strain on one mesh: ten seconds to a minute a scene. Besides, Pcr of its
-ridges, from how much steeper the difference rises with the pull, against mechanics/swaying.py.
+ridges, from how much steeper the difference rises with the pull, against mechanics/left_out.py.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from skincad.base.errors import InputError
 from skincad.effects.finite_strain import FiniteStrain
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.swaying import sway_force
+from skincad.mechanics.left_out import sway_force
 from skincad.scenes.march import March, march
 from skincad.scenes.omitted import omitted
 from skincad.scenes.on_mesh import piece_for

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from skincad.inputs.design import Design as Design
     from skincad.ladders.climbing import accuracy as _accuracy
     from skincad.material.fit import fit_material as fit_material
+    from skincad.mechanics.check import check as _check
     from skincad.mechanics.film.stress import film_stress as _film_stress
-    from skincad.mechanics.touching import check as _check
     from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
     from skincad.packages.packing import package as _package
@@ -66,7 +66,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "Study": "studies.study:Study",
     "advise": "studies.advice:advise",
     "accuracy": "ladders.climbing:accuracy",
-    "check": "mechanics.touching:check",
+    "check": "mechanics.check:check",
     "film_stress": "mechanics.film.stress:film_stress",
     "fit_material": "material.fit:fit_material",
     "gain": "circuit.bode:gain",

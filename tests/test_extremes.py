@@ -24,8 +24,8 @@ from skincad.effects import EFFECTS, effect
 from skincad.effects.piezo import Chain
 from skincad.inputs.catalog import overridden, read_table, template_text
 from skincad.inputs.design import Design
+from skincad.mechanics.check import check
 from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.touching import check
 from skincad.outputs.delivery import write
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene

@@ -125,8 +125,8 @@ def preloaded() -> None:
     import bench.campaign.soundness  # noqa: F401
     import skincad.circuit.bode
     import skincad.mechanics.film.sliding
-    import skincad.mechanics.tiers.linear
-    import skincad.mechanics.touching
+    import skincad.mechanics.models.linear
+    import skincad.mechanics.verdict
     import skincad.scenes.simulation
     import skincad.solids.occ  # noqa: F401
 

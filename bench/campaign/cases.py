@@ -95,7 +95,7 @@ def mold_figures(case: Case) -> Figures:
 
 def check_figures(case: Case) -> Figures:
     """What `check` says; ridges' forces as a list, `mesh_error` what of the error is not the model's."""
-    from skincad.mechanics.touching import check
+    from skincad.mechanics.check import check
 
     found = check(case.design, **case.arguments)
     threshold, approach = found.all_touch_force, found.approach

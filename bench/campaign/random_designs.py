@@ -17,8 +17,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import PROCESSES
 from skincad.inputs.silicone import silicones
+from skincad.mechanics.models.winkler import crest_gaps, ridge_stiffness
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.winkler import crest_gaps, ridge_stiffness
 from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 

@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Item:
+class ReportedItem:
     """How an attribute is reported: its JSON key, and the unit of its numbers.
 
     `error` is the attribute that holds a plain number's error; `inline` puts the entries of a nested record
@@ -45,13 +45,13 @@ def item(
     default: Any = MISSING,
 ) -> Any:
     """Return a dataclass field that is reported; its key is its name and its unit unless `key` is given."""
-    return field(default=default, metadata={"item": Item(key, unit, meaning, error, inline)})
+    return field(default=default, metadata={"item": ReportedItem(key, unit, meaning, error, inline)})
 
 
 class ReportedProperty(Generic[T]):
     """A property that is reported; made by `reported`."""
 
-    def __init__(self, method: Callable[[Any], T], declared: Item) -> None:
+    def __init__(self, method: Callable[[Any], T], declared: ReportedItem) -> None:
         self.method, self.item, self.__doc__ = method, declared, method.__doc__
 
     def __get__(self, record: Any, kind: type | None = None) -> T:
@@ -62,7 +62,7 @@ def reported(
     unit: str = "", meaning: str = "", *, key: str = "", error: str = "", inline: bool = False
 ) -> Callable[[Callable[[Any], T]], ReportedProperty[T]]:
     """Make a method a property that is reported, as `item` does a field."""
-    return lambda method: ReportedProperty(method, Item(key, unit, meaning, error, inline))
+    return lambda method: ReportedProperty(method, ReportedItem(key, unit, meaning, error, inline))
 
 
 def key_of(name: str, unit: str) -> str:
@@ -97,7 +97,7 @@ class Record:
 
 
 @cache
-def _declared(kind: type) -> tuple[tuple[str, Item], ...]:
+def _declared(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
     """The declared attributes of a class of records, in their order."""
     listed = {
         declared.name: declared.metadata["item"] for declared in fields(kind) if "item" in declared.metadata
@@ -109,7 +109,7 @@ def _declared(kind: type) -> tuple[tuple[str, Item], ...]:
     return tuple(listed.items())
 
 
-def _entries(record: Record) -> Iterator[tuple[str, Any, Item]]:
+def _entries(record: Record) -> Iterator[tuple[str, Any, ReportedItem]]:
     """Key, value and declaration of everything that a record reports."""
     for name, declared in _declared(type(record)):  # type: ignore[arg-type]  # a class is hashable
         value = getattr(record, name)

@@ -17,9 +17,9 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
-from skincad.mechanics.contact.dragged import FrictionalPad, Tangential
-from skincad.mechanics.contact.grip import ContactState
-from skincad.mechanics.contact.held import STRIDE, FrozenTangentPad, FrozenTangentState
+from skincad.mechanics.contact.frictional_pad import FrictionalPad, Tangential
+from skincad.mechanics.contact.frozen_tangent import STRIDE, FrozenTangentPad, FrozenTangentState
+from skincad.mechanics.contact.state import ContactState
 
 
 def chosen(large: LargePad) -> ChosenPad:

@@ -20,7 +20,7 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Law, Term
 from skincad.effects.omitted import LeftOutEffect, SceneOutline
-from skincad.mechanics.swaying import sway_amplification, sway_force
+from skincad.mechanics.left_out import sway_amplification, sway_force
 from skincad.mechanics.validity import mean_width, plane_modulus
 
 if TYPE_CHECKING:
@@ -56,9 +56,9 @@ class FiniteStrain(Law):
     ) -> LargePad | ChosenPad:
         """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
         from skincad.effects.large_pad import LargePad
-        from skincad.mechanics.bodies import elements, neo_hooke
-        from skincad.mechanics.bodies.large_field import strip_stress
-        from skincad.mechanics.contact.dragged import dragged
+        from skincad.mechanics.bodies import elements, plane_body
+        from skincad.mechanics.bodies.film_field import strip_stress
+        from skincad.mechanics.contact.frictional_pad import dragged
 
         needs = frozenset[str]().union(*(term.asks for term in terms))
         if needs:
@@ -68,7 +68,7 @@ class FiniteStrain(Law):
         pad, unit = piece.pad, piece.unit
         curved = elements.curved(mesh, order)
         with one_blas_thread():
-            body = neo_hooke.body(curved, order, pad.materials, pad.laws)
+            body = plane_body.body(curved, order, pad.materials, pad.laws)
             whole = dragged(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
         strips = (
             strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
@@ -84,7 +84,7 @@ class FiniteStrain(Law):
 
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:
-        """Return by P-delta on the ridge that is pressed hardest (mechanics/swaying.py), of the largest
+        """Return by P-delta on the ridge that is pressed hardest (mechanics/left_out.py), of the largest
         differential stress of any ridge.
 
         Nothing is fitted. What is said is 0.54 to 1.3 times what is found in 17 random scenes, 0.44 to 1.8 in

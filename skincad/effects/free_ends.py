@@ -1,7 +1,7 @@
 """The pad's finite length: its ends bulge freely, so it is softer than an endless one.
 
 Range: small strain, quasi-static. What changes is how far ridges go down under normal forces, by ridge, from
-a coarse solid (mechanics/tiers/ends.py). Left out: shear in three dimensions, how pressure and slip vary
+a coarse solid (mechanics/models/ends.py). Left out: shear in three dimensions, how pressure and slip vary
 along y, and that near its ends a film is stressed otherwise; a film's stress follows the changed forces as
 in plane strain. Reference: the corrected tier's approach and shares (tests/effects/test_free_ends.py).
 """
@@ -38,19 +38,19 @@ class FreeEnds(PadChange):
 
     def changed(self, pad: Pad, design: Design) -> Pad:
         """Return the pad with what its ends add."""
-        from skincad.mechanics.tiers.ends import added_compliance
+        from skincad.mechanics.models.corrected import added_compliance
 
         return replace(pad, ends=tuple(map(tuple, added_compliance(design).tolist())))
 
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:
-        """Return by what the ends move from ridge to ridge (mechanics/end_sharing.py).
+        """Return by what the ends move from ridge to ridge (mechanics/left_out.py).
 
         A ridge's signal follows its normal force as it has in the march; and where all of it slips, its pull
         too, which friction bounds then. As points begin to slip the pull follows by the share of them to the
         power of SLIPPING. Below LEAST nothing is told apart. None without a normal force.
         """
-        from skincad.mechanics.end_sharing import force_changes
+        from skincad.mechanics.left_out import force_changes
 
         path = outline.path
         if outline.ridge_normal <= 0:

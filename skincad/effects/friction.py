@@ -26,7 +26,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.kinds import RidgePath, Share, Step, Term
 from skincad.effects.slip_order import flipped
-from skincad.mechanics.contact.grip import FrictionCoefficients
+from skincad.mechanics.contact.state import FrictionCoefficients
 
 LEAST, MOST = 1e-6, 20.0  # of a coefficient; less caps any shear stress
 MOST_PAIRS = 100

@@ -50,11 +50,11 @@ class Inertia(Term):
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:
         """Return by how much a plate as heavy as the skin would ring after the history's corners
-        (mechanics/dynamics/plate_ringing.py). Lighter plates change about as much, heavier ones more.
+        (mechanics/dynamics/ringing.py). Lighter plates change about as much, heavier ones more.
 
         None where no load changes.
         """
-        from skincad.mechanics.dynamics.plate_ringing import MasslessRun, plate_ringing, skin_mass
+        from skincad.mechanics.dynamics.ringing import MasslessRun, plate_ringing, skin_mass
 
         path, (down, pull) = outline.path, outline.loads
         mass = skin_mass(outline.design)

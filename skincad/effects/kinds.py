@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkab
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.tables import Table
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import ContactState, Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
     from skincad.effects.omitted import LeftOutEffect, SceneOutline
-    from skincad.mechanics.contact.held import Drift
+    from skincad.mechanics.contact.frozen_tangent import Drift
+    from skincad.mechanics.film.fields import DeformedSection
     from skincad.mechanics.film.stick import PadPiece
-    from skincad.mechanics.film.whole_state import DeformedSection
 
 MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and stress that hangs on strain's past
 

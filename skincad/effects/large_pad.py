@@ -12,12 +12,12 @@ from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
-from skincad.mechanics.contact.grip import ContactState, FrictionCoefficients, GrossSlip
+from skincad.mechanics.contact.state import ContactState, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 if TYPE_CHECKING:
-    from skincad.mechanics.bodies.large_field import StripStress
-    from skincad.mechanics.contact.dragged import FrictionalPad, FrictionalState
+    from skincad.mechanics.bodies.film_field import StripStress
+    from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState
 
 FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
@@ -48,13 +48,13 @@ class LargePad:
 
     def start(self) -> FrictionalState:
         """The unloaded state."""
-        from skincad.mechanics.contact.dragged import unloaded
+        from skincad.mechanics.contact.frictional_pad import unloaded
 
         return unloaded(self.pad)
 
     def advanced(self, state: FrictionalState, step: Step, shares: Sequence[Share]) -> FrictionalState:
         """Return the converged state at the step's end."""
-        from skincad.mechanics.contact.stride import to
+        from skincad.mechanics.contact.frictional_pad import to
 
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
@@ -70,7 +70,7 @@ class LargePad:
 
     def _check(self, state: FrictionalState) -> None:
         """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
-        from skincad.mechanics.contact.creasing import fault
+        from skincad.mechanics.contact.press_path import fault
 
         wrong = fault(self.pad, state, self.stops)
         if wrong is not None:

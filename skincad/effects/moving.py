@@ -11,10 +11,8 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Reading, Share, Step
-from skincad.mechanics.contact.grip import ContactState, FrictionCoefficients
-from skincad.mechanics.dynamics.state import DynamicState, rest_state
-from skincad.mechanics.dynamics.steps import Dynamics
-from skincad.mechanics.dynamics.time_scheme import Matter
+from skincad.mechanics.contact.state import ContactState, FrictionCoefficients
+from skincad.mechanics.dynamics.steps import Dynamics, DynamicState, Matter, rest_state
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
@@ -81,7 +79,7 @@ class MovingPad:
         body = self.dynamics.pad.body
         if self.piece is None or body is None:
             return None
-        from skincad.mechanics.film.whole_state import collision, on_sides
+        from skincad.mechanics.film.fields import collision, on_sides
 
         moved = np.zeros((body.system.lift.size, state.u.shape[1]))
         moved[: len(state.u)] = state.u / self.piece.unit

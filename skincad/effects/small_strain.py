@@ -17,15 +17,15 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Reading, Share, Step, Term
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.grip import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
-from skincad.mechanics.contact.halving import halved
+from skincad.mechanics.contact.frictional import halved
+from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
+    from skincad.mechanics.film.fields import DeformedSection, WholeState
     from skincad.mechanics.film.sliding import ContactPad
     from skincad.mechanics.film.stick import PadPiece
-    from skincad.mechanics.film.whole_state import DeformedSection, WholeState
 
 FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 

@@ -12,7 +12,7 @@ from skincad.base.errors import FaultError, InputError, RefusedError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import tier_of
+from skincad.mechanics.models.table import tier_of
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.roles import PartRole
 
@@ -208,7 +208,7 @@ def make(
     watch = Stopwatch(progress)
     verdict = None
     if checked:
-        from skincad.mechanics.touching import check
+        from skincad.mechanics.check import check
 
         with watch.stage("contact check"):
             verdict = check(design, tier=tier, budget=budget)
@@ -279,7 +279,7 @@ def _import_everything(solids: bool, checked: bool) -> None:
     import skincad.fabrication.measures
 
     if checked:
-        import skincad.mechanics.tiers.linear  # noqa: F401
+        import skincad.mechanics.models.linear  # noqa: F401
 
 
 def _build(

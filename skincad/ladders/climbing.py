@@ -14,7 +14,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.countdown import Countdown
 from skincad.ladders.ladder import LADDERS, Ladder, ladder_of
-from skincad.mechanics.tiers.measured import TierTiming, save_timings, without_home
+from skincad.mechanics.models.table import TierTiming, save_timings, without_home
 
 MOST_REPEATS = 100
 

@@ -14,14 +14,20 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.contact_errors import ContactAnswer, Truth, apart, measures_of, stated, trial_of
 from skincad.ladders.ladder import Ladder, repeated, timed
-from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
+from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
+from skincad.mechanics.models import finite_strain, linear, solid
+from skincad.mechanics.models.linear import LevelSolver
+from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
+from skincad.mechanics.models.table import (
+    TIERS,
+    TierTiming,
+    own_seconds,
+    plane_unknowns,
+    run,
+    seconds_at_size,
+    unsupported_reason,
+)
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
-from skincad.mechanics.tiers import finite_strain, plane_level, solid
-from skincad.mechanics.tiers.measured import TierTiming
-from skincad.mechanics.tiers.plane_level import LevelSolver
-from skincad.mechanics.tiers.prices import plane_unknowns
-from skincad.mechanics.tiers.solid_level import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
-from skincad.mechanics.tiers.table import TIERS, own_seconds, run, seconds_at_size, unsupported_reason
 from skincad.mechanics.validity import refuse_crushed
 
 MESH = 5e-3  # relative; what `check` asks of a tier's mesh
@@ -34,7 +40,7 @@ LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
     "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
 }
 SOLVERS: dict[str, Callable[[], LevelSolver]] = {
-    "linear": lambda: plane_level.level,
+    "linear": lambda: linear.level,
     "finite-strain": finite_strain.Levels,
 }
 
@@ -134,7 +140,7 @@ class _ContactRuns:
             setting = f"fineness {fineness:g}, order {order}"
             self._tell(_level(name, fineness, order))
 
-            def solved(fineness: float = fineness, order: int = order) -> plane_level.PlaneSolution:
+            def solved(fineness: float = fineness, order: int = order) -> linear.PlaneSolution:
                 return SOLVERS[name]()(plane_piece(pad, fineness), order, force, ())
 
             last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked

@@ -15,7 +15,7 @@ from skincad.base.interrupt import safe_point
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.ladders.precision import PowerLaw, front, power_law
-from skincad.mechanics.tiers.measured import TierTiming
+from skincad.mechanics.models.table import TierTiming
 
 ContactAnswer = TypeVar("ContactAnswer")
 LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break

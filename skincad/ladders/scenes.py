@@ -9,7 +9,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.prices import plane_unknowns
+from skincad.mechanics.models.table import plane_unknowns
 from skincad.scenes.levels import Level
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level

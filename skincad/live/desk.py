@@ -221,7 +221,7 @@ class Desk:
 
 def closed_form(session: Session) -> ContactCheck | str:
     """Return the closed form's verdict, or why it has none."""
-    from skincad.mechanics.touching import check
+    from skincad.mechanics.check import check
 
     try:
         return check(session.design, tier="winkler")

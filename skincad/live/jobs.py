@@ -33,7 +33,7 @@ class Signals:
 
 def check_design(design: Design, tell: Tell) -> None:
     """Tell each tier's verdict, then the last one as `skincad check` has it, its advice as it is found."""
-    from skincad.mechanics.touching import check
+    from skincad.mechanics.check import check
     from skincad.studies.advice import advising, seconds_for_advice
 
     def stage(what: str, left: float | None = None, /) -> None:
@@ -79,7 +79,7 @@ def preload() -> None:
     import skincad.fabrication.filling
     import skincad.fabrication.findings
     import skincad.fabrication.strip_rules
-    import skincad.mechanics.tiers.winkler
+    import skincad.mechanics.models.winkler
     import skincad.outputs.checks  # noqa: F401
 
 

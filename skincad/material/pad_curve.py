@@ -17,13 +17,12 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
-from skincad.mechanics.contact.frictionless import NodalContact, press
-from skincad.mechanics.contact.threshold import Ridges
+from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
+from skincad.mechanics.contact.frictionless import NodalContact, Ridges, press
+from skincad.mechanics.models import corrected, linear
+from skincad.mechanics.models.finite_strain import Levels
+from skincad.mechanics.models.solid import coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Pad, check_pad, pad_of
-from skincad.mechanics.tiers import corrected, linear, plane_level
-from skincad.mechanics.tiers.finite_strain import Levels
-from skincad.mechanics.tiers.solid_level import coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.validity import limits
 
 POINTS = 80  # forces of the table, closer at the first touch
@@ -82,7 +81,7 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
         meshed = plane_piece(pad, FINE.fineness)
-        solution = plane_level.level(meshed, FINE.order, force[-1] / 4)
+        solution = linear.level(meshed, FINE.order, force[-1] / 4)
         states = _pressed(solution.ridges, force / solution.scale)
         approach = np.array([state.approach for state in states]) * solution.unit
     with clock.stage("free ends"):
@@ -108,7 +107,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
         coarse, solve = plane_piece(pad, COARSE.fineness), Levels()
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_SHARES):
-            small = plane_level.level(coarse, COARSE_ORDER, force).approach
+            small = linear.level(coarse, COARSE_ORDER, force).approach
             try:
                 finite = solve(coarse, COARSE_ORDER, force).approach
             except InputError:

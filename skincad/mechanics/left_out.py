@@ -1,4 +1,22 @@
-"""Error bounds for effects that a tier neglects, with their calibration.
+"""Error bounds for effects that a model neglects.
+
+A pad modelled as endless along y carries nu times its stress in that direction. Free ends release it over
+about the base's thickness T from either end. So ridge i sinks by A_ij more per N on ridge j. A_ij scales with
+nu^2 / E times T over the length L, and decays with the distance of the ridges over T:
+
+    A_ij = reach nu^2 T / (E L^2) exp(-fall |x_i - x_j| / T).
+
+Bonded strips run along y and hold the ridges there, so that less than half is left. The four constants were
+read off mechanics/models/ends.py's solids of six random pads, three and five ridges, T 0.32 to 0.9 of the
+width, 1.2 to 3 times as long as wide: the middle ridge to 15 % with strips, to 25 % without.
+
+A ridge under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both
+grow by 1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere,
+Theory of Elastic Stability, 2nd ed., chap. 1 (beam-columns). Small strain knows none of it.
+
+Nothing here is fitted. The ridge is a column that bends and shears between two halves of elastic space, which
+its root and its tip turn in: the plate keeps a tip level only as far as silicone does. It is as squat and
+wide as P has pressed it. bench/table_swaying.py compares it with simulations at finite strain.
 
 Each is a bound on the relative change, computed from the design and the answer. Calibrated on the seven first
 templates and 21 variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150,
@@ -26,13 +44,96 @@ import math
 from dataclasses import dataclass
 from statistics import median
 
+import numpy as np
+
+from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.plate import steepest
-from skincad.mechanics.problem import Answer
-from skincad.mechanics.tiers.winkler_error import confinement
-from skincad.mechanics.validity import ridge_strain
+from skincad.mechanics.models.winkler import confinement, ridge_stiffness
+from skincad.mechanics.problem import Answer, steepest
+from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus, ridge_strain
 from skincad.shape.skin import skin_of
+
+BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
+
+
+def end_compliance(design: Design) -> Array:
+    """Return the extra sinking of ridge i, mm, per N on ridge j `(ridges, ridges)`."""
+    material, skin = silicone(design), design.skin
+    at = np.arange(skin_of(design).count) * skin_of(design).pitch
+    distance = np.abs(at[:, None] - at) / skin.thickness
+    reach, fall = BONDED_STRIPS if design.film_state == "bonded" else NO_BONDED_STRIPS
+    ends = (
+        reach * material.poisson_ratio**2 * skin.thickness / (material.young_modulus.value * skin.length**2)
+    )
+    return np.asarray(ends * np.exp(-fall * distance))
+
+
+def force_changes(design: Design, forces: Array) -> Array:
+    """Return the changes of normal forces `forces` `(n, ridges)` N by free ends; they sum to 0 at each step.
+
+    Each touching ridge is the Winkler tier's spring. It carries less by its stiffness times the extra sinking
+    beyond the mean of the touching ridges.
+    """
+    touching = forces > 0
+    sunk = forces @ end_compliance(design)
+    mean = (sunk * touching).sum(axis=1) / np.maximum(touching.sum(axis=1), 1)
+    return np.asarray(np.where(touching, ridge_stiffness(design) * (mean[:, None] - sunk), 0.0))
+
+
+BISECTIONS = 60  # of an angle below pi, to rounding
+LARGEST_SQUEEZE = 0.9  # of the height pressed away, where nothing is left to sway
+
+
+def sway_force(design: Design, normal: float) -> float:
+    """Return the force Pcr, N, at which a ridge, the highest of unlike ones, sways that `normal` N press.
+
+    An end of width b that turns by theta in a half-space has the moment pi E' L b^2 theta / 16, of the
+    pressure E' theta x / (2 sqrt(a^2 - x^2)), a = b / 2, which solves Johnson's integral equation (Contact
+    Mechanics, 1985, sec. 2.7). The column that sways between two such springs bears P_b = phi^2 E' I / h^2
+    in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
+    Res. Rep. 3 (1948) 401.
+    """
+    skin = skin_of(design)
+    modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
+    squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
+    height = max(skin.heights) * (1 - squeeze)
+    width, tip = (
+        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), skin.profile.tip_width)
+    )
+    bending = modulus * length * width**3 / 12
+    root, top = (
+        math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
+    )
+    straight = _sway_angle(root, top) ** 2 * bending / height**2
+    shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
+    return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
+
+
+def sway_amplification(design: Design, normal: float, most: float) -> float:
+    """Return the relative increase of a ridge's bending by P-delta under `normal` N: P / (Pcr - P), at most
+    `most`, the value for a ridge that buckles."""
+    critical = sway_force(design, normal)
+    if normal * (1 + most) >= most * critical:
+        return most
+    return normal / (critical - normal)
+
+
+def _sway_angle(root: float, top: float) -> float:
+    """Return phi, in which a column that may sway buckles at phi^2 E I / h^2; its ends turn in springs of
+    `root` and `top` times E I / h.
+
+    With G = 6 / spring, (G_a G_b phi^2 - 36) / (6 (G_a + G_b)) = phi cot phi: the alignment chart's equation,
+    Kavanagh, Trans. ASCE 127 II (1962) 81.
+    """
+    one, other = 6 / root, 6 / top
+    low, high = 0.0, math.pi
+    for _ in range(BISECTIONS):
+        phi = (low + high) / 2
+        missing = (one * other * phi**2 - 36) * math.sin(phi) - 6 * (one + other) * phi * math.cos(phi)
+        low, high = (phi, high) if missing < 0 else (low, phi)
+    return low
+
 
 FREE_ENDS, FINITE_STRAIN = "free ends", "finite strain"
 FRICTION, ALONG = "friction", "friction along y"

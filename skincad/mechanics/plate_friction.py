@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 from skincad.base.errors import ExhaustedError, InputError, needing
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import ALONG, FREE_ENDS, FRICTION, LeftOut
+from skincad.mechanics.models.table import TIERS
 from skincad.mechanics.problem import Answer, ContactError
-from skincad.mechanics.tiers.table import TIERS
 
 if TYPE_CHECKING:
-    from skincad.mechanics.tiers.friction import TwoPresses
+    from skincad.mechanics.models.friction import TwoPresses
 
 CLOSED_FORM = "winkler"
 
@@ -73,14 +73,14 @@ class PlateFriction:
         if self.solved is None:
             words = f"contact.friction is left out, within its bound: {self.failed}"
             return replace(answer, warnings=(*answer.warnings, words))
-        from skincad.mechanics.tiers.friction import with_friction
+        from skincad.mechanics.models.friction import with_friction
 
         changed = with_friction(answer, self.solved, self.force)
         return replace(changed, seconds={**answer.seconds, "friction": self.seconds})
 
     def _solve(self) -> None:
-        from skincad.mechanics.tiers.corrected import plain_pad
-        from skincad.mechanics.tiers.friction import solve
+        from skincad.mechanics.models.corrected import plain_pad
+        from skincad.mechanics.models.friction import solve
 
         began = perf_counter()
         try:

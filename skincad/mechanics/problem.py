@@ -1,9 +1,11 @@
-"""The input and output of a tier: the pad, the request and the answer. Needs no solver library."""
+"""The pad that a model solves, and the numbers that it answers with; free of any library."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
@@ -13,10 +15,36 @@ from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
-
-# gone
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, section
+
+
+def rise(plate: Plate, x: Array) -> Array:
+    """Return the height, mm, of the plate's surface at x `(n,)` mm over its lowest line (of a tilted plate:
+    over x = 0). Beyond a cylinder's side it is infinite."""
+    if plate.shape == "tilted":
+        return np.asarray(x * math.tan(math.radians(plate.tilt or 0.0)))
+    if plate.shape == "step":
+        return np.where(x > plate.position, plate.height or 0.0, 0.0)
+    if plate.shape == "cylinder":
+        radius = plate.radius or math.inf
+        offset = np.abs(x - plate.position) / radius
+        half = np.arcsin(np.minimum(offset, 1.0)) / 2
+        return np.where(offset < 1.0, 2 * radius * np.sin(half) ** 2, np.inf)
+    return np.zeros_like(x)
+
+
+def steepest(plate: Plate, half_width: float) -> float:
+    """Return the largest slope within half_width mm of x = 0; the model takes contact as vertical, which
+    is wrong by about half its square."""
+    if plate.shape == "tilted":
+        return abs(math.tan(math.radians(plate.tilt or 0.0)))
+    if plate.shape == "cylinder" and plate.radius:
+        return (half_width + abs(plate.position)) / plate.radius
+    return 0.0
+
+
+# gone
 
 FLAT = Plate()
 NEGLIGIBLE = 0.01  # of the applied force; a smaller all-touch force is negligible

@@ -10,8 +10,7 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.material import foreign_modulus, silicone
-from skincad.mechanics.plate import steepest
-from skincad.mechanics.problem import Answer
+from skincad.mechanics.problem import Answer, steepest
 from skincad.shape.skin import skin_of
 
 LARGEST_SLOPE = 0.35  # slope of the plate; vertical contact neglects half its square, 6 %

@@ -14,9 +14,9 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.formula import Calculation, Quantity
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
+from skincad.mechanics.models import winkler
+from skincad.mechanics.models.winkler import compliances
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import winkler
-from skincad.mechanics.tiers.winkler_error import compliances
 from skincad.mechanics.validity import limits, plane_modulus
 
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
-from skincad.mechanics.film.answer import FilmStresses
+from skincad.mechanics.film.stress import FilmStresses
 from skincad.outputs.delivery import picture
 
 if TYPE_CHECKING:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from skincad.fabrication.making import Job
-from skincad.mechanics.climb import spread_of
+from skincad.mechanics.check import spread_of
+from skincad.mechanics.manufacture import sensitivities
+from skincad.mechanics.models import winkler
+from skincad.mechanics.models.table import TIERS, prerequisites
 from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
-from skincad.mechanics.sensitivity import sensitivities
-from skincad.mechanics.tiers import winkler
-from skincad.mechanics.tiers.table import TIERS, prerequisites
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.checks import passing_share
 from skincad.pictures.canvas import svg

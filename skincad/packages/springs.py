@@ -22,9 +22,9 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
+from skincad.mechanics.check import check
+from skincad.mechanics.models.winkler import crest_gaps, stiffnesses
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
-from skincad.mechanics.tiers.winkler import crest_gaps, stiffnesses
-from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 
 SPANS = (0.5, 2.0)  # of the load, where the springs are held against another check
@@ -122,7 +122,7 @@ def plate_response(model: Springs, force: float) -> tuple[float, Array]:
 
 def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeModel | None:
     """The linear pad reduced to one force a ridge, or None where there is none."""
-    from skincad.mechanics.tiers import linear
+    from skincad.mechanics.models import linear
 
     if design.skin.curvature_radius_y is not None or design.ridge.count == 1:
         return None

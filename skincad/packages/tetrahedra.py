@@ -15,10 +15,8 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.layers import graded
-from skincad.mechanics.bodies.mesh import Sizes, unit_of
-from skincad.mechanics.bodies.meshed import height_of
-from skincad.mechanics.bodies.plain_mesh import PlainMesh, plain_mesh
+from skincad.mechanics.bodies.mesh import PlainMesh, Sizes, height_of, plain_mesh, unit_of
+from skincad.mechanics.bodies.prisms import graded
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.solids.body import RevolvedBody
 from skincad.solids.skin import along_skin

@@ -8,8 +8,8 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.estimate import Estimate
-from skincad.mechanics.film.answer import FilmStress
-from skincad.mechanics.film.ridge_field import RidgeField
+from skincad.mechanics.film.fields import RidgeField
+from skincad.mechanics.film.stress import FilmStress
 from skincad.pictures.canvas import (
     BLACK,
     BLUE,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from skincad.mechanics.sensitivity import Sensitivity
+from skincad.mechanics.manufacture import Sensitivity
 from skincad.pictures.canvas import (
     BLUE,
     GREY,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from skincad.mechanics.film.whole_state import DeformedSection
+from skincad.mechanics.film.fields import DeformedSection
 from skincad.pictures.canvas import (
     Axes,
     Normalize,

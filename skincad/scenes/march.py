@@ -17,7 +17,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.interrupt import safe_point
 from skincad.effects.kinds import MarchedPad, Reading, Step, Term
-from skincad.mechanics.contact.grip import ContactState, Drive, GrossSlip
+from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
 

@@ -8,7 +8,7 @@ from skincad.base.arrays import Array
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Step
 from skincad.effects.omitted import LeftOutEffect, PlatePath, SceneOutline
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact.state import Drive
 from skincad.scenes.march import March
 from skincad.scenes.scene import Scene
 

@@ -145,7 +145,7 @@ def _fewer(scene: Scene) -> Index:
 def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
     """Return the level's mesh, of those made already where it is among them."""
     from skincad.mechanics.bodies.mesh import default_sizes, triangles
-    from skincad.mechanics.film.rungs import RUNGS
+    from skincad.mechanics.film.stress import RUNGS
 
     if level.fineness not in meshes:
         fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact.state import Drive
 
 MOST_FRAMES = 60  # of an animation of less than 2 MB
 STEEPEST = 5.0  # deg; of a plate that turns, as of a tilted one (design.py)

@@ -19,7 +19,7 @@ from skincad.base.stopwatch import Tick
 from skincad.circuit.low_pass import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import Reader, RidgePath, Step
 from skincad.effects.omitted import LeftOutEffect
-from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.climb import RefinedRun, climb, differential
 from skincad.scenes.energy import energy

@@ -16,8 +16,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.circuit.low_pass import longest_step
-from skincad.mechanics.contact.friction_law import law_of
-from skincad.mechanics.contact.grip import FrictionCoefficients
+from skincad.mechanics.contact.state import FrictionCoefficients, law_of
 from skincad.scenes.march import March
 from skincad.scenes.refined import THIN, BySource, ComparisonRuns
 from skincad.scenes.signals import Slips, slips_of

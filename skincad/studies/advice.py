@@ -16,8 +16,7 @@ from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import silicones
-from skincad.mechanics.climb import exceeds_model, mesh_tolerance
-from skincad.mechanics.touching import check
+from skincad.mechanics.check import check, exceeds_model, mesh_tolerance
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.skin import skin_of
 from skincad.studies.question import first_able

@@ -16,8 +16,8 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import tier_of, unsupported_reason
-from skincad.mechanics.touching import check, require_force
+from skincad.mechanics.check import check, require_force
+from skincad.mechanics.models.table import tier_of, unsupported_reason
 from skincad.scenes.scene import Scene
 from skincad.studies.measures import measures
 from skincad.studies.subject import Subject, Value, changed, fingerprint

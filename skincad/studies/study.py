@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
-from skincad.mechanics.tiers.table import tier_of
+from skincad.mechanics.models.table import tier_of
 from skincad.studies.subject import Subject, load_subject
 
 KEY = "the result's key in --json, another result's after make. or check., or a varied key"

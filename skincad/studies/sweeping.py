@@ -15,7 +15,7 @@ from skincad.base.errors import InputError
 from skincad.base.result import Result
 from skincad.base.stopwatch import Tick
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import TIERS, expected_seconds, unsupported_reason
+from skincad.mechanics.models.table import TIERS, expected_seconds, unsupported_reason
 from skincad.studies.knobs import DesignVariable, Outcome, knobs
 from skincad.studies.log import Log
 from skincad.studies.measures import resolved, worded

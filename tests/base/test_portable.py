@@ -24,7 +24,7 @@ from skincad.fabrication.making import MakeResult, PartReport
 from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.material.fit import fit_material
-from skincad.mechanics.contact.grip import GrossSlip
+from skincad.mechanics.contact.state import GrossSlip
 from skincad.mechanics.film.stress import film_stress
 from skincad.mechanics.problem import LateError
 from skincad.scenes.levels import LEVELS

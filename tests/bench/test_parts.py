@@ -11,9 +11,9 @@ import pytest
 from bench import bench_calculix, bench_check, bench_growth, calculix
 from bench.measure import alone, factorise, free_block, slope, system
 from skincad.mechanics.bodies.mesh import default_sizes
+from skincad.mechanics.check import check
+from skincad.mechanics.models.table import TIERS
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.table import TIERS
-from skincad.mechanics.touching import check
 from tests.mechanics.designs import filleted, yamada
 
 PRINTED = """

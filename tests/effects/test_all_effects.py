@@ -19,7 +19,7 @@ from skincad.effects.moving import MovingPad, matter_of
 from skincad.effects.omitted import SceneOutline
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.grip import OPEN, RIGHT, STICK, Drive
+from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, Drive
 from skincad.mechanics.film.stick import PadPiece, piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.scenes.march import march

@@ -15,9 +15,9 @@ from skincad.effects.friction import Friction
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact import held
-from skincad.mechanics.contact.dragged import FrictionalState
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact import frozen_tangent
+from skincad.mechanics.contact.frictional_pad import FrictionalState
+from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import ContactError
@@ -128,7 +128,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
         tried.append(1)
         return "the surface folds"
 
-    monkeypatch.setattr(held, "fault", folded)
+    monkeypatch.setattr(frozen_tangent, "fault", folded)
     way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.02 * i) for i in range(6)]
     found = march(
         pad_of(FiniteStrain(steps="chosen")), np.arange(float(len(way))), way, [Friction(coefficient=1.0)]
@@ -141,7 +141,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
 
 def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
     faults = iter(["the surface folds", None, None, None])
-    monkeypatch.setattr(held, "fault", lambda *_: next(faults))
+    monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(faults))
     way = [Drive(0.1 * i, 0.0) for i in (0, 1, 2, 3, 4, 4, 3, 2, 1)]
     found = march(
         pad_of(FiniteStrain(steps="chosen"), False), np.arange(9.0), way, [Friction(coefficient=1.0)]
@@ -157,7 +157,7 @@ def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
     found = march(pad_of(FiniteStrain(steps="chosen")), np.arange(4.0), way, [Friction(coefficient=0.5)])
     drifts = [reading.drift for reading in found.readings if reading.drift]
     assert [drift.chosen for drift in drifts] == [True, False, False, False]
-    assert 0 < drifts[-1].forces[1].max() < held.STRIDE * way[-1].normal
+    assert 0 < drifts[-1].forces[1].max() < frozen_tangent.STRIDE * way[-1].normal
     assert drifts[-1].films.max() > 0
 
 

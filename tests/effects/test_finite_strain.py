@@ -13,7 +13,7 @@ from skincad.effects.finite_strain import FiniteStrain
 from skincad.effects.kinds import Step
 from skincad.inputs.catalog import template_text
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.grip import Drive
+from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.problem import ContactError
@@ -67,9 +67,9 @@ def test_without_readout_no_film_is_looked_at() -> None:
 
 
 def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    from skincad.mechanics.contact import creasing
+    from skincad.mechanics.contact import press_path
 
-    monkeypatch.setattr(creasing, "WRINKLES", 0.99)  # a light load's stretch
+    monkeypatch.setattr(press_path, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]
     found = march(model(False), np.arange(3.0), drives, [friction(1.0)])
     assert found.failed

@@ -13,7 +13,7 @@ from skincad.effects.friction import Friction
 from skincad.effects.kinds import MarchedPad, RidgePath, Term
 from skincad.effects.slip_order import flipped
 from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.scenes.march import march
 from skincad.scenes.scene import load_scene
 from tests.effects.test_all_effects import COMPANIONS, DT, PLATE, built, piece

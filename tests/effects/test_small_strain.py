@@ -9,7 +9,7 @@ import pytest
 
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import condensed
-from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.mechanics.film.sliding import ContactPad
 
 FLEXIBLE = 0.25  # mm/N

@@ -20,12 +20,11 @@ from skincad.fabrication.crest_limits import READINGS, READINGS_NEAR_EDGE, undec
 from skincad.fabrication.inspection import Inspection, inspection
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece, unit_of
 from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
 from skincad.mechanics.manufacture import all_touch
+from skincad.mechanics.models.linear import level
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.plane_level import level
 from skincad.outputs.checks import allowance
 from skincad.shape.crests import summits
 from skincad.shape.skin import skin_of

@@ -12,8 +12,8 @@ from skincad.base.stopwatch import Stopwatch
 from skincad.inputs.design import Design
 from skincad.ladders.scenes import scene_on
 from skincad.material.pad_curve import small_strain_curve
+from skincad.mechanics.check import check
 from skincad.mechanics.film.stress import film_stresses
-from skincad.mechanics.touching import check
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level

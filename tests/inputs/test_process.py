@@ -13,7 +13,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.process import PROCESSES, processes
 from skincad.inputs.shipped import table_text
-from skincad.mechanics.climb import spread_of
+from skincad.mechanics.check import spread_of
 from tests.conftest import run_skincad
 
 ROOT = Path(skincad.__file__).parents[1]

@@ -14,8 +14,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import silicones
-from skincad.mechanics.climb import spread_of
-from skincad.mechanics.touching import check
+from skincad.mechanics.check import check, spread_of
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 from tests.small_scene import THIRD, small_scene

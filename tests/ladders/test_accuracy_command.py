@@ -17,7 +17,7 @@ from skincad.base.outfolder import replaced
 from skincad.ladders import circuit
 from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
-from skincad.mechanics.tiers.measured import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
+from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
 from skincad.outputs.accuracies import lines
 from skincad.pictures.canvas import save
 from skincad.pictures.ladder_figures import SIZE, STYLES, diagram

@@ -16,10 +16,10 @@ from skincad.inputs.design import Design
 from skincad.ladders import circuit, contact, effects, slip, tessellation
 from skincad.ladders.circuit import HOLDS, PER_PERIOD
 from skincad.ladders.ladder import LADDERS, Ladder, Measurement, ladder_of
+from skincad.mechanics.models import solid
+from skincad.mechanics.models.solid import Layers
+from skincad.mechanics.models.table import TIERS, run
 from skincad.mechanics.problem import Request
-from skincad.mechanics.tiers import solid
-from skincad.mechanics.tiers.solid_level import Layers
-from skincad.mechanics.tiers.table import TIERS, run
 
 
 @pytest.fixture(scope="module")

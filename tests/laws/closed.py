@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from skincad.laws.rubber import Rubber
-from skincad.mechanics.bodies import neo_hooke
-from skincad.mechanics.bodies.law_energy import Functions, excess
-from skincad.mechanics.bodies.solid_excess import excess_at
+from skincad.mechanics.bodies import plane_body
+from skincad.mechanics.bodies.plane_body import Functions, excess
+from skincad.mechanics.bodies.solid_law import excess_at
 
 Array = np.ndarray
 ARRAYS = Functions(np.exp, np.log, np.sqrt, lambda c, a, b: np.where(np.real(c) > 0, a, b))
@@ -32,7 +32,7 @@ class Closed(NamedTuple):
 
 def plane_energy(law: Rubber, gradient: Array, pressure: float = 0.0, bulk: float = 1e3) -> complex:
     """The plane body's energy density at one point, MPa."""
-    whole = neo_hooke.strain_energy(gradient, pressure, law.shear, bulk, np.log)
+    whole = plane_body.strain_energy(gradient, pressure, law.shear, bulk, np.log)
     return complex(whole + law.shear * excess(law, gradient, ARRAYS))
 
 

@@ -12,15 +12,15 @@ import pytest
 from skincad.base.errors import InputError
 from skincad.laws import LAWS, law, law_of
 from skincad.laws.rubber import Rubber
-from skincad.mechanics.bodies import elements, neo_hooke
-from skincad.mechanics.bodies.law_energy import excess
+from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import Sizes, triangles
+from skincad.mechanics.bodies.plane_body import excess
 from skincad.mechanics.bodies.solid_body import SolidBody
-from skincad.mechanics.tiers.solid_finite_strain import body_of
-from skincad.mechanics.tiers.solid_level import Layers
+from skincad.mechanics.models.solid import Layers
+from skincad.mechanics.models.solid_finite_strain import body_of
 from tests.laws.closed import ARRAYS, STEP, plane_energy, plane_stress
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.tiers.test_solid_finite_strain import affine, meshed_of
+from tests.mechanics.models.test_solid_finite_strain import affine, meshed_of
 
 ALL = [
     pytest.param(
@@ -81,15 +81,15 @@ def test_small_strain_is_neo_hookes(rubber: Rubber) -> None:
     assert small <= max(1.3e-3 * large, 1e-14)
 
 
-def plane_body(rubber: Rubber | None) -> neo_hooke.NeoHookeBody:
+def plane_body_of(rubber: Rubber | None) -> plane_body.NeoHookeBody:
     mesh = elements.curved(triangles(block(2.0, 3.0, 0.49), Sizes(0.9, 0.9, 0.9, 0.3)), 2)
-    return neo_hooke.body(mesh, 2, {"skin": (1.0, 0.49)}, {"skin": rubber} if rubber else {})
+    return plane_body.body(mesh, 2, {"skin": (1.0, 0.49)}, {"skin": rubber} if rubber else {})
 
 
 @every_law
 def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
     """Residual and condensed tangent by central differences, at small and large strain: 1e-5, truncation."""
-    body, random = plane_body(rubber), np.random.default_rng(7)
+    body, random = plane_body_of(rubber), np.random.default_rng(7)
     for strain in (1e-3, 0.3):
         field = ng.GridFunction(body.space)
         field.components[0].Set(ng.CF((strain * ng.x * ng.y, -strain * ng.y**2)))
@@ -98,20 +98,20 @@ def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
         step = np.zeros_like(state)
         free = np.concatenate([body.rest.interior, body.rest.contact])
         step[free] = random.standard_normal(free.size)
-        whole = neo_hooke.tangent(body, state, np.zeros_like(state)).recover(step)
+        whole = plane_body.tangent(body, state, np.zeros_like(state)).recover(step)
         size = 1e-5 / np.abs(whole).max()
         slope = body.energy(state + size * whole) - body.energy(state - size * whole)
         assert body.residual(state) @ whole == pytest.approx(slope / (2 * size), rel=1e-5)
         after, before = (body.residual(state + s * size * whole) for s in (1, -1))
-        wanted = neo_hooke.tangent(body, state, np.zeros_like(state)).matrix @ step
+        wanted = plane_body.tangent(body, state, np.zeros_like(state)).matrix @ step
         assert np.abs((after - before)[free] / (2 * size) - wanted[free]).max() <= 1e-5 * np.abs(wanted).max()
 
 
 @every_law
 def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a uniform deformation: the density at a point times the area, without the clamped ends' own law."""
-    monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", -1.0)
-    body, gradient = plane_body(rubber), np.array([[0.4, -0.3], [0.6, 0.2]])
+    monkeypatch.setattr(plane_body, "CLAMPED_EDGE", -1.0)
+    body, gradient = plane_body_of(rubber), np.array([[0.4, -0.3], [0.6, 0.2]])
     field = ng.GridFunction(body.space)
     field.components[0].Set(ng.CF(tuple(row[0] * ng.x + row[1] * ng.y for row in gradient.tolist())))
     shear, bulk = 1 / 2.98, 1 / 0.06
@@ -122,7 +122,7 @@ def test_the_body_has_the_laws_energy(rubber: Rubber, monkeypatch: pytest.Monkey
 
 @every_law
 def test_the_body_at_rest_is_any_laws(rubber: Rubber) -> None:
-    one, other = plane_body(rubber).rest.matrix, plane_body(None).rest.matrix
+    one, other = plane_body_of(rubber).rest.matrix, plane_body_of(None).rest.matrix
     assert abs(one - other).max() <= 1e-12 * abs(other).max()  # rounding
 
 

@@ -8,7 +8,7 @@ import pytest
 from skincad.base.errors import InputError
 from skincad.laws.mooney_rivlin import MooneyRivlin
 from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies import law_energy
+from skincad.mechanics.bodies import plane_body
 from tests.laws.closed import Closed, holds, plane_stress
 
 TERMS = ((0.2, 2.5), (0.06, -1.7), (0.01, 7.0))
@@ -45,7 +45,7 @@ def test_the_series_meets_the_root(power: float, monkeypatch: pytest.MonkeyPatch
     law, gradient = Ogden(mu=[1.0], alpha=[power]), np.array([[0.06, 0.07], [0.02, -0.03]])
     errors = []
     for near in (0.0, 1.0):
-        monkeypatch.setattr(law_energy, "NEAR", near)
+        monkeypatch.setattr(plane_body, "NEAR", near)
         errors.append(plane_stress(law, gradient))
     assert errors[0] == pytest.approx(errors[1], abs=1e-10)
 

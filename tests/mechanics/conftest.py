@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import pytest
 
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.bodies import meshed
-from skincad.mechanics.film import rungs
-from skincad.mechanics.tiers import friction, linear
+from skincad.mechanics.bodies import mesh
+from skincad.mechanics.film import stress
+from skincad.mechanics.models import friction, linear
 from tests.shared_pads import triangles
 
 
@@ -25,6 +25,6 @@ def _one_blas_thread() -> Iterator[None]:
 def _same_triangles() -> Iterator[None]:
     """A pad that was meshed with these sizes is not meshed again: a quarter of the time here is netgen's."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (meshed, rungs, friction, linear):
+        for module in (mesh, stress, friction, linear):
             patch.setattr(module, "triangles", triangles)
         yield

@@ -7,9 +7,9 @@ from typing import Any
 
 from skincad import load
 from skincad.inputs.design import Design
+from skincad.mechanics.check import check
+from skincad.mechanics.models import linear
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import linear
-from skincad.mechanics.touching import check
 
 linear_check = partial(check, tier="linear")  # the verdict by one model, whatever it leaves out
 BARE = {"slot": None, "film": None, "contact": {"film": "ignored"}}

@@ -18,12 +18,11 @@ from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 
 from skincad.inputs.skin_tables import Plate
-from skincad.mechanics.bodies import elements, neo_hooke
-from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import meshed_piece
+from skincad.mechanics.bodies import elements, plane_body
+from skincad.mechanics.bodies.mesh import Sizes, meshed_piece, triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.models.linear import level
 from skincad.mechanics.problem import Pad
-from skincad.mechanics.tiers.plane_level import level
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section
 from tests.mechanics import closed_forms
@@ -68,7 +67,7 @@ def everywhere(space: object, mesh: object) -> Array:
 def patch(ratio: float, order: int) -> Array:
     """Energy of STRAIN in a block of area 1.5 on an irregular mesh, and the largest force inside."""
     mesh = elements.curved(triangles(block(2.0, 3.0, ratio), Sizes(0.9, 0.9, 0.9, 0.05)), order)
-    body = neo_hooke.body(mesh, order, {"skin": (1.0, ratio)})
+    body = plane_body.body(mesh, order, {"skin": (1.0, ratio)})
     system = elements.assemble(mesh, order, {"skin": (1.0, ratio)})
     vertical = np.flatnonzero(system.lift)
     moved = np.zeros(system.lift.size)
@@ -91,7 +90,7 @@ def uniform(ratio: float, gradient: Array) -> tuple[Array, Array, float]:
     """
     pad = block(2.0, 4.0, ratio)
     mesh = elements.curved(triangles(pad, Sizes(0.9, 0.9, 0.9, 0.3)), 2)
-    body = neo_hooke.body(mesh, 2, {"skin": (1.0, ratio)})
+    body = plane_body.body(mesh, 2, {"skin": (1.0, ratio)})
     state = ng.GridFunction(body.space)
     displacement, pressure = state.components
     displacement.Set(ng.CF(tuple(row[0] * ng.x + row[1] * ng.y for row in gradient.tolist())))
@@ -127,7 +126,7 @@ def sheared(ratio: float, shift: float) -> Array:
 
 def no_edge(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the small-strain law at the clamped ends, which is no part of the closed forms."""
-    monkeypatch.setattr(neo_hooke, "CLAMPED_EDGE", -1.0)
+    monkeypatch.setattr(plane_body, "CLAMPED_EDGE", -1.0)
 
 
 ROWS: dict[str, Row] = {
@@ -195,10 +194,10 @@ def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
     for _ in range(refined):
         mesh.Refine()
     mesh, unit = elements.curved(mesh, order), unit_of(pad)
-    body = neo_hooke.body(mesh, order, {"skin": (1.0, ratio)})
+    body = plane_body.body(mesh, order, {"skin": (1.0, ratio)})
     load = ng.LinearForm(body.space)
     load += -ng.InnerProduct(body.space.TestFunction()[0], ng.CF((ng.x, ng.y))) * ng.dx
-    at = neo_hooke.tangent(body, np.zeros(body.free.size), np.array(load.Assemble().vec.FV().NumPy()))
+    at = plane_body.tangent(body, np.zeros(body.free.size), np.array(load.Assemble().vec.FV().NumPy()))
     free = np.concatenate([body.rest.interior, body.rest.contact])
     step = np.zeros(body.free.size)
     step[free] = splu(at.matrix[free][:, free].tocsc()).solve(-at.residual[free])

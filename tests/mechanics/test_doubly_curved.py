@@ -13,16 +13,14 @@ from scipy import integrate
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import PadMesh, meshed_piece
+from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
 from skincad.mechanics.bodies.prisms import Solid
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.contact.threshold import all_touch_force
-from skincad.mechanics.contact.under_plate import seen_by_plate
+from skincad.mechanics.check import check
+from skincad.mechanics.contact.frictionless import all_touch_force, press, seen_by_plate
+from skincad.mechanics.models import solid as level
+from skincad.mechanics.models.table import AUTO
+from skincad.mechanics.models.winkler import crest_gaps, line_forces, ridge_stiffness
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers import solid_level as level
-from skincad.mechanics.tiers.table import AUTO
-from skincad.mechanics.tiers.winkler import crest_gaps, line_forces, ridge_stiffness
-from skincad.mechanics.touching import check
 from tests.mechanics.designs import reference, yamada
 
 VARIANTS = {

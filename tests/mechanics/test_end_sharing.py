@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.mechanics.end_sharing import end_compliance, force_changes
-from skincad.mechanics.tiers.ends import added_compliance
+from skincad.mechanics.left_out import end_compliance, force_changes
+from skincad.mechanics.models.corrected import added_compliance
 from tests.mechanics.designs import filleted, yamada
 
 

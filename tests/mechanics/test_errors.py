@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.linear import PlaneSolution, level
 from skincad.mechanics.problem import Answer, Request, pad_of
-from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.plane_level import PlaneSolution, level
 from tests.mechanics.designs import THREE, filleted, reference, void_slots, yamada
 
 DESIGNS = {

@@ -13,7 +13,7 @@ from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.mechanics.tiers.table import TIERS
+from skincad.mechanics.models.table import TIERS
 
 FEW = (1, 2, 3, 4)
 COARSE = 0.5  # relative: the coarsest mesh, as it is the path that is tested and not the number

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.bodies.meshed import meshed_piece
+from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece, triangles
+from skincad.mechanics.models.linear import PlaneSolution, level
+from skincad.mechanics.models.solid import coarse_sizes
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers.plane_level import PlaneSolution, level
-from skincad.mechanics.tiers.solid_level import coarse_sizes
 from skincad.shape.curves import Segment
 from skincad.shape.skin import Section
 from tests.mechanics import closed_forms

@@ -12,11 +12,11 @@ import skincad
 from skincad import load
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.check import check
 from skincad.mechanics.film.stress import film_stresses
+from skincad.mechanics.models import finite_strain, linear, table, winkler
 from skincad.mechanics.problem import Request, pad_of
-from skincad.mechanics.tiers import finite_strain, linear, prices, winkler, winkler_error
-from skincad.mechanics.touching import check
 from skincad.mechanics.validity import buckling_force, ridge_strain
 from skincad.shape.skin import skin_of
 from tests.mechanics.designs import BARE, THREE, plane, yamada
@@ -39,7 +39,7 @@ def test_half_of_a_levelled_skin_is_enough_and_all_of_an_unlike_one() -> None:
     assert plane_piece(pad_of(three((0.49, 0.5, 0.49))), 0.5).mirrored
     assert not plane_piece(pad_of(three(UNLIKE)), 0.5).mirrored
     assert not plane_piece(pad_of(three((0.5, 0.5, 0.5 + 1e-6))), 0.5).mirrored
-    assert prices.plane_unknowns(three(UNLIKE)) == 2 * prices.plane_unknowns(three())
+    assert table.plane_unknowns(three(UNLIKE)) == 2 * table.plane_unknowns(three())
 
 
 @pytest.mark.parametrize(
@@ -132,8 +132,8 @@ def test_crowns_highest_points_over_their_summits() -> None:
             for s in outline
             if s.kind == "crown"
         ]
-        assert winkler_error.crown_height_spread(design) == pytest.approx(max(over) - min(over), abs=1e-9)
-    assert winkler_error.crown_height_spread(yamada()) == 0.0
+        assert winkler.crown_height_spread(design) == pytest.approx(max(over) - min(over), abs=1e-9)
+    assert winkler.crown_height_spread(yamada()) == 0.0
 
 
 def test_the_highest_ridge_says_when_one_tips_over() -> None:

@@ -14,20 +14,18 @@ from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.ogden import Ogden
 from skincad.laws.rubber import Rubber
 from skincad.laws.yeoh import Yeoh
-from skincad.mechanics.bodies import elements, neo_hooke
-from skincad.mechanics.bodies.large_field import strip_stress
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import plane_piece
-from skincad.mechanics.contact.grip import Drive
-from skincad.mechanics.contact.newton import PressedPad
-from skincad.mechanics.contact.pressing import press_to
+from skincad.mechanics.bodies import elements, plane_body
+from skincad.mechanics.bodies.film_field import strip_stress
+from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
+from skincad.mechanics.contact.newton import PressedPad, press_to
+from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
+from skincad.mechanics.models import finite_strain
+from skincad.mechanics.models.linear import PlaneSolution
+from skincad.mechanics.models.solid import Layers, SolidSolution
+from skincad.mechanics.models.solid_finite_strain import solve
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers import finite_strain
-from skincad.mechanics.tiers.plane_level import PlaneSolution
-from skincad.mechanics.tiers.solid_finite_strain import solve
-from skincad.mechanics.tiers.solid_level import Layers, SolidSolution
 from skincad.scenes.march import march
 from tests.laws.closed import plane_stress
 from tests.mechanics.contact.test_dragged import affine, whole
@@ -76,7 +74,7 @@ def test_a_scene_without_friction_is_the_tiers_state() -> None:
     depth = march(large, np.arange(2.0), [Drive(0.0, 0.0), Drive(0.8, 0.0)], []).column("approach")[-1]
     approach = []
     for laws in (pad.laws, {"skin": law}, {}):
-        body = neo_hooke.body(elements.curved(mesh, 2), 2, pad.materials, laws)
+        body = plane_body.body(elements.curved(mesh, 2), 2, pad.materials, laws)
         state = press_to(PressedPad(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length))
         approach.append(state.approach * unit)
     assert depth == pytest.approx(approach[0], rel=1e-8)
@@ -94,7 +92,7 @@ def test_where_there_is_no_energy_there_is_no_residual(
     """A number would let Newton go on from a state that is none."""
     pad = pad_of(reference().with_(ridge={"count": 1}, skin={"width": 3.0}))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
-    body = neo_hooke.body(mesh, 2, pad.materials, {"skin": law} if law else {})
+    body = plane_body.body(mesh, 2, pad.materials, {"skin": law} if law else {})
     what = replace(whole(pad, 0.25), body=body)
     for share, finite in ((0.1, True), (1.0, False)):
         state = affine(what, share * np.diag(gradient), 0.0)

@@ -9,8 +9,8 @@ from skincad.base.estimate import Estimate
 from skincad.mechanics.left_out import ALONG, LeftOut, free_ends, friction_along, left_out, tip_constraint
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.left_out import friction as grip
+from skincad.mechanics.models import corrected, finite_strain, friction, linear
 from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import corrected, finite_strain, friction, linear
 
 CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "plain-ridges": ("plain-ridges", {}),

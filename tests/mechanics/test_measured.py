@@ -10,7 +10,7 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
-from skincad.mechanics.touching import check
+from skincad.mechanics.check import check
 from skincad.mechanics.verdict import ContactCheck
 from skincad.shape.skin import skin_of
 

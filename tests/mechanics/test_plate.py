@@ -10,11 +10,10 @@ import pytest
 from skincad import load
 from skincad.base.errors import InputError
 from skincad.inputs.skin_tables import Plate
-from skincad.mechanics.bodies.meshed import plane_piece
-from skincad.mechanics.plate import rise
-from skincad.mechanics.problem import Answer, Request
-from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.table import run
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.table import run
+from skincad.mechanics.problem import Answer, Request, rise
 from tests.mechanics.designs import linear_check, plane
 
 PLAIN = load("plain-ridges", ["ridge.count=5", "skin.width=7.0", "contact.force=2.2"])

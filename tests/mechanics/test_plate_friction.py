@@ -6,13 +6,13 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
+from skincad.mechanics.check import check
 from skincad.mechanics.left_out import friction, friction_along
+from skincad.mechanics.models import friction as pressing
+from skincad.mechanics.models.corrected import plain_pad
+from skincad.mechanics.models.friction import solve
 from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import ContactError, SizeError
-from skincad.mechanics.tiers import friction as pressing
-from skincad.mechanics.tiers.corrected import plain_pad
-from skincad.mechanics.tiers.friction import solve
-from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.checks import lines
 from tests.mechanics.designs import SHORT, linear_check, reference

@@ -10,16 +10,15 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
-from skincad.mechanics import climb as climbing
+from skincad.mechanics import check as climbing
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.bodies.meshed import plane_piece
-from skincad.mechanics.film import rungs, sliding
+from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles
+from skincad.mechanics.check import check
+from skincad.mechanics.film import sliding, stress
 from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
+from skincad.mechanics.models import finite_strain, linear, solid
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, Spread, one_ridge, pad_of
-from skincad.mechanics.tiers import finite_strain, linear, plane_level, solid, solid_level
-from skincad.mechanics.touching import check
 from skincad.scenes.simulation import simulate
 from tests.mechanics.designs import linear_check, plane, wide
 from tests.small_scene import THIRD, small_scene
@@ -40,7 +39,7 @@ def small() -> Design:
 def contact(design: Design, fineness: float, order: int) -> int:
     """Contact unknowns of the plane at this mesh and order."""
     pad = pad_of(design)
-    return plane_level.contact_unknowns(plane_piece(pad, fineness), order)
+    return linear.contact_unknowns(plane_piece(pad, fineness), order)
 
 
 def unsolved(*arguments: Any, **options: Any) -> Any:
@@ -51,7 +50,7 @@ def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pad = pad_of(small)
-    best = plane_level.level(plane_piece(pad, 1.0), 3, small.contact.force)
+    best = linear.level(plane_piece(pad, 1.0), 3, small.contact.force)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 1.0, 3))
     answer = plane(small, tol=1e-4)
     assert answer.unknowns == best.unknowns
@@ -77,7 +76,7 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 0.5, 3) - 1)
-    monkeypatch.setattr(plane_level, "_level", unsolved)
+    monkeypatch.setattr(linear, "_level", unsolved)
     with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
         linear_check(small)
     for options in ({}, {"tol": 0.01}, {"budget": 500.0}):
@@ -118,7 +117,7 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
         elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1) for p in (one_ridge(pad), pad)
     )
     assert whole >= linear.SINGLE_RIDGE_FACTOR * alone * len(pad.ridges)
-    assert plane_level.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.SINGLE_RIDGE_FACTOR * alone * len(
+    assert linear.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.SINGLE_RIDGE_FACTOR * alone * len(
         pad.ridges
     )
 
@@ -126,7 +125,7 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
 def test_a_better_tier_that_is_too_large_leaves_the_one_before(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solid_level, "MOST_CONTACT", 10)
+    monkeypatch.setattr(solid, "MOST_CONTACT", 10)
     verdict = check(small, tol=0.02)
     assert verdict.tier == "linear"
     assert verdict.all_touch_force == linear_check(small, tol=climbing.FINEST_TOLERANCE).all_touch_force
@@ -140,7 +139,7 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes: list[int] = []
-    check_size = solid_level.check_size
+    check_size = solid.check_size
 
     def seen(forms: Any, line: Any) -> None:
         sizes.append(3 * forms.held.size * line.at.size)
@@ -152,7 +151,7 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
         check(small, tier="solid")
     assert len(sizes) == 2
     # what the first level takes, and not all do
-    monkeypatch.setattr(solid_level, "MOST_UNKNOWNS", min(sizes))
+    monkeypatch.setattr(solid, "MOST_UNKNOWNS", min(sizes))
     with pytest.raises(SizeError, match="three dimensions take at most"):
         check(small, tier="solid")
 
@@ -162,20 +161,20 @@ def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> No
     design = load("yamada-2002", ["ridge.count=3", "skin.width=5.0"])
     whole = film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
     orders: list[int] = []
-    counted = rungs._contact_unknowns
+    counted = stress._contact_unknowns
 
     def seen(mesh: Any, order: int) -> int:
         orders.append(counted(mesh, order))
         return orders[-1]
 
-    monkeypatch.setattr(rungs, "_contact_unknowns", seen)
+    monkeypatch.setattr(stress, "_contact_unknowns", seen)
     film_stresses(design, 1.3, (0.0,), tol=0.5)
-    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", max(orders))
-    stress = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
-    assert stress.differential == whole.differential
-    assert any("a finer mesh takes more than" in w for w in stress.warnings)
-    monkeypatch.setattr(rungs, "MOST_CONTACT_UNKNOWNS", orders[0] - 1)
-    monkeypatch.setattr(rungs, "level", unsolved)
+    monkeypatch.setattr(stress, "MOST_CONTACT_UNKNOWNS", max(orders))
+    finest = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
+    assert finest.differential == whole.differential
+    assert any("a finer mesh takes more than" in w for w in finest.warnings)
+    monkeypatch.setattr(stress, "MOST_CONTACT_UNKNOWNS", orders[0] - 1)
+    monkeypatch.setattr(stress, "level", unsolved)
     with pytest.raises(SizeError, match="films' stresses take at most"):
         film_stresses(design, 1.3, (0.0,))
 

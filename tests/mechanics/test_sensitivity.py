@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 import skincad
-from skincad.mechanics.sensitivity import KEYS, MODULUS, sensitivities
+from skincad.mechanics.manufacture import KEYS, MODULUS, sensitivities
 
 
 def test_the_modulus_counts_in_proportion_and_the_pitch_as_its_square() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from skincad.mechanics.swaying import _sway_angle, sway_amplification, sway_force
+from skincad.mechanics.left_out import _sway_angle, sway_amplification, sway_force
 from skincad.mechanics.validity import buckling_force, mean_width
 from tests.mechanics.designs import yamada
 

@@ -17,16 +17,16 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
-from skincad.mechanics import climb as climbing
+from skincad.mechanics import check as climbing
 from skincad.mechanics import manufacture as manufacturing
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.check import check
 from skincad.mechanics.left_out import LeftOut
+from skincad.mechanics.models import linear, table
+from skincad.mechanics.models import table as tiers
+from skincad.mechanics.models.linear import level
+from skincad.mechanics.models.table import TIERS, expected_seconds, own_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
-from skincad.mechanics.tiers import linear, prices
-from skincad.mechanics.tiers import table as tiers
-from skincad.mechanics.tiers.plane_level import level
-from skincad.mechanics.tiers.table import TIERS, expected_seconds, own_seconds
-from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
@@ -478,7 +478,7 @@ def test_a_tier_is_priced_by_its_unknowns() -> None:
     )
     # what the law is asked at, against what is counted
     three = strips.with_(**THREE)
-    assert prices.plane_unknowns(three) == pytest.approx(plane(three).unknowns, rel=0.3)
+    assert table.plane_unknowns(three) == pytest.approx(plane(three).unknowns, rel=0.3)
 
 
 @pytest.mark.parametrize("hopeful", [True, False])

@@ -10,7 +10,7 @@ import pytest
 from skincad import load
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
-from skincad.mechanics.touching import check
+from skincad.mechanics.check import check
 from skincad.pictures.check_figures import ridge_force_figure
 
 

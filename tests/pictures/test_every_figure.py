@@ -21,7 +21,7 @@ import skincad
 from skincad.base.result import Result
 from skincad.fabrication.meshes import mesh
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
-from skincad.mechanics.sensitivity import sensitivities
+from skincad.mechanics.manufacture import sensitivities
 from skincad.pictures.canvas import Axes, Picture, own_style, sheet
 from skincad.pictures.circuit_figures import gain_figure
 from skincad.pictures.design_picture import design_figure

@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from skincad import load
-from skincad.mechanics.film import rungs
-from skincad.mechanics.film.answer import FilmStress
-from skincad.mechanics.film.stress import film_stresses
+from skincad.mechanics.film import stress
+from skincad.mechanics.film.stress import FilmStress, film_stresses
 from skincad.pictures import canvas, film_figures
 from skincad.pictures.film_figures import film_stress_figure
 
@@ -25,7 +24,7 @@ from skincad.pictures.film_figures import film_stress_figure
 def states() -> tuple[FilmStress, ...]:
     design = load("yamada-2002").with_(ridge={"count": 4}, skin={"width": 6.0})
     with pytest.MonkeyPatch.context() as patch:  # what is drawn need not be accurate
-        patch.setattr(rungs, "RUNGS", (rungs.FilmRung(0.3, 2, 1 / 10, 0.5),))
+        patch.setattr(stress, "RUNGS", (stress.FilmRung(0.3, 2, 1 / 10, 0.5),))
         return film_stresses(design, 2.0, (0.0, 0.5), show=(2, 3))
 
 

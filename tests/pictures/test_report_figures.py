@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skincad.base.estimate import Estimate
-from skincad.mechanics.sensitivity import Sensitivity
+from skincad.mechanics.manufacture import Sensitivity
 from skincad.pictures.report_figures import models_figure, sensitivity_figure
 
 

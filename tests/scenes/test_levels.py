@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.mesh import triangles
-from skincad.mechanics.film.rungs import RUNGS
+from skincad.mechanics.film.stress import RUNGS
 from skincad.scenes import climb, on_mesh
 from skincad.scenes.levels import EXPONENT, LEVELS, Level, expected
 from skincad.scenes.march import March
@@ -39,7 +39,7 @@ def test_sizes_are_those_of_the_papers_scene() -> None:
     piece = piece_for(load_scene("yamada-2002-press"), {})
     mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
     unknowns = [
-        strip_field.body(elements.curved(mesh, level.order), level.order, piece.pad.materials).system.unknowns
+        film_field.body(elements.curved(mesh, level.order), level.order, piece.pad.materials).system.unknowns
         for level in LEVELS[:2]
     ]
     assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size, rel=0.1)

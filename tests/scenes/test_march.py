@@ -15,7 +15,7 @@ from skincad.base.tables import quantity
 from skincad.effects.friction import Friction
 from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
 from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.grip import ContactState, Drive
+from skincad.mechanics.contact.state import ContactState, Drive
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march

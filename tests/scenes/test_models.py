@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact import held
+from skincad.mechanics.contact import frozen_tangent
 from skincad.outputs.simulations import lines
 from skincad.scenes import models
 from skincad.scenes.levels import LEVELS
@@ -171,7 +171,7 @@ def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
 def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And finite strain in each step is not tried: it would stop there."""
     seen = iter([None, None, None])
-    monkeypatch.setattr(held, "fault", lambda *_: next(seen, "the surface folds"))
+    monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(seen, "the surface folds"))
     found = simulate(scene_in(folder), tol=0.01)
     assert found.as_json()["tier"] == "corrected"
     assert any(

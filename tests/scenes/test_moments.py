@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skincad.mechanics.film.whole_state import DeformedSection
+from skincad.mechanics.film.fields import DeformedSection
 from skincad.pictures.section_figures import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
 from skincad.scenes.levels import LEVELS
 from skincad.scenes.moments import frames, kept_steps

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from skincad.effects.kinds import Reading
-from skincad.mechanics.contact.grip import FrictionCoefficients
-from skincad.mechanics.contact.held import Drift
+from skincad.mechanics.contact.frozen_tangent import Drift
+from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.outputs.simulations import lines
 from skincad.scenes import on_mesh
 from skincad.scenes.march import INTERRUPTED, March, march

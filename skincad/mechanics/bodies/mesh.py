@@ -1,4 +1,4 @@
-"""Triangles of a section: netgen on exact lines and arcs, in a unit of its own.
+"""The mesh of a pad's section, or of the half of it where it is mirror-symmetric.
 
 All lengths are divided by the pad's own unit first, so that a pad of twice the size gets the same mesh.
 """
@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import NgException
+from scipy import optimize, spatial
 
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.errors import InputError, exhausted
 from skincad.mechanics.problem import Pad
+from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section
 
 # gone
-from skincad.shape.curves import Loop, Point, Segment
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
@@ -188,3 +191,164 @@ def _name(segment: Segment, domains: tuple[int, int]) -> str:
     if segment.kind in ("back", "cut"):
         return segment.kind
     return f"contact{segment.feature}" if segment.touches and domains[0] == SKIN else "free"
+
+
+SAME = 1e-9  # of the outline's extent; mirrored points agree to that
+
+
+def half_of(pad: Pad) -> Pad | None:
+    """Return the part of the pad at x >= 0, or None where it is not its own mirror image.
+
+    A segment that crosses x = 0 is cut there, so a middle ridge is cut in half. A strip or void must lie on
+    one side. The plate must be flat.
+    """
+    extent = max(abs(s.start.x) for s in pad.section.outline)
+    loops = (pad.section.outline, *pad.strips, *pad.voids)
+    if pad.plate.shape != "flat" or not all(_mirrored(kind, SAME * extent) for kind in _groups(pad)):
+        return None
+    if any(_crosses(loop, SAME * extent) for loop in loops[1:]):
+        return None
+    outline = _cut(pad.section.outline, SAME * extent)
+    if outline is None:
+        return None
+
+    def right(inner: tuple[Loop, ...]) -> tuple[Loop, ...]:
+        return tuple(loop for loop in inner if loop[0].start.x > 0)
+
+    return replace(pad, section=Section(outline), strips=right(pad.strips), voids=right(pad.voids))
+
+
+def _groups(pad: Pad) -> list[list[Segment]]:
+    """Segments that must be mirrored among each other."""
+    return [
+        list(pad.section.outline),
+        [s for strip in pad.strips for s in strip],
+        [s for void in pad.voids for s in void],
+    ]
+
+
+def _mirrored(segments: list[Segment], tolerance: float) -> bool:
+    """Whether every segment's mirror image is there; mirroring and running backwards keeps the bulge."""
+    if not segments:
+        return True
+    here = np.array([[*s.start, *s.end] for s in segments])
+    image = np.array([[-s.end.x, s.end.z, -s.start.x, s.start.z] for s in segments])
+    distance, partner = spatial.cKDTree(image).query(here, p=np.inf)
+    return bool(distance.max() <= tolerance) and all(
+        math.isclose(s.bulge, segments[j].bulge, rel_tol=1e-6, abs_tol=1e-9) and s.kind == segments[j].kind
+        for s, j in zip(segments, partner, strict=True)
+    )
+
+
+def _crosses(loop: Loop, tolerance: float) -> bool:
+    at = [s.start.x for s in loop]
+    return min(at) < tolerance and max(at) > -tolerance
+
+
+def _cut(outline: Loop, tolerance: float) -> Loop | None:
+    """The outline's part at x >= 0 in one piece, closed along x = 0; None where it is in several."""
+    pieces: list[Segment] = []
+    for s in outline:
+        if s.start.x >= -tolerance and s.end.x >= -tolerance:
+            pieces.append(s)
+        elif s.start.x > tolerance or s.end.x > tolerance:
+            pieces.append(_right_part(s))
+    starts = [i for i, s in enumerate(pieces) if abs(s.start.x) <= tolerance]
+    if len(starts) != 1:
+        return None
+    chain = [*pieces[starts[0] :], *pieces[: starts[0]]]
+    first, last = chain[0].start, chain[-1].end
+    chain[0] = replace(chain[0], start=Point(0.0, first.z))
+    chain[-1] = replace(chain[-1], end=Point(0.0, last.z))
+    return (*chain, Segment(Point(0.0, last.z), Point(0.0, first.z), kind="cut"))
+
+
+def _right_part(segment: Segment) -> Segment:
+    """A segment that crosses x = 0 once, without its part at x < 0."""
+    at = float(optimize.brentq(lambda t: segment.point(t).x, 0.0, 1.0, xtol=1e-15))
+    here = Point(0.0, segment.point(at).z)
+    if segment.start.x > 0:
+        return replace(segment, end=here, bulge=math.tan(segment.sweep * at / 4))
+    return replace(segment, start=here, bulge=math.tan(segment.sweep * (1 - at) / 4))
+
+
+@dataclass(frozen=True)
+class PadMesh:
+    """The piece of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm.
+
+    `unit` is the piece's, mm: another one than the pad's where a middle ridge is cut, which no number in mm
+    or N depends on.
+    """
+
+    whole: Pad
+    piece: Pad
+    mirrored: bool
+    unit: float
+    height: float
+    mesh: Any
+
+    @property
+    def sides(self) -> int:
+        """How many times the piece makes up the pad."""
+        return 2 if self.mirrored else 1
+
+    def on_whole(self, shares: Array) -> Array:
+        """Return each ridge's force `(ridges,)` from those of the piece's ridges, in N on the whole pad; of a
+        mirrored half, the sides share what its ridges carry."""
+        return on_whole(self.whole, self.piece, shares) if self.mirrored else shares
+
+
+def on_whole(pad: Pad, half: Pad, shares: Array) -> Array:
+    """Return the force on each ridge of a pad from what those of its half carry on both sides together."""
+    numbers = pad.ridges
+    values = np.zeros(len(numbers))
+    for ridge, share in zip(half.ridges, shares, strict=True):
+        values[numbers.index(ridge)] += share / 2
+    return values + values[::-1]
+
+
+def height_of(pad: Pad) -> float:
+    """Return the height of the pad's corners over its lowest, mm."""
+    heights = [s.start.z for s in pad.section.outline]
+    return max(heights) - min(heights)
+
+
+def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadMesh:
+    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
+    half = None if whole else half_of(pad)
+    piece = pad if half is None else half
+    return PadMesh(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
+
+
+def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadMesh:
+    """Return `meshed_piece` in the default sizes of the plane; twice the fineness halves them all."""
+    return meshed_piece(pad, replace(default_sizes(pad, fineness), smooth=True), whole=whole)
+
+
+@dataclass(frozen=True, eq=False)
+class PlainMesh:
+    """Straight triangles of a section: `points` `(p, 2)` mm, `corners` `(t, 3)` of them, counterclockwise,
+    `film` `(t,)` those of the film, and by boundary its `edges` `(e, 2)`."""
+
+    points: Array
+    corners: Index
+    film: Mask
+    edges: dict[str, Index]
+
+
+def plain_mesh(pad: Pad, sizes: Sizes) -> PlainMesh:
+    """Return the triangles of a pad's section in these sizes; boundaries are named as in `triangles`."""
+    mesh = triangles(pad, sizes)
+    points = np.array([[p[0], p[1]] for p in mesh.Points()]) * unit_of(pad)
+    elements = list(mesh.Elements2D())
+    corners = np.array([[v.nr - 1 for v in element.vertices[:3]] for element in elements], dtype=np.int64)
+    film = np.array([element.index == FILM for element in elements])
+    edges: dict[str, list[list[int]]] = {}
+    for edge in mesh.Elements1D():
+        ends = [v.nr - 1 for v in edge.vertices[:2]]
+        edges.setdefault(mesh.GetBCName(edge.index - 1), []).append(ends)
+    a, b, c = (points[corners[:, i]] for i in range(3))
+    (ux, uz), (vx, vz) = (b - a).T, (c - a).T
+    turned = ux * vz - uz * vx < 0
+    corners[turned] = corners[turned][:, ::-1]
+    return PlainMesh(points, corners, film, {name: np.array(ends) for name, ends in edges.items()})

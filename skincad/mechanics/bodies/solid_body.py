@@ -14,13 +14,11 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
-from skincad.mechanics.bodies import layers, solid_law
-from skincad.mechanics.bodies.dissect import Front, FrontFactors, Unknowns, factored
-from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
-from skincad.mechanics.bodies.folding import fault, x_of_largest_displacement
-from skincad.mechanics.bodies.law_energy import NO_LAWS
+from skincad.mechanics.bodies import prisms, solid_law
+from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
+from skincad.mechanics.bodies.elements import ContactStiffness, Outline, SectionPoints, outlines
+from skincad.mechanics.bodies.plane_body import NO_LAWS, fault, x_of_largest_displacement
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
-from skincad.mechanics.bodies.section_points import SectionPoints
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
 
 
@@ -30,7 +28,7 @@ class SolidBody:
 
     A state `(n,)` lists displacements (component x, z, y; section function; function along y), then pressures
     (element; function); `free` `(n,)` marks those not held. `of_element` `(e, 3 b)` numbers an element's
-    displacements, `of_triangle` `(t, layers)` the elements above a triangle. For dissect.py are `even` and,
+    displacements, `of_triangle` `(t, prisms)` the elements above a triangle. For dissect.py are `even` and,
     of a half, `odd`: for movements that are their own image, and that the mirror turns round. `along`
     `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows are the solid's, all else
     the section's.
@@ -163,9 +161,9 @@ def solid_body(
 
     `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
     """
-    line, count, height = layers.line(borders, order), forms.held.size, len(borders) - 1
+    line, count, height = prisms.line(borders, order), forms.held.size, len(borders) - 1
     along = line.at.size
-    elements = _extruded(forms.points, np.diff(borders), layers.inside(order), _numbered(forms, laws, height))
+    elements = _extruded(forms.points, np.diff(borders), prisms.inside(order), _numbered(forms, laws, height))
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -204,10 +202,10 @@ def _numbered(
 def _extruded(
     section: SectionPoints,
     thickness: Array,
-    layer: layers.Inside,
+    layer: prisms.Inside,
     laws: tuple[tuple[Rubber, Index], ...],
 ) -> Elements:
-    """Products of the section's functions and points with those of layers of `thickness` `(layers,)`."""
+    """Products of the section's functions and points with those of layers of `thickness` `(prisms,)`."""
     triangles, points = section.weight.shape
     shape = (triangles, thickness.size, points, layer.weight.size)
     total = triangles * thickness.size

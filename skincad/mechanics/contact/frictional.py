@@ -1,4 +1,4 @@
-"""Contact with friction on a rigid plate, one step of a march, solved exactly.
+"""Contact with friction on a condensed pad: a plate's step by sets of open, sticking and slipping points.
 
 Unknown are the points' normal forces p >= 0 and tangential forces t, the plate's approach d and travel s.
 With the compliance C, gaps g, and anchors a (where a point sits on the plate): w = g - d - u_z >= 0, w p = 0,
@@ -11,16 +11,16 @@ Newton, Alart and Curnier, CMAME 92 (1991) 353.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.interrupt import safe_point
-from skincad.mechanics.contact.friction_law import law_of
-from skincad.mechanics.contact.grip import (
+from skincad.mechanics.contact.state import (
     LEFT,
     OPEN,
     RIGHT,
@@ -32,8 +32,73 @@ from skincad.mechanics.contact.grip import (
     GrossSlip,
     Inert,
     Status,
+    law_of,
 )
 from skincad.mechanics.problem import ContactError
+
+State = TypeVar("State")
+# From a state, and the drive that led to it, to another drive; what share of the whole step that is
+Advance = Callable[[State, Drive, Drive, float], State]
+
+
+def in_halves(
+    advance: Advance[State],
+    before: State,
+    start: Drive,
+    end: Drive,
+    joined: Callable[[State, State], State],
+    deepest: int,
+    share: float = 1.0,
+) -> State:
+    """Return what `advance` says of a step, or of this `share` of one; where it does not converge, of both
+    halves `joined`, cut `deepest` times at most. Raises as `advance` does."""
+    try:
+        return advance(before, start, end, share)
+    except GrossSlip:
+        raise
+    except ContactError:
+        if deepest == 0:
+            raise
+    middle = between(start, end)
+    first = in_halves(advance, before, start, middle, joined, deepest - 1, share / 2)
+    try:
+        return joined(first, in_halves(advance, first, middle, end, joined, deepest - 1, share / 2))
+    except GrossSlip as limit:
+        limit.last = joined(first, limit.last)
+        raise
+
+
+def halved(
+    skin: Callable[[Drive], Compliance],
+    before: ContactState,
+    start: Drive,
+    end: Drive,
+    cone: FrictionCoefficients,
+    deepest: int = 4,
+) -> ContactState:
+    """Return `grip` at `end`, in halves where need be; what the parts slipped is added up."""
+
+    def advance(before: ContactState, _start: Drive, end: Drive, _share: float) -> ContactState:
+        return grip(skin(end), before, end, cone)
+
+    return in_halves(advance, before, start, end, joined, deepest)
+
+
+def joined(first: ContactState, second: ContactState) -> ContactState:
+    """Return the state at the end of two steps as that of one."""
+    slipped, residual = first.slipped + second.slipped, max(first.residual, second.residual)
+    return replace(second, slipped=slipped, residual=residual)
+
+
+def between(a: Drive, b: Drive) -> Drive:
+    """Return what the plate does halfway."""
+
+    def mean(one: float | None, other: float | None) -> float | None:
+        return None if one is None or other is None else (one + other) / 2
+
+    pull, travel = mean(a.tangential, b.tangential), mean(a.travel, b.travel)
+    return Drive((a.normal + b.normal) / 2, pull, travel, (a.angle + b.angle) / 2)
+
 
 SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
 SINGLE = 80  # with the worst point alone updated

@@ -1,4 +1,4 @@
-"""Unilateral, frictionless contact with a rigid flat plate under a given force, solved exactly.
+"""Contact without friction on a condensed pad: a state at a force, and the force at which all touch.
 
 Unknown are the nodal forces f >= 0 and the approach d with, for a flexibility C and initial gaps g,
 w = g - d + C f >= 0, f w = 0 and sum f = F: the optimality of a strictly convex quadratic program,
@@ -6,19 +6,29 @@ so the solution is unique. C is a dense array or, of a long pad, a chain of slab
 
 A body that is stable only while its plate holds it has a flexibility that is not definite. The conditions are
 then those of a saddle point, and the solution is the one that sweeps from a set nearby lead to.
+
+Any load on a pad that is its own mirror image is the sum of one that is its own image and one that the mirror
+turns round, and the half bears each on its own: even ones with x held on its cut, odd ones with z held there.
+
+A ridge is taken out of contact and the minimum of its finely sampled gap is put at zero by root
+finding on the force. Counting touching nodes instead would jump with the mesh.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import linalg, sparse
+from scipy import linalg, optimize, sparse
+from scipy.sparse.linalg import splu
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.interrupt import safe_point
-from skincad.mechanics.bodies.chain import SlabChain
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.bodies import elements
+from skincad.mechanics.bodies.chain import SlabChain, chained
+from skincad.mechanics.bodies.elements import ContactStiffness
+from skincad.mechanics.problem import ContactError, Pad, rise
 
 SWEEPS = 60  # primal-dual sweeps; five to ten is usual, beyond this it cycles
 ROUNDING = 1e-12  # relative; what counts as zero when the active set is updated
@@ -192,3 +202,248 @@ def _accepted(
             "take a smaller poisson_ratio or a coarser mesh"
         )
     return NodalContact(nodal, approach, open_gap, active, residual)
+
+
+@dataclass(frozen=True)
+class BothSides:
+    """The flexibility of a whole pad's contact points: `m` at x >= 0 first, then the images of those `off`
+    `(k,)` the cut. As a matrix, `sides @ force` and the blocks of a ridge's points.
+
+    `even` and `odd` are that of the half's points under loads of either parity; of `odd` those on the cut,
+    which do not move, have none.
+    """
+
+    even: Flexibility
+    odd: Flexibility
+    off: Index
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """As a matrix's."""
+        size = self.even.shape[0] + self.off.size
+        return size, size
+
+    def __matmul__(self, force: Array) -> Array:
+        """Return the movement under forces, both `(m + k,)` or `(m + k, l)`."""
+        m = self.even.shape[0]
+        here, image = force[:m], np.zeros_like(force[:m])
+        image[self.off] = force[m:]
+        even, odd = self.even @ ((here + image) / 2), self.odd @ ((here - image) / 2)
+        return np.concatenate([even + odd, (even - odd)[self.off]])
+
+    def __getitem__(self, where: tuple[Index, ...]) -> Array:
+        """Return the block at `np.ix_(points, points)`, points of one ridge."""
+        points, m = where[0].ravel(), self.even.shape[0]
+        number = np.concatenate([np.arange(m), self.off])[points]
+        side = np.where(points < m, 1.0, -1.0)
+        here, local = np.unique(number, return_inverse=True)
+        at, there = np.ix_(local, local), np.flatnonzero(np.isin(here, self.off))
+        even, odd = self.even[np.ix_(here, here)], np.zeros((here.size, here.size))
+        odd[np.ix_(there, there)] = self.odd[np.ix_(here[there], here[there])]
+        return np.asarray((even[at] + np.outer(side, side) * odd[at]) / 2)
+
+
+@dataclass(frozen=True)
+class MirroredRidges:
+    """A whole pad's contact points `(m + k,)` seen from its half: their flexibility, gaps and ridges."""
+
+    flexibility: BothSides
+    gap: Array
+    of_point: Index
+
+
+def on_both_sides(even: Ridges, half: ContactStiffness, ridges: tuple[int, ...]) -> MirroredRidges:
+    """Return the contact of a whole pad with these `ridges`, those of its half under even loads at hand.
+
+    `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Costs one
+    condensation of the half.
+    """
+    interior, contact = elements.odd(half)
+    odd = chained(replace(half, interior=interior, contact=contact)).flexibility
+    moving = half.nodes.rows[:, np.flatnonzero(np.isin(half.contact, contact))]
+    moving.data[np.abs(moving.data) < ROUNDING] = 0.0
+    moving.eliminate_zeros()
+    off = np.flatnonzero(moving.getnnz(axis=1))  # a point on the cut is its own image
+    image = dict(zip(ridges, reversed(ridges), strict=True))
+    return MirroredRidges(
+        BothSides(even.flexibility, odd.seen(moving), off),
+        np.concatenate([even.gap, even.gap[off]]),
+        np.concatenate([even.of_point, [image[r] for r in even.of_point[off].tolist()]]),
+    )
+
+
+LARGEST_FORCE = 1e4  # in units of E times the unit length; far beyond any small strain
+ROOT = 1e-12  # relative, of the force
+
+
+@dataclass(frozen=True)
+class Ridges:
+    """The condensed pad seen by the plate, in the pad's units.
+
+    `flexibility` `(m, m)` and `gap` `(m,)` belong to the contact points, `of_point` `(m,)` gives their
+    ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling. The
+    contact unknowns `(m,)` move the points by `rows` `(m, m)`, the fine sampling by `fine_rows` `(p, m)`.
+    `definite` says whether the pad is stable without its plate.
+    """
+
+    flexibility: Flexibility
+    gap: Array
+    of_point: Index
+    rows: sparse.csr_matrix
+    fine_rows: sparse.csr_matrix
+    fine_gap: Array
+    fine_edge: Index
+    fine_of_point: Index
+    definite: bool = True
+
+    @classmethod
+    def of(
+        cls,
+        system: ContactStiffness,
+        flexibility: Flexibility,
+        top: float,
+        rise: Callable[[Array], Array] = np.zeros_like,
+    ) -> Ridges:
+        """Return the contact points' view of a condensed system whose highest point is at z = `top`.
+
+        `flexibility` is the contact unknowns'. `rise` is the plate's height over its lowest line at x; the
+        gaps count from the first touch.
+        """
+        nodes, fine = system.nodes, system.fine
+        fine_gap = top - fine.position[:, 1] + rise(fine.position[:, 0])
+        first = 0.0 if rise is np.zeros_like else float(fine_gap.min())
+        return cls(
+            seen_by(nodes.rows, flexibility),
+            top - nodes.position[:, 1] + rise(nodes.position[:, 0]) - first,
+            nodes.ridge,
+            nodes.rows,
+            fine.rows,
+            fine_gap - first,
+            fine.edge,
+            fine.ridge,
+        )
+
+    def lowered(self, drops: Array) -> Ridges:
+        """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`, higher where negative.
+
+        The gaps count from the first touch as before, so the same drop of all crests changes nothing.
+        """
+        by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
+        at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
+        fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
+        later = float((self.fine_gap + fine).min() - self.fine_gap.min())
+        return replace(self, gap=self.gap + at_points - later, fine_gap=self.fine_gap + fine - later)
+
+    @property
+    def numbers(self) -> Index:
+        """The ridges' numbers, ascending."""
+        return np.unique(self.of_point)
+
+
+def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) -> float | None:
+    """Return the smallest force that makes every ridge touch, or None if none does; 0 for one ridge.
+
+    The last ridge is found by asking, at a candidate's own force, which others do not touch yet. The force
+    `guess` and the points `active` `(m,)` that may touch at it are where the search begins.
+    """
+    numbers = ridges.numbers
+    if numbers.size == 1:
+        return 0.0
+    first_gap = {int(r): float(ridges.fine_gap[ridges.fine_of_point == r].min()) for r in numbers}
+    candidate = max(first_gap, key=lambda r: first_gap[r])
+    largest = 0.0
+    waiting = set(first_gap)
+    touching = np.zeros(ridges.gap.size, dtype=bool) if active is None else active.copy()
+    while True:
+        waiting.remove(candidate)
+        outsider = _Outsider(ridges, candidate, touching)
+        # a mirror ridge touches a rounding error later: look close above the last one's force
+        force = outsider.touch_force(largest, guess if largest == 0.0 else 1e-3 * largest)
+        if force is None:
+            return None
+        largest = max(largest, force)
+        late = waiting.intersection(outsider.not_touching(largest))
+        touching[outsider.others] = outsider.start[outsider.others]
+        if not late:
+            return largest
+        candidate = max(late, key=lambda r: first_gap[r])
+
+
+class _Outsider:
+    """One ridge out of contact while the others are pressed, first from the points `touching` `(m,)`."""
+
+    def __init__(self, ridges: Ridges, ridge: int, touching: Mask) -> None:
+        self.ridges, self.ridge = ridges, ridge
+        self.others = ridges.of_point != ridge
+        self.points = np.flatnonzero(ridges.fine_of_point == ridge)
+        self.rows = ridges.fine_rows[self.points]
+        self.unknowns = splu(ridges.rows.tocsc())
+        self.start = touching
+        self.solved: SolutionPoint = {}
+        self.at_rest = self._least(ridges.fine_gap[self.points])
+
+    def press(self, force: float) -> NodalContact:
+        flexibility, gap, definite = self.ridges.flexibility, self.ridges.gap, self.ridges.definite
+        state = press(flexibility, gap, force, self.start, self.solved, definite=definite, may=self.others)
+        self.start = state.active
+        return state
+
+    def least_gap(self, force: float) -> float:
+        """Smallest gap of the ridge while the others carry `force`."""
+        if force <= 0:
+            return self.at_rest
+        closed = self.unknowns.solve(self.press(force).gap - self.ridges.gap)
+        return self._least(self.ridges.fine_gap[self.points] + self.rows @ closed)
+
+    def _least(self, gaps: Array) -> float:
+        """Minimum of the sampled gaps, refined by a parabola through three samples of its edge.
+
+        The samples' own minimum would have a kink wherever it moves on to the next sample.
+        """
+        i = int(np.argmin(gaps))
+        edge = self.ridges.fine_edge[self.points]
+        if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
+            return float(gaps[i])
+        before, here, after = gaps[i - 1 : i + 2]
+        bend = before - 2 * here + after
+        return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
+
+    def touch_force(self, low: float, step: float) -> float | None:
+        """Force at which the ridge begins to touch, at least `low`; None if it never does."""
+        if self.least_gap(low) <= 0:
+            return low
+        high = low + step
+        while self.least_gap(high) > 0:
+            low, high = high, high + 2 * (high - low)
+            if high > LARGEST_FORCE:
+                return None
+        root = optimize.brentq(self.least_gap, low, high, xtol=ROOT * high, rtol=ROOT)
+        return float(root)
+
+    def not_touching(self, force: float) -> list[int]:
+        """Other ridges that carry nothing at this force."""
+        numbers = [int(r) for r in self.ridges.numbers if r != self.ridge]
+        if force <= 0:
+            return []
+        nodal = self.press(force).force
+        carried = np.bincount(self.ridges.of_point, nodal, minlength=max(numbers) + 1)
+        return [r for r in numbers if not carried[r] > 0]
+
+
+def seen_by_plate(pad: Pad, system: ContactStiffness, flexibility: Flexibility, unit: float) -> Ridges:
+    """Return the contact points as the pad's plate sees them; `unit` is the pad's, mm."""
+    if pad.plate.shape == "flat":
+        return Ridges.of(system, flexibility, pad.top / unit)
+    return Ridges.of(system, flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
+
+
+def height_above(
+    pad: Pad, ridges: Ridges, system: ContactStiffness, approach: float, unit: float
+) -> Callable[[Array], Array]:
+    """Return the plate's height over x, in units, at an approach; gaps count from the first touch.
+
+    Of a measured part, whose crests are moved and whose mesh is not, as over the ridge that it is closest to.
+    """
+    x, z = system.nodes.position.T
+    first = float((z + ridges.gap - rise(pad.plate, x * unit) / unit).min())
+    return lambda at: np.asarray(first - approach + rise(pad.plate, at * unit) / unit)

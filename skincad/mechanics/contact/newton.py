@@ -1,4 +1,11 @@
-"""Newton on a neo-Hookean pad under a flat plate, contact solved exactly in each step.
+"""Newton's method for a pressed body at finite strain, loaded step by step, and the state's stability.
+
+Plane bodies are in bodies/neo_hooke.py, solid ones in bodies/solid_body.py.
+
+A body that would buckle if its contact were free may well stand under its plate. What counts is the tangent
+for all movements in which touching points stay on the plate, which rests on them with a dead load. Of a
+mirrored half there are two kinds: those that are their own image, and those that the mirror turns round.
+Under these the plate, which does not turn, stays where it is.
 
 The body is plane (neo_hooke.py) or solid (solid_body.py); what is asked of it is `Elastic`. Stable is what
 stands while the plate holds it (stability.py).
@@ -11,17 +18,151 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
+from scipy import linalg, sparse
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.interrupt import safe_point
-from skincad.mechanics.contact.elastic import Elastic, LinearisedBody
-from skincad.mechanics.contact.frictionless import NodalContact, press
-from skincad.mechanics.contact.stability import stable
-from skincad.mechanics.contact.threshold import Ridges
+from skincad.mechanics.bodies.elements import ContactStiffness
+from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
 from skincad.mechanics.problem import ContactError
+
+
+class LinearisedBody(Protocol):
+    """A body linearised at a state, seen by its contact unknowns: their `flexibility` `(k, k)`."""
+
+    @property
+    def flexibility(self) -> Array: ...  # noqa: D102
+
+    @property
+    def negative_eigenvalues(self) -> tuple[int, int]:
+        """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+
+    def odd(self) -> LinearisedBody | None:
+        """Return the half of a mirrored body linearised for what the mirror turns round, on whose cut nothing
+        moves up; None of a whole body. ContactError where that is singular."""
+
+
+class Elastic(Protocol):
+    """An elastic body; a state is the vector of all its unknowns `(n,)`, of which `free` are not held.
+
+    Of `rest` the contact unknowns and the sampled contact boundary are used.
+    """
+
+    @property
+    def rest(self) -> ContactStiffness: ...  # noqa: D102
+
+    @property
+    def free(self) -> Mask: ...  # noqa: D102
+
+    def residual(self, state: Array) -> Array:
+        """Return the energy's derivative `(n,)` by all unknowns, held ones included."""
+
+    def energy(self, state: Array) -> float:
+        """Return the energy; infinite where a point of the elements is turned inside out."""
+
+    def linearised(self, state: Array, residual: Array) -> LinearisedBody:
+        """Return the body at a state whose `residual` is at hand; ContactError where it is singular, or
+        not stable though its contact unknowns were held."""
+
+    def x_of_largest_displacement(self, step: Array) -> float:
+        """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+
+
+ITERATIONS = 6  # of the inverse iteration; the weakest movement is 10 times weaker than most others
+
+
+def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: NodalContact) -> bool:
+    """Whether an equilibrium is stable under a plate with a dead load: the tangent positive definite for all
+    movements in which the touching points move with the plate.
+
+    Of a half both kinds of movements are looked at.
+    """
+    fixed_count, free = linear.negative_eigenvalues
+    points = np.flatnonzero(contact.active)
+    flexibility = ridges.flexibility[np.ix_(points, points)]
+    if not _held_up(fixed_count, free, flexibility):
+        return False
+    if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
+        return False  # the plate's own stiffness
+    try:
+        odd = linear.odd()
+    except ContactError:  # it has no such tangent
+        return False
+    return odd is None or _held_up(*odd.negative_eigenvalues, _at_points(body, odd, contact)[0])
+
+
+def _held_up(fixed_count: int, free: int, flexibility: Array) -> bool:
+    """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has so
+    many negative eigenvalues with the contact unknowns `held`, and `free`.
+
+    With these points held the tangent has as many negative eigenvalues as it has free, less those of the
+    points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73).
+    """
+    if fixed_count or not free:
+        return not fixed_count
+    return int((linalg.eigvalsh(flexibility) < 0).sum()) == free
+
+
+def _at_points(
+    body: Elastic, linear: LinearisedBody, contact: NodalContact
+) -> tuple[Array, sparse.csr_matrix]:
+    """The flexibility `(k, k)` and the rows `(k, contact unknowns)` of touching points that can move up."""
+    rows = body.rest.nodes.rows[contact.active]
+    flexibility = np.asarray(rows @ np.asarray(rows @ linear.flexibility).T)
+    able = np.flatnonzero(flexibility.any(axis=1))  # on a half's cut some cannot
+    return (flexibility + flexibility.T)[np.ix_(able, able)] / 2, rows[able]
+
+
+def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact) -> int:
+    """Return the number of the ridge that the weakest movement with the touching points held moves most.
+
+    Inverse iteration at an equilibrium `state` `(n,)`, from a movement with a part of every other.
+    """
+    odd = linear.odd()
+    kinds = [_weakest(body, state, kind, contact) for kind in (linear, odd) if kind is not None]
+    step, _ = max(kinds, key=lambda found: found[1])
+    nodes = body.rest.nodes
+    nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
+    return int(nodes.ridge[nearest])
+
+
+def _weakest(
+    body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact
+) -> tuple[Array, float]:
+    """The weakest movement `(n,)` with the touching points held, and how far a load of 1 moves it."""
+    rest = body.rest
+    flexibility, rows = _at_points(body, linear, contact)
+    balanced = _at_contact(body, -(rest.nodes.rows.T @ contact.force))
+    still = linear.move(-balanced)
+
+    def moved(load: Array) -> Array:
+        free = linear.move(-balanced - load) - still
+        force = linalg.solve(flexibility, rows @ free[rest.contact], assume_a="sym")
+        return free - (linear.move(-balanced - _at_contact(body, rows.T @ force)) - still)
+
+    step, growth = np.random.default_rng(0).standard_normal(state.size) * body.free, 0.0
+    for _ in range(ITERATIONS):
+        step = moved(step)
+        growth = float(np.abs(step).max())
+        step /= growth
+    return step, growth
+
+
+def _at_contact(body: Elastic, force: Array) -> Array:
+    """A load `(n,)` that is `force` `(k,)` on the contact unknowns."""
+    load = np.zeros(body.free.size)
+    load[body.rest.contact] = force
+    return load
+
 
 STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
@@ -166,3 +307,107 @@ def _share(body: Elastic, values: Array, move: Array) -> float:
         if share < SHORTEST:
             raise DivergedError("an element turns inside out")
     return share
+
+
+SMALLEST = 1 / 32  # of the load, the smallest load step
+WALK = 6  # halvings of the way to the threshold before it is given up
+
+
+def _given(force: float) -> Load:
+    return lambda *_: force
+
+
+def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None) -> PressedState:
+    """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes.
+
+    From rest the first step is the small-strain solution. Raises DivergedError with the largest force
+    that has a state.
+    """
+    if guess is not None:
+        try:
+            return newton(pad, guess, _given(force))
+        except DivergedError:
+            pass
+    last: PressedState | None = None
+    reached, step = 0.0, 1.0
+    while True:
+        target = min(1.0, reached + step)
+        try:
+            state = _further(pad, last, target * force)
+        except DivergedError as failure:
+            step = (target - reached) / 2
+            if step < SMALLEST:
+                raise _ended(pad, last, failure) from None
+            continue
+        if target == 1.0:
+            return state
+        last, reached = state, target
+
+
+def _further(pad: PressedPad[Elastic], last: PressedState | None, force: float) -> PressedState:
+    """The state under `force`, looked for from another one, or from rest."""
+    if last is None:
+        return newton(pad, np.zeros(pad.body.free.size), _given(force))
+    return newton(pad, last.values, _given(force), last.contact.active)
+
+
+def _ended(pad: PressedPad[Elastic], last: PressedState | None, failure: DivergedError) -> DivergedError:
+    """The failure beyond the last state, with that state's force and, where the next is not stable, what
+    gives way there."""
+    if last is None or not isinstance(failure, UnstableError):
+        return DivergedError(str(failure), 0.0 if last is None else last.force)
+    linear = pad.body.linearised(last.values, pad.body.residual(last.values))
+    ridge = tipping_ridge(pad.body, last.values, linear, last.contact)
+    return UnstableError(f"ridge {ridge} tips over, no equilibrium beyond is stable", last.force)
+
+
+def press_until_all_touch(
+    pad: PressedPad[Elastic], near: PressedState, guess: Array | None = None
+) -> PressedState:
+    """Return the state at the smallest force at which every ridge touches, found from a state nearby.
+
+    In each step that force is the linearised contact's own (threshold.py), so that the force converges
+    together with the state, quadratically; at the end the minimum of the last ridge's gap is zero and every
+    other ridge touches. Where the way from the state nearby does not lead there, the one from rest does.
+    Raises DivergedError where there is no such state.
+    """
+
+    def load(ridges: Ridges, active: Mask | None) -> float:
+        force = all_touch_force(ridges, near.force, None if ridges.definite else active)
+        if force is None:
+            raise DivergedError("no force makes the last ridge touch")
+        return force
+
+    try:
+        return _walked(pad, near, load, guess)
+    except DivergedError as failure:
+        words, reached = str(failure), failure.reached
+    try:
+        at_rest = np.zeros(pad.body.free.size)
+        ridges, _ = seen_by_plate(pad, at_rest, linearised(pad.body, at_rest, at_rest))
+        return _walked(pad, press_to(pad, load(ridges, None)), load)
+    except DivergedError:
+        raise DivergedError(words, reached) from None
+
+
+def _walked(
+    pad: PressedPad[Elastic], state: PressedState, load: Load, guess: Array | None = None
+) -> PressedState:
+    """The state at the force that `load` asks for, from a state in steps halfway to what it asks there."""
+    start = state.values if guess is None else guess
+    for _ in range(WALK):
+        try:
+            return newton(pad, start, load, state.contact.active)
+        except DivergedError as failure:
+            words = str(failure)
+        try:
+            wanted, _ = contact_under(state.ridges, load, state.contact.active)
+        except DivergedError:  # too far from it to know more than that it takes less
+            wanted = 0.0
+        halfway = (state.force + wanted) / 2
+        try:
+            state = _further(pad, state, min(halfway, 1.5 * state.force))
+        except DivergedError as failure:
+            raise DivergedError(str(failure), state.force) from None
+        start = state.values
+    raise DivergedError(words, state.force)

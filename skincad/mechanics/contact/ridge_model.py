@@ -14,9 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.contact.mirrored import MirroredRidges
-from skincad.mechanics.contact.threshold import Ridges
+from skincad.mechanics.contact.frictionless import MirroredRidges, Ridges, press
 from skincad.mechanics.problem import ContactError, RidgeModel
 
 TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small

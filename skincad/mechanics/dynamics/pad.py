@@ -1,4 +1,7 @@
-"""A meshed pad's equations with mass, as steps.py advances them.
+"""A pad with masses, condensed for time steps.
+
+Where a pad at rest is condensed element by element, inner displacements have mass and memory of their own,
+so the pressure alone is eliminated here. At rest both give the same displacements, to rounding.
 
 The contact points bear no mass; theirs is spread over the rest. Points with mass of their own
 stop or bounce at the plate by a rule that no mesh has, chatter, and gain energy: a bar that a plate strikes
@@ -8,16 +11,138 @@ tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
 import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.dynamics.moving_body import MovingBody, moving_matrices
-from skincad.mechanics.dynamics.state import Half, PadEquations
+from skincad.mechanics.bodies import elements, fe, film_field
+from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.dynamics.steps import Half, PadEquations
 from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
 from skincad.mechanics.film.stick import PadPiece, in_strip_axes, on_whole
 from skincad.mechanics.problem import SizeError
+
+
+@dataclass(frozen=True, eq=False)
+class MovingBody:
+    """A piece's matrices over the displacements of `body`, in mm, N and tonne.
+
+    `stiff` `(n, n)` is elastic, `soft` `(n, n)` the deviatoric part of the silicone, which relaxes, `mass`
+    `(n, n)`. `strips` are the mean stresses xx, xz, zz, yy, MPa per mm, of all the elastic stress and of what
+    relaxes of it, `(4 strips, n)` each, strip by strip. `free` numbers what is not clamped.
+    """
+
+    body: StripBody
+    free: Index
+    stiff: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
+
+
+def moving_matrices(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
+    """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
+    pad, unit = piece.pad, piece.unit
+    materials, densities = pad.materials, {"skin": pad.density, "film": pad.film_density}
+    silicone = "|".join(name for name, moduli in materials.items() if moduli == materials["skin"])
+    body = film_field.body(elements.curved(mesh, order), order, materials)
+    forms = _forms(body, materials, densities, silicone)
+    scale = pad.young_modulus * pad.length
+    strips = (
+        _strip_masses(piece, body, forms, materials, silicone) if films else (sparse.csr_matrix((0, 0)),) * 2
+    )
+    return MovingBody(
+        body,
+        np.flatnonzero(np.fromiter(forms.space.FreeDofs(), dtype=bool, count=forms.space.ndof)),
+        sparse.csr_matrix(scale * (forms.deviatoric + forms.divergence.T @ forms.pressure)),
+        sparse.csr_matrix(scale * forms.soft),
+        sparse.csr_matrix(1e-12 * pad.length * unit**2 * forms.mass),  # kg/m3 are 1e-12 tonne/mm3
+        (strips[0] * (pad.young_modulus / unit), strips[1] * (pad.young_modulus / unit)),
+    )
+
+
+@dataclass(frozen=True)
+class _Forms:
+    """In units and E: `pressure` `(p, n)` gives the mean stress's unknowns, `divergence` `(p, n)` is tested
+    by them."""
+
+    space: Any
+    pressures: Any
+    deviatoric: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    divergence: sparse.csr_matrix
+    pressure: sparse.csr_matrix
+
+
+def _forms(
+    body: StripBody,
+    materials: Mapping[str, tuple[float, float]],
+    densities: Mapping[str, float],
+    silicone: str,
+) -> _Forms:
+    mesh = body.system.mesh
+    space, pressures = body.system.space.components
+    mixed = fe.as_csr(elements.small_strain(mesh, body.order, materials, condense=False)[0].mat)
+    n = space.ndof
+    divergence = sparse.csr_matrix(mixed[n:, :n])
+    inverse = fe.block_inverse(-mixed[n:, n:], mesh, pressures)
+    shear, _ = fe.moduli(mesh, materials)
+    u, v = space.TnT()
+    strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
+    return _Forms(
+        space,
+        pressures,
+        sparse.csr_matrix(mixed[:n, :n]),
+        fe.assembled(deviatoric * ng.dx(definedon=mesh.Materials(silicone)), space),
+        fe.assembled(mesh.MaterialCF(dict(densities)) * ng.InnerProduct(u, v) * ng.dx, space),
+        divergence,
+        sparse.csr_matrix(inverse @ divergence),
+    )
+
+
+def _strip_masses(
+    piece: PadPiece,
+    body: StripBody,
+    forms: _Forms,
+    materials: Mapping[str, tuple[float, float]],
+    silicone: str,
+) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """Mean stresses, in E per unit, as `MovingBody.strips`; of a strip not of silicone nothing relaxes."""
+    mesh = body.system.mesh
+    film = mesh.Materials("film")
+    flat = ng.L2(mesh, order=0)
+    shear, _ = fe.moduli(mesh, materials)
+    u, q, test = forms.space.TrialFunction(), forms.pressures.TrialFunction(), flat.TestFunction()
+    h = ng.Grad(u)
+    mean = (h[0, 0] + h[1, 1]) / 3
+    parts = 2 * (h[0, 0] - mean), h[0, 1] + h[1, 0], 2 * (h[1, 1] - mean), -2 * mean
+    inside = ng.dx(definedon=film)
+    by_element = [fe.assembled(shear * part * test * inside, forms.space, flat) for part in parts]
+    volumetric = fe.assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
+    sums = _by_strip(piece, body, list(film.Elements()), flat)
+    count = len(piece.slots)
+    order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
+    relaxing = sparse.vstack([sums @ part for part in by_element]).tocsr()[order]
+    steady = sparse.vstack([sums @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
+    return sparse.csr_matrix(relaxing + steady), relaxing * float("film" in silicone.split("|"))
+
+
+def _by_strip(piece: PadPiece, body: StripBody, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
+    """Matrix `(strips, unknowns of flat)` that averages over each strip what was integrated by element."""
+    centres = fe.centres(body.system.mesh, elements_)
+    strip = film_field.nearest(centres * piece.unit, piece.slots, piece.thickness)
+    areas = np.array([slot.depth * piece.thickness for slot in piece.slots]) / piece.unit**2
+    column = np.array([flat.GetDofNrs(e)[0] for e in elements_])
+    shape = len(piece.slots), flat.ndof
+    return sparse.csr_matrix((1 / areas[strip], (strip, column)), shape=shape)
 
 
 def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquations:

@@ -1,4 +1,8 @@
-"""Pads with mass and memory on a plate with mass: linear but for the contact, two back-solves a step.
+"""Time steps of a linear pad with mass and viscosity under a plate with mass.
+
+With masses the equation is met at a point within the step: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371.
+Without, as Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, whose method damps the highest modes out
+in one step; with equal steps it is BDF2. Both are of order 2 where velocities are smooth.
 
 At a step's end K u + D e + M a = r, with K the elastic stiffness, D its relaxing part, e what of the strain
 has not relaxed yet, M the mass and r the contact forces; time_scheme.py says where within a step it is met.
@@ -12,27 +16,210 @@ every step is kept to show it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from math import exp
 
 import numpy as np
 from scipy import sparse
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import Condensation, condense
-from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import (
+from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.contact.frictional import grip, in_halves, joined
+from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
     Drive,
     FrictionCoefficients,
     GrossSlip,
     Inert,
+    at_rest,
 )
-from skincad.mechanics.contact.halving import in_halves, joined
-from skincad.mechanics.dynamics.plate import TONNE, friction_work, plate_inertia, plate_state, plate_work
-from skincad.mechanics.dynamics.state import DynamicState, PadEquations, sum_of, unrelaxed
-from skincad.mechanics.dynamics.time_scheme import Matter, Scheme, scheme
+
+
+@dataclass(frozen=True)
+class Matter:
+    """Inertia and viscosity in a step. `damped`: with masses, None without; `plate` g; `rate` s, the viscous
+    stress per strain rate by the elastic one per strain; `relaxing`, pairs of stiffness and time, s."""
+
+    damped: float | None = None
+    plate: float = 0.0
+    rate: float = 0.0
+    relaxing: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A method's numbers for one step of `dt` s: velocity is `speed` times displacement less a predictor,
+    acceleration `force` times it; the equation is met at `late` of the step from its end, the acceleration's
+    at `lag`."""
+
+    dt: float
+    late: float
+    lag: float
+    beta: float
+    gamma: float
+    moves: bool
+
+    @property
+    def speed(self) -> float:
+        """What a displacement of 1 at the end adds to the velocity."""
+        return self.gamma / (self.beta * self.dt) if self.moves else 1.5 / self.dt
+
+    @property
+    def force(self) -> float:
+        """What it adds to the mass's force, per mass, of an equation divided by 1 - late."""
+        return (1 - self.lag) / ((1 - self.late) * self.beta * self.dt**2) if self.moves else 0.0
+
+    @property
+    def before(self) -> float:
+        """Weight of the forces at the step's start by those at its end."""
+        return self.late / (1 - self.late)
+
+
+def scheme(dt: float, damped: float | None) -> Scheme:
+    """Return the method: with masses Chung and Hulbert's eqs. 17, 20, 21, 25; without, rates alone."""
+    if damped is None:
+        return Scheme(dt, 0.0, 0.0, 1.0, 1.0, False)
+    lag, late = (2 * damped - 1) / (damped + 1), damped / (damped + 1)
+    return Scheme(dt, late, lag, (1 - lag + late) ** 2 / 4, 0.5 - lag + late, True)
+
+
+AT_REST = Matter()
+
+
+@dataclass(frozen=True, eq=False)
+class Half:
+    """One of the one or two parts of a pad's equations, split by symmetry.
+
+    `points` `(2 m, n)`: displacements of the pad's contact points, in x, then in z, by the unknowns.
+    `inner` and `contact` number the free unknowns. `strips` are the stresses of all strips, across, along and
+    lengthwise, MPa per mm: of the slow stress, and of what relaxes, `(3 strips, n)` each.
+    """
+
+    points: sparse.csr_matrix
+    inner: Index
+    contact: Index
+    strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
+
+
+@dataclass(frozen=True, eq=False)
+class PadEquations:
+    """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
+
+    `stiff`, `soft` and `mass` `(n, n)`; `share` is the share of a force that the part bears, 1 or, of a
+    mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
+    """
+
+    stiff: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    halves: tuple[Half, ...]
+    share: float
+    gap: Array
+    area: Array
+    ridge: Index
+    unknowns: int
+    body: StripBody | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicState:
+    """A state: `contact` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
+    `a`, mm and s, `rate`, the velocity of viscous stress, and `elastic_force`, N.
+
+    `memory` has the unrelaxed displacement of each branch. `plate` `(3, 2)` are the plate's approach and
+    travel, their velocities and accelerations. `drive` and `matter` are those of the last step; `friction`,
+    `viscous` and `work` mJ were dissipated and done in the step.
+    """
+
+    contact: ContactState
+    u: Array
+    v: Array
+    a: Array
+    rate: Array
+    elastic_force: Array
+    memory: tuple[Array, ...]
+    plate: Array
+    drive: Drive
+    matter: Matter = AT_REST
+    friction: float = 0.0
+    viscous: float = 0.0
+    work: float = 0.0
+
+
+def rest_state(pad: PadEquations) -> DynamicState:
+    """Return the unloaded start."""
+    zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
+    return DynamicState(
+        at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0)
+    )
+
+
+def unrelaxed(state: DynamicState) -> Array:
+    """The part of the stress that has not relaxed yet, as a displacement `(n, halves)`."""
+    return np.asarray(sum_of(state.memory, state.matter.rate * state.rate))
+
+
+def sum_of(parts: Iterable[Array], start: Array | None = None) -> Array:
+    """Return the sum of arrays."""
+    return reduce(np.add, parts) if start is None else reduce(np.add, parts, start)
+
+
+TONNE = 1e-6  # of a gram
+
+
+def plate_inertia(state: DynamicState, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
+    """The plate's inertia over a step, and the effective forces on it."""
+    if not s.moves or not state.matter.plate:
+        return None, drive
+    mass, dt = TONNE * state.matter.plate, s.dt
+    place, speed, rate = state.plate
+    ahead = place + dt * speed + dt**2 * (0.5 - s.beta) * rate
+    now = np.array([drive.normal, drive.tangential or 0.0])
+    was = np.array([state.drive.normal, state.drive.tangential or 0.0])
+    borne = np.array([state.contact.normal.sum(), state.contact.tangential.sum()])
+    force = now + s.before * (was - borne) - mass * s.lag / (1 - s.late) * rate
+    effective = Drive(float(force[0]), None if drive.travel is not None else float(force[1]), drive.travel)
+    return Inert(mass * s.force, float(ahead[0]), float(ahead[1])), effective
+
+
+def plate_state(
+    state: DynamicState, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
+) -> Array:
+    """The plate's place, speed and acceleration `(3, 2)` after a step, from its unbalanced force."""
+    inert, force = pushing
+    place = np.array([contact.approach, contact.travel])
+    if inert is None:
+        return np.stack([place, np.zeros(2), np.zeros(2)])
+    missing = np.array(
+        [force.normal - contact.normal.sum(), (force.tangential or 0.0) - contact.tangential.sum()]
+    )
+    rate = missing / inert.stiffness / (s.beta * s.dt**2)
+    speed = state.plate[1] + s.dt * ((1 - s.gamma) * state.plate[2] + s.gamma * rate)
+    if drive.travel is not None:
+        rate[1], speed[1] = 0.0, (contact.travel - state.plate[0, 1]) / s.dt
+    return np.stack([place, speed, rate])
+
+
+def friction_work(before: ContactState, after: ContactState) -> float:
+    """Friction's dissipation in a step, mJ: the mean force times the slip of the points on the plate. Without
+    damping of high modes it closes the energy balance to rounding, open points included."""
+    return -float((before.tangential + after.tangential) / 2 @ (after.anchor - before.anchor))
+
+
+def plate_work(before: DynamicState, after: DynamicState) -> float:
+    """Work of the plate's drives in a step, mJ, by the mean force; driven in x, by the skin's force."""
+    one, other = before.drive, after.drive
+    down, along = after.plate[0] - before.plate[0]
+    if other.travel is None:
+        pull = ((one.tangential or 0.0) + (other.tangential or 0.0)) / 2
+    else:
+        pull = float(before.contact.tangential.sum() + after.contact.tangential.sum()) / 2
+    return (one.normal + other.normal) / 2 * float(down) + pull * float(along)
+
 
 MAX_HALVINGS = 4  # of a step that does not converge
 LENGTH_DIGITS = 9  # of a step's length: equal ones share a factorisation

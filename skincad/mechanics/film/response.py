@@ -22,12 +22,10 @@ from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
+from skincad.mechanics.bodies.film_field import StripBody
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.bodies.strip_field import StripBody
-from skincad.mechanics.film.contact_edges import with_fine_edges
-from skincad.mechanics.film.rungs import EDGE_SEARCH, RUNGS, TAIL
 from skincad.mechanics.film.stick import (
     PadPiece,
     condensed_piece,
@@ -39,8 +37,9 @@ from skincad.mechanics.film.stick import (
     piece_of,
     press_state,
     pull_load,
+    with_fine_edges,
 )
-from skincad.mechanics.film.stress import check_request, filled_pad
+from skincad.mechanics.film.stress import EDGE_SEARCH, RUNGS, TAIL, check_request, filled_pad
 
 FORCE_GROWTH = 2.0  # factor on the force, repeated until a clear ridge touches
 MAX_TRIES = 8
@@ -113,7 +112,7 @@ def _largest_difference(one: FilmResponse, other: FilmResponse) -> Array:
 def _responses(
     piece: PadPiece, mesh: Any, order: int, force: float, spans: tuple[float, ...]
 ) -> FilmResponse:
-    body = strip_field.body(elements.curved(mesh, order), order, piece.pad.materials)
+    body = film_field.body(elements.curved(mesh, order), order, piece.pad.materials)
     small = condensed_piece(body, np.empty(0, np.int64))
     loads = [_ContactLoad(piece, body, small, force)]
     while len(loads) < MAX_TRIES and not all(

@@ -15,11 +15,11 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
-from skincad.mechanics.bodies.strip_field import StripBody
+from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.film.fields import Parity, WholeState
 from skincad.mechanics.film.stick import PadPiece, condensed_piece, contact_rows, in_strip_axes, on_whole
-from skincad.mechanics.film.whole_state import Parity, WholeState
 from skincad.mechanics.problem import Pad, SizeError
 
 MOST_CONTACT_UNKNOWNS = 4000  # both components; dense blocks of 0.1 GB each
@@ -68,9 +68,9 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactP
     if unknowns > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, unknowns, "take fewer ridges")
-    body = strip_field.body(curved, order, pad.materials)
+    body = film_field.body(curved, order, pad.materials)
     functionals = (
-        strip_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
+        film_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
     )
     nodes = body.system.nodes
     x, z = (nodes.position * unit).T

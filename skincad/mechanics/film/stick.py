@@ -1,4 +1,4 @@
-"""Press, then pull with full stick: one mesh and one order, in small strain and plane strain.
+"""Full stick: the linear pad whose touching points move with the plate.
 
 First the plate presses without friction, as in the linear tier. Then every point that carries load is bonded
 to it, and it moves without turning until the tangential force is there and the normal force as before. What
@@ -10,23 +10,24 @@ odd (u_z = 0 on the cut). That is the solution on a mesh mirrored about x = 0, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
-from scipy import linalg, sparse
+from scipy import linalg, optimize, sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.blas import one_blas_thread
-from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
-from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.strip_field import StripBody
-from skincad.mechanics.bodies.symmetry import half_of
+from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.bodies.mesh import half_of, unit_of
 from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.plate import rise
-from skincad.mechanics.problem import ContactError, Pad
+from skincad.mechanics.problem import ContactError, Pad, rise
+from skincad.shape.curves import Segment
 from skincad.shape.feature import SensorPlace
 
 BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
@@ -98,7 +99,7 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
     clock = [perf_counter()]
     pad = piece.pad
     curved = elements.curved(mesh, order)
-    body = strip_field.body(curved, order, pad.materials)
+    body = film_field.body(curved, order, pad.materials)
     clock.append(perf_counter())
     even, odd = body.held if piece.mirrored else (np.empty(0, np.int64),) * 2
     small = condensed_piece(body, even)
@@ -224,8 +225,8 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
 
 def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> LoadState:
     """Return the whole pad's state for displacements `(n,)` under forces `(2 m,)` on the piece."""
-    strip_field.set_state(body, moved)
-    stress = strip_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
+    film_field.set_state(body, moved)
+    stress = film_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
     nodes, (scale, share) = body.system.nodes, load_scale(piece)
     m = nodes.weight.size
     numbers = piece.whole.ridges
@@ -264,3 +265,42 @@ def on_whole(piece: PadPiece, values: Array, parity: int) -> Array:
             raise ContactError("a strip has no mirror image")
         result[i] = values[j] * (parity if mirrored else 1)
     return result
+
+
+# gone
+
+
+def with_fine_edges(piece: PadPiece, solution: StickSolution) -> PadPiece:
+    """Return the piece with its crowns cut around where contact ends in `solution`.
+
+    Full stick has its largest shear at the contact's edges, so its answer is wrong by how far they lie off:
+    the last sticking and the first clear point are a step apart. The new pieces are a step long, the mesh's
+    edges on them half of that.
+    """
+    nodes = solution.body.system.nodes
+    x = nodes.position[:, 0] * piece.unit
+    cuts: dict[int, list[float]] = {}
+    for ridge in piece.pad.ridges:
+        mine = np.flatnonzero(nodes.ridge == ridge)
+        mine = mine[np.argsort(x[mine])]
+        for a, b in pairwise(mine):
+            if solution.bonded[a] != solution.bonded[b]:
+                middle, step = (x[a] + x[b]) / 2, x[b] - x[a]
+                cuts.setdefault(ridge, []).extend([middle - step, middle, middle + step])
+    outline = tuple(
+        piece
+        for s in piece.pad.section.outline
+        for piece in (_cut(s, cuts.get(s.feature or 0, [])) if s.touches else (s,))
+    )
+    return replace(piece, pad=replace(piece.pad, section=replace(piece.pad.section, outline=outline)))
+
+
+def _cut(segment: Segment, at: Sequence[float]) -> Iterator[Segment]:
+    """Yield the segment's pieces between these x, mm; it must not turn back in x."""
+    low, high = sorted((segment.start.x, segment.end.x))
+    inside = [x for x in at if low < x < high]
+    roots = [optimize.brentq(lambda t, x=x: segment.point(t).x - x, 0.0, 1.0, xtol=1e-12) for x in inside]
+    shares = np.array([0.0, *sorted(roots), 1.0])
+    points = [segment.start, *(segment.point(f) for f in shares[1:-1]), segment.end]
+    for a, b, share in zip(points, points[1:], np.diff(shares), strict=False):
+        yield replace(segment, start=a, end=b, bulge=math.tan(segment.sweep * share / 4))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact.grip import Compliance, ContactState
+from skincad.mechanics.contact.state import Compliance, ContactState
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.sliding import ContactPad

@@ -12,15 +12,14 @@ from scipy import sparse
 
 from skincad import load
 from skincad.base.arrays import Array, Index
-from skincad.mechanics.bodies import elements, slabs
+from skincad.mechanics.bodies import chain, elements
 from skincad.mechanics.bodies.chain import ChainFactors, SlabChain, chained
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.elements import ContactStiffness
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import plane_piece
+from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.contact.ridge_model import ridge_model
+from skincad.mechanics.models import linear
 from skincad.mechanics.problem import ContactError, Pad, pad_of
-from skincad.mechanics.tiers import plane_level
 from tests.mechanics.designs import wide
 
 # Chain and dense differ by rounding alone: they eliminate the same matrix in another order. Its condition
@@ -53,7 +52,7 @@ def assert_close(found: Array, exact: Array, most: float) -> None:
 @pytest.fixture(params=[1, 2, 5, 9])
 def of_ridges(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
     """Slabs of about so many ridges: nine, five or four, two and one for nine ridges."""
-    monkeypatch.setattr(slabs, "RIDGES", request.param)
+    monkeypatch.setattr(chain, "RIDGES", request.param)
     return int(request.param)
 
 
@@ -125,7 +124,7 @@ def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest
     for ridges in (9, 27):
         design = wide(ridges).with_(skin={"curvature_radius": 60.0 * (ridges / 9) ** 2})
         pad = pad_of(design)
-        found = plane_level.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
+        found = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
         assert found.all_touch_force
         taken.append(len(solves))
         solves.clear()
@@ -134,12 +133,12 @@ def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest
 
 def test_cuts_are_left_out_where_triangles_reach_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
     """Triangles as large as some ridges: slabs of one ridge would share unknowns three by three."""
-    monkeypatch.setattr(slabs, "RIDGES", 1)
+    monkeypatch.setattr(chain, "RIDGES", 1)
     pad = pad_of(wide(9))
     sizes = default_sizes(pad, 0.5)
     coarse = replace(sizes, bulk=20 * sizes.bulk, ridge=20 * sizes.ridge, grading=0.9)
     system = elements.assemble(elements.curved(triangles(pad, coarse), 1), 1, pad.materials)
-    parts = slabs.cut(system)
+    parts = chain.cut(system)
     assert 1 < len(parts.contact) < 9
     together = np.concatenate([*parts.interior, *parts.contact, *parts.joints])
     assert np.array_equal(np.sort(together), np.union1d(system.interior, system.contact))
@@ -161,7 +160,7 @@ def test_a_stiffness_that_is_not_definite_is_refused(part: str) -> None:
 def test_one_that_is_definite_slab_by_slab_alone_is_refused() -> None:
     """A joint's own unknown may fall with the slabs on its both sides, each held where the other begins."""
     system = system_of("plain-ridges")
-    joint = slabs.cut(system).joints[0]
+    joint = chain.cut(system).joints[0]
     less = np.zeros(system.lift.size)
     less[joint] = 0.4
     scaled = sparse.diags(less) @ sparse.diags(system.matrix.diagonal())
@@ -170,12 +169,12 @@ def test_one_that_is_definite_slab_by_slab_alone_is_refused() -> None:
         chained(bad)
 
 
-def both(pad: Pad, force: float, monkeypatch: pytest.MonkeyPatch) -> list[plane_level.PlaneSolution]:
+def both(pad: Pad, force: float, monkeypatch: pytest.MonkeyPatch) -> list[linear.PlaneSolution]:
     """A level's answers by the chain and by the pad condensed at once."""
     meshed = plane_piece(pad, 0.5, whole=True)
-    one = plane_level.level(meshed, 2, force)
-    monkeypatch.setattr(plane_level, "chained", at_once)
-    return [one, plane_level.level(meshed, 2, force)]
+    one = linear.level(meshed, 2, force)
+    monkeypatch.setattr(linear, "chained", at_once)
+    return [one, linear.level(meshed, 2, force)]
 
 
 @pytest.mark.parametrize(
@@ -209,7 +208,7 @@ def test_inner_ridges_of_a_long_flat_pad_carry_the_same() -> None:
     joint between slabs is to be seen."""
     design = wide(31).with_(skin={"curvature_radius": 1e8}, material={"poisson_ratio": 0.3})
     pad = pad_of(design)
-    found = plane_level.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
+    found = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
     assert len(found.ridges.flexibility.slabs) == 6  # type: ignore[union-attr]
     assert found.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-12)
     inner = found.ridge_force[12:-12]

@@ -9,7 +9,7 @@ from netgen.meshing import NgException
 from ngsolve import Mesh
 from scipy import sparse
 
-from skincad.mechanics.bodies import condense, dissect, mesh, neo_hooke
+from skincad.mechanics.bodies import condense, mesh, plane_body
 from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import filleted
 
@@ -43,9 +43,9 @@ def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> N
 
 @pytest.mark.parametrize("seed", range(4))
 def test_fronts_of_an_indefinite_matrix_solve_it_and_count_its_signs(seed: int) -> None:
-    whole, one = indefinite(seed), dissect.Front(np.arange(8), np.arange(8, 12), (), np.arange(1))
+    whole, one = indefinite(seed), condense.Front(np.arange(8), np.arange(8, 12), (), np.arange(1))
 
-    found = dissect.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
+    found = condense.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
     assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
     assert found.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
     assert found.negative_eigenvalues == 2
@@ -65,10 +65,10 @@ def test_a_tangent_is_singular_only_where_its_library_says_so() -> None:
     square = SplineGeometry()
     square.AddRectangle((0, 0), (1, 1), bcs=("back", "free", "contact1", "free"))
     square.SetMaterial(1, "skin")
-    made = neo_hooke.body(Mesh(square.GenerateMesh(maxh=0.5)), 2, {"skin": (1.0, 0.49)})
+    made = plane_body.body(Mesh(square.GenerateMesh(maxh=0.5)), 2, {"skin": (1.0, 0.49)})
     nowhere = np.full(made.free.size, np.nan)
     with pytest.raises(ContactError, match="the tangent stiffness of an element is singular"):
-        neo_hooke.tangent(made, nowhere, nowhere)
+        plane_body.tangent(made, nowhere, nowhere)
 
 
 @pytest.mark.parametrize("failure", [NgException("Could not allocate localheap"), MemoryError()])
@@ -82,9 +82,9 @@ def test_memory_that_ran_out_is_no_singular_tangent(
     class Body:
         form = Form()
 
-    monkeypatch.setattr(neo_hooke, "_vector", lambda *_: None)
+    monkeypatch.setattr(plane_body, "_vector", lambda *_: None)
     with pytest.raises(type(failure)):
-        neo_hooke.tangent(Body(), np.zeros(1), np.zeros(1))  # type: ignore[arg-type]
+        plane_body.tangent(Body(), np.zeros(1), np.zeros(1))  # type: ignore[arg-type]
 
 
 def test_netgen_without_memory_is_no_bad_section(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,6 +107,6 @@ def test_negative_stiffnesses_are_counted_inside_and_in_all(
     """Of three springs the last is the contact's."""
     small = condense.factorise(sparse.csr_matrix(np.diag(springs)), np.arange(3), 1)
     assert (
-        neo_hooke.PlaneLinearised(None, None, small, small.flexibility).negative_eigenvalues
+        plane_body.PlaneLinearised(None, None, small, small.flexibility).negative_eigenvalues
         == negative_eigenvalues
     )  # type: ignore

@@ -10,10 +10,9 @@ from scipy.sparse.linalg import splu
 
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.bodies.meshed import meshed_piece, plane_piece
+from skincad.mechanics.bodies.mesh import Sizes, default_sizes, meshed_piece, plane_piece, triangles, unit_of
+from skincad.mechanics.models.linear import level
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.mechanics.tiers.plane_level import level
 from skincad.shape.curves import Point, Segment
 from skincad.shape.skin import Section
 from tests.mechanics import closed_forms

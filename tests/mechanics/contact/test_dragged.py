@@ -8,22 +8,21 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies import elements, neo_hooke
-from skincad.mechanics.bodies.large_field import strip_stress
+from skincad.mechanics.bodies import elements, plane_body
+from skincad.mechanics.bodies.film_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.contact.dragged import (
+from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
     FrictionalState,
     dragged,
     linearised,
     newton,
+    to,
     unloaded,
 )
-from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import STICK, Compliance, Drive, FrictionCoefficients, GrossSlip
-from skincad.mechanics.contact.newton import RESIDUAL, PressedPad
-from skincad.mechanics.contact.pressing import press_to
-from skincad.mechanics.contact.stride import to
+from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
+from skincad.mechanics.contact.state import STICK, Compliance, Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.film.stress import filled_pad
@@ -41,7 +40,7 @@ def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None =
     mesh = elements.curved(triangles(pad, sizes or default_sizes(pad, fineness)), order)
     scale = pad.young_modulus * unit * pad.length
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return dragged(neo_hooke.body(mesh, order, materials), pad.top, unit, scale)
+    return dragged(plane_body.body(mesh, order, materials), pad.top, unit, scale)
 
 
 @cache
@@ -92,7 +91,7 @@ def test_without_friction_it_is_the_finite_strain_tier() -> None:
     unit = unit_of(pad)
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.35)), 2)
     wanted = press_to(
-        PressedPad(neo_hooke.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
+        PressedPad(plane_body.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
         1.2 / what.scale,
     )
     found = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
@@ -109,7 +108,7 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
     small = sliding(piece, mesh, 2, True)
     stiff = {"skin": (1.0, piece.pad.poisson_ratio), "film": (3750.0, 0.35)}
     scale = piece.pad.young_modulus * piece.unit * piece.pad.length
-    what = dragged(neo_hooke.body(elements.curved(mesh, 2), 2, stiff), piece.pad.top, piece.unit, scale)
+    what = dragged(plane_body.body(elements.curved(mesh, 2), 2, stiff), piece.pad.top, piece.unit, scale)
     strips = strip_stress(what.body, 2, stiff, piece.slots, piece.thickness, piece.unit)
     apart = []
     for force in (1e-3, 5e-4, 2.5e-4):
@@ -277,7 +276,7 @@ def test_strips_stress_turns_with_the_strip() -> None:
     mesh = elements.curved(triangles(piece.pad, default_sizes(piece.pad, 0.25)), 2)
     ratio, along = 0.3, 1.3
     both = {"skin": (1.0, ratio), "film": (1.0, ratio)}
-    what = dragged(neo_hooke.body(mesh, 2, both), piece.pad.top, piece.unit, 1.0)
+    what = dragged(plane_body.body(mesh, 2, both), piece.pad.top, piece.unit, 1.0)
     strips = strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit)
     shear, rest = closed_forms.lame(1.0, ratio)
     wanted = [rest * (along - 1), shear / along * (along**2 - 1) + rest * (along - 1), rest * (along - 1)]

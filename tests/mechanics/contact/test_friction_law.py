@@ -8,9 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.contact.friction_law import law_of
-from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import (
+from skincad.mechanics.contact.frictional import grip, halved
+from skincad.mechanics.contact.state import (
     LEFT,
     OPEN,
     RIGHT,
@@ -21,8 +20,8 @@ from skincad.mechanics.contact.grip import (
     FrictionCoefficients,
     GrossSlip,
     at_rest,
+    law_of,
 )
-from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.half_space import hertz_area, sphere
 from tests.mechanics.contact.test_frictional import SPRING, block, march, press_and_pull, round_pad, skin

@@ -12,8 +12,8 @@ import pytest
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles
 from skincad.mechanics.contact import frictional
-from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import (
+from skincad.mechanics.contact.frictional import grip, halved
+from skincad.mechanics.contact.state import (
     LEFT,
     OPEN,
     RIGHT,
@@ -25,7 +25,6 @@ from skincad.mechanics.contact.grip import (
     GrossSlip,
     at_rest,
 )
-from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError, Pad
@@ -217,7 +216,7 @@ def test_a_pulling_plate_is_refused() -> None:
 
 def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first try is made to fail: the two halves then are what the step took."""
-    from skincad.mechanics.contact import halving
+    from skincad.mechanics.contact import frictional
 
     tries = []
 
@@ -227,7 +226,7 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
             raise ContactError("made to fail")
         return grip(*arguments)
 
-    monkeypatch.setattr(halving, "grip", failing)
+    monkeypatch.setattr(frictional, "grip", failing)
     start, end = Drive(2.0, travel=0.0), Drive(2.0, travel=0.5)
     before = grip(block(), at_rest(1), start, FrictionCoefficients(0.5, 0.5))
     found = halved(lambda _: block(), before, start, end, FrictionCoefficients(0.5, 0.5))

@@ -10,15 +10,13 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint
 
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.folding import THROUGH, fault
-from skincad.mechanics.bodies.mesh import unit_of
-from skincad.mechanics.bodies.meshed import PadMesh, height_of, plane_piece
-from skincad.mechanics.bodies.symmetry import half_of
-from skincad.mechanics.contact.mirrored import on_both_sides
+from skincad.mechanics.bodies.mesh import PadMesh, half_of, height_of, plane_piece, unit_of
+from skincad.mechanics.bodies.plane_body import THROUGH, fault
+from skincad.mechanics.contact.frictionless import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.linear import level
 from skincad.mechanics.problem import Pad, Request, pad_of
-from skincad.mechanics.tiers import linear
-from skincad.mechanics.tiers.plane_level import level
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 
 FORCE, ORDER = 1.3, 2

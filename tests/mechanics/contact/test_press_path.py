@@ -12,10 +12,9 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact import press_path
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.contact.grip import ContactState
+from skincad.mechanics.contact.frictionless import Ridges, all_touch_force, press
 from skincad.mechanics.contact.press_path import StickingPad, gripped, pressed
-from skincad.mechanics.contact.threshold import Ridges, all_touch_force
+from skincad.mechanics.contact.state import ContactState
 from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import SHORT, reference
 

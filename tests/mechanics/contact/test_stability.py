@@ -9,16 +9,21 @@ import pytest
 from scipy import linalg
 
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies import elements, neo_hooke
+from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.solid_body import SolidLinearised
 from skincad.mechanics.contact import newton
-from skincad.mechanics.contact.newton import DivergedError, PressedPad, PressedState
-from skincad.mechanics.contact.pressing import press_to
-from skincad.mechanics.contact.stability import stable, tipping_ridge
+from skincad.mechanics.contact.newton import (
+    DivergedError,
+    PressedPad,
+    PressedState,
+    press_to,
+    stable,
+    tipping_ridge,
+)
+from skincad.mechanics.models.solid import Layers
+from skincad.mechanics.models.solid_finite_strain import body_of
 from skincad.mechanics.problem import pad_of
-from skincad.mechanics.tiers.solid_finite_strain import body_of
-from skincad.mechanics.tiers.solid_level import Layers
 from skincad.mechanics.validity import buckling_force
 from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference
@@ -36,14 +41,14 @@ def pad(count: int = 1) -> PressedPad:
     assert unit_of(whole) * whole.young_modulus * whole.length == pytest.approx(SCALE * unit_of(whole))
     mesh = elements.curved(triangles(whole, default_sizes(whole, 0.25)), 2)
     return PressedPad(
-        neo_hooke.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole)
+        plane_body.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole)
     )
 
 
 def spectra(what: PressedPad, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues of the tangent, free and as the plate holds it, and the latter's first vector."""
     body = what.body
-    matrix = neo_hooke.tangent(body, state.values, body.residual(state.values)).matrix
+    matrix = plane_body.tangent(body, state.values, body.residual(state.values)).matrix
     whole = matrix[body.order][:, body.order].toarray()
     rows = np.zeros((int(state.contact.active.sum()), body.order.size))
     rows[:, -body.rest.contact.size :] = body.rest.nodes.rows[state.contact.active].toarray()
@@ -96,7 +101,8 @@ def sides(count: int) -> tuple[PressedPad, PressedPad]:
     design = design_of(count)
     return tuple(
         PressedPad(
-            neo_hooke.body(elements.curved(each.mesh, 2), 2, each.whole.materials), each.whole.top / each.unit
+            plane_body.body(elements.curved(each.mesh, 2), 2, each.whole.materials),
+            each.whole.top / each.unit,
         )
         for each in both(pad_of(design))
     )
@@ -121,7 +127,7 @@ def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.Mo
         return
     assert words.startswith("ridge 1 tips over")
     # its own image cannot tip over: by that alone the half would stand far beyond
-    monkeypatch.setattr(neo_hooke.PlaneLinearised, "odd", lambda _: None)
+    monkeypatch.setattr(plane_body.PlaneLinearised, "odd", lambda _: None)
     what = sides(count)[0]
     assert press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
 

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from skincad.mechanics.bodies.elements import Outline
-from skincad.mechanics.contact import stride
-from skincad.mechanics.contact.creasing import CREASES, WRINKLES, fault, pinch
-from skincad.mechanics.contact.dragged import FrictionalState, newton, unloaded
-from skincad.mechanics.contact.grip import Drive, FrictionCoefficients
-from skincad.mechanics.contact.stride import to
+from skincad.mechanics.contact import frictional_pad
+from skincad.mechanics.contact.frictional_pad import FrictionalState, newton, to, unloaded
+from skincad.mechanics.contact.press_path import CREASES, WRINKLES, fault, pinch
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.test_dragged import march, pulled, three
 
@@ -29,7 +28,7 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
             raise ContactError("made to fail")
         return newton(pad, before, end, *more)
 
-    monkeypatch.setattr(stride, "newton", failing)
+    monkeypatch.setattr(frictional_pad, "newton", failing)
     what = three()[1]
     found = to(what, unloaded(what), Drive(0.0, 0.0), Drive(0.4, 0.0), CONE)
     assert tries == [0.4, 0.2, 0.4]
@@ -65,7 +64,7 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
             raise ContactError("made to fail")
         return newton(pad, before, end, *more)
 
-    monkeypatch.setattr(stride, "newton", failing)
+    monkeypatch.setattr(frictional_pad, "newton", failing)
     found = to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
     assert found.grip.tangential.sum() == pytest.approx(0.22, abs=2e-9)
     assert found.grip.travel == pytest.approx(wanted.grip.travel, rel=1e-6)

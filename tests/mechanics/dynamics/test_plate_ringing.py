@@ -9,9 +9,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.plate_ringing import FREE_TOP, TONNE, MasslessRun, plate_ringing, skin_mass
-from skincad.mechanics.dynamics.reference import shear_frequency
-from skincad.mechanics.dynamics.ringing import RETARDATION
+from skincad.mechanics.dynamics.ringing import (
+    FREE_TOP,
+    RETARDATION,
+    TONNE,
+    MasslessRun,
+    plate_ringing,
+    shear_frequency,
+    skin_mass,
+)
 from skincad.shape.skin import section
 from tests.mechanics.designs import filleted
 

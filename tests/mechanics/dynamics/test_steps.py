@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import eigsh
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.contact.frictional import grip
-from skincad.mechanics.contact.grip import (
+from skincad.mechanics.contact.frictional import grip, halved
+from skincad.mechanics.contact.state import (
     STICK,
     Compliance,
     ContactState,
@@ -24,14 +24,18 @@ from skincad.mechanics.contact.grip import (
     GrossSlip,
     at_rest,
 )
-from skincad.mechanics.contact.halving import halved
 from skincad.mechanics.dynamics import steps as dynamics
-from skincad.mechanics.dynamics.moving_body import moving_matrices
-from skincad.mechanics.dynamics.pad import linear
-from skincad.mechanics.dynamics.reference import shear_frequency
-from skincad.mechanics.dynamics.state import DynamicState, Half, PadEquations, rest_state
-from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Dynamics
-from skincad.mechanics.dynamics.time_scheme import Matter
+from skincad.mechanics.dynamics.pad import linear, moving_matrices
+from skincad.mechanics.dynamics.ringing import shear_frequency
+from skincad.mechanics.dynamics.steps import (
+    MOST_LENGTHS,
+    Dynamics,
+    DynamicState,
+    Half,
+    Matter,
+    PadEquations,
+    rest_state,
+)
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.problem import ContactError

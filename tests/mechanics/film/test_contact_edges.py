@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.mechanics.film.contact_edges import _cut, with_fine_edges
-from skincad.mechanics.film.stick import PadPiece
+from skincad.mechanics.film.stick import PadPiece, _cut, with_fine_edges
 from skincad.mechanics.problem import Pad
 from skincad.shape.curves import Point, Segment
 from skincad.shape.skin import Section

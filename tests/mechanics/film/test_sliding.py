@@ -9,10 +9,9 @@ import pytest
 
 from skincad.mechanics.bodies.mesh import triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.film.rungs import RUNGS
 from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import PadPiece, level, piece_of
-from skincad.mechanics.film.stress import filled_pad
+from skincad.mechanics.film.stress import RUNGS, filled_pad
 from tests.mechanics.designs import yamada
 
 ORDER = 3

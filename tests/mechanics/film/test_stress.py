@@ -15,17 +15,14 @@ from skincad import load
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies import elements, strip_field
+from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.contact.threshold import Ridges
-from skincad.mechanics.film import rungs as film_rungs
+from skincad.mechanics.contact.frictionless import Ridges, press
 from skincad.mechanics.film import stick
-from skincad.mechanics.film.answer import FilmStress
-from skincad.mechanics.film.ridge_field import RidgeField
-from skincad.mechanics.film.rungs import RUNGS, solve
-from skincad.mechanics.film.stress import filled_pad, film_stresses
+from skincad.mechanics.film import stress as film_rungs
+from skincad.mechanics.film.fields import RidgeField
+from skincad.mechanics.film.stress import RUNGS, FilmStress, filled_pad, film_stresses, solve
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.shape.curves import Point
 from skincad.shape.feature import SensorPlace
@@ -190,20 +187,20 @@ def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
         assert lengthwise[0].value == pytest.approx(0.0, abs=1e-8 * pressure)
 
 
-def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> strip_field.StripBody:
+def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> film_field.StripBody:
     """Pressed without the module under test: the linear tier's steps, on the whole pad."""
-    body = strip_field.body(elements.curved(mesh, order), order, materials)
+    body = film_field.body(elements.curved(mesh, order), order, materials)
     system, unit = body.system, unit_of(pad)
     small = condense(system.matrix, system.interior, system.contact)
     ridges = Ridges.of(system, small.flexibility, pad.top / unit)
     state = press(ridges.flexibility, ridges.gap, force / (pad.young_modulus * unit * pad.length))
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)
-    strip_field.set_state(body, small.solve(load))
+    film_field.set_state(body, small.solve(load))
     return body
 
 
-def stress_at(body: strip_field.StripBody, points: np.ndarray, unit: float) -> np.ndarray:
+def stress_at(body: film_field.StripBody, points: np.ndarray, unit: float) -> np.ndarray:
     """xx, xz, zz `(p, 3)` in E at points in mm."""
     mesh = body.system.mesh
     return np.array(
@@ -247,7 +244,7 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
         )
 
 
-def contour_mean(body: strip_field.StripBody, pad: Pad, slot: SensorPlace, thickness: float) -> float:
+def contour_mean(body: film_field.StripBody, pad: Pad, slot: SensorPlace, thickness: float) -> float:
     """Around a rectangle OFF outside of the film, less what the silicone between them holds.
 
     All is cut in line with the film's corners, where stress has no bound, and sampled densely towards them.

@@ -11,7 +11,7 @@ import pytest
 
 from skincad.effects.kinds import Share, Step
 from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.grip import ContactState, Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.film.turning import in_skin_axes, rotated_pad
 from tests.mechanics.film.test_sliding import meshed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies import strip_field
+from skincad.mechanics.bodies import film_field
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.stick import in_strip_axes, on_whole
 from tests.mechanics.film.test_sliding import meshed
@@ -38,8 +38,8 @@ def test_strips_feel_what_the_condensed_pad_says() -> None:
     sides = pad.whole._moved(force())
     stresses = []
     for moved in sides:
-        strip_field.set_state(pad.whole.body, moved)
-        stress = strip_field.averages(pad.whole.body, part.slots, part.thickness, part.unit)
+        film_field.set_state(pad.whole.body, moved)
+        stress = film_field.averages(pad.whole.body, part.slots, part.thickness, part.unit)
         stresses.append(on_whole(part, in_strip_axes(stress * part.pad.young_modulus, part.slots), 1))
     right = np.array([slot.centre.x > 0 for slot in part.whole.section.slots])
     expected = pad.strips @ force()

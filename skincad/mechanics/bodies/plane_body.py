@@ -1,0 +1,364 @@
+"""A plane body at finite strain: neo-Hookean, or by any law of rubber, and what of it would collide.
+
+Only crowns and tip fillets meet the plate in the models. A flank that reaches it, two ridges that meet
+and a slot that closes would go through each other unseen; a state that shows one is refused.
+
+Bodies have neo-Hooke's energy with the volume's part (neo_hooke.py) and add this, so that they are
+neo-Hooke's to the last digit where no law is given, and have the same small strain whatever the law.
+
+Neo-Hookean, or of another law, whose energy beyond neo-Hooke's is law_energy.py's.
+
+Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
+A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import ngsolve as ng
+import numpy as np
+import shapely
+from netgen.meshing import NgException
+from scipy import sparse
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.laws.rubber import Rubber
+from skincad.mechanics.bodies import elements, fe
+from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
+from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines, with_contact
+from skincad.mechanics.problem import ContactError
+
+THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
+
+
+def fault(
+    loops: list[Outline],
+    plate: Callable[[Array], Array],
+    with_itself: bool = True,
+    *,
+    mirrored: bool = False,
+) -> str | None:
+    """Return what is wrong with deformed loops under a plate at the heights `plate` of x, or None.
+
+    Contact of the skin with itself is looked for unless `with_itself` is false. Of a `mirrored` half, what
+    crosses x = 0 meets its own image.
+    """
+    for loop in loops:
+        x, z = loop.moved[~(loop.touches | np.roll(loop.touches, 1))].T
+        if (z > plate(x) + THROUGH).any():
+            return "a ridge's flank or the skin between ridges meets the plate"
+    if any(_area(loop.rest) * _area(loop.moved) <= 0 for loop in loops):
+        return "a slot is turned inside out"
+    if mirrored and min(loop.moved[:, 0].min() for loop in loops) < -THROUGH:
+        return "two ridges meet in the middle"
+    outer = max(range(len(loops)), key=lambda i: abs(_area(loops[i].rest)))
+    holes = [loop.moved for i, loop in enumerate(loops) if i != outer]
+    if with_itself and not shapely.is_valid(shapely.Polygon(loops[outer].moved, holes)):
+        return "the skin folds onto itself: two ridges meet or a slot closes"
+    return None
+
+
+def x_of_largest_displacement(loops: list[Outline]) -> float:
+    """Return x at rest of the place that moves furthest."""
+    moves = np.concatenate([loop.moved - loop.rest for loop in loops])
+    return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])
+
+
+def _area(loop: Array) -> float:
+    """Signed area of a closed polygon `(points, 2)`."""
+    x, z = loop.T
+    return float(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2
+
+
+PLAIN = ((1.0, 2.0),)  # neo-Hooke's powers
+# Of (d / s)^2 below, up to which a power of both stretches is summed as a series. With TERMS the series is
+# exact to 2e-14 for powers from -14 to 14; above, the root's second derivative loses 3 digits at most
+NEAR, TERMS = 0.01, 11
+
+
+class Functions(NamedTuple):
+    """Functions of symbols or of arrays; `positive(c, a, b)` is a where c is above 0, and b elsewhere."""
+
+    exp: Callable[[Any], Any] = ng.exp
+    log: Callable[[Any], Any] = ng.log
+    sqrt: Callable[[Any], Any] = ng.sqrt
+    positive: Callable[[Any, Any, Any], Any] = ng.IfPos
+
+
+SYMBOLS = Functions()
+NO_LAWS: Mapping[str, Rubber] = MappingProxyType({})
+
+
+def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
+    """Return the energy density beyond neo-Hooke's, in units of the law's own shear modulus, in terms of the
+    displacement gradient `h[i, j]` of two dimensions. Infinite or nan where the law ends."""
+    trace, minor = h[0, 0] + h[1, 1], h[0, 0] * h[1, 1] - h[0, 1] * h[1, 0]
+    squares = h[0, 0] * h[0, 0] + h[1, 1] * h[1, 1] + h[0, 1] * h[0, 1] + h[1, 0] * h[1, 0]
+    volume = 1 + trace + minor
+    logarithm = of.log(volume)
+    plain = squares / 2 + trace - logarithm
+    if law.powers == PLAIN:
+        return law.energy(plain, of) - plain
+    middle = 1 + trace + squares / 2  # of the two stretches' squares
+    first = h[0, 0] - h[1, 1] + (h[0, 0] ** 2 + h[1, 0] ** 2 - h[0, 1] ** 2 - h[1, 1] ** 2) / 2
+    second = h[0, 1] + h[1, 0] + h[0, 0] * h[0, 1] + h[1, 0] * h[1, 1]
+    difference = (first * first + second * second) / (
+        middle * middle
+    )  # (d / s)^2, squares are s + d and s - d
+    measure = 0
+    for share, power in law.powers:
+        both = _both(middle, difference, volume, power / 2, of)
+        measure = measure + share * (2 / power**2 * both - 2 / power * logarithm)
+    return law.energy(measure, of) - plain
+
+
+def _both(middle: Any, difference: Any, volume: Any, half: float, of: Functions) -> Any:
+    """Return (s + d)^b + (s - d)^b - 2, with s - d as J^2 / (s + d), which keeps its digits."""
+    series, chosen = 0.0, [1.0]  # binomials; scipy's are nan for negative integers
+    for i in range(2 * TERMS - 2):
+        chosen.append(chosen[-1] * (half - i) / (i + 1))
+    for binomial in chosen[:0:-2]:
+        series = difference * (series + binomial)
+    near = 2 * (1 + series) * of.exp(half * of.log(middle))
+    root = of.sqrt(of.positive(difference - NEAR, difference, 1.0 + 0 * difference))
+    large = of.log(middle * (1 + root))
+    far = of.exp(half * large) + of.exp(half * (2 * of.log(volume) - large))
+    return of.positive(difference - NEAR, far, near) - 2
+
+
+PLANE = 2  # dimensions
+CLAMPED_EDGE = 0.005  # of the height, see `body`
+NONE = np.empty(0, dtype=np.int64)
+SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
+
+
+@dataclass(frozen=True)
+class NeoHookeBody:
+    """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
+
+    `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
+    them as they are eliminated, contact unknowns last, in all steps. Of a half these are for movements that
+    are their own mirror image; `odd` lists the unknowns of those that the mirror turns round, the last
+    `odd_contact` contact ones; a whole pad has none. Newton takes it as an `Elastic`.
+    """
+
+    mesh: Any
+    space: Any
+    form: Any
+    rest: ContactStiffness
+    free: Mask
+    order: Index
+    odd: Index
+    odd_contact: int
+
+    def residual(self, state: Array) -> Array:
+        """Return the energy's derivative `(n,)` by all unknowns, clamped ones included; not finite where
+        there is no energy, as in an element that is turned inside out."""
+        vector = _vector(self, state).CreateVector()
+        self.form.Apply(_vector(self, state), vector)
+        return np.array(vector.FV().NumPy())
+
+    def energy(self, state: Array) -> float:
+        """Return the energy per length along y; infinite where a point of the elements is inside out."""
+        value = float(self.form.Energy(_vector(self, state)))
+        return value if np.isfinite(value) else np.inf
+
+    def linearised(self, state: Array, residual: Array) -> PlaneLinearised:
+        """Return the tangent factorised; ContactError where it is singular."""
+        at = tangent(self, state, residual)
+        small = factorise(at.matrix, self.order, self.rest.contact.size)
+        return PlaneLinearised(self, at, small, small.flexibility)
+
+    def x_of_largest_displacement(self, step: Array) -> float:
+        """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
+        return x_of_largest_displacement(outlines(self.rest, step))
+
+    def fault(self, state: Array, plate: float) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+        loops = outlines(self.rest, state)
+        return fault(loops, lambda x: np.full_like(x, plate), mirrored=self.odd.size > 0)
+
+
+def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
+    """Return the energy density, in terms of the displacement gradient `h[i, j]` and the pressure q.
+
+    In n = 2 (plane strain) or 3 dimensions
+    G/2 (F:F - n - 2 ln J) + q (J - 1) - q^2 / (2 K) - G/3 (J - 1)^2, so that with q eliminated the
+    volume's part is (K - 2 G/3)/2 (J - 1)^2: neo-Hookean with Lame's constants. Split at the bulk modulus
+    K and not at lambda, as in elements.py, it holds at nu = 0 too. Bonet and Wood, Nonlinear Continuum
+    Mechanics for Finite Element Analysis, 2nd ed., eq. (6.27), with (J - 1)^2 in place of (ln J)^2.
+    """
+    axes = range(h.shape[0])
+    trace = reduce(add, [h[i, i] for i in axes])
+    squares = reduce(add, [h[i, j] * h[i, j] for i in axes for j in axes])
+    swell = dilatation(h)
+    shape = squares + 2 * trace - 2 * log(1 + swell)  # F:F - n - 2 ln J
+    return shear / 2 * shape - shear / 3 * swell * swell + q * swell - q * q / (2 * bulk)
+
+
+def dilatation(h: Any) -> Any:
+    """Return J - 1 of a displacement gradient in two or three dimensions, without cancellation at rest."""
+
+    def minor(i: int, j: int) -> Any:
+        return h[i, i] * h[j, j] - h[i, j] * h[j, i]
+
+    if h.shape[0] == PLANE:
+        return h[0, 0] + h[1, 1] + minor(0, 1)
+    turned = h[1, 2] * h[2, 0] - h[1, 0] * h[2, 2], h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0]
+    determinant = h[0, 0] * minor(1, 2) + h[0, 1] * turned[0] + h[0, 2] * turned[1]
+    return h[0, 0] + h[1, 1] + h[2, 2] + minor(0, 1) + minor(0, 2) + minor(1, 2) + determinant
+
+
+def _small_strain_energy(h: Any, q: Any, shear: float, bulk: float) -> Any:
+    """Return the energy density of the small-strain law, as `strain_energy` does of the other."""
+    strain, swell = ng.Sym(h), h[0, 0] + h[1, 1]
+    return shear * (ng.InnerProduct(strain, strain) - swell * swell / 3) + q * swell - q * q / (2 * bulk)
+
+
+def _clamped_edges(mesh: Any, reach: float) -> Any:
+    """Return the triangles within `reach` times the height of the clamped boundary's ends, as bits."""
+    places = np.array([v.point for v in mesh.vertices])
+    back: set[int] = set()
+    others: set[int] = set()
+    for element in mesh.Elements(ng.BND):
+        if element.mat != "cut":
+            (back if element.mat == "back" else others).update(v.nr for v in element.vertices)
+    near = np.zeros(len(places), dtype=bool)
+    for end in back & others:
+        near |= np.hypot(*(places - places[end]).T) <= reach * np.ptp(places[:, 1])
+    return ng.BitArray([bool(near[[v.nr for v in e.vertices]].all()) for e in mesh.Elements(ng.VOL)])
+
+
+def body(
+    mesh: Any,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    laws: Mapping[str, Rubber] = NO_LAWS,
+) -> NeoHookeBody:
+    """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+
+    A domain that `laws` names has that law, scaled to its modulus; all others have neo-Hooke's.
+
+    At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
+    enough for elements that turn inside out there. Triangles within CLAMPED_EDGE of the height from such
+    an end keep the small-strain law instead; finite_strain.py has what that changes.
+    """
+    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    both = space * ng.L2(mesh, order=order - 1)
+    u, q = both.TrialFunction()
+    gradient, edges = ng.Grad(u), _clamped_edges(mesh, CLAMPED_EDGE)
+    # A factor with a derivative, 0: times an energy that is not a number it leaves no number in the residual
+    # either, which a logarithm's own derivative, 1 / J, would
+    one = ng.Parameter(1.0)
+    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    for domain, constants in materials.items():  # apart, as functions of place are dear to evaluate
+        shear, bulk = fe.shear_and_bulk(*constants)
+        density = strain_energy(gradient, q, shear, bulk, ng.log)
+        if domain in laws:
+            density += shear * excess(laws[domain], gradient)
+        small = _small_strain_energy(gradient, q, shear, bulk)
+        for energy, where in ((density, ~edges), (small, edges)):  # ng.Variation would not keep to elements
+            inside = {"definedon": mesh.Materials(domain), "definedonelements": where}
+            form += ng.SymbolicEnergy((one * energy).Compile(), **inside)
+    form.AssembleLinearization(ng.GridFunction(both).vec)
+    system = with_contact(fe.as_csr(form.mat), mesh, both, order)
+    rest = elements.even(system)
+    free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
+    free[np.setdiff1d(system.interior, rest.interior)] = False
+    elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
+    odd, contact = elements.odd(system) if rest.interior.size < system.interior.size else (NONE, NONE)
+    turned = np.concatenate([fill_order(rest.matrix, odd), contact]) if odd.size else NONE
+    return NeoHookeBody(mesh, both, form, rest, free, elimination, turned, contact.size)
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """The body linearised at a state: `matrix` `(n, n)` and `residual` `(n,)`, both condensed.
+
+    `recover` completes a step `(n,)` of the condensed unknowns by what it moves inside the elements; it
+    belongs to the body's latest tangent.
+    """
+
+    matrix: sparse.csr_matrix
+    residual: Array
+    form: Any
+    whole: Any
+
+    def recover(self, step: Array) -> Array:
+        """Return the step of all unknowns, those inside the elements in balance to first order."""
+        all_of_it = self.whole.CreateVector()
+        all_of_it.FV().NumPy()[:] = step
+        all_of_it.data += self.form.harmonic_extension * all_of_it
+        all_of_it.data -= self.form.inner_solve * self.whole
+        return np.array(all_of_it.FV().NumPy())
+
+
+@dataclass(frozen=True)
+class PlaneLinearised:
+    """The body's tangent, condensed onto the contact unknowns."""
+
+    body: NeoHookeBody
+    tangent: Tangent
+    small: Condensation
+    flexibility: Array
+
+    @property
+    def negative_eigenvalues(self) -> tuple[int, int]:
+        """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
+        negative = self.small.pivots < 0
+        return int(negative[: -len(self.small.flexibility)].sum()), int(negative.sum())
+
+    def odd(self) -> PlaneLinearised | None:
+        """Return the same tangent for what the mirror turns round: on a half's cut z is held and x is not."""
+        body = self.body
+        if not body.odd.size:
+            return None
+        small = factorise(self.tangent.matrix, body.odd, body.odd_contact)
+        free = np.flatnonzero(np.isin(body.rest.contact, body.odd))
+        flexibility = np.zeros_like(self.flexibility)
+        flexibility[np.ix_(free, free)] = small.flexibility
+        return replace(self, small=small, flexibility=flexibility)
+
+    def move(self, push: Array) -> Array:
+        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
+        return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
+
+
+def tangent(body: NeoHookeBody, state: Array, residual: Array) -> Tangent:
+    """Return the tangent at a state whose `residual` is at hand; ContactError where it has none."""
+    try:
+        body.form.AssembleLinearization(_vector(body, state))
+    except NgException as failure:
+        if SINGULAR not in str(failure):
+            raise
+        raise ContactError("the tangent stiffness of an element is singular") from None
+    return under(body, fe.as_csr(body.form.mat), residual)
+
+
+def under(body: NeoHookeBody, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
+    """Return the body's latest tangent, its condensed `matrix` kept, under another state's residual."""
+    whole = _vector(body, residual)
+    condensed = whole.CreateVector()
+    condensed.data = whole + body.form.harmonic_extension_trans * whole
+    return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
+
+
+def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array:
+    """Return a state in the unknowns of a higher order on the same mesh."""
+    source, target = ng.GridFunction(coarse.space), ng.GridFunction(fine.space)
+    source.vec.FV().NumPy()[:] = state
+    for part, finer in zip(source.components, target.components, strict=True):
+        finer.Set(part)
+    return np.array(target.vec.FV().NumPy())
+
+
+def _vector(body: NeoHookeBody, values: Array) -> Any:
+    vector = body.form.mat.CreateColVector()
+    vector.FV().NumPy()[:] = values
+    return vector

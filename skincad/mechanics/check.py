@@ -1,0 +1,452 @@
+"""The check: models from the cheapest to the best, until the verdict is clear or nothing better fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from skincad.base.arguments import require_goals, require_number
+from skincad.base.climbing import overrun
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
+from skincad.base.estimate import Estimate
+from skincad.base.stopwatch import Progress, about
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.process import processes
+from skincad.mechanics.left_out import LeftOut, left_out
+from skincad.mechanics.models.table import (
+    AUTO,
+    TIERS,
+    expected_seconds,
+    is_small_strain,
+    load,
+    overhead_seconds,
+    prerequisites,
+    run,
+    seconds_at_size,
+    tier_of,
+    timing_cache,
+    unsupported_reason,
+)
+from skincad.mechanics.plate_friction import PlateFriction
+from skincad.mechanics.problem import (
+    Answer,
+    ContactError,
+    LateError,
+    Request,
+    SizeError,
+    Spread,
+    Yield,
+    no_yield,
+)
+from skincad.mechanics.validity import (
+    exceeds_small_strain,
+    material_warnings,
+    refuse_crushed,
+    slope_warnings,
+    small_strain_violation,
+    strain_warnings,
+    tipping,
+)
+from skincad.mechanics.verdict import (
+    ContactCheck,
+    ModelRun,
+    before_refusal,
+    is_decided,
+    is_undecidable,
+    relative_error,
+    with_model_error,
+    with_open_friction,
+    with_shortfall,
+    without_mesh_tolerance,
+)
+from skincad.shape.crests import crest_drops, shift_warnings
+from skincad.shape.skin import skin_of
+
+LARGEST_FORCE = 1e6  # N, as contact.force
+
+
+def require_force(force: float) -> None:
+    """Raise InputError unless a normal force, N, is one that can be asked for."""
+    rule = f"must be above 0 N and at most {LARGEST_FORCE:g} N"
+    require_number("force", force, lambda value: 0 < value <= LARGEST_FORCE, rule)
+
+
+def check(
+    design: Design,
+    *,
+    force: float | None = None,
+    tol: float | None = None,
+    budget: float | None = None,
+    tier: str = "auto",
+    measured: Path | str | None = None,
+    progress: Progress | None = None,
+    on_verdict: OnVerdict | None = None,
+) -> ContactCheck:
+    """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
+
+    `tier` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
+    relative error of the all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget`
+    in seconds, no further than it may last. If a tier refuses, the verdict of the one before stands. With a
+    tier named, `tol` and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights
+    (columns ridge, crest_mm), to judge that part. `on_verdict` is called with each tier's verdict as soon as
+    it is known. Passed means: all touch, and the all-touch force with its error still lies at or below the
+    force. Raises InputError for a force, tolerance, budget or tier out of range.
+    """
+    if not isinstance(design, Design):
+        raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
+    load = design.contact.force if force is None else force
+    require_force(load)
+    require_goals(tol, budget, "0.05")
+    if measured is not None and design.skin.curvature_radius_y is not None:
+        raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
+    crest_offsets = () if measured is None else crest_drops(measured, design)
+    notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
+    notes += (trouble,) if (trouble := timing_cache().trouble) else ()
+    climb = Climb(design, load, crest_offsets, notes, progress, on_verdict)
+    if tier == "auto":
+        return climb.auto(tol, budget)
+    tier_of(tier)
+    if reason := unsupported_reason(tier, design, bool(crest_offsets)):
+        raise InputError("tier", reason, tier, "leave it out")
+    verdict = climb.verdict_of(tier, Request(load, tol, budget, crest_offsets, ridge_model=not crest_offsets))
+    return with_shortfall(verdict, tol, verdict.model_error)
+
+
+MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear tier is still tried
+MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is solved
+# The mesh's share of a requested tolerance: of models that leave effects out, and of complete ones
+MESH_SHARE, FULL_MODEL_MESH_SHARE = 0.3, 0.5
+FINEST_TOLERANCE = 5e-3  # relative; `auto` asks no finer mesh where the model's error dominates
+# s; without a tolerance or a budget, no model is started that would end later
+DEFAULT_BUDGET = 120.0
+LARGE_PAD_SECONDS = (
+    12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
+)
+OnVerdict = Callable[[ContactCheck], object]  # called with each tier's verdict as soon as it is known
+
+
+class Climb:
+    """One check: the tiers solved so far, and the verdict of each."""
+
+    def __init__(
+        self,
+        design: Design,
+        force: float,
+        crest_offsets: tuple[float, ...],
+        notes: tuple[str, ...],
+        progress: Progress | None,
+        on_verdict: OnVerdict | None = None,
+    ) -> None:
+        self.design, self.force, self.crest_offsets, self.notes = design, force, crest_offsets, notes
+        self.progress, self.on_verdict = progress, on_verdict
+        self.started, self.sampling_seconds = perf_counter(), 0.0
+        self.solved: dict[str, Answer] = {}
+        self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
+        self.runs: list[ModelRun] = []
+        self.tiers = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
+        self.friction = PlateFriction(design, force, crest_offsets)
+
+    def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
+        """Try better tiers until the tolerance is met, the verdict is clear or the budget is used."""
+        request = Request(self.force, None, None, self.crest_offsets, ridge_model=not self.crest_offsets)
+        name = self.tiers[self._first_index(tol)]
+        large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE_PAD_SECONDS
+        if name != "winkler" and (budget is not None or large):
+            return self._within_budget(request, tol, budget)
+        return self._climb_from(name, request, tol, budget)
+
+    def _within_budget(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
+        """Start with the linear tier if it fits into the budget or DEFAULT_BUDGET, else use the closed
+        form."""
+        limit = DEFAULT_BUDGET if budget is None else budget
+        least = self.tiers[0] == "winkler"
+        name = "linear" if "linear" in self.tiers else self.tiers[0]
+        load(name)  # the library's import is no part of the budget
+        self.started = perf_counter()
+        try:
+            if (
+                least
+                and name == "linear"
+                and expected_seconds(name, self.design, set()) > MAX_BUDGET_RATIO * limit
+            ):
+                raise LateError(expected_seconds(name, self.design, set()))
+            return self._climb_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
+        except LateError as late:
+            check = self._tier("winkler", replace(request, tol=FINEST_TOLERANCE))
+            words = f"the linear tier would take about {about(late.seconds)} of the budget of {limit:g} s"
+            if budget is None:
+                words = (
+                    f"the linear tier would take about {about(late.seconds)}, and without --budget a check "
+                    f"takes about {DEFAULT_BUDGET:g} s at most"
+                )
+            check = replace(check, warnings=(*check.warnings, words), next_tier=(name, late.seconds))
+            return with_shortfall(check, tol, 0.0)
+
+    def _climb_from(
+        self, name: str, request: Request, tol: float | None, budget: float | None
+    ) -> ContactCheck:
+        check: ContactCheck | None = None
+        limit = budget if budget is not None or tol is not None else DEFAULT_BUDGET
+        while True:
+            timed = limit is not None and request.budget is not None  # by a budget, or as the pad is large
+            remaining = (
+                max(limit - self._spent() - self._yield_seconds(), MIN_BUDGET) if limit and timed else None
+            )
+            try:
+                check = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=remaining))
+            except (InputError, RefusedError) as refusal:
+                check = check or self._best_solved(request, refusal)
+                if check is None:
+                    raise
+                later = self.tiers[self.tiers.index(name) + 1 :]
+                by_force = isinstance(refusal, InputError) and refusal.key == "force"
+                if (
+                    later
+                    and budget is None
+                    and by_force
+                    and self._seconds_until_end(later[0]) <= (limit or math.inf)
+                ):
+                    name = later[0]  # a plane model's limit need not be the solid's
+                    continue
+                check = before_refusal(check, name, refusal)
+                break
+            satisfied = (
+                budget is None and self._is_settled(check)
+                if tol is None
+                else self._meets_tolerance(check, tol)
+            )
+            if check.next_tier is None or (
+                not exceeds_model(self.design, check) and (check.out_of_range or satisfied)
+            ):
+                break
+            if limit is not None and self._spent() + check.next_tier[1] > limit:
+                break
+            name, request = check.next_tier[0], replace(request, must_fit=False)
+        check = without_mesh_tolerance(self._with_yield(check))
+        check = replace(check, warnings=(*check.warnings, *overrun("", self._spent(), budget)))
+        return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
+
+    def _best_solved(self, request: Request, refusal: Exception) -> ContactCheck | None:
+        """The verdict of the best tier solved before one refused.
+
+        For a pad too large for any mesh it is the closed form's.
+        """
+        solved = [name for name in self.tiers if name in self.solved]
+        if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
+            solved = ["winkler"]
+        return self._tier(solved[-1], replace(request, must_fit=False)) if solved else None
+
+    def _first_index(self, tol: float | None) -> int:
+        """Index of the first tier that may meet the tolerance, judged by Winkler's strains.
+
+        Without a tolerance it is the linear tier.
+        """
+        first = self.tiers.index("linear") if "linear" in self.tiers else 0
+        if tol is None or self.crest_offsets:
+            return first
+        rough = run("winkler", self.design, Request(self.force), {}, None)
+        for i, name in enumerate(self.tiers):
+            bounds = self._bounds(name, rough)
+            value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
+            relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
+            if relative - self._irreducible(bounds, tol) <= tol:
+                return i
+        return len(self.tiers) - 1
+
+    def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
+        """Error bounds of the effects that a tier neglects."""
+        effects = (*TIERS[name].leaves_out, *self.friction.left_out(name))
+        return left_out(effects, self.design, answer, self.force)
+
+    def _irreducible(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
+        """The relative error that no tier removes, if it alone exceeds the tolerance, else 0.
+
+        The rest of the error must then meet the tolerance.
+        """
+        part = self.friction.lasting_error(bounds)
+        return part if part > tol - FINEST_TOLERANCE else 0.0
+
+    def _meets_tolerance(self, check: ContactCheck, tol: float) -> bool:
+        """Whether the tolerance is met, as far as any tier can."""
+        spared = self._irreducible(check.left_out, tol) * (check.all_touch_force.value or 0.0)
+        return relative_error(check, spared) <= tol
+
+    def _is_settled(self, check: ContactCheck) -> bool:
+        """Whether the verdict is clear, or an error that no tier removes keeps it open."""
+        return is_decided(check) or is_undecidable(check, self.friction.lasting_error(check.left_out))
+
+    def _seconds_until_end(self, name: str) -> float:
+        """Seconds from the start of the check to the end of a model started now."""
+        return self._spent() + self._seconds(name)
+
+    def _spent(self) -> float:
+        return perf_counter() - self.started
+
+    def verdict_of(self, name: str, request: Request) -> ContactCheck:
+        """Return the verdict by one tier, with its yield."""
+        return self._with_yield(self._tier(name, request))
+
+    def _tier(self, name: str, request: Request) -> ContactCheck:
+        """The verdict by one tier; tiers solved before are reused."""
+        started = self._spent()
+        for tier in (*prerequisites(name), name):
+            if self.progress and tier not in (*self.solved, "winkler"):
+                self.progress(f"{tier} tier", self._seconds(name))
+            answer = run(tier, self.design, request, self.solved, self.progress)
+        refuse_crushed(self.design, self.force, name, answer.approach.value or 0.0)
+        remaining = None if request.budget is None else request.budget - (self._spent() - started)
+        answer = self.friction.applied_to(
+            name, answer, remaining, overhead_seconds("friction", self.design) * self._speed()
+        )
+        answer = answer.consistent(self.force)
+        bounds = self._bounds(name, answer)
+        self.with_model_errors[name] = known = with_model_error(answer, bounds, self.force)
+        verdict = self._verdict(name, known, bounds)
+        self.runs.append(ModelRun(name, verdict.all_touch_force, self._spent() - started, answer.unknowns))
+        if self.on_verdict:
+            self.on_verdict(verdict)
+        return verdict
+
+    def _with_yield(self, check: ContactCheck) -> ContactCheck:
+        """The last verdict with its yield. Earlier verdicts get no yield."""
+        known, result, reserved = self.with_model_errors[check.tier], None, self._yield_seconds()
+        failed: tuple[str, ...] = ()
+        if not (self.crest_offsets or check.out_of_range or check.tier == "winkler"):
+            try:
+                with needing("the yield"):
+                    result = self._manufacture(known)
+            except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
+                failed = (no_yield(failure),)
+        # the solid's yield solves the plane model, whose fault counts
+        beyond_reason = check.out_of_range or self._fault(check.tier, known)
+        following = check.next_tier
+        return replace(
+            check,
+            out_of_range=beyond_reason,
+            deformed=self.solved["linear"].deformed if "linear" in self.solved else (),
+            manufacture=None if beyond_reason else result,
+            seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
+            warnings=(*check.warnings, *failed),
+            next_tier=following and (following[0], following[1] + self._yield_seconds() - reserved),
+        )
+
+    def _manufacture(self, answer: Answer) -> Yield | None:
+        """Yield and sensitivities of the design; the ridge model's force is scaled to the tier's."""
+        threshold, parts = answer.all_touch_force.value, answer.ridge_model
+        if threshold is None or self.design.ridge.count == 1:
+            return None
+        if parts is None:  # the coarsest linear mesh is enough, as the force is scaled
+            rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)
+            parts = run("linear", self.design, rough, self.solved, self.progress).ridge_model
+        if parts is None:
+            return None
+        from skincad.mechanics.manufacture import manufacture
+
+        started = perf_counter()
+        uncertainty = answer.all_touch_force.error or 0.0
+        result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
+        self.sampling_seconds = perf_counter() - started
+        return result
+
+    def _verdict(self, name: str, answer: Answer, bounds: tuple[LeftOut, ...]) -> ContactCheck:
+        design, force, small = self.design, self.force, is_small_strain(name)
+        beyond_reason = (small and small_strain_violation(design, force, answer)) or self._fault(name, answer)
+        warnings = (*answer.warnings, *self.notes, *(strain_warnings(design, answer) if small else ()))
+        return ContactCheck(
+            design.name,
+            force,
+            skin_of(design).count,
+            answer.touching,
+            answer.all_touch_force,
+            answer.approach,
+            answer.ridge_force,
+            name,
+            answer.unknowns,
+            answer.residual,
+            {"total": self._spent(), **answer.seconds},
+            warnings,
+            bounds,
+            tuple(self.runs),
+            self._next(name),
+            plate=design.contact.plate.shape,
+            out_of_range=beyond_reason,
+            tipping=tipping(design, answer),
+            friction=design.contact.friction,
+        )
+
+    def _fault(self, name: str, answer: Answer) -> str:
+        """Undetected contact of the skin with itself or the plate.
+
+        The solid checks the crowns only, so the plane model's finding counts too.
+        """
+        plane = self.solved.get("linear", answer)
+        fault = answer.fault or (plane.fault if is_small_strain(name) else "")
+        return fault and f"at {self.force:g} N {fault}, which the model does not cover"
+
+    def _yield_seconds(self) -> float:
+        """Seconds of the yield: measured, or predicted by its law at the speed seen so far."""
+        return (
+            0.0
+            if self.crest_offsets
+            else self.sampling_seconds or overhead_seconds("yield", self.design) * self._speed()
+        )
+
+    def _yield_times(self, answer: Answer) -> dict[str, float]:
+        """Time of the yield: of its ridge model, which the linear tier built, and of the sample of parts."""
+        return (
+            {"yield": answer.seconds.get("yield", 0.0) + self.sampling_seconds}
+            if self.sampling_seconds
+            else {}
+        )
+
+    def _next(self, name: str) -> tuple[str, float] | None:
+        """The next tier that neglects less, and its predicted seconds."""
+        current, order = TIERS[name], list(TIERS)
+        better = [
+            other
+            for other in self.tiers
+            if order.index(other) > order.index(name)
+            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(current.leaves_out))
+        ]
+        if not better:
+            return None
+        return better[0], self._seconds(better[0])
+
+    def _seconds(self, name: str) -> float:
+        """Predicted seconds of a tier from here, by its law at the speed seen so far, with the yield."""
+        return expected_seconds(name, self.design, set(self.solved)) * self._speed() + self._yield_seconds()
+
+    def _speed(self) -> float:
+        """Measured over predicted seconds of the linear tier; 1 if that is not solved."""
+        plane = self.solved.get("linear")
+        if plane is None:
+            return 1.0
+        spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
+        return spent / seconds_at_size("linear", plane.unknowns)
+
+
+def exceeds_model(design: Design, check: ContactCheck) -> bool:
+    """Whether a small-strain tier found large strains, so that a better tier must judge."""
+    return is_small_strain(check.tier) and (bool(check.out_of_range) or exceeds_small_strain(design, check))
+
+
+def _law_seconds(name: str, design: Design) -> float:
+    """Return the seconds of a model by its law alone: the same on every machine."""
+    return TIERS[name].law.at(TIERS[name].size(design))
+
+
+def mesh_tolerance(name: str, tol: float | None) -> float:
+    """Return the mesh tolerance, relative, that `auto` sets for a tolerance `tol` of the whole."""
+    share = MESH_SHARE if TIERS[name].leaves_out else FULL_MODEL_MESH_SHARE
+    return FINEST_TOLERANCE if tol is None else min(FINEST_TOLERANCE, share * tol)
+
+
+def spread_of(design: Design) -> Spread:
+    """Return how parts of a design differ: by its mold's process and its material's range."""
+    process, modulus = design.mold.process, silicone(design).young_modulus
+    sigma = processes(design.printer)[process].crest_sigma
+    return Spread(process, sigma, (modulus.low, modulus.value, modulus.high))

@@ -1,0 +1,185 @@
+"""The state of a contact with friction, what drives it, and the laws of friction.
+
+By Coulomb's law that is the normal force times a coefficient. Other laws say which shear stress is borne at
+which pressure, straight between a few knees and constant beyond the last; one knee is a constant shear stress
+capped by Coulomb. A sliding point's force is then t = slope p + stress a, both of the line on which its
+pressure lies: for given lines the equations of a step stay linear, and the lines are one more set to be
+found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.problem import ContactError
+
+NONE = np.zeros(0)
+NO_LINES = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionLaw:
+    """A point that sticks bears `static`, one that slides `kinetic` times what `borne` says of it. Without
+    knees that is the normal force; with them `static` is 1, and `pressure`, `stress` `(k + 1,)` MPa, both
+    from 0 on, are of points of `area` `(m,)` mm2."""
+
+    static: float
+    kinetic: float
+    bends: bool
+    area: Array
+    pressure: Array
+    stress: Array
+
+    def borne(self, normal: Array) -> Array:
+        """Return the force `(m,)` N, static friction's of a law with knees, at normal forces `(m,)` N."""
+        if not self.bends:
+            return normal
+        return self.area * np.interp(normal / self.area, self.pressure, self.stress)
+
+    def line(self, normal: Array) -> Index:
+        """Return on which line each point lies `(m,)`, 0 up to the first knee; nothing without knees."""
+        if not self.bends:
+            return NO_LINES
+        return np.searchsorted(self.pressure[1:], normal / self.area)
+
+    def sliding(self, line: Index, way: Array) -> tuple[Array, Array | None]:
+        """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
+        is 1 and to -x where it is -1; None where no law has an offset."""
+        if not self.bends:
+            return self.kinetic * way, None
+        slopes = np.append(np.diff(self.stress) / np.diff(self.pressure), 0.0)
+        offsets = self.stress - slopes * self.pressure
+        along = self.kinetic * way
+        return along * slopes[line], along * offsets[line] * self.area
+
+
+def law_of(cone: FrictionCoefficients, area: Array | None) -> FrictionLaw:
+    """Return the law of points of `area` `(m,)` mm2, which Coulomb's does not ask for."""
+    if not cone.breakpoints:
+        return FrictionLaw(cone.static, cone.kinetic, False, NONE, NONE, NONE)
+    if area is None:
+        raise ContactError("friction by shear stress asks for the area of each contact point")
+    pressure, stress = np.array([(0.0, 0.0), *cone.breakpoints]).T
+    return FrictionLaw(1.0, cone.kinetic / cone.static, True, area, pressure, stress)
+
+
+Status = NDArray[np.int8]
+
+OPEN, STICK, RIGHT, LEFT = 0, 1, 2, 3  # RIGHT: slips with t to +x, as the plate drags it; LEFT to -x
+MOVES = 1e-9  # of the approach; less is no slip but rounding
+
+
+@dataclass(frozen=True)
+class FrictionCoefficients:
+    """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips.
+
+    `breakpoints` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
+    rising: straight from 0 on, by `static`, from knee to knee, and constant beyond the last. Without any the
+    law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
+    """
+
+    static: float
+    kinetic: float
+    breakpoints: tuple[tuple[float, float], ...] = ()
+
+    def capped(self, share: float) -> FrictionCoefficients:
+        """Return the law that bears no more than this share of `static` times the pressure, else as much."""
+        slope, last, breakpoints = share * self.static, (0.0, 0.0), list[tuple[float, float]]()
+        for pressure, stress in self.breakpoints:
+            if stress < slope * pressure:
+                if not breakpoints:
+                    rise = (stress - last[1]) / (pressure - last[0])
+                    meets = (last[1] - rise * last[0]) / (slope - rise)
+                    breakpoints.append((meets, slope * meets))
+                breakpoints.append((pressure, stress))
+            last = pressure, stress
+        if self.breakpoints and not breakpoints:
+            breakpoints.append((last[1] / slope, last[1]))
+        return FrictionCoefficients(slope, share * self.kinetic, tuple(breakpoints))
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm, both
+    along the plate at its `angle` about y, rad, positive where it rises towards +x."""
+
+    normal: float
+    tangential: float | None = None
+    travel: float | None = None
+    angle: float = 0.0
+
+
+@dataclass(frozen=True)
+class Inert:
+    """What a plate with mass adds to a step's drive: the forces are less by `stiffness` N/mm times what the
+    plate's approach and travel exceed these two, mm. Counted from there, a heavy plate loses no digits."""
+
+    stiffness: float
+    approach: float
+    travel: float
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """A contact state: forces `normal`, `tangential` `(m,)` N on the skin (compression, to +x), `anchor`
+    `(m,)` mm and `status` `(m,)`, the plate's `approach` and `travel`, mm. `slipped` `(m,)` is what each
+    point slid in the step, mm; `residual` the largest relative violation.
+    """
+
+    normal: Array
+    tangential: Array
+    anchor: Array
+    status: Status
+    slipped: Array
+    approach: float
+    travel: float
+    residual: float
+    gross: bool = False  # all that touches slips, the last point having just begun
+    angle: float = 0.0  # of the plate, rad
+
+    @property
+    def slips(self) -> Mask:
+        """Points `(m,)` that slide on the plate."""
+        if self.gross:
+            return np.asarray(self.status >= RIGHT)
+        least = MOVES * max(abs(self.approach), 1e-12)
+        return np.asarray((self.status >= RIGHT) & (np.abs(self.slipped) > least))
+
+    @property
+    def touches(self) -> Mask:
+        """Points `(m,)` that touch the plate."""
+        return np.asarray(self.status != OPEN)
+
+
+class GrossSlip(ContactError):  # noqa: N818
+    """No equilibrium: the tangential force is more than friction holds. `last` is the state that slips."""
+
+    def __init__(self, last: Any, words: str) -> None:
+        super().__init__(words)
+        self.last = last
+
+
+@dataclass(frozen=True, eq=False)
+class Compliance:
+    """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
+
+    `solved` remembers the last sets' factorisations, for the steps in which the sets stay. `area` `(m,)` mm2
+    of the points is what friction by shear stress asks for.
+    """
+
+    compliance: Array
+    gap: Array
+    free: Array
+    solved: dict[bytes, Any] = field(default_factory=dict)
+    area: Array | None = None
+
+
+def at_rest(points: int) -> ContactState:
+    """Return the unloaded start of `points` points."""
+    zero = np.zeros(points)
+    return ContactState(zero, zero, zero, np.zeros(points, dtype=np.int8), zero, 0.0, 0.0, 0.0)

@@ -1,0 +1,203 @@
+"""Displacement and stress of a linear pad, of one ridge alone and of the whole, by mirror-symmetric parts.
+
+A state takes one solve with the factorisation that condensed the pad, of a mirrored pad one for each parity.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.mechanics.bodies import elements, film_field
+from skincad.mechanics.bodies.condense import Condensation
+from skincad.mechanics.bodies.film_field import Patch, StripBody
+from skincad.mechanics.bodies.plane_body import fault
+from skincad.mechanics.film.stick import LoadState, PadPiece, StickSolution
+
+REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
+
+
+@dataclass(frozen=True, eq=False)
+class RidgeField:
+    """A ridge and what is around it: `place` and `shift` `(p, 2)` mm, `stress` `(p,)` MPa across the ridge,
+    from one strip's middle towards the other's, `triangles` `(t, 3)` of the points, `film` `(t,)` the film's.
+    `middle` mm is the place half-way between the two strips.
+    """
+
+    ridge: int
+    middle: tuple[float, float]
+    place: Array
+    shift: Array
+    stress: Array
+    triangles: Index
+    film: Mask
+
+
+def ridge_field(piece: PadPiece, solution: StickSolution, ridge: int, tangential: float) -> RidgeField:
+    """Return the field around a ridge with both strips, under the normal force and `tangential` N."""
+    push = _around(piece, solution, ridge, solution.normal_state, 1)
+    shift, stress = push.shift, push.stress
+    if solution.pull_state is not None and tangential:
+        pull = _around(piece, solution, ridge, solution.pull_state, -1)
+        shift, stress = shift + tangential * pull.shift, stress + tangential * pull.stress
+    x, z = _across(piece, ridge)
+    xx, xz, zz, _ = stress.T * piece.pad.young_modulus
+    first, second = _middles(piece, ridge)
+    return RidgeField(
+        ridge,
+        ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
+        push.place * piece.unit,
+        shift * piece.unit,
+        xx * x * x + 2 * xz * x * z + zz * z * z,
+        push.triangles,
+        push.film,
+    )
+
+
+def _middles(piece: PadPiece, ridge: int) -> Array:
+    return np.array([slot.centre for slot in piece.whole.section.slots if slot.feature == ridge])
+
+
+def _across(piece: PadPiece, ridge: int) -> Array:
+    """Unit vector from a ridge's first strip to its second."""
+    first, second = _middles(piece, ridge)
+    return np.asarray((second - first) / np.hypot(*(second - first)))
+
+
+def _around(piece: PadPiece, solution: StickSolution, ridge: int, state: LoadState, parity: int) -> Patch:
+    """The field around a ridge, in units; of a half, what lies at x < 0 is the mirror image of x > 0."""
+    film_field.set_state(solution.body, state.displacement)
+    x, z = _middles(piece, ridge).mean(axis=0) / piece.unit
+    here = film_field.field(solution.body, (x, z), REACH)
+    if not piece.mirrored:
+        return here
+    return joined(here, as_image(film_field.field(solution.body, (-x, z), REACH), parity))
+
+
+def joined(one: Patch, other: Patch) -> Patch:
+    """Return both pieces as one."""
+    return Patch(
+        np.concatenate([one.place, other.place]),
+        np.concatenate([one.shift, other.shift]),
+        np.concatenate([one.stress, other.stress]),
+        np.concatenate([one.triangles, other.triangles + len(one.place)]),
+        np.concatenate([one.film, other.film]),
+    )
+
+
+def as_image(patch: Patch, parity: int) -> Patch:
+    """Return the mirror image about x = 0 of a piece, its state even (1) or odd (-1)."""
+    return Patch(
+        patch.place * [-1, 1],
+        parity * patch.shift * [-1, 1],
+        parity * patch.stress * [1, -1, 1, 1],
+        patch.triangles,
+        patch.film,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class DeformedSection:
+    """The deformed section: `place`, `shift` `(p, 2)` mm, `stress` `(p, 4)` MPa, xx, xz, zz and yy, of its
+    points, `triangles` `(t, 3)` of them, `film` `(t,)` those of the film. The plate is the line through
+    (0, `plate`) mm at `angle` rad."""
+
+    place: Array
+    shift: Array
+    stress: Array
+    triangles: Index
+    film: Mask
+    plate: float
+    angle: float
+
+
+@dataclass(frozen=True, eq=False)
+class Parity:
+    """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the piece by
+    `spread` and on its contact unknowns by `rows`."""
+
+    small: Condensation
+    rows: sparse.csr_matrix
+    spread: sparse.csr_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class WholeState:
+    """Computes the whole pad's state from the forces at its contact points."""
+
+    piece: PadPiece
+    body: StripBody
+    parities: tuple[Parity, ...]
+
+    def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
+        """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
+        patches = [self._field(moved) for moved in self._moved(force)]
+        patch = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
+        unit, modulus = self.piece.unit, self.piece.pad.young_modulus
+        place, shift = patch.place * unit, patch.shift * unit
+        return DeformedSection(
+            place, shift, patch.stress * modulus, patch.triangles, patch.film, plate, angle
+        )
+
+    def fault(
+        self, force: Array, plate: float, angle: float, give: tuple[Array, Array] | None = None
+    ) -> str | None:
+        """Return a description of contact in this state that the model does not detect, or None.
+
+        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have.
+        """
+        return collision(self.piece, self.body, self._moved(force), plate, angle, give)
+
+    def _field(self, moved: Array) -> Patch:
+        film_field.set_state(self.body, moved)
+        return film_field.field(self.body, (0.0, 0.0), math.inf, 1)
+
+    def _moved(self, force: Array) -> list[Array]:
+        """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
+        per_force = 1 / (self.piece.pad.young_modulus * self.piece.pad.length * self.piece.unit)
+        displacements = []
+        for parity in self.parities:
+            small, load = parity.small, np.zeros(self.body.system.lift.size)
+            last = small.order[-small.flexibility.shape[0] :]
+            load[last] = parity.rows.T @ (parity.spread @ force) * per_force
+            displacements.append(small.solve(load))
+        return on_sides(displacements)
+
+
+def on_sides(displacements: list[Array]) -> list[Array]:
+    """Return the displacements of a piece and of its image from those under even and odd loads; of a whole
+    pad the ones that there are."""
+    if len(displacements) == 1:
+        return displacements
+    even, odd = displacements
+    return [even + odd, even - odd]
+
+
+def collision(
+    piece: PadPiece,
+    body: StripBody,
+    moved: list[Array],
+    plate: float,
+    angle: float,
+    give: tuple[Array, Array] | None = None,
+) -> str | None:
+    """Return a description of contact that the models do not detect, or None.
+
+    `moved` are displacements `(n,)`, in units, of the piece and, of a mirrored pad, of its image; the plate
+    is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
+    """
+
+    def over(x: Array) -> Array:
+        more = 0.0 if give is None else np.interp(x * piece.unit, *give) / piece.unit
+        return np.asarray(plate / piece.unit + math.tan(angle) * x + more)
+
+    def over_image(x: Array) -> Array:
+        return over(-x)
+
+    outlines = [elements.outlines(body.system, side) for side in moved]
+    collisions = (fault(loops, height) for loops, height in zip(outlines, (over, over_image), strict=False))
+    return next((words for words in collisions if words), None)

@@ -1,0 +1,1 @@
+"""The models of a check, one file each, and the table of them."""

@@ -1,0 +1,195 @@
+"""Finite strain in the plane, on ever finer meshes.
+
+Levels and rungs are the linear tier's, and so is the error: two orders on one mesh (linear.py), and the
+clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
+The pad's free ends are still left out.
+
+Range: to where a ridge tips over under the plate or its tip folds (stability.py), 13 N in all on
+docs/facts.md's section, or to where parts meet that the model does not know (folding.py).
+Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound (newton.ROUNDING).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.blas import one_blas_thread
+from skincad.base.errors import InputError
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import elements, plane_body
+from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
+from skincad.mechanics.bodies.mesh import PadMesh
+from skincad.mechanics.bodies.plane_body import NeoHookeBody, transferred
+from skincad.mechanics.contact.newton import (
+    DivergedError,
+    Elastic,
+    PressedPad,
+    PressedState,
+    press_to,
+    press_until_all_touch,
+)
+from skincad.mechanics.models.linear import PlaneSolution, climb, scale_of
+from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
+
+# Relative change by the small-strain law at the clamped ends (plane_body.body), taken as twice the change
+# measured without it at 4, 6 and 9 N: 5e-5 of the all-touch force, 6e-5 to 3e-4 of approach and of the mean
+# share
+EDGE_THRESHOLD = 1e-4
+EDGE_STATE = 6e-4
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the finite-strain tier's verdict on a design."""
+    return solve(pad_of(design), request, progress)
+
+
+def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
+    """Return touching ridges, all-touch force, approach and shares of a pad, with discretisation errors.
+
+    `tol` and `budget` as in the linear tier. Raises InputError for a force beyond the model's range. Where
+    the force at which all touch is beyond it, that value is None and a warning says so.
+    """
+    check_flat(pad.plate, "finite-strain", "linear")
+    levels = Levels()
+    result, _ = climb(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
+    result, ridges = replace(result, warnings=(*result.warnings, *levels.warnings())), len(result.ridge_force)
+    # error by the law at the clamped ends
+    share = EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
+    return result.widened(EDGE_THRESHOLD, EDGE_STATE, share)
+
+
+@dataclass(frozen=True)
+class _LevelStates:
+    """A level's two states, for the next order to start from."""
+
+    meshed: PadMesh
+    mesh: Any
+    pad: PressedPad[NeoHookeBody]
+    at_force: PressedState
+    touching: PressedState | None
+    out_of_range: str
+
+
+class Levels:
+    """Solves level after level of one pad, each from the states of the one before on the same mesh."""
+
+    def __init__(self) -> None:
+        self.last: _LevelStates | None = None
+
+    def __call__(
+        self, meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...] = ()
+    ) -> PlaneSolution:
+        """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm.
+        Those need a mesh of the whole pad."""
+        with one_blas_thread():
+            before = self.last if self.last and self.last.meshed is meshed else None
+            self.last, solution = _level(meshed, order, force, crest_offsets, before)
+        return solution
+
+    def warnings(self) -> list[str]:
+        """Warnings of the last level."""
+        return [self.last.out_of_range] if self.last and self.last.out_of_range else []
+
+
+def _level(
+    meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...], before: _LevelStates | None
+) -> tuple[_LevelStates, PlaneSolution]:
+    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
+    clock = [perf_counter()]
+    mesh = elements.curved(meshed.mesh, order) if before is None else before.mesh
+    mesh.Curve(max(3, order))
+    low = np.array(crest_offsets) / unit if crest_offsets else None
+    problem = PressedPad(plane_body.body(mesh, order, pad.materials, pad.laws), pad.top / unit, low)
+    clock.append(perf_counter())
+    guess = None if before is None else transferred(before.pad.body, before.at_force.values, problem.body)
+    state = at_force(problem, force / scale, scale, guess)
+    clock.append(perf_counter())
+    touching, beyond_reason = _all_touch(problem, state, scale, before)
+    clock.append(perf_counter())
+    stages = dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True))
+    solved = _LevelStates(meshed, mesh, problem, state, touching, beyond_reason)
+    return solved, _plane_solution(solved, scale, stages)
+
+
+def at_force(
+    problem: PressedPad[Elastic], force: float, scale: float, guess: Array | None = None
+) -> PressedState:
+    """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
+    reached = 0.0
+    try:
+        state = press_to(problem, force, guess)
+        wrong = problem.body.fault(state.values, problem.top - state.approach)
+    except DivergedError as failure:
+        wrong, reached = str(failure), failure.reached
+    if wrong is None:
+        return state
+    range_ = f" (up to about {reached * scale:.3g} N)" if reached else ""
+    raise InputError(
+        "force",
+        f"must lie within the finite-strain model's range{range_}: {wrong}",
+        force * scale,
+        "take a smaller force, or a harder silicone or wider ridges",
+    )
+
+
+def _all_touch(
+    problem: PressedPad[NeoHookeBody], state: PressedState, scale: float, before: _LevelStates | None
+) -> tuple[PressedState | None, str]:
+    """`all_touch`, guessed from the order before."""
+    if before is not None and before.out_of_range:
+        return None, before.out_of_range  # a higher order would only search for longer
+    guess = None
+    if before is not None and before.touching is not None:
+        # the step between two forces is smooth; what the orders differ by at the corners is in `state`
+        step = before.touching.values - before.at_force.values
+        guess = state.values + transferred(before.pad.body, step, problem.body)
+    return all_touch(problem, state, scale, guess)
+
+
+def all_touch(
+    problem: PressedPad[Elastic], state: PressedState, scale: float, guess: Array | None = None
+) -> tuple[PressedState | None, str]:
+    """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
+    none. `state` is one nearby."""
+    if state.ridges.numbers.size == 1:
+        return None, ""
+    reached = state.force
+    try:
+        touching = press_until_all_touch(problem, state, guess)
+        wrong = problem.body.fault(touching.values, problem.top - touching.approach)
+        if wrong is None:
+            return touching, ""
+    except DivergedError as failure:
+        wrong, reached = str(failure), failure.reached or reached
+    return None, (
+        "the force at which all ridges touch is beyond the finite-strain model's range "
+        f"(looked up to {reached * scale:.3g} N): {wrong}"
+    )
+
+
+def _plane_solution(solved: _LevelStates, scale: float, stages: dict[str, float]) -> PlaneSolution:
+    meshed, state, touching, rest = solved.meshed, solved.at_force, solved.touching, solved.pad.body.rest
+    numbers, nodal = state.ridges.numbers, state.contact.force
+    shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
+    states = [state] if touching is None else [state, touching]
+    threshold = 0.0 if numbers.size == 1 else None
+    return PlaneSolution(
+        threshold if touching is None else touching.force * scale,
+        state.approach * meshed.unit,
+        meshed.on_whole(shares),
+        int(np.count_nonzero(meshed.on_whole(shares) > 0)),
+        rest.nodes.position[:, 0] * meshed.unit,
+        nodal / rest.nodes.weight * meshed.whole.young_modulus,
+        rest.unknowns,
+        max(max(s.residual, s.contact.residual) for s in states),
+        stages,
+        state.ridges,
+        meshed.unit,
+        scale,
+    )

@@ -1,0 +1,133 @@
+"""Finite strain of the solid pad.
+
+The correction compares small and finite strain on one coarse mesh of the section with the same prisms, so the
+mesh's error cancels (as in corrected.py).
+
+Range: to where a ridge buckles or its tip folds, or parts meet that the model does not know, as in the
+finite-strain tier. A force beyond it is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from skincad.base.blas import one_blas_thread
+from skincad.base.stopwatch import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies import prisms
+from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
+from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
+from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
+from skincad.mechanics.contact.newton import PressedPad
+from skincad.mechanics.models import solid
+from skincad.mechanics.models.corrected import ORDER, Errors, apply_change, plain_pad
+from skincad.mechanics.models.finite_strain import all_touch, at_force
+from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, level_of, timed
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
+
+LAYERS = Layers(0.6, 2.0, 3)
+MOST_UNKNOWNS = 150_000  # about 4 GB
+
+# Errors of the change itself. Measured against order 3, a finer mesh and finer layers on plain-ridges at 1, 4
+# and 8 N, fingertip-soft and four variants of thickness, height, length and Poisson's ratio: at most 0.17 %
+# of the approach (at 1 N, else 0.08 %), 0.07 % of the all-touch force, 0.56 % of the mean share (at 1 N, else
+# 0.36 %); on yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
+ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
+
+
+@dataclass(frozen=True)
+class Strains:
+    """The coarse answers at small and at finite strain, on the same mesh; `out_of_range` says why the
+    all-touch force is None."""
+
+    small: SolidSolution
+    finite: SolidSolution
+    out_of_range: str
+
+
+def answer(
+    design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
+) -> Answer:
+    """Return the solid tier's answer `fine`, solved here if None, corrected for finite strain.
+
+    Errors are the solid tier's discretisation error plus that of the change. Raises InputError for a force
+    beyond the model's range; if the all-touch force is beyond it, it is None and a warning says so.
+    """
+    began = perf_counter()
+    check_flat(design.contact.plate, "solid-finite-strain", "solid")
+    if progress:
+        progress("solid-finite-strain tier: coarse solid, small and finite strain")
+    spent: dict[str, float] = {}
+    strains = solve(plain_pad(design), request.force, spent)  # first: it may refuse the force
+    if fine is None:
+        fine = solid.answer(design, request, progress)
+    result = apply_change(fine, strains.small, strains.finite, request.force, ERRORS)
+    warnings = [*fine.warnings, *([strains.out_of_range] if strains.out_of_range else [])]
+    reached = max(ERRORS.approach, ERRORS.threshold, ERRORS.share)
+    if 0 < (request.tol or 0.0) < reached:
+        warnings.append(
+            f"the change by finite strain is known to {reached:g}: the tolerance {request.tol:.1e} is not met"
+        )
+    if request.budget is not None and perf_counter() - began > request.budget:
+        warnings.append(f"the solid with finite strain overran the budget of {request.budget:g} s")
+    return replace(
+        result,
+        warnings=tuple(warnings),
+        seconds={**fine.seconds, **{f"finite {stage}": s for stage, s in spent.items()}},
+    )
+
+
+def solve(
+    pad: Pad, force: float, seconds: dict[str, float], along: Layers = LAYERS, *, fineness: float = 1.0
+) -> Strains:
+    """Return the coarse answers at `force` N; raises InputError as `answer`, and for too large a pad."""
+    check_pad(pad)
+    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, fineness)))
+    with one_blas_thread():
+        body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
+        return _strains(meshed, body, force, seconds)
+
+
+def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
+    """Return the body of a meshed piece, of `order` in the section."""
+    forms = forms_of(meshed, order)
+    borders = prisms.graded(
+        meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
+    )
+    unknowns = 3 * forms.held.size * ((borders.size - 1) * along.order + 1)
+    if unknowns > MOST_UNKNOWNS:
+        raise SizeError(
+            "ridge.count",
+            f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
+            unknowns,
+            "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
+        )
+    return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=meshed.piece.laws)
+
+
+def _strains(meshed: PadMesh, body: SolidBody, force: float, seconds: dict[str, float]) -> Strains:
+    problem = PressedPad(body, meshed.whole.top / meshed.unit)
+    # force on the whole pad, N, for a force of 1 on the piece
+    scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
+
+    def solution(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
+        nodes, unknowns = body.rest.nodes, int(body.free.sum())
+        return level_of(meshed, nodes, body.along, state, approach, first, scale, unknowns, residual)
+
+    def at_rest() -> SolidSolution:  # small strain: the tangent of the same body at rest
+        rest = np.zeros(body.free.size)
+        ridges = Ridges.of(body.rest, body.linearised(rest, rest).flexibility, problem.top)
+        state = press(ridges.flexibility, ridges.gap, force / scale)
+        first = all_touch_force(ridges, force / scale)
+        return solution(state, state.approach, first, state.residual)
+
+    small = timed(seconds, "small strain", at_rest)
+    state = timed(seconds, "newton", lambda: at_force(problem, force / scale, scale))
+    touching, beyond_reason = timed(seconds, "threshold", lambda: all_touch(problem, state, scale))
+    one = state.ridges.numbers.size == 1  # it touches at once
+    threshold = touching.force if touching else (0.0 if one else None)
+    residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
+    return Strains(small, solution(state.contact, state.approach, threshold, residual), beyond_reason)
