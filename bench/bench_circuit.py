@@ -10,13 +10,10 @@ from scipy.signal import butter, lfilter
 from threadpoolctl import threadpool_limits
 
 from bench.measure import best
-from skincad.circuit.low_pass import band_limited
 from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.noise import noise_samples
-from skincad.circuit.resample import recorded
-from skincad.circuit.response import response
-from skincad.circuit.state import run, stepper
-from skincad.scenes.slip import at_rest, detector, fed
+from skincad.circuit.response import noise_samples, response
+from skincad.circuit.state import band_limited, recorded, run, stepper
+from skincad.scenes.detector import at_rest, detector, fed
 
 
 def main() -> None:

@@ -24,8 +24,6 @@ import numpy as np
 import skincad
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
-from skincad.ladders.contact import MESH, taken_of
-from skincad.ladders.ladder import LADDERS, ladder_of
 from skincad.mechanics.models import table
 from skincad.mechanics.models.table import (
     FOLDER_VARIABLE,
@@ -36,6 +34,8 @@ from skincad.mechanics.models.table import (
     unsupported_reason,
 )
 from skincad.mechanics.problem import Answer, Request
+from skincad.studies.accuracy.contact import MESH, taken_of
+from skincad.studies.accuracy.ladder import LADDERS, ladder_of
 
 REPEATS = 3
 

@@ -19,10 +19,10 @@ from time import perf_counter, sleep
 import skincad
 from skincad.inputs.design import Design
 from skincad.live.desk import Timing
-from skincad.live.jobs import preload
 from skincad.live.page import Page
 from skincad.live.serve import free_port
 from skincad.live.shapes import view
+from skincad.live.worker import preload
 from skincad.studies.subject import changed
 from tests.live.browser import looking
 from tests.pictures.browser import CHROMIUM

@@ -18,10 +18,8 @@ import cadquery as cq
 import skincad
 from skincad.shape.curves import Loop, Point, Segment, loop
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Prism
 from skincad.solids.occ import solid, unchecked_solid
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, Prism
 from skincad.solids.skin import skin_part
 
 

@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import skincad
-from skincad.studies.log import Log
-from skincad.studies.question import Query, evaluate
+from skincad.studies.query import Query, evaluate
+from skincad.studies.running import Log
 
 DESIGN, LENGTHS = "yamada-2002", (8.0, 14.0)
 

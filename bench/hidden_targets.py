@@ -16,7 +16,7 @@ from time import perf_counter
 import numpy as np
 
 import skincad
-from skincad.studies.question import Query, evaluate
+from skincad.studies.query import Query, evaluate
 from skincad.studies.solving import solve
 from skincad.studies.subject import value_of
 

@@ -18,9 +18,9 @@ import numpy as np
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.studies.question import Query, evaluate
-from skincad.studies.ranking import model_error
+from skincad.studies.query import Query, evaluate
 from skincad.studies.subject import changed
+from skincad.studies.sweeping import model_error
 
 KEY, BEST = "all_touch_force_N", "solid-finite-strain"
 VARIED = {  # a study of pads like the paper's, films aside

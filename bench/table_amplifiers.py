@@ -22,9 +22,9 @@ from skincad.circuit.model import Circuit, circuit_network, load_circuit
 from skincad.effects.piezo import Chain, fitted, strip_charges
 from skincad.inputs.design import Design
 from skincad.scenes import simulation
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.detector import at_rest, detector, fed, score
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
-from skincad.scenes.slip import at_rest, detector, fed, score
 
 RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
 SEEDS = range(40)

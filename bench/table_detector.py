@@ -25,12 +25,12 @@ from bench.exam.cases import Case, case
 from bench.exam.scenes import SceneRun, kept, seeds
 from bench.exam.scoring import HEAD, Alarm, Mark, line, mark, rate
 from bench.exam.skins import EXAM
-from skincad.circuit.low_pass import corner
 from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.noise import total_density
+from skincad.circuit.response import total_density
+from skincad.circuit.state import corner
 from skincad.effects.piezo import fitted
 from skincad.inputs.catalog import load_design
-from skincad.scenes.slip import EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, at_rest, detector, fed
+from skincad.scenes.detector import EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, at_rest, detector, fed
 
 CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
 LOUDER = (0.0, 1.0, 10.0)  # times the noise

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 

@@ -17,21 +17,17 @@ from typing import Any
 import numpy as np
 
 from bench.table_swaying import drawn
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
+from skincad.base.machine import one_blas_thread
 from skincad.effects.finite_strain import FiniteStrain
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.film.stick import PadPiece, piece_of
+from skincad.scenes.errors import Slips, slip_errors, slips_of
 from skincad.scenes.march import March, march
-from skincad.scenes.models import chosen_steps
-from skincad.scenes.omitted import omitted
-from skincad.scenes.on_mesh import piece_for
-from skincad.scenes.refined import BySource, ComparisonRuns, thinned
+from skincad.scenes.models import BySource, ComparisonRuns, chosen_steps, omitted, piece_for, thinned
 from skincad.scenes.scene import Scene
-from skincad.scenes.signals import Slips, slips_of
 from skincad.scenes.simulation import friction_cone
-from skincad.scenes.slip_errors import slip_errors
 
 FINENESS, FINER, JUDGED, ORDER, STEPS = 0.3, 0.45, 0.6, 2, 240
 TIME_MS = (0.0, 1.0, 4.0, 4.5, 6.0)

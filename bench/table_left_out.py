@@ -26,10 +26,8 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.dynamics.ringing import skin_mass
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import March, march
-from skincad.scenes.omitted import omitted, path_of
-from skincad.scenes.on_mesh import Marching, march_on, piece_for
+from skincad.scenes.march import LEVELS, March, march
+from skincad.scenes.models import Marching, march_on, omitted, path_of, piece_for
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 

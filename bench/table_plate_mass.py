@@ -15,7 +15,7 @@ from time import perf_counter
 
 import numpy as np
 
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
 

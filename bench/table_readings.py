@@ -14,10 +14,8 @@ from scipy.optimize import least_squares
 from threadpoolctl import threadpool_limits
 
 from skincad.circuit.calibrate import ANY_RATIO, BOUNDS, FILM_RATIO, FITTED, paper_target
-from skincad.circuit.constants import Constants
-from skincad.circuit.elements import Complex, Real
+from skincad.circuit.network import Complex, Constants, Real, network
 from skincad.circuit.response import decibels, response
-from skincad.circuit.topologies import network
 from tests.circuit.paper import printed_response
 
 STARTS, SEED, STEPS = 24, 2002, 300  # as the calibration's

@@ -24,8 +24,7 @@ from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.left_out import sway_force
 from skincad.scenes.march import March, march
-from skincad.scenes.omitted import omitted
-from skincad.scenes.on_mesh import piece_for
+from skincad.scenes.models import omitted, piece_for
 from skincad.scenes.scene import Scene, load_scene
 
 FINENESS, ORDER = 0.3, 2

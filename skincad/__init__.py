@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from skincad.inputs.catalog import load_design as load_design
     from skincad.inputs.catalog import template_names as template_names
     from skincad.inputs.design import Design as Design
-    from skincad.ladders.climbing import accuracy as _accuracy
     from skincad.material.fit import fit_material as fit_material
     from skincad.mechanics.check import check as _check
     from skincad.mechanics.film.stress import film_stress as _film_stress
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from skincad.shape.skin import Section
     from skincad.solids.mold import mold_solids as _mold_solids
     from skincad.solids.skin import skin_solid as _skin_solid
+    from skincad.studies.accuracy.accuracy import accuracy as _accuracy
     from skincad.studies.advice import advise as _advise
     from skincad.studies.optimising import optimise as _optimise
     from skincad.studies.solving import solve as _solve
@@ -65,7 +65,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "Scene": "scenes.scene:Scene",
     "Study": "studies.study:Study",
     "advise": "studies.advice:advise",
-    "accuracy": "ladders.climbing:accuracy",
+    "accuracy": "studies.accuracy.accuracy:accuracy",
     "check": "mechanics.check:check",
     "film_stress": "mechanics.film.stress:film_stress",
     "fit_material": "material.fit:fit_material",

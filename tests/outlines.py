@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from skincad.effects.omitted import PlatePath, SceneOutline
+from skincad.effects.kinds import PlatePath, SceneOutline
 from skincad.inputs.design import Design
 
 DOWN, ALONG = 10.0, 4.0  # N/mm, of the pad

@@ -27,9 +27,8 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.film.stress import filled_pad
 from skincad.outputs.delivery import write
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.scene_tables import Readout, ScenePlate
+from skincad.scenes.march import LEVELS
+from skincad.scenes.scene import Readout, ScenePlate, load_scene
 from skincad.scenes.simulation import at_level
 from tests.small_scene import small_skin
 

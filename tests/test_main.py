@@ -249,7 +249,7 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
 TOO_LITTLE = """
 import resource, sys
 import skincad.mechanics.models.linear
-from skincad.base.blas import one_blas_thread
+from skincad.base.machine import one_blas_thread
 from skincad.cli import main
 with one_blas_thread():
     pass

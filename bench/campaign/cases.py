@@ -173,10 +173,9 @@ def scene_figures(case: Case) -> Figures:
 def circuit_figures(case: Case) -> Figures:
     """What `circuit` says, beside the gain in fractions at three frequencies, both in dB."""
     from bench.campaign import rational
-    from skincad.circuit.bode import gain
+    from skincad.circuit.bode import film_load, gain
     from skincad.circuit.model import Circuit
     from skincad.circuit.response import decibels
-    from skincad.circuit.rig import film_load
 
     circuit = Circuit(**case.tables)
     found = gain(circuit)

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.signal import fftconvolve
 
 from bench.exam.scenes import SceneRun
-from skincad.circuit.low_pass import corner
 from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.noise import total_density
+from skincad.circuit.response import total_density
+from skincad.circuit.state import corner
 from skincad.effects.piezo import Chain, fitted, strip_charges
-from skincad.scenes.signals import intervals
+from skincad.scenes.errors import intervals
 
 
 @dataclass(frozen=True, eq=False)

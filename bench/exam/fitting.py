@@ -3,7 +3,7 @@
 Each design scene is heard three ways behind the transimpedance amplifier: as drawn; with all its ridges told
 and with one to three of them, at 0.2 to 5 times its speed, in another band, with 1 to 30 times the noise; and
 once behind another amplifier, up to 30 times slower, differenced where that tells the stress. A ridge's label
-is whether it slips, the low-pass's delay later; while slip lasts on to gross slip, those that still stick
+is whether it slips, the low-pass's delay later; while slip lasts on to gross detector, those that still stick
 count as slipping too, at a lower weight, for that is what is to be told; a short gross slip counts as much as
 one of EVENT windows. Scenes that ship are in the set as well, and records of ridges that all stick. Writes
 slip_weights_early.toml, and prints what threefold cross-validation by scene makes of thresholds: EARLY's of
@@ -28,8 +28,8 @@ from bench.exam.scoring import HEAD, lasting, line, mark, near
 from bench.exam.shipped import shipped
 from bench.exam.skins import DESIGN
 from bench.exam.sticking import BAND, RATE, sticking
-from skincad.circuit.low_pass import delay
-from skincad.scenes import slip, slip_features
+from skincad.circuit.state import delay
+from skincad.scenes import detector, slip_features
 
 CIRCUIT = "transimpedance"
 OTHERS = {"yamada-2002": False, "charge-amplifier": True, "voltage-follower": True}  # differenced or not
@@ -40,7 +40,7 @@ WEIGHT = np.array([1.0, 0.3, 0.7, 4.0, 0.7])
 EDGE = 0.2  # times that within a window of a slip's edge
 OWN = 6.0  # times that in scenes that ship
 STICKING = 1.0  # that of a sample of sticking.py
-EVENT = 2.0  # windows of a ridge's lasting slip, that a gross slip's samples weigh at least, together
+EVENT = 2.0  # windows of a ridge's lasting detector, that a gross slip's samples weigh at least, together
 MOST = 8.0  # times their weight, for that
 FEWEST = 100  # steps of a scene that was marched far enough
 
@@ -61,7 +61,7 @@ class Heard:
 def heard(one: Case, louder: float, seed: int) -> Heard:
     """Return a case as the detector hears it with `louder` times its noise."""
     noise = math.sqrt(2) * one.noise * louder
-    d = slip.detector(one.rate, one.scene.bandwidth, noise)
+    d = detector.detector(one.rate, one.scene.bandwidth, noise)
     outputs = one.outputs + louder * one.noises(seed)
     felt, loud, _ = slip_features.features(d.window, noise, outputs, slip_features.at_rest(outputs.shape[1]))
     kind, edge = classes(one, d.window)
@@ -131,7 +131,7 @@ def samples(told: list[Heard]) -> Parts:
     label = [h.kind[::THIN].ravel() >= 2 for h in told]
     weight = [h.weight[::THIN].ravel() for h in told]
     for outputs, noise in sticking():
-        window = slip.detector(RATE, BAND, noise).window
+        window = detector.detector(RATE, BAND, noise).window
         more = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
         felt.append(more[::THIN].reshape(-1, more.shape[2]).astype(np.float32))
         label.append(np.zeros(felt[-1].shape[0], bool))
@@ -139,19 +139,19 @@ def samples(told: list[Heard]) -> Parts:
     return np.concatenate(felt), np.concatenate(label), np.concatenate(weight)
 
 
-def odds(w: slip.Weights, felt: np.ndarray) -> np.ndarray:
+def odds(w: detector.Weights, felt: np.ndarray) -> np.ndarray:
     """Return the logarithm of the odds `(n, ridges)` of features."""
     return np.asarray(np.tanh(felt @ w.into + w.bias) @ w.out + w.base)
 
 
-def alarms(d: slip.Detector, values: np.ndarray) -> list[tuple[int, int]]:
+def alarms(d: detector.Detector, values: np.ndarray) -> list[tuple[int, int]]:
     """Return each (ridge, sample) at which odds rise above a detector's threshold."""
-    now = slip.taken(d, np.zeros(values.shape[1], bool), values)
+    now = detector.taken(d, np.zeros(values.shape[1], bool), values)
     before = np.concatenate([np.zeros_like(now[:1]), now[:-1]])
     return [(int(r), int(i)) for i, r in np.argwhere(now & ~before)]
 
 
-def written(w: slip.Weights) -> str:
+def written(w: detector.Weights) -> str:
     """Return the weights as TOML, four digits of each."""
     rows = ",\n".join("    [" + ", ".join(f"{v:.4g}" for v in column) + "]" for column in w.into.T)
     bias, out = (", ".join(f"{v:.4g}" for v in row) for row in (w.bias, w.out))
@@ -169,14 +169,14 @@ def validated(told: list[list[Heard]]) -> None:
         mine = [t for i, t in enumerate(told) if i % FOLDS != fold or t[0].case.scene.seed < 0]
         network = fitted(samples([h for t in mine for h in t]), fold)
         rest = [t[0] for i, t in enumerate(told) if i % FOLDS == fold and t[0].case.scene.seed >= 0]
-        unseen += [(h, np.where(h.loud > slip.SEEN, odds(network, h.felt), -np.inf)) for h in rest]
+        unseen += [(h, np.where(h.loud > detector.SEEN, odds(network, h.felt), -np.inf)) for h in rest]
     first = [(h, values) for h, values in unseen if batch(h.case.scene.seed) == 0]
     for name, some in (("all", unseen), ("of the exam's kind of skins", first)):
         print(f"{len(some)} scenes, {name}\n{HEAD}")
         for threshold in np.arange(-1.5, 4.1, 0.25):
             marks = []
             for h, values in some:
-                d = slip.Detector(h.window, h.case.noise, float(threshold), slip.EARLY)
+                d = detector.Detector(h.window, h.case.noise, float(threshold), detector.EARLY)
                 marks.append(mark(h.case, alarms(d, values), h.window))
             print(line(f"threshold {threshold:g}", marks), flush=True)
 
@@ -188,7 +188,7 @@ def main(folder: Path) -> None:
     told = [list(variants(m, folder / "outputs")) for m in found]
     print(len(told), "scenes", flush=True)
     network = fitted(samples([h for t in told for h in t]))
-    (Path(slip.__file__).parent / slip.POINTS[slip.EARLY].file).write_text(written(network))
+    (Path(detector.__file__).parent / detector.POINTS[detector.EARLY].file).write_text(written(network))
     validated(told)
 
 

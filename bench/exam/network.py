@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from skincad.scenes import slip
+from skincad.scenes import detector
 
 Parts = tuple[np.ndarray, np.ndarray, np.ndarray]
 Layers = list[np.ndarray]  # into `(features, hidden)`, bias `(hidden,)`, out `(hidden,)`, base `(1,)`
@@ -20,14 +20,14 @@ RATE, DECAY, BATCH = 3e-3, 1e-5, 2048
 MEAN, SQUARE, SMALL = 0.9, 0.999, 1e-8
 
 
-def fitted(parts: Parts, seed: int = 0) -> slip.Weights:
+def fitted(parts: Parts, seed: int = 0) -> detector.Weights:
     """Return the network that fits samples: features `(m, features)`, labels `(m,)`, weights `(m,)`."""
     x, y, w = parts
     middle, spread = x.mean(axis=0), x.std(axis=0) + 1e-3
     z, label, weight = ((x - middle) / spread).astype(np.float32), y.astype(np.float32), w / w.mean()
     into, bias, out, base = (p.astype(float) for p in layers(z, label, weight.astype(np.float32), seed))
     into = into / spread[:, None]
-    return slip.Weights(into, bias - middle @ into, out, float(base[0]))
+    return detector.Weights(into, bias - middle @ into, out, float(base[0]))
 
 
 def layers(z: np.ndarray, label: np.ndarray, weight: np.ndarray, seed: int) -> Layers:

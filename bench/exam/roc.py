@@ -15,7 +15,7 @@ import numpy as np
 from bench.exam.cases import Case
 from bench.exam.fitting import alarms
 from bench.exam.scoring import HEAD, Mark, line, mark, rate, wilson
-from skincad.scenes import slip
+from skincad.scenes import detector
 
 THRESHOLDS = tuple(float(t) for t in np.arange(-1.5, 4.1, 0.25))
 
@@ -25,9 +25,9 @@ def marks(told: list[Case], kind: str) -> dict[float, list[Mark]]:
     found: dict[float, list[Mark]] = {threshold: [] for threshold in THRESHOLDS}
     for one in told:
         noise = math.sqrt(2) * one.noise
-        d = slip.detector(one.rate, one.scene.bandwidth, noise, THRESHOLDS[0], kind)
+        d = detector.detector(one.rate, one.scene.bandwidth, noise, THRESHOLDS[0], kind)
         outputs = one.outputs + one.noises(1)
-        odds = slip.statistic(d, slip.at_rest(outputs.shape[1]), outputs)[0]
+        odds = detector.statistic(d, detector.at_rest(outputs.shape[1]), outputs)[0]
         for threshold, each in found.items():
             each.append(mark(one, alarms(replace(d, threshold=threshold), odds), d.window))
     return found
@@ -37,7 +37,7 @@ def printed(found: dict[float, list[Mark]], kind: str) -> None:
     """Print a line a threshold."""
     print(f"\n{kind} alarms by threshold\n{HEAD}")
     for threshold, each in found.items():
-        chosen = " (ours)" if slip.POINTS[kind].threshold == threshold else ""
+        chosen = " (ours)" if detector.POINTS[kind].threshold == threshold else ""
         print(line(f"threshold {threshold:g}{chosen}", each), flush=True)
 
 
@@ -57,7 +57,7 @@ def drawn(curves: dict[tuple[str, str], dict[float, list[Mark]]], path: Path) ->
         at = np.array([point(each) for each in found.values()])
         (drawn_line,) = axes.plot(at[:, 0], at[:, 1], marker=".", label=f"{name}, {kind}")
         axes.fill_between(at[:, 0], at[:, 2], at[:, 3], alpha=0.12, color=drawn_line.get_color())
-        chosen = slip.POINTS[kind].threshold
+        chosen = detector.POINTS[kind].threshold
         minute, share, *_ = point(found[chosen])
         axes.plot([minute], [share], marker="o", color=drawn_line.get_color())
     axes.set(

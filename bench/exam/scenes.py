@@ -20,11 +20,10 @@ from bench.exam.histories import STEPS, History, history
 from bench.exam.skins import DESIGN, EXAM, SETS, Skin, skins
 from skincad.base.errors import InputError
 from skincad.inputs.material import silicone
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import march
-from skincad.scenes.on_mesh import Marching, march_on, piece_for
+from skincad.scenes.errors import slips_of
+from skincad.scenes.march import LEVELS, march
+from skincad.scenes.models import Marching, march_on, piece_for
 from skincad.scenes.scene import Scene
-from skincad.scenes.signals import slips_of
 
 COUNT = {DESIGN: 240, EXAM: 160}  # scenes
 LATER = 240, 600  # more to fit on, by batch, each of other skins; without masses

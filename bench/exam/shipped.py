@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.exam.scenes import SceneRun
 from bench.exam.skins import Skin
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 

@@ -13,17 +13,17 @@ from time import perf_counter
 from typing import Any, Generic, TypeVar
 
 SolverLevel = TypeVar("SolverLevel")
-ContactAnswer = TypeVar("ContactAnswer")
-Outcome = TypeVar("Outcome")
+Answered = TypeVar("Answered")
+Estimated = TypeVar("Estimated")
 
 
 @dataclass(frozen=True)
-class Ascent(Generic[SolverLevel, ContactAnswer, Outcome]):
+class Ascent(Generic[SolverLevel, Answered, Estimated]):
     """How far a climb has come in `spent` s: what is `found` on the last of its `rungs`, what is `told` of it
     and its relative `error`, inf where unknown; `ended` is why a finer rung does not count."""
 
-    found: ContactAnswer
-    told: Outcome
+    found: Answered
+    told: Estimated
     error: float
     rungs: tuple[SolverLevel, ...]
     spent: float
@@ -37,17 +37,17 @@ def by_price(before: Ascent[Any, Any, Any], following: Any) -> float:
 
 
 def climb(
-    solve: Callable[[SolverLevel, Ascent[SolverLevel, ContactAnswer, Outcome] | None], ContactAnswer],
+    solve: Callable[[SolverLevel, Ascent[SolverLevel, Answered, Estimated] | None], Answered],
     rungs: Sequence[SolverLevel],
-    estimate: Callable[[SolverLevel, ContactAnswer, ContactAnswer | None], tuple[Outcome, float]],
+    estimate: Callable[[SolverLevel, Answered, Answered | None], tuple[Estimated, float]],
     tol: float,
     budget: float | None = None,
     *,
     began: float,
     ends: tuple[type[BaseException], ...],
-    price: Callable[[Ascent[SolverLevel, ContactAnswer, Outcome], SolverLevel], float] = lambda *_: 0.0,
+    price: Callable[[Ascent[SolverLevel, Answered, Estimated], SolverLevel], float] = lambda *_: 0.0,
     first: int = 0,
-) -> Ascent[SolverLevel, ContactAnswer, Outcome]:
+) -> Ascent[SolverLevel, Answered, Estimated]:
     """Return how far rungs were climbed from the `first` on: to a relative error of `tol`, or until the next
     one would overrun `budget` s from `began` by its `price`, s; one of an endless price is not climbed.
 
@@ -55,7 +55,7 @@ def climb(
     the one before. A rung that raises one of `ends` leaves the one before as the last; without any before, it
     gives way to the next cheaper, and the cheapest one's refusal stands.
     """
-    reached: Ascent[SolverLevel, ContactAnswer, Outcome] | None = None
+    reached: Ascent[SolverLevel, Answered, Estimated] | None = None
     at = first
     while True:
         try:

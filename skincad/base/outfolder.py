@@ -1,4 +1,4 @@
-"""The out folder: a result appears whole or not at all, and an earlier one stays until then.
+"""Files and folders that appear whole or not at all.
 
 Only plain files that the same command's manifest lists, with the bytes that it tells, are ever replaced or
 removed. A run writes into .skincad-<command>-<digits>/new in the folder. At its end the earlier result's
@@ -9,9 +9,12 @@ the next one undoes or finishes it, by the manifest in new/ and by what lies whe
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import re
 import secrets
+import stat
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,9 +22,121 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, RefusedError
 from skincad.base.interrupt import safe_point
-from skincad.base.manifest import COMMANDS, listed, manifest_name, unchanged, write_manifest
+from skincad.base.reading import strict_json
+from skincad.base.version import __version__
+
+# each owns the files that its manifest lists
+COMMANDS = (
+    "make",
+    "simulate",
+    "circuit",
+    "accuracy",
+    "check",
+    "film-stress",
+    "fit-material",
+    "solve",
+    "sweep",
+    "optimise",
+    "coupon",
+    "coupon-reading",
+    "package",
+)
+
+
+def manifest_name(command: str) -> str:
+    """Return the name of a command's manifest."""
+    return f"{command}.json"
+
+
+def write_manifest(staging: Path, command: str, data: Mapping[str, Any]) -> None:
+    """Write the manifest of all files in a folder, with what else is `told`.
+
+    Raises RefusedError for a number that is not finite, which JSON has not.
+    """
+    name = manifest_name(command)
+    hashes = {path.name: _hash(path) for path in sorted(staging.iterdir()) if path.name != name}
+    head = {"skincad": __version__, "command": command}
+    text = manifest_text({**head, **data, "files": list(hashes), "sha256": hashes})
+    (staging / name).write_text(text, encoding="utf-8")
+
+
+def manifest_text(data: Mapping[str, Any]) -> str:
+    """Return a manifest as JSON with its own hash, which leaves out `seconds`: the same of the same input.
+
+    Raises RefusedError for a number that is not finite.
+    """
+    bare = {key: value for key, value in data.items() if key != "manifest_sha256"}
+    timeless = strict_json({key: value for key, value in bare.items() if key != "seconds"})
+    bare["manifest_sha256"] = hashlib.sha256(timeless.encode()).hexdigest()
+    return strict_json(bare, indent=1) + "\n"
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def listed(folder: Path, command: str) -> dict[str, str] | None:
+    """Return the hash by file name that a command's manifest tells; None where skincad wrote none like this.
+
+    Raises OSError for a manifest that cannot be read.
+    """
+    path = folder / manifest_name(command)
+    try:
+        if not stat.S_ISREG(path.lstat().st_mode):
+            return None
+        text = path.read_text("utf-8")
+        data = json.loads(text)
+        hashes = {str(name): str(digest) for name, digest in data["sha256"].items()}
+        ours = data["command"] == command and text == manifest_text(data)
+    except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError, RecursionError, RefusedError):
+        return None
+    return hashes if ours and all(name == Path(name).name for name in hashes) else None
+
+
+def unchanged(path: Path, digest: str) -> bool:
+    """Return whether a path is a plain file of this hash; raises OSError for one that cannot be read."""
+    return stat.S_ISREG(path.lstat().st_mode) and _hash(path) == digest
+
+
+def checked_fresh(path: Path, suffix: str, key: str) -> None:
+    """Raise InputError for a file that is there already, or whose name does not end in `suffix`."""
+    try:
+        there = path.exists() or path.is_symlink()
+    except OSError as failure:
+        raise _unwritable_file(path, key, failure) from None
+    if there:
+        raise InputError(key, f"{str(path)[:80]} exists already", remedy="name another file, or remove it")
+    if path.suffix != suffix:
+        raise InputError(key, f"{str(path)[:80]} must end in {suffix}")
+
+
+@contextmanager
+def fresh(path: Path, key: str) -> Iterator[Path]:
+    """Yield a path to write to; when the block ends well the file takes the name `path`.
+
+    Raises InputError, with nothing left behind, for a file that is there already or cannot be written;
+    `key` is the option that named it.
+    """
+    checked_fresh(path, path.suffix, key)
+    staging = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield staging
+        checked_fresh(path, path.suffix, key)  # a person may have written it meanwhile
+        staging.replace(path)
+    except OSError as failure:
+        raise _unwritable_file(path, key, failure) from None
+    finally:
+        with suppress(OSError):
+            staging.unlink(missing_ok=True)
+
+
+def _unwritable_file(path: Path, key: str, failure: OSError) -> InputError:
+    return InputError(key, f"{str(path)[:80]} cannot be written ({failure.strerror or failure})")
+
 
 try:
     import fcntl

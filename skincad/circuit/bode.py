@@ -1,4 +1,10 @@
-"""The frequency test: gain against frequency, its corner and slopes, with or without measured data."""
+"""Gain against frequency: of the circuit as it is, on its rig, and against a measured curve.
+
+The paper's film lies between a vibrator's indenter and the probe of a force sensor. A sensor is a mass on a
+spring: it reads by the spring, and the film feels the mass's inertia too, a double zero in output by told
+load (an amplifier behind the sensor that passes as much does the same). Range: one mass each, in the film's
+direction. None of it acts in use: scenes, noise and netlist are without it.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +16,46 @@ import numpy as np
 
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
-from skincad.circuit.constants import Constants
-from skincad.circuit.elements import Complex, Network, Real
-from skincad.circuit.model import Circuit, constants, noise_sources
-from skincad.circuit.resample import PASS
-from skincad.circuit.response import decibels, response
-from skincad.circuit.rig import film_load, has_rig
-from skincad.circuit.slopes import Slopes, fit_slopes
-from skincad.circuit.topologies import network
+from skincad.circuit.model import Circuit, ForceSensor, Indenter, constants, noise_sources
+from skincad.circuit.network import Complex, Constants, Network, Real, network
+from skincad.circuit.response import Slopes, decibels, fit_slopes, response
+from skincad.circuit.state import PASS
+
+
+def has_rig(circuit: Circuit) -> bool:
+    """Return whether a circuit's gain is told of a measured load."""
+    return bool(circuit.indenter or circuit.force_sensor)
+
+
+def without_rig(circuit: Circuit) -> Circuit:
+    """Return the circuit as it is in use."""
+    return circuit.model_copy(update={"indenter": None, "force_sensor": None})
+
+
+def film_load(circuit: Circuit, frequency: Real) -> Complex:
+    """Return the load on the film by the load that is told, `(n,)` at `(n,)` Hz; 1 without a rig."""
+    ratio = np.ones(np.shape(frequency), complex)
+    if circuit.indenter:
+        ratio = ratio / pressed(circuit.indenter, frequency)
+    if circuit.force_sensor:
+        ratio = ratio * pressed(circuit.force_sensor, frequency)
+    return ratio
+
+
+def pressed(part: Indenter | ForceSensor, frequency: Real) -> Complex:
+    """Return the load on a mass by that in the damped spring behind it, `(n,)`: 1 + 2 zeta s + s^2."""
+    ratio = frequency / part.resonance
+    return np.asarray(1 - ratio**2 + 2j * part.damping * ratio)
+
+
+def told_rig(circuit: Circuit) -> str:
+    """Return the rig in words."""
+    named = {"indenter": circuit.indenter, "force sensor": circuit.force_sensor}
+    return " and ".join(f"the {name} at {part.resonance:g} Hz" for name, part in named.items() if part)
+
 
 COLUMNS = ("frequency_Hz", "gain_dB")
 

@@ -14,10 +14,8 @@ from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.interrupt import safe_point
-from skincad.circuit.constants import MAY_BE_0, Constants
-from skincad.circuit.elements import Real
+from skincad.circuit.network import MAY_BE_0, Constants, Real, network
 from skincad.circuit.response import checked_frequencies, decibels, response
-from skincad.circuit.topologies import network
 
 FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", *MAY_BE_0))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2

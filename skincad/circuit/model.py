@@ -9,10 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Document, Table, quantity
-from skincad.circuit.constants import Constants, NoiseSources
-from skincad.circuit.elements import Network
-from skincad.circuit.film import capacitance
-from skincad.circuit.topologies import TOPOLOGIES, network
+from skincad.circuit.network import TOPOLOGIES, Constants, Network, NoiseSources, capacitance, network
 from skincad.inputs.catalog import overridden, read_table
 
 PICO = 1e-12

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
+from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     DesignArgument,
     JsonOption,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import skincad
-from skincad.base.bars import one_by_one, stage_bar
 from skincad.base.errors import InputError
+from skincad.base.progress import one_by_one, stage_bar
 from skincad.cli.options import (
     AdviceOption,
     BudgetOption,
@@ -67,7 +67,7 @@ def check(
 
     Prints the force it takes, the approach and the force on each ridge too, each with its error.
     """
-    from skincad.base.freshfile import checked_fresh
+    from skincad.base.outfolder import checked_fresh
 
     if tangential is not None and stress is None:
         raise InputError("tangential", "needs --stress", tangential, "name the picture with --stress")

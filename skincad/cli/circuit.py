@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
+from skincad.base.progress import stage_bar
 from skincad.cli.options import JsonOption, OutOption, deliver, out_folder, source_argument
 
 

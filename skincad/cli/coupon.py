@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
 from skincad.base.errors import InputError
+from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     JsonOption,
     OutOption,

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
 from skincad.base.errors import InputError
+from skincad.base.progress import stage_bar
 from skincad.cli.options import JsonOption, SetOption, SiliconesOption, show
 
 
@@ -53,7 +53,7 @@ def fit_material(
     The test is force against approach of a cast pad, or stress against strain of a bar pulled or squeezed.
     Laws of rubber are fitted to the first half of a bar's strains, and judged by the second.
     """
-    from skincad.base.freshfile import checked_fresh
+    from skincad.base.outfolder import checked_fresh
 
     for name, value in (("settings", settings), ("silicones", silicones), ("copy", copy)):
         if value and design is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 import skincad
-from skincad.base.bars import step_bar
+from skincad.base.progress import step_bar
 from skincad.cli.options import (
     DaskOption,
     FreshOption,

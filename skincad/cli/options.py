@@ -12,7 +12,7 @@ import typer
 
 from skincad.base.errors import shown
 from skincad.base.interrupt import INTERRUPTED, safe_point
-from skincad.base.strictjson import strict_json
+from skincad.base.reading import strict_json
 
 if TYPE_CHECKING:
     from skincad.base.result import Result

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import step_bar
 from skincad.base.errors import InputError
+from skincad.base.progress import step_bar
 from skincad.cli.options import (
     BudgetOption,
     JsonOption,

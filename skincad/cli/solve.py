@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
 from skincad.base.errors import InputError
+from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     ForceOption,
     JsonOption,
@@ -75,9 +75,8 @@ def solve(
     key its whole range is searched before it is said that no value exists; with several the least change is
     looked for.
     """
-    from skincad.base.freshfile import checked_fresh
-    from skincad.studies.knobs import knobs, texts
-    from skincad.studies.subject import load_subject
+    from skincad.base.outfolder import checked_fresh
+    from skincad.studies.subject import knobs, load_subject, texts
 
     for path, suffix, key in ((copy, ".toml", "copy"), (picture, ".png", "picture")):
         if path is not None:

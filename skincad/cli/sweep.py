@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import step_bar
+from skincad.base.progress import step_bar
 from skincad.cli.options import (
     DaskOption,
     ForceOption,
@@ -72,8 +72,7 @@ def sweep(
     evaluations.jsonl there at once: after Ctrl-C the same command goes on where it was.
     """
     from skincad.outputs import sweeps
-    from skincad.studies.knobs import texts
-    from skincad.studies.subject import load_subject
+    from skincad.studies.subject import load_subject, texts
     from skincad.studies.sweeping import points_of
 
     varied, ranks = texts(vary, "vary"), texts(rank, "rank")

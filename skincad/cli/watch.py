@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.bars import stage_bar
 from skincad.base.errors import InputError, RefusedError, shown
+from skincad.base.progress import stage_bar
 from skincad.cli.make import check_opened, open_view
 from skincad.cli.options import (
     FormatOption,

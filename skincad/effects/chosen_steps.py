@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from skincad.base.arrays import Array, Index
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
+from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, Tangential

@@ -18,8 +18,7 @@ import numpy as np
 from pydantic import Field
 
 from skincad.base.errors import InputError
-from skincad.effects.kinds import PadChange
-from skincad.effects.omitted import LeftOutEffect, SceneOutline
+from skincad.effects.kinds import LeftOutEffect, PadChange, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import mean_width

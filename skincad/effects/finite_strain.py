@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import Law, Term
-from skincad.effects.omitted import LeftOutEffect, SceneOutline
+from skincad.base.machine import one_blas_thread
+from skincad.effects.kinds import Law, LeftOutEffect, SceneOutline, Term
 from skincad.mechanics.left_out import sway_amplification, sway_force
 from skincad.mechanics.validity import mean_width, plane_modulus
 

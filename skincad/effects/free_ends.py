@@ -14,8 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.effects.kinds import PadChange
-from skincad.effects.omitted import LeftOutEffect, SceneOutline
+from skincad.effects.kinds import LeftOutEffect, PadChange, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
 

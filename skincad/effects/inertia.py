@@ -20,8 +20,7 @@ from typing import ClassVar
 import numpy as np
 
 from skincad.base.tables import quantity
-from skincad.effects.kinds import MASS, RATE, Share, Step, Term
-from skincad.effects.omitted import LeftOutEffect, SceneOutline
+from skincad.effects.kinds import MASS, RATE, LeftOutEffect, SceneOutline, Share, Step, Term
 
 CALIBRATED = (
     1.4  # of a plate that forces move; fitted to 46 random scenes: ridges slip and share anew besides

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skincad.base.arrays import Array, Index
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import RefusedError
+from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Reading, Share, Step
 from skincad.mechanics.contact.state import ContactState, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError

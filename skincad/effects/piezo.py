@@ -22,13 +22,20 @@ from pydantic import BeforeValidator, Field
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
-from skincad.circuit.elements import Network
-from skincad.circuit.film import capacitance, charge, electrode
-from skincad.circuit.low_pass import band_limited, corner, delay, evenly_spaced, longest_step
 from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
-from skincad.circuit.noise import noise_samples, total_density
-from skincad.circuit.resample import PASS
-from skincad.circuit.state import Stepper, run, stepper
+from skincad.circuit.network import Network, capacitance, charge, electrode
+from skincad.circuit.response import noise_samples, total_density
+from skincad.circuit.state import (
+    PASS,
+    Stepper,
+    band_limited,
+    corner,
+    delay,
+    evenly_spaced,
+    longest_step,
+    run,
+    stepper,
+)
 from skincad.effects.kinds import Reader, ReaderContext, Reading
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip

@@ -9,11 +9,10 @@ from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.rules import shim_bend
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import RevolvedBody
 from skincad.solids.inserts import GRIP
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole, RevolvedBody
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 DEGAS = (

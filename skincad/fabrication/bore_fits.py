@@ -7,11 +7,10 @@ from typing import NamedTuple
 from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
+from skincad.solids.fasteners import METRIC, BlindThread, blind_thread
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits, lid_process
-from skincad.solids.plan import Part
-from skincad.solids.roles import CAVITIES, CutRole, PartRole
-from skincad.solids.threads import METRIC, BlindThread, blind_thread
+from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole
 
 
 class Screw(NamedTuple):

@@ -16,10 +16,8 @@ import numpy as np
 from skincad.fabrication.bore_fits import full_thread, limits, purpose, thread
 from skincad.fabrication.drawing_views import PartView, views
 from skincad.inputs.design import Design
-from skincad.solids.body import Body, Bore, ExtendedCut, RotatedBody, Vector
-from skincad.solids.plan import Part
+from skincad.solids.plan import Body, Bore, CutRole, ExtendedCut, Part, RotatedBody, Vector
 from skincad.solids.projection import Place
-from skincad.solids.roles import CutRole
 
 if TYPE_CHECKING:
     import cadquery as cq

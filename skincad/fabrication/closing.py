@@ -8,12 +8,21 @@ from skincad.fabrication.fasteners import end_screws
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
-from skincad.solids.closing import MOST_BOW, SEAL_PLAY, SHEETS, bow, thick_enough
-from skincad.solids.layout import STOCK, cavity_process, layout, lid_process, stack_error
+from skincad.solids.fasteners import WASHER, run_out_room
+from skincad.solids.layout import (
+    MOST_BOW,
+    SEAL_PLAY,
+    SHEETS,
+    STOCK,
+    bow,
+    cavity_process,
+    layout,
+    lid_process,
+    stack_error,
+    thick_enough,
+)
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.screws import WASHER, run_out_room
+from skincad.solids.plan import CutRole, PartRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 

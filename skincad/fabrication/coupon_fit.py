@@ -15,7 +15,7 @@ from scipy.stats import chi2, t
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
-from skincad.inputs.coupon_forms import CrestForm, NotchForm
+from skincad.inputs.measurements import CrestForm, NotchForm
 
 CONFIDENCE = 0.95
 SCATTERS = np.geomspace(0.001, 0.05, 24)  # mm, of one notch's width; assumption: no process is outside

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.catalog import Own, load_design
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone

@@ -12,12 +12,12 @@ import tomlkit
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.estimate import Estimate
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import text_of
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.fabrication.coupon_fit import CrestResult, NotchResult, crest_result, notch_result
 from skincad.inputs.catalog import LARGEST_FILE, load_design
-from skincad.inputs.coupon_forms import CREST_FORM, NOTCH_FORM, read_crests, read_notches
+from skincad.inputs.measurements import CREST_FORM, NOTCH_FORM, read_crests, read_notches
 from skincad.inputs.process import Process, processes
 from skincad.solids.coupon import NOTCHES, drawn_notches, drawn_steps
 

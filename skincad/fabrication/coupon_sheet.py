@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from skincad.base.plain import markdown_text
+from skincad.base.reading import markdown_text
 from skincad.fabrication.coupon_kit import CouponKit
 from skincad.fabrication.sheet import DEAD_VOLUME, mixing
-from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, form
-from skincad.inputs.material_test import PRESSED, STRETCHED
+from skincad.inputs.measurements import (
+    CREST_COLUMNS,
+    CREST_FORM,
+    NOTCH_COLUMNS,
+    NOTCH_FORM,
+    PRESSED,
+    STRETCHED,
+    form,
+)
 from skincad.inputs.process import Process
-from skincad.solids.coupon import END_LAND, HEIGHTS, NOTCH_LENGTH, REPEATS, drawn_steps
-from skincad.solids.tensile_bar import BAR, BARS
+from skincad.solids.coupon import BAR, BARS, END_LAND, HEIGHTS, NOTCH_LENGTH, REPEATS, drawn_steps
 
 BAR_FORM, PAD_FORM, PAD_DESIGN = "tensile.csv", "pad.csv", "pad.toml"
 # mm; assumption: up to a strain of 0.3 for the modulus, in steps that a calliper tells, to 0.6 for the laws

@@ -14,8 +14,7 @@ from skincad.fabrication.bore_fits import process_of
 from skincad.fabrication.drawing_views import PartView, views
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, area
-from skincad.solids.body import Axis, Body, Bore, Prism, Vector
-from skincad.solids.plan import Part, unturned
+from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Vector, unturned
 from skincad.solids.projection import View
 
 FLUSH_TOLERANCE = 1e-9  # mm, within which a cut reaches a face: rounding

@@ -9,7 +9,7 @@ from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.skin import VISIBLE, skin_of
-from skincad.solids.undercut import SAFE_SHARE, safe_strain, split_ridges
+from skincad.solids.cavity import SAFE_SHARE, safe_strain, split_ridges
 
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 

@@ -21,8 +21,8 @@ from skincad.fabrication.strips import MOST_PULL, PVDF_YIELD
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.skin import skin_of
+from skincad.solids.cavity import SAFE_SHARE
 from skincad.solids.layout import end_process
-from skincad.solids.undercut import SAFE_SHARE
 
 GLUE_THICKNESS = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
 LEAST_TAIL = 0.015  # mm, assumption: the thinnest that can be handled; shim steel is sold from 0.01 mm

@@ -10,10 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.solids.body import RotatedBody, Vector
-from skincad.solids.plan import Part
+from skincad.solids.plan import Part, PartRole, RotatedBody, Vector
 from skincad.solids.projection import View
-from skincad.solids.roles import PartRole
 
 FRONT, ABOVE, LEFT = "front", "above", "left"
 LIDS = {PartRole.CARRIER, PartRole.COVER}

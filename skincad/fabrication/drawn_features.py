@@ -13,11 +13,9 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Prism, RotatedBody
 from skincad.solids.layout import layout
-from skincad.solids.plan import Part, unturned
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism, RotatedBody, unturned
 from skincad.solids.projection import Place
-from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 Edge = Literal["left", "right", "bottom", "top"]

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import shapely
 
-from skincad.circuit.film import PICO, capacitance, electrode
+from skincad.circuit.network import PICO, capacitance, electrode
 from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film

@@ -19,8 +19,7 @@ from skincad.fabrication.rules import maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole
 
 if TYPE_CHECKING:
     import trimesh

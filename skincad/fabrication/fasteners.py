@@ -7,12 +7,10 @@ from collections import Counter
 from typing import NamedTuple
 
 from skincad.inputs.design import Design
-from skincad.solids.body import Bore
+from skincad.solids.fasteners import LENGTHS, PITCH, screw_for, standard_length
 from skincad.solids.layout import cavity_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores, unturned
-from skincad.solids.roles import CAVITIES, END_PLATES, PINS, CutRole, PartRole
-from skincad.solids.screws import LENGTHS, PITCH, screw_for, standard_length
+from skincad.solids.plan import CAVITIES, END_PLATES, PINS, Bore, CutRole, PartRole, bores, unturned
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt

@@ -21,11 +21,10 @@ from skincad.fabrication.levels import Cells, Points, TrappedAir, cells, trapped
 from skincad.fabrication.void import Void, open_trough, single_skin_mold, void
 from skincad.inputs.design import Design
 from skincad.shape.curves import polygon
-from skincad.solids.body import Prism, Vector
 from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole, Prism, Vector
 
 CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
 # mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go

@@ -28,11 +28,9 @@ from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.shape.curves import area, length
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Bore
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import Bore, CutRole, PartRole, bores
 from skincad.solids.skin import skin_part
 
 MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place along x

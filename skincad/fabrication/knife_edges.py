@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.rules import Case, Rule
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.solids.body import Prism
+from skincad.solids.plan import Prism
 
 LEAST_ANGLE = 30.0  # deg, assumption: a more pointed edge of metal or resin chips within a few castings
 _SHORTEST = 1e-6  # mm; a shorter segment has no direction to speak of

@@ -24,7 +24,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.fabrication.void import Void
 from skincad.shape import curves
-from skincad.solids.body import Bore, Prism
+from skincad.solids.plan import Bore, Prism
 
 Points = Array
 TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none

@@ -14,9 +14,7 @@ from skincad.fabrication.rules_of_machines import extent
 from skincad.inputs.process import Process
 from skincad.shape import curves
 from skincad.shape.curves import Loop, polygon
-from skincad.solids.body import Prism, RevolvedBody, plain
-from skincad.solids.plan import Part, bores, unturned
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, Prism, RevolvedBody, bores, plain, unturned
 
 MINUTE = 60.0  # s
 _CHORD = 0.01  # mm, of arcs: no rate is that sharp

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from skincad.base.arguments import require_goals
-from skincad.base.errors import FaultError, InputError, RefusedError
+from skincad.base.errors import FaultError, InputError, RefusedError, require_goals
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import tier_of
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 
 if TYPE_CHECKING:
     from skincad.fabrication.estimates import PartEstimate, ProcessEstimate

@@ -18,11 +18,9 @@ from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.shape.curves import polygon
-from skincad.solids.body import Body, ExtendedCut, Prism, RevolvedBody, RotatedBody
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
-from skincad.solids.swept import Way, swept
+from skincad.solids.plan import Body, ExtendedCut, Part, PartRole, Prism, RevolvedBody, RotatedBody
+from skincad.solids.skin import Way, swept
 
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
 CROSSING_TOLERANCE = 1e-9  # mm, by which faces may cross: corners of 0.1 m are rounded to some 1e-14 mm

@@ -15,9 +15,18 @@ from skincad.base.interrupt import safe_point
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape import curves
-from skincad.solids.body import Body, Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody, corners
-from skincad.solids.grid import turn_steps
-from skincad.solids.plan import Part, unturned
+from skincad.solids.plan import (
+    Body,
+    Bore,
+    ExtendedCut,
+    Part,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    corners,
+    turn_steps,
+    unturned,
+)
 
 FINER = 10.0  # the mesh that a print mesh is measured against has chords this many times finer
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y

@@ -8,10 +8,9 @@ from typing import Any
 from skincad.fabrication.bore_fits import mount_thread
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
+from skincad.solids.fasteners import METRIC
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.threads import METRIC
+from skincad.solids.plan import CutRole, PartRole, bores
 
 Place = tuple[float, float]  # x and y, mm, from the carrier's middle
 

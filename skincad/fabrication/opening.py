@@ -18,13 +18,12 @@ from skincad.fabrication.fan_out import fan_out_steps
 from skincad.fabrication.strip_steps import release_steps
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
+from skincad.solids.cavity import split_ridges
 from skincad.solids.ends import gate
 from skincad.solids.layout import is_clamped
 from skincad.solids.mold import ClosedMold, Move
-from skincad.solids.plan import bores
-from skincad.solids.roles import END_PLATES, CutRole, PartRole
+from skincad.solids.plan import END_PLATES, CutRole, PartRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
-from skincad.solids.undercut import split_ridges
 
 
 class OpeningStep(NamedTuple):

@@ -39,10 +39,8 @@ from skincad.fabrication.tolerances import (
 )
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
-from skincad.solids.body import Prism
-from skincad.solids.plan import Part
+from skincad.solids.plan import CutRole, Part, PartRole, Prism
 from skincad.solids.projection import Projection, Stroke, outlined
-from skincad.solids.roles import CutRole, PartRole
 
 if TYPE_CHECKING:
     import cadquery as cq

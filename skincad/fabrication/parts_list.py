@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from skincad.base.plain import csv_text
+from skincad.base.reading import csv_text
 from skincad.base.version import __version__
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
@@ -18,13 +18,11 @@ from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.skin import skin_of
-from skincad.solids.body import Prism
-from skincad.solids.closing import SQUEEZED_SHARE
+from skincad.solids.fasteners import pin_depth
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import cavity_process
+from skincad.solids.layout import SQUEEZED_SHARE, cavity_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
-from skincad.solids.threads import pin_depth
+from skincad.solids.plan import PartRole, Prism
 
 
 class Item(NamedTuple):

@@ -16,9 +16,8 @@ from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import Design, height_keys, with_heights
 from skincad.inputs.process import Process, processes
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Prism, corners
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole, Prism, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 
 LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width

@@ -21,8 +21,7 @@ from skincad.inputs.material import foreign_modulus, silicone
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
 from skincad.shape.skin import GUARD_TOLERANCE, Narrowest, section, skin_of
-from skincad.solids.plan import Part, bores, unturned
-from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
+from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole, bores, unturned
 from skincad.solids.split import notch_rise
 
 STEEL_WEIGHT = 7.85e-6 * 9.81  # N/mm3, source: handbooks, 7850 kg/m3

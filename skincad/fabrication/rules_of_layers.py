@@ -16,10 +16,8 @@ from skincad.fabrication.rules import Case, Rule, maker
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.skin import skin_of
-from skincad.solids.body import Bore, Prism, RevolvedBody, plain
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part, unturned
-from skincad.solids.roles import CAVITIES, END_PLATES
+from skincad.solids.plan import CAVITIES, END_PLATES, Bore, Part, Prism, RevolvedBody, plain, unturned
 
 if TYPE_CHECKING:
     import trimesh

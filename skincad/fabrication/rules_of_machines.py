@@ -14,10 +14,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
 from skincad.shape.skin import skin_of
-from skincad.solids.body import Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, unturned
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, Prism, unturned
 
 CHORD = 0.01  # mm, of arcs: no machine's limit is that sharp
 UPRIGHT_TOLERANCE = 1e-6  # mm, by which an upright notch's walls may lean from end to end

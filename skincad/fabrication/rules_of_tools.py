@@ -11,9 +11,8 @@ from skincad.fabrication.reach import ERROR, corner, left_standing
 from skincad.fabrication.rules import Case, Rule, grooves, slit_play
 from skincad.shape.curves import Segment
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Prism
 from skincad.solids.layout import end_angle
-from skincad.solids.roles import CAVITIES, PartRole
+from skincad.solids.plan import CAVITIES, PartRole, Prism
 
 # a corner of 89 degrees leaves 2 % more than a right angle: no two are the same on a fan
 _CORNER_ALLOWANCE = 1.02

@@ -6,11 +6,10 @@ from typing import NamedTuple
 
 from skincad.fabrication.cut_profile import cut_profile
 from skincad.shape.curves import Loop
-from skincad.solids.body import Prism
-from skincad.solids.closing import SQUEEZED_SHARE
+from skincad.solids.layout import SQUEEZED_SHARE
 from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import PartRole, Prism
 from skincad.solids.projection import Place
-from skincad.solids.roles import PartRole
 
 
 class SealPattern(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from skincad.base.plain import markdown_text
+from skincad.base.reading import markdown_text
 from skincad.base.version import __version__
 from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
 from skincad.fabrication.bond_steps import bonding_kit, preparation_steps, release_agent_places
@@ -25,15 +25,12 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
 from skincad.shape.skin import skin_of
-from skincad.solids.body import Prism
-from skincad.solids.closing import SQUEEZED_SHARE
 from skincad.solids.ends import gate
+from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import cavity_process, end_process, fits, is_clamped, lid_process
+from skincad.solids.layout import SQUEEZED_SHARE, cavity_process, end_process, fits, is_clamped, lid_process
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores
-from skincad.solids.roles import END_PLATES, CutRole, PartRole
-from skincad.solids.screws import BEARING, TAP_RADIUS, torque
+from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
 

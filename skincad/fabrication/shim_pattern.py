@@ -12,10 +12,9 @@ from skincad.fabrication.strip_steps import shim_length
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import RevolvedBody
 from skincad.solids.inserts import GRIP
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole, RevolvedBody
 
 LABEL_DISTANCE = 5.0  # mm, of a label beside its shim
 

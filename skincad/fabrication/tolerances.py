@@ -13,15 +13,14 @@ from skincad.fabrication.bore_fits import PINNED, process_of
 from skincad.fabrication.drawn_features import downward, leftward
 from skincad.fabrication.rules import Case, grooves, maker, slit_play, walls_close
 from skincad.inputs.design import Design
-from skincad.inputs.mount_table import Mount
+from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process, processes
 from skincad.shape.skin import skin_of
+from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import fits
-from skincad.solids.plan import Part
-from skincad.solids.roles import CAVITIES, PartRole
+from skincad.solids.plan import CAVITIES, Part, PartRole
 from skincad.solids.shrinkage import shrinkage
-from skincad.solids.threads import METRIC
 
 UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
 

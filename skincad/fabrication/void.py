@@ -15,11 +15,9 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.solids.body import Body, Bore, Prism
-from skincad.solids.bowl import gap_beside
+from skincad.solids.bent import gap_beside
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import END_PLATES, CutRole, PartRole
+from skincad.solids.plan import END_PLATES, Body, Bore, CutRole, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 

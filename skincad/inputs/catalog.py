@@ -1,12 +1,14 @@
-"""Templates by name, and TOML in: with a workshop's and a lab's own tables, and `--set` overrides.
+"""What ships by name, and what a person's own file overrides.
 
 A file is read as data only: no code, at most `LARGEST_FILE` bytes, no path inside it is followed.
 """
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Mapping, Sequence
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
@@ -15,7 +17,7 @@ from pydantic import BaseModel
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
-from skincad.base.tables import no_entry
+from skincad.base.tables import Document, no_entry
 from skincad.inputs.design import Design, drop_dependents, drop_replaced, renamed_material
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import templates_folder
@@ -266,3 +268,58 @@ def _completed(part: re.Match[str]) -> str:
     """A decimal with the zero that TOML wants beside its point; a quoted text as it is."""
     whole, decimals = part["whole"], part["decimals"]
     return part[0] if whole is None else f"{whole or '0'}.{decimals or '0'}"
+
+
+MOST_SETTINGS = 6  # a line to be read; more of them are a file
+
+
+def retyped(
+    document: Document,
+    kind: Kind,
+    load: Callable[[str, list[str]], Document],
+    file: str | None = None,
+) -> str:
+    """Return the words after a command that give this document again: its template's name and `--set`
+    options, or else `file`, the name that its TOML has.
+
+    `load` makes a document of a name and settings.
+    """
+    other = file or f"{document.name}.toml"
+    if document.name not in template_names(kind):
+        return other
+    values, shipped = document.model_dump(mode="json", exclude_none=True), load(document.name, [])
+    template = shipped.model_dump(mode="json", exclude_none=True)
+    settings = list(_differences(values, template))
+    if len(settings) > MOST_SETTINGS:
+        return other
+    try:
+        again = load(document.name, settings).model_dump(mode="json", exclude_none=True)
+    except InputError:
+        return other
+    if again != values:
+        return other
+    return " ".join([document.name, *(f"--set {shlex.quote(setting)}" for setting in settings)])
+
+
+def _differences(values: Mapping[str, Any], template: Mapping[str, Any], table: str = "") -> Iterator[str]:
+    """Yield `key=value` of what differs, `key=none` of what is gone."""
+    for key in [*values, *(key for key in template if key not in values)]:
+        name = f"{table}{key}"
+        one, other = values.get(key), template.get(key)
+        if one == other:
+            continue
+        if isinstance(one, dict) and isinstance(other, dict):
+            yield from _differences(one, other, f"{name}.")
+        else:
+            yield f"{name}={_toml(one)}"
+
+
+def _toml(value: Any) -> str:
+    """A value as TOML in one line."""
+    if value is None:
+        return "none"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, str) and value.replace("-", "").isalnum() and not value[:1].isdigit():
+        return value
+    return json.dumps(value)

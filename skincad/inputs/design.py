@@ -10,12 +10,20 @@ from pydantic import Field, model_validator
 from skincad.base.errors import together
 from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
-from skincad.inputs.mold_table import Mold
-from skincad.inputs.mount_table import Mount
+from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process
-from skincad.inputs.ridge_table import Ridge, heights, lean
 from skincad.inputs.silicone import Silicone
-from skincad.inputs.skin_tables import OF_A_SILICONE, Base, Contact, Film, Material, Slot
+from skincad.inputs.skin_tables import (
+    OF_A_SILICONE,
+    Base,
+    Contact,
+    Film,
+    Material,
+    Ridge,
+    Slot,
+    heights,
+    lean,
+)
 
 _Table = TypeVar("_Table", bound=Table)
 

@@ -9,9 +9,8 @@ from functools import partial
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
-from skincad.inputs.ridge_table import Ridge, lean
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Base, Contact, Film, Material, Slot
+from skincad.inputs.skin_tables import Base, Contact, Film, Material, Ridge, Slot, lean
 
 MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides

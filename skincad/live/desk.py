@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
-from skincad.live.jobs import Signals, check_design, make_files, run_scene
 from skincad.live.session import Editable, Session, apply_moves, redo_step, start_session, undo_step
 from skincad.live.shapes import DesignView, view
-from skincad.live.worker import LatestRunner, Worker
+from skincad.live.worker import LatestRunner, Signals, Worker, check_design, make_files, run_scene
 from skincad.scenes.scene import Scene
 from skincad.studies.subject import Setting
 

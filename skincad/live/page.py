@@ -18,11 +18,10 @@ import numpy as np
 import viser
 
 from skincad.inputs.design import Design
-from skincad.live.board import board_of
+from skincad.live.board import HistoryBoard, board_of
+from skincad.live.controls import Panel
 from skincad.live.desk import Desk
 from skincad.live.guard import own_pages_only
-from skincad.live.history import HistoryBoard
-from skincad.live.panel import Panel
 from skincad.live.session import Editable
 from skincad.live.shapes import DesignView, Piece
 from skincad.live.words import findings_html, making_html, signals_html, state_html, text_html, verdict_html

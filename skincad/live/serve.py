@@ -28,8 +28,8 @@ def serve(
     """
     if find_spec("viser") is None:
         raise InputError("live", "needs the package viser", remedy="pip install 'skincad[live]'")
-    from skincad.live.jobs import preload
     from skincad.live.page import Page
+    from skincad.live.worker import preload
 
     free = free_port(host, port)
     preload()

@@ -11,15 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from skincad.base.arguments import require_number
-from skincad.base.errors import InputError
-from skincad.base.stopwatch import Progress, Stopwatch
+from skincad.base.errors import InputError, require_number
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest, material_test
+from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest, material_test
 from skincad.material.laws import compare_laws
-from skincad.material.modulus import LOADED_SHARE, MaterialFit, material_fit
-from skincad.material.regression import Regression, regression
+from skincad.material.modulus import LOADED_SHARE, MaterialFit, Regression, material_fit, regression
 
 UP_TO_STRAIN = 0.3  # assumption: silicones leave the neo-Hookean law beyond it
 LARGEST_UP_TO = 3.0  # strain, assumption: no casting silicone follows the law so far

@@ -13,7 +13,7 @@ from scipy import optimize
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
-from skincad.inputs.material_test import FEWEST_ROWS, MaterialTest
+from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.laws import LAWS, law
 from skincad.laws.rubber import Candidate, Rubber
 

@@ -8,11 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from skincad.base.arguments import require_goals, require_number
 from skincad.base.climbing import overrun
-from skincad.base.errors import ExhaustedError, InputError, RefusedError, needing
+from skincad.base.errors import (
+    ExhaustedError,
+    InputError,
+    RefusedError,
+    needing,
+    require_goals,
+    require_number,
+)
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress, about
+from skincad.base.progress import Progress, about
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes

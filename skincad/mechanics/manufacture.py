@@ -21,9 +21,9 @@ import numpy as np
 from scipy import special
 
 from skincad.base.arrays import Array, Mask
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.ridge_model import BATCH, ridge_forces

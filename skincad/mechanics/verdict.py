@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.base.progress import about
 from skincad.base.result import Result
-from skincad.base.stopwatch import about
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, Yield
 

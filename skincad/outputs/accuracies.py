@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from skincad.base.plain import Cell, csv_text
+from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
-from skincad.ladders.climbing import Accuracy
-from skincad.ladders.ladder import LADDERS, Ladder
 from skincad.outputs.delivery import picture, text
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import LADDERS, Ladder
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

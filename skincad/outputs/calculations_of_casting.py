@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from skincad.base.formula import Calculation, Quantity
-from skincad.circuit.film import PICO, charge, electrode
+from skincad.circuit.network import PICO, charge, electrode
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.curves import area
 from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 from skincad.solids.shrinkage import shrinkage
 from skincad.solids.skin import skin_part
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.bode import CircuitGain
-from skincad.circuit.constants import Constants
-from skincad.circuit.film import PICO, capacitance, electrode
 from skincad.circuit.model import Circuit, constants
+from skincad.circuit.network import PICO, Constants, capacitance, electrode
 from skincad.effects.piezo import strip_charges
 from skincad.outputs.calculations_of_casting import PIEZO
 from skincad.scenes.simulation import Simulation

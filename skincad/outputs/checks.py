@@ -8,8 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.estimate import Estimate
+from skincad.base.progress import about
 from skincad.base.result import Writer
-from skincad.base.stopwatch import about
 from skincad.mechanics.verdict import ContactCheck
 
 if TYPE_CHECKING:

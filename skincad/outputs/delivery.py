@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.freshfile import fresh
-from skincad.base.manifest import manifest_name
-from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.outfolder import checked_folder, fresh, manifest_name, replaced
+from skincad.base.progress import Progress, Stopwatch
+from skincad.base.reading import strict_json
 from skincad.base.result import Result, Writer
-from skincad.base.stopwatch import Progress, Stopwatch
-from skincad.base.strictjson import strict_json
 
 PICTURES = ("png", "gif")
 

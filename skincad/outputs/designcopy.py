@@ -10,7 +10,7 @@ from typing import Any
 import tomlkit
 
 from skincad.base.errors import InputError, RefusedError, shown
-from skincad.base.freshfile import fresh
+from skincad.base.outfolder import fresh
 from skincad.base.reading import tables_of, text_of
 from skincad.base.tables import Document, NumberWithRange
 from skincad.inputs.catalog import LARGEST_FILE, design_tables, kind_of, template_names, template_text

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
-from skincad.base.plain import csv_text
+from skincad.base.reading import csv_text
 from skincad.base.result import Writer
-from skincad.circuit.bode import CircuitGain
-from skincad.circuit.film import PICO, capacitance
-from skincad.circuit.netlist import netlist
-from skincad.circuit.rig import told_rig
-from skincad.circuit.slopes import Slopes
+from skincad.circuit.bode import CircuitGain, told_rig
+from skincad.circuit.network import PICO, capacitance, netlist
+from skincad.circuit.response import Slopes
 from skincad.outputs.delivery import picture, text
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from skincad.fabrication.making import Job, MakeResult, PartReport, passes
 from skincad.inputs.design import Design
 from skincad.outputs import checks
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

@@ -18,7 +18,7 @@ from pydantic import BaseModel, TypeAdapter
 from pydantic.fields import FieldInfo
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.freshfile import checked_fresh, fresh
+from skincad.base.outfolder import checked_fresh, fresh
 from skincad.base.tables import NumberWithRange, Table, table_of
 from skincad.inputs import shipped
 from skincad.inputs.catalog import KINDS, Kind, kinds_of, load, template_names, template_text

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.result import Writer
 from skincad.outputs import sweeps
 from skincad.outputs.delivery import picture, text
-from skincad.studies.asking import short
-from skincad.studies.measures import worded
-from skincad.studies.optimisation import Member, Optimisation
+from skincad.studies.query import short, worded
 from skincad.studies.searches import combinations
+from skincad.studies.study import Member, Optimisation
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

@@ -9,8 +9,8 @@ from typing import Any
 
 import trimesh
 
+from skincad.base.reading import strict_json
 from skincad.base.result import Writer
-from skincad.base.strictjson import strict_json
 from skincad.inputs.design import Design
 from skincad.outputs.delivery import text
 from skincad.packages.card import card, markdown

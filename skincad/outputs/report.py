@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, cast
 from skincad.base.version import __version__
 from skincad.fabrication.finding import counted
 from skincad.fabrication.making import Job, passes
-from skincad.inputs.catalog import display_name, load_design, read_table, template_names
+from skincad.inputs.catalog import display_name, load_design, read_table, retyped, template_names
 from skincad.inputs.design import Design
-from skincad.inputs.retyped import retyped
 from skincad.mechanics.validity import limits
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import checks

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from html import escape
 
 from skincad.base.errors import InputError
-from skincad.circuit.bode import gain
+from skincad.circuit.bode import gain, without_rig
 from skincad.circuit.model import load_circuit
-from skincad.circuit.rig import without_rig
 from skincad.effects.piezo import Piezo, fitted
-from skincad.inputs.catalog import template_names
-from skincad.inputs.retyped import retyped
+from skincad.inputs.catalog import retyped, template_names
 from skincad.outputs import gains, simulations
 from skincad.outputs.calculations_of_scenes import scene_calculations
 from skincad.pictures.canvas import png, svg

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import RefusedError
-from skincad.base.plain import Cell, csv_text
+from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.effects.kinds import Showing
 from skincad.outputs.delivery import picture
-from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, chosen_steps, model_of
-from skincad.scenes.moments import frames
-from skincad.scenes.refined import BySource
+from skincad.scenes.march import frames
+from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, BySource, chosen_steps, model_of
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 

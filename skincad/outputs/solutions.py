@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.result import Writer
 from skincad.outputs.delivery import picture, text
 from skincad.outputs.designcopy import write_copy
-from skincad.studies.asking import short
-from skincad.studies.knobs import DesignVariable
-from skincad.studies.measures import worded
-from skincad.studies.solution import Solution, SolutionPoint
-from skincad.studies.subject import owner
+from skincad.studies.query import short, worded
+from skincad.studies.solving import Solution, SolutionPoint
+from skincad.studies.subject import DesignVariable, owner
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

@@ -11,15 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError
-from skincad.base.plain import csv_text
+from skincad.base.reading import csv_text
 from skincad.base.result import Writer
 from skincad.outputs.delivery import picture, text
-from skincad.studies.asking import short
-from skincad.studies.measures import worded
-from skincad.studies.question import Evaluation
-from skincad.studies.ranking import Ranking
+from skincad.studies.query import Evaluation, short, worded
 from skincad.studies.subject import changed
-from skincad.studies.sweeping import SweepResult
+from skincad.studies.sweeping import Ranking, SweepResult
 
 if TYPE_CHECKING:
     from skincad.pictures.canvas import Picture

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skincad.base.plain import markdown_text
+from skincad.base.reading import markdown_text
 from skincad.inputs.material import silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.packages.mjcf import FRICTION, STEP, friction, slide_damping

@@ -20,8 +20,7 @@ from skincad.shape.curves import Loop, Segment
 from skincad.shape.skin import section
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole
 from skincad.solids.skin import along_skin, skin_part
 
 G_PER_MM3 = 1e-6  # of 1 kg/m3

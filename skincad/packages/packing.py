@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.packages.links import Links, links
 from skincad.packages.springs import Springs, springs

@@ -20,7 +20,7 @@ from scipy import linalg, optimize
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.stopwatch import Progress
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.models.winkler import crest_gaps, stiffnesses

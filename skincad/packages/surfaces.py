@@ -11,8 +11,7 @@ import trimesh
 from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
 from skincad.packages.links import base_loop, carrier_part, ridge_parts
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole
 from skincad.solids.skin import along_skin, skin_part
 
 CHORD = 1e-3  # of the pitch: visual

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.plain import Cell, csv_text
-from skincad.circuit.film import charge, electrode
+from skincad.base.reading import Cell, csv_text
+from skincad.circuit.network import charge, electrode
 from skincad.inputs.design import Design
 from skincad.mechanics.film.response import SPANS, FilmResponse
 from skincad.packages.taxels import Taxels

@@ -18,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import PlainMesh, Sizes, height_of, plain_mesh, unit_of
 from skincad.mechanics.bodies.prisms import graded
 from skincad.mechanics.problem import Pad, pad_of
-from skincad.solids.body import RevolvedBody
+from skincad.solids.plan import RevolvedBody
 from skincad.solids.skin import along_skin
 
 EDGES = tuple(combinations(range(4), 2))  # of a tetrahedron, in the order below

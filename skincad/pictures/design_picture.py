@@ -13,7 +13,7 @@ from skincad.pictures.render import shaded, view
 from skincad.shape.curves import polygon
 from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)

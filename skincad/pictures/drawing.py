@@ -15,10 +15,18 @@ from skincad.inputs.design import Design
 from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop, polygon
 from skincad.shape.skin import section
-from skincad.solids.body import Prism, RevolvedBody, RotatedBody, corners
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part, bores
-from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
+from skincad.solids.plan import (
+    CAVITIES,
+    END_PLATES,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    bores,
+    corners,
+)
 
 PAGE = (190.0, 150.0)  # mm, fits A4 with its margins
 TEXT = 2.8  # mm

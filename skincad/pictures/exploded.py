@@ -7,10 +7,8 @@ import math
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.solids.body import Prism, RotatedBody
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Part
-from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
+from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole, Prism, RotatedBody
 
 
 def explosion_offset(part: Part, closed: ClosedMold) -> Array:

@@ -10,9 +10,8 @@ from statistics import median
 from textwrap import fill
 from typing import Any
 
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
-from skincad.ladders.precision import slope
 from skincad.pictures.canvas import Axes, NullFormatter, Picture, sheet
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, slope
 
 STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
     ("#000000", "o", "-"),

@@ -10,8 +10,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
-from skincad.circuit.low_pass import evenly_spaced
-from skincad.circuit.resample import Recording, recorded
+from skincad.circuit.state import Recording, evenly_spaced, recorded
 from skincad.pictures.canvas import BLACK, BLUE, GREY, VERMILION, Axes, Picture, legend, sheet
 from skincad.scenes.simulation import Simulation
 

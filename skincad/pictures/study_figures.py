@@ -20,11 +20,10 @@ from skincad.pictures.canvas import (
     legend,
     sheet,
 )
-from skincad.studies.knobs import DesignVariable
-from skincad.studies.question import Evaluation
-from skincad.studies.ranking import Ranking
-from skincad.studies.solution import Solution
-from skincad.studies.sweeping import SweepResult
+from skincad.studies.query import Evaluation
+from skincad.studies.solving import Solution
+from skincad.studies.subject import DesignVariable
+from skincad.studies.sweeping import Ranking, SweepResult
 
 POINT, TARGET, HIGHLIGHT, REFUSED = BLUE, GREY, VERMILION, PALE
 COLOURS = "viridis_r"  # distinct in grey too

@@ -21,10 +21,8 @@ from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
 from skincad.pictures.exploded import explosion_offset
 from skincad.pictures.three import three_js
-from skincad.solids.body import RevolvedBody, RotatedBody
 from skincad.solids.mold import ClosedMold, Move
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, RevolvedBody, RotatedBody
 
 HERE = files("skincad.pictures")
 Data = dict[str, Any]

@@ -1,4 +1,6 @@
-"""From one model of a scene to the next: small strain, finite strain in chosen steps, finite strain in each.
+"""Which model and which meshes a scene runs on, until its error is as small as wanted.
+
+Mesh and time step: the change to a march on the mesh before, and to one of fewer steps.
 
 A scene that names no law, and is asked for a tolerance, is marched in small strain first. Where leaving out
 finite strain changes more than the tolerance, it is marched with finite strain in chosen steps
@@ -9,22 +11,344 @@ that had to stop: where no step can be chosen there is no smooth state at finite
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from skincad.base.climbing import unmet
-from skincad.base.errors import InputError, RefusedError
-from skincad.effects.kinds import Law
-from skincad.scenes.climb import RefinedRun, differential
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import INTERRUPTED, March
-from skincad.scenes.omitted import omitted
-from skincad.scenes.on_mesh import Marching, march_on, piece_for
+from skincad.base import climbing
+from skincad.base.arrays import Array, Index
+from skincad.base.climbing import Ascent, overrun, unmet
+from skincad.base.errors import InputError, RefusedError, needing
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Tick
+from skincad.effects import EFFECTS, effect
+from skincad.effects.kinds import Law, LeftOutEffect, PadChange, PlatePath, SceneOutline, Step
+from skincad.mechanics.contact.state import Drive
+from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
 from skincad.scenes.scene import Scene
+from skincad.shape.skin import skin_of
+
+if TYPE_CHECKING:
+    from skincad.mechanics.film.stick import PadPiece
+
+
+THIN = 5  # steps of a march that are one of the march with fewer
+LONGER = 2.0  # such a step's time, by that of one of the THIN: 1.7 to 3.2, measured on four scenes
+
+
+class BySource(NamedTuple):
+    """An error, in the unit of what is wrong by it; a source that nobody asked is None."""
+
+    mesh: float | None
+    time_step: float | None
+    left_out: float
+    drift: float = 0.0
+
+    @property
+    def total(self) -> float | None:
+        """The sum; None where the mesh's or the step's share is unknown."""
+        if self.mesh is None or self.time_step is None:
+            return None
+        return self.mesh + self.time_step + self.left_out + self.drift
+
+    def as_json(self) -> dict[str, float | None]:
+        """Return it under JSON keys."""
+        return self._asdict()
+
+    def with_total(self) -> dict[str, float | None]:
+        """Return it under JSON keys, the sum too."""
+        return {**self._asdict(), "total": self.total}
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonRuns:
+    """Marches to hold a march against: `before` on the mesh before; `every` on the coarsest mesh, and `thin`
+    there with fewer steps; `after` is the one on the finer mesh, where the march in question is by another
+    model. None where there is none."""
+
+    before: March | None = None
+    after: March | None = None
+    every: March | None = None
+    thin: March | None = None
+
+
+def thinned(steps: int, points: Index) -> Index:
+    """Return the steps `(k,)` of a march with fewer steps: every THIN-th, those at the history's `points`,
+    and the last."""
+    return np.unique(np.concatenate([np.arange(0, steps + 1, THIN), points, [steps]]))
+
+
+@dataclass(frozen=True, eq=False)
+class Marching:
+    """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
+    is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
+    scene's own."""
+
+    scene: Scene
+    piece: PadPiece
+    tick: Tick | None = None
+    partial: bool = False
+    meshes: dict[float, object] = field(default_factory=dict)
+    model: str = ""
+
+
+@contextmanager
+def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
+    """Count the block's seconds for an effect's own work."""
+    began, key = perf_counter(), f"effect {name}"
+    yield
+    seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
+
+
+def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
+    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that."""
+    from skincad.mechanics.film.stick import piece_of
+    from skincad.mechanics.film.stress import filled_pad
+    from skincad.mechanics.problem import check_pad, pad_of
+
+    design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
+    plain = (
+        design.with_(contact={"film": "ignored"})
+        if skin_of(design).slot
+        else design.with_(contact={"film": None})
+    )
+    pad, thickness = filled_pad(plain) if skin_of(design).slot else (pad_of(plain), 0.0)
+    for name, part in scene.parts.items():
+        if isinstance(part, PadChange):
+            with spent(seconds, name):
+                pad = part.changed(pad, design)
+    check_pad(pad)
+    return piece_of(pad, thickness, halved=scene.law.halves)
+
+
+def march_on(
+    level: Level,
+    on: Marching,
+    seconds: dict[str, float],
+    following: Level | None = None,
+    again: bool = False,
+) -> March:
+    """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level `following`
+    and of a march with fewer steps, where it is marched `again`."""
+    model = f"{on.model.replace('_', ' ')}, " if on.model else ""
+    stage, scene, tick = f"{model}fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
+    if tick:
+        tick(stage, 0)
+    marks = [perf_counter()]
+    with needing(f"the mesh of {stage}"):
+        mesh = _meshed(on.piece, level, on.meshes)
+        marks.append(perf_counter())
+        films = bool(scene.readout.ridges)
+        pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
+        marks.append(perf_counter())
+    history, mass = scene.history, scene.plate.mass or 0.0
+    count = history.step_count
+    fewer = LONGER * _fewer(scene).size / count if again else 0.0
+    stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
+
+    def told(step: int) -> None:
+        if tick:
+            whole = (perf_counter() - marks[-1]) * count / step
+            after = expected(following, level, {**stages, "march": whole}) if following else 0.0
+            tick(stage, step, whole * (1 - step / count + fewer) + after)
+
+    # to ask for one thread at each step takes longer than the step
+    with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
+        times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
+        keep = kept_steps(scene)
+        march_result = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
+    seconds |= {**stages, "march": march_result.seconds}
+    return march_result
+
+
+def march_thin(on: Marching, whole: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
+    """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
+    `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone. The tick is
+    told the history's steps, and the time left with the s `after` it."""
+    scene, history, tick = on.scene, on.scene.history, on.tick
+    thinned = _fewer(scene)
+    if whole.pad is None or thinned.size > history.step_count:
+        return None
+    stage, began, last = "march with fewer steps", perf_counter(), thinned.size - 1
+    if tick:
+        tick(stage, 0)
+
+    def told(step: int) -> None:
+        if tick:
+            left = (perf_counter() - began) * (last / step - 1)
+            tick(stage, int(thinned[step]), left + after)
+
+    drives = history.drives()
+    with one_blas_thread():
+        ends = scene.law.limits(scene.design)
+        times, mass = history.times[thinned], scene.plate.mass or 0.0
+        fewer = [drives[i] for i in thinned]
+        thin = march(whole.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
+    seconds[stage] = thin.seconds
+    return None if thin.failed else thin
+
+
+def _fewer(scene: Scene) -> Index:
+    """The steps that the march with fewer has."""
+    history = scene.history
+    return thinned(history.step_count, history.points)
+
+
+def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
+    """Return the level's mesh, of those made already where it is among them."""
+    from skincad.mechanics.bodies.mesh import default_sizes, triangles
+    from skincad.mechanics.film.stress import RUNGS
+
+    if level.fineness not in meshes:
+        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
+        sizes = fine.sizes(piece) if piece.pad.strips else default_sizes(piece.pad, level.fineness)
+        meshes[level.fineness] = triangles(piece.pad, sizes)
+    return meshes[level.fineness]
+
+
+MATTERS = 0.1  # relative; a larger change is warned of
+
+
+def omitted(scene: Scene, march: March) -> list[LeftOutEffect]:
+    """Return the effects that the scene leaves out, the one that matters most first."""
+    history = scene.history
+    driven = history.tangential_force_N is None
+    pull = (history.displacement_mm if driven else history.tangential_force_N) or []
+    loads = (tuple(history.normal_force_N), tuple(pull))
+    times, path = tuple(history.time_s), path_of(march)
+    outline = SceneOutline(scene.design, times, loads, path, driven, _friction(scene))
+    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
+    entries = [entry for name in unnamed if (entry := effect(name).left_out(outline))]
+    return sorted(entries, key=lambda entry: -entry.change)
+
+
+def path_of(march: March) -> PlatePath:
+    """Return what a march found, as indicators see it."""
+    normal_loads, pulled, _ = np.moveaxis(march.loads, 1, 0)
+    films = march.column("films")[:, :, 0]
+    return PlatePath(
+        march.time,
+        march.column("approach"),
+        march.column("travel"),
+        normal_loads,
+        pulled,
+        _slipping(march, normal_loads.shape[1]),
+        films[:, ::2] - films[:, 1::2],
+    )
+
+
+def _friction(scene: Scene) -> float:
+    """The coefficient of static friction, at small pressures where it hangs on pressure; 0 without any."""
+    still = Drive(0.0)
+    cones = (term.share(Step(0.0, 1.0, still, still)).cone for term in scene.terms)
+    return next((cone.static for cone in cones if cone), 0.0)
+
+
+def _slipping(march: March, ridges: int) -> Array:
+    """The share of each ridge's touching points that slips `(steps + 1, ridges)`."""
+    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
+    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
+    return np.asarray(slips / np.maximum(touches, 1.0))
+
+
+_Error = dict[int, float] | None
+DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (docs/facts.md)
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedRun:
+    """The last march that counts, its error MPa by told ridge (None with one mesh), what was not met, and the
+    marches that its slips are held against."""
+
+    march: March
+    error: dict[int, float] | None
+    short: list[str]
+    refined: ComparisonRuns = field(default_factory=ComparisonRuns)
+
+
+def climb(
+    on: Marching, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
+) -> RefinedRun:
+    """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
+    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
+    last: dict[str, float] = {}
+    refined = [ComparisonRuns()]
+
+    def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
+        two = before is None and budget is None  # two meshes are the least
+        last.clear()
+        following = LEVELS[1] if two and len(LEVELS) > 1 else None
+        march = march_on(level, on, last, following, before is None and films)
+        if before is not None:
+            refined[0] = replace(refined[0], before=before.found)
+        elif films and not (march.failed or march.interrupted):
+            after = expected(following, level, last) if following else 0.0
+            thin = march_thin(on, march, last, after)
+            if thin is not None and thin.interrupted:
+                thin, march = (
+                    None,
+                    replace(march, stopped=INTERRUPTED),
+                )  # Ctrl-C ends the climb, not its march
+            refined[0] = ComparisonRuns(every=march, thin=thin)
+        for stage, more in last.items():
+            seconds[stage] = seconds.get(stage, 0.0) + more
+        if before is not None and march.interrupted:
+            raise KeyboardInterrupt  # a whole march says more than a part
+        if before is not None and march.failed and before.error <= wanted:
+            raise _StoppedError(f"a finer mesh stopped at {march.stopped}")  # what is there is good enough
+        return march
+
+    def price(before: Ascent[Level, March, _Error], following: Level) -> float:
+        if before.found.failed or before.found.interrupted:
+            return np.inf
+        return expected(following, before.rungs[-1], {**last, "mesh": seconds["mesh"]})
+
+    reached = climbing.climb(
+        marched,
+        LEVELS,
+        lambda _, found, before: (None, np.inf) if before is None else _errors(on, before, found),
+        wanted if tol is not None or budget is None else 0.0,  # a budget alone asks for the best it buys
+        budget,
+        began=began,
+        price=price,
+        ends=(InputError, RefusedError, *((KeyboardInterrupt,) if on.partial else ())),
+    )
+    march, error, ended, short = reached.found, reached.told, reached.ended, list[str]()
+    if isinstance(ended, KeyboardInterrupt):
+        march = replace(march, stopped=INTERRUPTED)
+    elif ended is not None:
+        words = str(ended) if isinstance(ended, _StoppedError) else f"a finer mesh is refused ({ended})"
+        short.append(f"{words}; the results are those of the mesh before")
+    if films:
+        how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
+        short += unmet(f"the differential stress is {how}", reached.error, wanted)
+    counts = refined[0] if len(reached.rungs) > 1 else replace(refined[0], before=None)
+    return RefinedRun(march, error, [*short, *overrun("", reached.spent, budget)], counts)
+
+
+class _StoppedError(RefusedError):
+    """A march that did not reach the end of its history."""
+
+
+def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
+    """Return S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
+    place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
+    films = march.column("films")
+    return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
+
+
+def _errors(on: Marching, before: March, march: March) -> tuple[dict[int, float], float]:
+    """Largest change of each told ridge's difference from the mesh before, MPa; the largest relative one."""
+    one, other = (differential(on.piece, on.scene, run) for run in (before, march))
+    steps = min(before.time.size, march.time.size)
+    error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
+    largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
+    return error, max(error.values(), default=0.0) / largest if largest else 0.0
+
 
 SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_strain"
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))

@@ -1,39 +1,140 @@
-"""Simulating a scene: what is told of its march."""
+"""Simulating a scene: run it, read it out, and say what was left out."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from skincad.base.arguments import require_goals
 from skincad.base.arrays import Array, Mask
+from skincad.base.errors import require_goals
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
+from skincad.base.progress import Tick
 from skincad.base.result import Result
-from skincad.base.stopwatch import Tick
-from skincad.circuit.low_pass import FilteredSignal, band_limited, delay
-from skincad.effects.kinds import Reader, RidgePath, Step
-from skincad.effects.omitted import LeftOutEffect
+from skincad.circuit.state import FilteredSignal, band_limited, delay
+from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.mechanics.validity import material_warnings
-from skincad.scenes.climb import RefinedRun, climb, differential
-from skincad.scenes.energy import energy
-from skincad.scenes.levels import Level
-from skincad.scenes.march import March
-from skincad.scenes.models import FINITE_STRAIN, chosen_steps, cut_short, drifted, further, model_of
-from skincad.scenes.omitted import MATTERS, omitted
-from skincad.scenes.on_mesh import Marching, march_on, piece_for
-from skincad.scenes.readers import joined, read
-from skincad.scenes.refined import BySource
+from skincad.scenes.detector import report
+from skincad.scenes.errors import (
+    SlipErrors,
+    Slips,
+    in_steps,
+    lead,
+    slip_errors,
+    slip_step,
+    slips_of,
+    stress_errors,
+    unresolved,
+)
+from skincad.scenes.march import Level, March
+from skincad.scenes.models import (
+    FINITE_STRAIN,
+    MATTERS,
+    BySource,
+    Marching,
+    RefinedRun,
+    chosen_steps,
+    climb,
+    cut_short,
+    differential,
+    drifted,
+    further,
+    march_on,
+    model_of,
+    omitted,
+    piece_for,
+    spent,
+)
 from skincad.scenes.scene import Scene
-from skincad.scenes.signals import slips_of, unresolved
-from skincad.scenes.slip_errors import SlipErrors, in_steps, lead, slip_errors, slip_step
-from skincad.scenes.stress_errors import stress_errors
+
+
+def energy(march: March) -> dict[str, float]:
+    """Return the plate's work, what is stored and lost, mJ, and what is missing, relative to the work."""
+    normal, tangential = march.column("normal"), march.column("tangential")
+    down, along = np.diff(march.column("approach")), np.diff(march.column("travel"))
+    by_forces = (normal[1:] + normal[:-1]) / 2 * down + (tangential[1:] + tangential[:-1]) / 2 * along
+    works = [reading.work for reading in march.readings[1:]]
+    pushed = sum(force if work is None else work for force, work in zip(by_forces, works, strict=True))
+    stored = float(march.readings[-1].elastic)
+    lost = float(march.column("dissipated").sum())
+    kinetic = float(march.readings[-1].kinetic)
+    viscous = float(march.column("viscous").sum())
+    missing = abs(pushed - stored - kinetic - lost - viscous)
+    return {
+        "work_mJ": float(pushed),
+        "elastic_mJ": stored,
+        "kinetic_mJ": kinetic,
+        "dissipated_mJ": lost,
+        "viscous_mJ": viscous,
+        "imbalance": float(missing) / max(abs(float(pushed)), stored, 1e-300),
+    }
+
+
+Readings = Mapping[str, Any]
+
+
+def _felt(reading: Readings, scene: Scene, march: March, slips: Slips) -> Readings:
+    """Slip as the films' outputs show it, against when ridges slip; of outputs with noise for other seeds
+    too."""
+    readout, noise = scene.readout, reading["output_noise_V_rms"]
+    width, alarms = readout.bandwidth_Hz, readout.alarms
+    runs, gross, even = slips.runs, slips.gross, scene.history.even
+    noises = (
+        noise_of_seed
+        for part in scene.parts.values()
+        if isinstance(part, Reader)
+        for noise_of_seed in part.other_noises(_watched(scene), march.time)
+    )
+    return report(march.time, reading["output_V"], noise, width, runs, gross, alarms, even, noises)
+
+
+# by the key that it follows from
+FOLLOWING: dict[str, Callable[[Readings, Scene, March, Slips], Readings]] = {"output_V": _felt}
+
+
+def read(
+    scene: Scene, march: March, slips: Slips, seconds: dict[str, float]
+) -> tuple[dict[str, Any], list[str]]:
+    """Return what the scene's readers tell, and what follows from it; and their warnings."""
+    watched = _watched(scene)
+    readings: dict[str, Readings] = {}
+    for name, part in scene.parts.items():
+        if isinstance(part, Reader):
+            with spent(seconds, name):
+                readings[f"effects.{name}"] = part.read(watched, march.time, march.readings)
+    notes = [note for reading in readings.values() for note in reading.get("warnings", ())]
+    readings = {
+        who: {key: v for key, v in reading.items() if key != "warnings"} for who, reading in readings.items()
+    }
+    direct = joined(readings)
+    after = {
+        f"what follows {key}": FOLLOWING[key](direct, scene, march, slips)
+        for key in direct
+        if key in FOLLOWING
+    }
+    return joined({**readings, **after}), notes
+
+
+def _watched(scene: Scene) -> ReaderContext:
+    return ReaderContext(scene.design, tuple(scene.readout.ridges), scene.readout.bandwidth_Hz)
+
+
+def joined(parts: Mapping[str, Readings]) -> dict[str, Any]:
+    """Return all keys, of each who tells some; raises ValueError where two tell the same one."""
+    merged: dict[str, Any] = {}
+    by: dict[str, str] = {}
+    for who, keys in parts.items():
+        for key, value in keys.items():
+            if key in by:
+                raise ValueError(f"{who} gives {key!r}, which {by[key]} gives already: rename one of them")
+            merged[key], by[key] = value, who
+    return merged
 
 
 @dataclass(frozen=True, eq=False, repr=False)

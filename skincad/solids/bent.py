@@ -1,4 +1,4 @@
-r"""The mold of a doubly curved skin: a bowl, its ridges' grooves turned about an axis along x above it.
+r"""The mold of a doubly curved skin.
 
     z up          axis x, at z = curvature_radius_y - thickness
     ______________________________
@@ -19,6 +19,8 @@ not poured into an open trough. The cover stands out over the plates' beveled to
 lifted there. A shim is an arc, cut so from sheet, and is drawn out by turning it about the axis. Then skin
 and carrier leave along z: a bowl is open above, so y holds nothing back while the ends lean by less than
 a right angle; in x each ridge's undercut is that of the section.
+
+The axis lies at y = 0 above; heights count from the back's middle, z = 0; angles from y = 0 towards +y.
 """
 
 from __future__ import annotations
@@ -29,32 +31,42 @@ from dataclasses import replace
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.curves import Point, flipped
+from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.skin import Section, skin_of
-from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
-from skincad.solids.bowl import half_length, height, rise, seat
-from skincad.solids.cavity import cavity
-from skincad.solids.closing import SQUEEZED_SHARE, seal_thickness
+from skincad.solids.cavity import cavity, split_ridges
 from skincad.solids.ends import end_plates
-from skincad.solids.grid import Grid
+from skincad.solids.fasteners import WASHER, run_out_room, screw_for
 from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
 from skincad.solids.layout import (
     BESIDE,
     EDGE,
+    SQUEEZED_SHARE,
     Layout,
     cavity_process,
     end_angle,
     fits,
+    seal_thickness,
     stack_error,
 )
 from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels, seal_sheet
-from skincad.solids.plan import Part, turned
-from skincad.solids.roles import ENDS, CutRole, End, PartRole
-from skincad.solids.screws import WASHER, run_out_room, screw_for
+from skincad.solids.plan import (
+    ENDS,
+    Bore,
+    CutRole,
+    End,
+    ExtendedCut,
+    Grid,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    mirrored,
+    turned,
+)
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
-from skincad.solids.undercut import split_ridges
 
 # mm, assumption: a skin of 100 mm rises by 0.13 mm then; beyond 1e6 the kernel has cancellation errors
 LARGEST_RADIUS = 1e4
@@ -294,3 +306,45 @@ def _end_pin(design: Design, place: Layout, grid: Grid, end: End, i: int) -> Par
     start = (place.pins[i], base - (thick if end == "a" else depth), place.comb_pin)
     dowel = pin(PartRole.END_PIN, f"pin-{end}-{('left', 'right')[i]}", start, depth + thick, end)
     return turned(dowel, grid.centre, angle, base)
+
+
+def height(grid: Grid, angle: float) -> float:
+    """Return the height of the skin's back at an angle, mm."""
+    return 2 * grid.centre * math.sin(angle / 2) ** 2
+
+
+def half_length(grid: Grid, z: float, inside: float = 0.0) -> float:
+    """Return the half length at the height z between the ends' planes, or planes `inside` them, mm."""
+    return ((grid.centre - z) * math.sin(grid.half) - inside) / math.cos(grid.half)
+
+
+def rise(grid: Grid, y: float) -> float:
+    """Return the height of the back at y, mm."""
+    return y * y / (grid.centre + math.sqrt(grid.centre**2 - y * y))
+
+
+def seat(grid: Grid, half: float, top: float, inside: float = 0.0) -> Loop:
+    """Return the outline (y, z) from the back's arc, -half to half rad, up to a flat top."""
+    low, high = (Point(grid.centre * math.sin(a), height(grid, a)) for a in (-half, half))
+    wide = half_length(grid, top, inside)
+    return (Segment(low, high, math.tan(half / 2)), *path([high, Point(wide, top), Point(-wide, top), low]))
+
+
+def gap_beside(carrier: Prism, gap: float) -> list[Prism]:
+    """Return the gap round a carrier of this mold, down to its ledge: along both sides, and at both ends."""
+    grid, top = carrier.grid, max(s.start.z for s in carrier.outline)
+    if grid is None:
+        raise ValueError("a straight carrier's gap is a frame")
+    arc = carrier.outline[0]
+    corner = Point(half_length(grid, top, gap), top)
+    high = Point(grid.centre * math.sin(grid.half), height(grid, grid.half))
+    rest = grid.half - math.asin(arc.end.x / grid.centre)
+    turn = math.tan(rest / 4)
+    end = (Segment(arc.end, high, turn), *path([high, Point(half_length(grid, top), top), corner, arc.end]))
+    whole = seat(grid, grid.half, top)
+    return [
+        replace(carrier, outline=whole, low=carrier.high, high=carrier.high + gap),
+        replace(carrier, outline=whole, low=carrier.low - gap, high=carrier.low),
+        replace(carrier, outline=end),
+        replace(carrier, outline=mirrored(end)),
+    ]

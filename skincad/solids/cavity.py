@@ -1,10 +1,13 @@
-"""The cavity: the block with the ridges' negative, in one piece or parted through the summits of ridges.
+"""The cavity, whole or in several pull pieces, and where it has to be split.
 
 A parted cavity stands on a base plate. Each split runs from a crown's summit down that ridge's own axis. The
 ridges fan out, so a piece between two splits widens downward: wedged between its neighbours, on the base and
 between the end plates it can't move, and once the base is off it leaves down its own middle direction, past
 flanks that lean away from it. The outer pieces leave half a pitch further outward. The price: a parting line
 on the summit of each ridge that is split, where a flash has to be kept thin.
+
+Rubber keeps its volume and the skin is long. So a ridge that passes an opening w out of its width W stretches
+upward by W / w - 1, which is held against the elongation at break. Friction and bending are left out.
 """
 
 from __future__ import annotations
@@ -15,9 +18,10 @@ from itertools import pairwise, product
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, skin_of
-from skincad.solids.body import Body, Bore, Heading, Prism
+from skincad.solids.fasteners import blind_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
     BASE_PIN,
@@ -29,9 +33,7 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Part, box, drilled, shifted
-from skincad.solids.roles import CutRole, PartRole
-from skincad.solids.screws import blind_depth
+from skincad.solids.plan import Body, Bore, CutRole, Heading, Part, PartRole, Prism, box, drilled, shifted
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
@@ -202,3 +204,21 @@ def _pin_holes(design: Design, place: Layout) -> list[Bore]:
 def _sockets(design: Design, place: Layout, places: list[tuple[float, float]]) -> list[Bore]:
     slide = fits(design, design.mold.process).slide
     return drilled(CutRole.COVER_PIN, "z", places, place.top - PIN_DEPTH, PIN_DEPTH, slide)
+
+
+SAFE_SHARE = 0.2  # assumption: a cast edge has nicks, from which it tears long before a test bar does
+
+
+def safe_strain(design: Design) -> float:
+    """Return the nominal squeeze that the silicone takes: its stretch is `SAFE_SHARE` of that at break."""
+    return 1 - 1 / (1 + SAFE_SHARE * silicone(design).elongation_at_break)
+
+
+def split_ridges(design: Design) -> list[int]:
+    """Return the ridges at which the cavity is parted: with split = "auto" those that are squeezed beyond
+    what is safe, and their mirror images, so that the pieces between come out straight."""
+    if design.mold.split == "none":
+        return []
+    skin, limit = skin_of(design), safe_strain(design)
+    caught = [ridge for ridge, undercut in skin.undercuts.items() if undercut.strain > limit]
+    return sorted({*caught, *(skin.count + 1 - ridge for ridge in caught)})

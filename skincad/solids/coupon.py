@@ -1,4 +1,4 @@
-"""The coupon's parts: a ladder of notches, steps of ridges' heights, and open molds for a bar and a pad.
+"""The calibration coupon's parts.
 
 What is measured on the first two says how a process draws, what is cast in the other two what its silicone
 is. Frames are the mold's: x across, y along, z up, the face that is measured or struck off at z = 0. Lengths
@@ -8,17 +8,15 @@ are mm.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process
 from skincad.shape import curves
-from skincad.shape.curves import Loop, Point, flipped, loop
+from skincad.shape.curves import Loop, Point, Segment, flipped, loop
 from skincad.shape.skin import section
-from skincad.solids.body import Prism
-from skincad.solids.plan import Part, shifted
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import CutRole, Part, PartRole, Prism, shifted
 from skincad.solids.shrinkage import on_grid, scaled_for_shrinkage, shrinkage
-from skincad.solids.tensile_bar import BAR, BARS, bar_outline
 
 NOTCHES = tuple(round(0.06 + 0.02 * i, 2) for i in range(13))  # mm wide: all that shims and films ask for
 NOTCH_DEPTH = 0.6  # mm, assumption: a little over the deepest notch of a template's comb that is so narrow
@@ -139,3 +137,54 @@ def poured_volumes(parts: tuple[Part, ...]) -> dict[str, float]:
         for part in parts
         if part.cuts
     }
+
+
+class TensileBar(NamedTuple):
+    """A dumb-bell test piece, mm: two wide ends, a narrow part, and arcs between that are tangent to both."""
+
+    length: float
+    end_width: float
+    narrow_length: float
+    width: float
+    outer_radius: float
+    inner_radius: float
+    thickness: float
+    gauge_length: float
+
+    @property
+    def area(self) -> float:
+        """Cross-section of the narrow part, mm2."""
+        return self.width * self.thickness
+
+
+# source: ISO 37, dumb-bells, type 2, which is DIN 53504's S2
+BAR = TensileBar(75.0, 12.5, 25.0, 4.0, 8.0, 12.5, 2.0, 20.0)
+BARS = 3  # source: ISO 37 asks for at least three test pieces
+
+
+def bar_outline(by: float = 1.0) -> Loop:
+    """Return the bar's outline in (x, y), mm, its length along y, all sizes times `by`.
+
+    From the narrow part an arc of the inner radius turns outward, and one of the outer radius back, both by
+    the same angle, so that together they rise by what the end is wider.
+    """
+    both = BAR.inner_radius + BAR.outer_radius
+    turn = math.acos(1 - (BAR.end_width - BAR.width) / 2 / both)
+    narrow, wide = BAR.width / 2, BAR.end_width / 2
+    start, end, bulge = BAR.narrow_length / 2, BAR.length / 2, math.tan(turn / 4)
+    x = narrow + BAR.inner_radius * (1 - math.cos(turn))  # where the arcs meet
+    y, shoulder = start + BAR.inner_radius * math.sin(turn), start + both * math.sin(turn)
+    right = [  # from the lower end upward: a corner, and the bulge of what begins there
+        (wide, -end, 0.0),
+        (wide, -shoulder, bulge),
+        (x, -y, -bulge),
+        (narrow, -start, 0.0),
+        (narrow, start, -bulge),
+        (x, y, bulge),
+        (wide, shoulder, 0.0),
+        (wide, end, 0.0),
+    ]
+    whole = [*right, *((-x, -y, bulge) for x, y, bulge in right)]
+    corners = [Point(by * x, by * y) for x, y, _ in whole]
+    onward = [*corners[1:], corners[0]]
+    return tuple(Segment(a, b, bulge) for a, b, (*_, bulge) in zip(corners, onward, whole, strict=True))

@@ -10,7 +10,7 @@ from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, flipped, loop
 from skincad.shape.skin import Section, section
-from skincad.solids.body import Body, Bore, Prism
+from skincad.solids.fasteners import TAP_RADIUS, engagement
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,
@@ -22,9 +22,7 @@ from skincad.solids.layout import (
     end_process,
     nut_pocket,
 )
-from skincad.solids.plan import Part, box, drilled, moved, shifted
-from skincad.solids.roles import CutRole, End, PartRole
-from skincad.solids.screws import TAP_RADIUS, engagement
+from skincad.solids.plan import Body, Bore, CutRole, End, Part, PartRole, Prism, box, drilled, moved, shifted
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.split import closed_edge, split_edges, split_height
 

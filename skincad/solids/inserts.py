@@ -5,9 +5,7 @@ from __future__ import annotations
 from skincad.inputs.design import Design
 from skincad.shape.curves import flipped
 from skincad.shape.skin import section
-from skincad.solids.body import Bore, Prism, Vector
-from skincad.solids.plan import Part
-from skincad.solids.roles import End, PartRole
+from skincad.solids.plan import Bore, End, Part, PartRole, Prism, Vector
 
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm
 GRIP = 6.0  # mm, assumption: of a shim beyond each end plate: pliers hold it there, and a film is glued to it

@@ -42,18 +42,14 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
-from skincad.solids.body import Prism
-from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted
+from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted, split_ridges
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
-from skincad.solids.plan import Part, moved
-from skincad.solids.roles import CAVITIES, END_PLATES, ENDS, End, PartRole
+from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.shrinkage import scaled_for_shrinkage
-from skincad.solids.skin import cast_skin
-from skincad.solids.swept import Way
-from skincad.solids.undercut import split_ridges
+from skincad.solids.skin import Way, cast_skin
 
 if TYPE_CHECKING:
     import cadquery as cq

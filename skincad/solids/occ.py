@@ -20,8 +20,17 @@ from skincad.base.errors import FaultError, InputError, exhausted, needing
 from skincad.base.interrupt import safe_point
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
-from skincad.solids.body import Axis, Body, Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
-from skincad.solids.plan import Part, unturned
+from skincad.solids.plan import (
+    Axis,
+    Body,
+    Bore,
+    ExtendedCut,
+    Part,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    unturned,
+)
 from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, distinct
 
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing

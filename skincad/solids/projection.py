@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skincad.shape.curves import Loop
-from skincad.solids.body import Vector
+from skincad.solids.plan import Vector
 
 Place = tuple[float, float]  # (right, up) mm, in a view
 SAME = 6  # decimals of a millimetre within which two edges of a view are one

@@ -1,15 +1,34 @@
-"""The skin: its section swept along y, straight or turned about an axis along x."""
+"""The skin: its section swept along y, straight or turned; and a body's way as it moves."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+import shapely
+
+from skincad.base.arrays import Array
 from skincad.inputs.design import Design
-from skincad.shape.curves import Loop, flipped
+from skincad.shape import curves
+from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.skin import Section, section
-from skincad.solids.body import Prism, RevolvedBody
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import (
+    Axis,
+    Body,
+    Bore,
+    ExtendedCut,
+    Heading,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    corners,
+    plain,
+    turned,
+    unturned,
+)
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -56,3 +75,86 @@ def skin_solid(design: Design) -> cq.Workplane:
     from skincad.solids.occ import workplane
 
     return workplane(skin_part(design))
+
+
+Way = Axis | Heading | Literal["turn"]
+
+
+def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
+    """Return a part that covers everything that `part` passes through on `travel` mm that way; rad where it
+    turns about its own axis along x ("turn"). A turned part's y is its own.
+
+    Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, and for a bare
+    prism moved across its own axis; elsewhere cuts are left out, so the swept part is never too small. Of a
+    body that turns and is moved up, what counts is its silhouette along x.
+    """
+    body = part.body
+    if isinstance(body, RotatedBody):
+        path = swept(unturned(part), axis, travel, tolerance)
+        return turned(path, body.centre, body.angle, body.base)
+    if body.axis == axis:
+        cuts = tuple(_stretched(c, travel) for c in part.cuts if _through(c, body))
+        return replace(part, body=_stretched(body, travel), cuts=cuts)
+    heading = {"z": (0.0, 1.0)}.get(axis) if isinstance(axis, str) else axis
+    flat = _as_prism(body, tolerance)
+    if flat is None or flat.axis == "z" or heading is None or (flat.axis == "x" and axis != "z"):
+        rule = "a pin moves along its axis only, a prism along it or up, down or aside; a pin along y as well"
+        raise ValueError(f"{part.name}: {rule}")
+    way = heading[0] * travel, heading[1] * travel
+    shadow = _shadow(corners(flat, flat.outline, tolerance), way)
+    return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=())
+
+
+def _as_prism(body: Body, tolerance: float) -> Prism | None:
+    """A round pin along y as a prism, and what turns as its silhouette; None where a body is no prism."""
+    if isinstance(body, Bore) and body.axis == "y" and body.end_radius is None:
+        (x, low, z), r = body.start, body.radius
+        ends = Point(x - r, z), Point(x + r, z)
+        circle = Segment(ends[0], ends[1], 1.0), Segment(ends[1], ends[0], 1.0)  # half turns
+        return Prism(circle, "y", low, low + body.length)
+    if isinstance(body, RevolvedBody) and body.grid:
+        points = curves.polygon(body.outline, tolerance / 2)
+        (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+        angles = body.grid.angles(body.low, body.high, tolerance)
+        arcs = [[body.placed(np.array([[0.0, z]]), a)[0, 1:] for a in angles] for z in (low, high)]
+        ring = curves.loop([Point(y, z) for y, z in (*arcs[0], *arcs[1][::-1])])
+        return Prism(ring, "x", left, right)
+    return body if isinstance(body, Prism) else None
+
+
+def _through(cut: Body, body: Body) -> bool:
+    """Whether a cut keeps its section all through a body: what a blind one leaves open, the rest covers."""
+    if cut.axis != body.axis or (isinstance(cut, Bore) and cut.end_radius):
+        return False
+    return _ends(cut) == _ends(body)
+
+
+def _ends(body: Body) -> tuple[float, float]:
+    """Where a body begins and ends along its axis, mm."""
+    own_body = plain(body)
+    if isinstance(own_body, Bore):
+        low = own_body.start[1 if own_body.axis == "y" else 2]
+        return low, low + own_body.length
+    return own_body.low, own_body.high
+
+
+def _stretched(body: Body, travel: float) -> Body:
+    if isinstance(body, RotatedBody | ExtendedCut):
+        raise ValueError("a turned body is moved in its own frame")
+    if isinstance(body, Prism | RevolvedBody):
+        return replace(body, low=body.low + min(travel, 0.0), high=body.high + max(travel, 0.0))
+    x, y, z = body.start
+    back = min(travel, 0.0)
+    start = (x, y + back, z) if body.axis == "y" else (x, y, z + back)
+    return replace(body, start=start, length=body.length + abs(travel))
+
+
+def _shadow(points: Array, way: Heading) -> Loop:
+    """Outline of everything that a polygon `(n, 2)` mm covers while it moves by `way` mm."""
+    quads = [
+        shapely.Polygon([a, b, b + way, a + way])
+        for a, b in zip(points, np.roll(points, -1, axis=0), strict=True)
+        if (b[0] - a[0]) * way[1] != (b[1] - a[1]) * way[0]
+    ]
+    covered = shapely.orient_polygons(shapely.union_all([shapely.Polygon(points), *quads]))
+    return curves.loop([Point(x, z) for x, z in covered.exterior.coords[:-1]])

@@ -12,14 +12,14 @@ from scipy import optimize
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import silicones
 from skincad.mechanics.check import check, exceeds_model, mesh_tolerance
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.skin import skin_of
-from skincad.studies.question import first_able
+from skincad.studies.query import first_able
 from skincad.studies.solving import TIERS
 from skincad.studies.subject import changed, value_of
 

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.knobs import DesignVariable
+from skincad.studies.subject import DesignVariable
 
 Name = Literal["cma", "nsga2", "sobol"]
 SPREAD, NEAR = (

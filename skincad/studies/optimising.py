@@ -18,24 +18,17 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Tick
+from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.studies.asking import GUIDE
-from skincad.studies.knobs import DesignVariable, knobs
-from skincad.studies.log import Log
-from skincad.studies.measures import resolved, worded
-from skincad.studies.optimisation import Member, Optimisation
 from skincad.studies.optimisers import Archive, Optimiser, Outcome, levels, minimise
-from skincad.studies.question import Evaluation, Kind, Query, first_able, question_of
-from skincad.studies.ranking import ranking
-from skincad.studies.running import Run, Values, Workers
+from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, question_of, resolved, worded
+from skincad.studies.running import Log, Run, Values, Workers
 from skincad.studies.running import workers as working
 from skincad.studies.searches import Surrogate, combinations, search
-from skincad.studies.study import Study
-from skincad.studies.subject import SKIN, Subject, Value
-from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in
-from skincad.studies.weighing import Model, Results, RobustObjective
+from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
+from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
+from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in, ranking
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
 COARSE = 600  # evaluations of the closed form in a search

@@ -19,7 +19,6 @@ from scipy.spatial.distance import cdist
 from scipy.stats import rankdata
 
 from skincad.base.arrays import Array
-from skincad.studies.knobs import DesignVariable
 from skincad.studies.optimisers import (
     NEAR,
     Archive,
@@ -30,7 +29,7 @@ from skincad.studies.optimisers import (
     levels,
     optimiser,
 )
-from skincad.studies.subject import Value
+from skincad.studies.subject import DesignVariable, Value
 
 MAX_SCAN = 33  # places of the first scan of a number
 BATCH = 8  # places at once, so that several workers have something to do

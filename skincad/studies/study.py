@@ -1,17 +1,31 @@
-"""What a study's TOML says: what is varied, what is to be small or large, and what must hold."""
+"""A study as a person writes it, what it aims at, and its result.
+
+By as much as the judge's numbers differed from a model's on the last design that both saw, the model's are
+taken larger or smaller everywhere; before that, by their own error.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
+from skincad.base.result import Result
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import tier_of
-from skincad.studies.subject import Subject, load_subject
+from skincad.studies.optimisers import Archive, Outcome
+from skincad.studies.query import Kind, resolved, slack
+from skincad.studies.subject import Subject, Value, changed, load_subject
+from skincad.studies.sweeping import SweepResult
 
 KEY = "the result's key in --json, another result's after make. or check., or a varied key"
 FORM = 1  # of the file; a later skincad that reads it otherwise counts on
@@ -124,3 +138,228 @@ def load_study(source: str | Path, settings: list[str] | tuple[str, ...] = ()) -
         changed = {setting_key(text) for text in settings}
         data["settings"] = [*(text for text in written if setting_key(str(text)) not in changed), *settings]
     return Study(**data)
+
+
+OTHERS: tuple[Kind, ...] = (
+    "make",
+    "check",
+)  # results beside the searching one's, before whose keys their name stands
+DIFFERENCES = ("margin_N",)  # numbers that may be 0: two models of them differ by so much, not by a factor
+Results = Mapping[str, Estimate]
+Model = Literal[
+    "guide", "search", "judge"
+]  # the closed form, the one that searches, and who has the last word
+
+
+def _sign(of: Objective | str) -> float:
+    """1 where larger is worse, -1 where smaller is."""
+    return 1.0 if of == "at_most" or (isinstance(of, Objective) and of.goal == "min") else -1.0
+
+
+@dataclass
+class RobustObjective:
+    """A study's aims, and by model, key and which end is worse the factor and the difference of the judge's
+    worse end from the model's value."""
+
+    study: Study
+    differs: dict[tuple[Model, str, float], tuple[float, float]] = field(default_factory=dict)
+
+    def others(self) -> list[Kind]:
+        """Return the names of the other results that objectives and limits are about."""
+        return [kind for kind in OTHERS if any(key.startswith(f"{kind}.") for key in self.study.aims)]
+
+    def told(self, place: Array, results: Results | None, model: Model) -> Outcome:
+        """Return losses and limits at a place by what the judge would say; limits of numbers that the closed
+        form does not tell are taken as kept."""
+        if not results:
+            return Outcome(
+                place, np.full(len(self.study.objectives), np.nan), np.full(len(self._limits()), np.nan)
+            )
+        limits = np.array([self._excess(limit, results, side, model) for limit, side in self._limits()])
+        margins = np.nan_to_num(limits, nan=-1.0) if model == "guide" else limits
+        return Outcome(place, np.array(self._losses(results, model)), margins)
+
+    def member(self, values: Mapping[str, float | int | str], results: Results, tier: str) -> Member:
+        """Return what the judge's results make of a design."""
+        met: dict[str, bool] = {}
+        for limit, side in self._limits():
+            key = resolved(limit.key, results, what="key")
+            met[key] = met.get(key, True) and self._excess(limit, results, side, "judge") <= 0
+        wanted = [resolved(objective.key, results, what="key") for objective in self.study.objectives]
+        return Member(
+            dict(values),
+            {key: results[key] for key in wanted},
+            {key: (results[key], good) for key, good in met.items()},
+            tier,
+        )
+
+    def correct(self, member: Member, results: Results, model: Model) -> None:
+        """Take from a judged design how the judge's worse ends differ from what a model says of it."""
+        judged = {**member.objectives, **{key: estimate for key, (estimate, _) in member.constraints.items()}}
+        wanted = [(estimate.key, _sign(estimate)) for estimate in self.study.objectives]
+        wanted += [(limit.key, _sign(side)) for limit, side in self._limits()]
+        for key, sign in wanted:
+            name = resolved(key, judged, what="key")
+            mine, estimate = results.get(name), judged[name]
+            if mine is None or mine.value is None or estimate.value is None or mine == estimate:
+                continue  # what both say alike, each design has with its own error
+            worse = estimate.value + sign * self._slack(estimate)
+            by_factor = name.rpartition(".")[2] not in DIFFERENCES and worse * mine.value > 0
+            self.differs[model, name, sign] = (
+                (worse / mine.value, 0.0) if by_factor else (1.0, worse - mine.value)
+            )
+
+    def ordered(self, members: Sequence[Member]) -> list[Member]:
+        """Return members, those that keep all constraints first, the best of the first objective first."""
+        return sorted(members, key=lambda each: (not each.allowed, self._losses(each.objectives, "judge")[0]))
+
+    def pareto_front(self, members: Sequence[Member]) -> list[Member]:
+        """Return the members that no other one beats in all objectives; of one objective the first alone.
+
+        The first few cover the front: each is the one that is farthest from those before it.
+        """
+        if len(self.study.objectives) == 1:
+            return list(members[:1])
+        evaluations = [
+            Outcome(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
+        ]
+        best = {id(evaluation) for evaluation in (Archive(evaluations).front if evaluations else [])}
+        front = [
+            member for member, evaluation in zip(members, evaluations, strict=True) if id(evaluation) in best
+        ]
+        losses = np.array([evaluation.losses for evaluation in evaluations if id(evaluation) in best])
+        order = list(range(len(front)))
+        for i in range(1, len(front)):
+            gaps = np.abs(losses[order[i:], None] - losses[order[:i]]) / (np.ptp(losses, axis=0) + 1e-300)
+            farthest = i + int(np.argmax(gaps.max(axis=2).min(axis=1)))
+            order[i], order[farthest] = order[farthest], order[i]
+        return [front[i] for i in order]
+
+    def _limits(self) -> list[tuple[Limit, str]]:
+        return [
+            (limit, side)
+            for limit in self.study.constraints
+            for side in ("at_least", "at_most")
+            if getattr(limit, side) is not None
+        ]
+
+    def _losses(self, results: Results, model: Model) -> list[float]:
+        return [
+            _sign(objective) * self._worse(objective.key, results, _sign(objective), model)
+            for objective in self.study.objectives
+        ]
+
+    def _excess(self, limit: Limit, results: Results, side: str, model: Model) -> float:
+        """By how much a limit is broken, as a part of it; below 0 where it is kept."""
+        bound: float = getattr(limit, side)
+        sign = _sign(side)
+        return sign * (self._worse(limit.key, results, sign, model) - bound) / (abs(bound) or 1.0)
+
+    def _worse(self, key: str, results: Results, sign: float, model: Model) -> float:
+        """A number's worse end, as the judge would have it where that is known; NaN where there is none."""
+        kind = key.partition(".")[0]
+        if kind in OTHERS and not any(result.startswith(f"{kind}.") for result in results):
+            return math.nan
+        name = resolved(key, results, what="key")
+        estimate = results[name]
+        if estimate.value is None:
+            return math.nan
+        factor, more = self.differs.get((model, name, sign), (1.0, sign * self._slack(estimate)))
+        return estimate.value * factor + more
+
+    def _slack(self, estimate: Estimate) -> float:
+        return slack(estimate) if self.study.robust else 0.0
+
+
+@dataclass(frozen=True)
+class Member:
+    """A design of the front: its values, and by the judge its objectives, and its constraints' numbers with
+    whether each is kept."""
+
+    values: Mapping[str, Value]
+    objectives: Mapping[str, Estimate]
+    constraints: Mapping[str, tuple[Estimate, bool]]
+    tier: str
+
+    @property
+    def allowed(self) -> bool:
+        """Whether all constraints are kept."""
+        return all(met for _, met in self.constraints.values())
+
+    def as_json(self) -> dict[str, Any]:
+        """Return one entry of `front`."""
+        return {
+            "values": dict(self.values),
+            "objectives": {key: estimate.as_json() for key, estimate in self.objectives.items()},
+            "constraints": {
+                key: {**estimate.as_json(), "kept": met} for key, (estimate, met) in self.constraints.items()
+            },
+            "tier": self.tier or None,
+        }
+
+
+@dataclass(frozen=True, repr=False)
+class Optimisation(Result):
+    """The judged `front` of a study, the best of the first objective first; where it is empty, the `closest`.
+
+    `rows` are all evaluations of the searching model; `start` is the subject as the study has it, judged.
+    `untried` is how many combinations were not tried; None if a key has a continuous range.
+    """
+
+    shown_by = "skincad.outputs.optimisations"
+    study: Study
+    subject: Subject
+    front: tuple[Member, ...]
+    closest: Member | None
+    start: Member | None
+    rows: SweepResult
+    judged: int
+    untried: int | None
+    evaluations: int
+    reused: int
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """The study's name."""
+        return self.study.name
+
+    @property
+    def feasible(self) -> bool:
+        """Whether a design keeps all constraints."""
+        return bool(self.front)
+
+    @property
+    def aims(self) -> list[str]:
+        """The keys of objectives and constraints, as results have them."""
+        member = next(iter([*self.front, *filter(None, [self.closest, self.start])]), None)
+        return [] if member is None else [*member.objectives, *member.constraints]
+
+    def design(self, number: int = 1) -> Subject:
+        """Return a member of the front as a design, scene or circuit; InputError where there is none."""
+        if not 1 <= number <= len(self.front):
+            raise InputError("number", f"must be from 1 to {len(self.front)}", number)
+        return changed(self.subject, self.front[number - 1].values)
+
+    @property
+    def exit_status(self) -> int:
+        """0 where a design keeps all limits, else 1."""
+        return 0 if self.feasible else 1
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result under the contract's keys."""
+        return {
+            "name": self.name,
+            "about": self.subject.name,
+            "front": [member.as_json() for member in self.front],
+            "closest": self.closest and self.closest.as_json(),
+            "start": self.start and self.start.as_json(),
+            "tier": self.rows.question.tier,
+            "judge": self.study.judge,
+            "judged": self.judged,
+            "untried": self.untried,
+            "evaluations": self.evaluations,
+            "reused": self.reused,
+            "feasible": self.feasible,
+            "seconds": {"total": self.seconds},
+        }

@@ -16,7 +16,7 @@ from skincad.base.columns import LARGEST_FILE, read_columns
 from skincad.base.errors import InputError
 from skincad.base.tables import told
 from skincad.circuit.bode import COLUMNS
-from skincad.inputs.material_test import material_test
+from skincad.inputs.measurements import material_test
 from skincad.shape.crests import crest_drops
 
 DESIGN = load("plain-ridges")

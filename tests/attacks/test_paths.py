@@ -16,8 +16,7 @@ import pytest
 
 from skincad import load
 from skincad.base.errors import InputError
-from skincad.base.manifest import COMMANDS, manifest_text
-from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.outfolder import COMMANDS, checked_folder, manifest_text, replaced
 from skincad.circuit.model import load_circuit
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from skincad.base.bars import LATE, left_in_words, one_by_one, stage_bar, step_bar
-from skincad.base.stopwatch import Progress, clock
+from skincad.base.progress import LATE, Progress, clock, left_in_words, one_by_one, stage_bar, step_bar
 
 
 class Terminal(io.StringIO):

@@ -14,7 +14,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import skincad
-from skincad.base.blas import one_blas_thread
+from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
@@ -52,7 +52,7 @@ WITHOUT_MEMORY = """
 import resource
 import numpy as np
 from scipy.linalg import solve_triangular
-from skincad.base.blas import one_blas_thread
+from skincad.base.machine import one_blas_thread
 with one_blas_thread():
     pass
 used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()

@@ -7,8 +7,7 @@ import pytest
 
 from skincad.base import outfolder
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.manifest import COMMANDS
-from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.outfolder import COMMANDS, checked_folder, replaced
 
 
 def write(folder: Path, command: str = "make", **texts: str) -> None:

@@ -21,17 +21,16 @@ from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.making import MakeResult, PartReport
-from skincad.ladders.climbing import Accuracy
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.material.fit import fit_material
 from skincad.mechanics.contact.state import GrossSlip
 from skincad.mechanics.film.stress import film_stress
 from skincad.mechanics.problem import LateError
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import March
+from skincad.scenes.march import LEVELS, March
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 from skincad.solids.occ import KernelError
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
 from tests.small_scene import THIRD, small_scene
 
 WAYS: tuple[Callable[[Any], Any], ...] = (

@@ -16,8 +16,7 @@ from skincad.base.tables import Document
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.inputs.catalog import KINDS, load, load_design, template_names
 from skincad.inputs.design import Design
-from skincad.inputs.ridge_table import Ridge
-from skincad.inputs.skin_tables import Material
+from skincad.inputs.skin_tables import Material, Ridge
 from skincad.scenes.scene import Scene, load_scene
 
 LOADS = {"designs": load_design, "scenes": load_scene, "circuits": load_circuit}

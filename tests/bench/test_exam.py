@@ -16,7 +16,7 @@ from bench.exam.scenes import COUNT, LATER, SceneRun, batch, drawn, seeds
 from bench.exam.scoring import Alarm, lasting, mark, near, rate, wilson
 from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
 from skincad.inputs.catalog import load_design
-from skincad.scenes import slip
+from skincad.scenes import detector
 
 STEP = 1e-3  # s
 
@@ -169,5 +169,5 @@ def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_shipped_weights_are_of_the_fits_size() -> None:
-    table = tomllib.loads((Path(slip.__file__).parent / slip.POINTS[slip.EARLY].file).read_text())
+    table = tomllib.loads((Path(detector.__file__).parent / detector.POINTS[detector.EARLY].file).read_text())
     assert len(table["into"]) == len(table["out"]) == len(table["bias"]) == network.HIDDEN

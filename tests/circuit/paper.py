@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.circuit.constants import Constants
-from skincad.circuit.elements import Complex, Real
+from skincad.circuit.network import Complex, Constants, Real
 from skincad.circuit.response import decibels
 
 

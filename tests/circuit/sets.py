@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from skincad.circuit.calibrate import BOUNDS
-from skincad.circuit.constants import Constants
-from skincad.circuit.elements import Network
+from skincad.circuit.network import Constants, Network
 from skincad.circuit.state import run, stepper
 
 

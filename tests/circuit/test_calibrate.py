@@ -21,10 +21,9 @@ from skincad.circuit.calibrate import (
     calibrate,
     paper_target,
 )
-from skincad.circuit.constants import Constants
 from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.response import decibels
-from skincad.circuit.slopes import fit_slopes
+from skincad.circuit.network import Constants
+from skincad.circuit.response import decibels, fit_slopes
 from tests.circuit.paper import exact_response
 
 

@@ -11,12 +11,10 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.bode import gain
-from skincad.circuit.constants import Constants
 from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.netlist import element_lines
+from skincad.circuit.network import Constants, element_lines, network
 from skincad.circuit.response import decibels, response
 from skincad.circuit.state import run, state_space, stepper
-from skincad.circuit.topologies import network
 from tests.circuit.paper import exact_response, loop_response
 from tests.circuit.sets import output, random_sets
 from tests.circuit.spice import needs_ngspice, vectors

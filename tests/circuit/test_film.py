@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.circuit.film import capacitance, charge
 from skincad.circuit.model import constants, load_circuit
+from skincad.circuit.network import capacitance, charge
 
 D = (23.0, 3.0, -33.0)
 

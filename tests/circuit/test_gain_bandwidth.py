@@ -10,13 +10,10 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.circuit.bode import gain
-from skincad.circuit.constants import Constants, NoiseSources
 from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.netlist import element_lines
-from skincad.circuit.noise import noise_density, total_density
-from skincad.circuit.response import decibels, response
+from skincad.circuit.network import TOPOLOGIES, Constants, NoiseSources, element_lines, network
+from skincad.circuit.response import decibels, noise_density, response, total_density
 from skincad.circuit.state import state_space
-from skincad.circuit.topologies import TOPOLOGIES, network
 from tests.circuit.paper import angular, exact_response
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors

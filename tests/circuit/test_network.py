@@ -11,11 +11,9 @@ import pytest
 
 from bench.campaign import rational
 from skincad.base.errors import InputError
-from skincad.circuit.constants import Constants
 from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.netlist import element_lines, netlist
+from skincad.circuit.network import Constants, element_lines, netlist, network
 from skincad.circuit.response import decibels, response
-from skincad.circuit.topologies import network
 from tests.circuit.paper import departure, exact_response, loop_response, printed_response
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors

@@ -11,11 +11,9 @@ import pytest
 from scipy.constants import Boltzmann
 
 from skincad.base.errors import InputError
-from skincad.circuit.constants import Constants, NoiseSources
 from skincad.circuit.model import constants, load_circuit, noise_sources
-from skincad.circuit.netlist import element_lines
-from skincad.circuit.noise import noise_density, noise_samples, total_density
-from skincad.circuit.topologies import network
+from skincad.circuit.network import Constants, NoiseSources, element_lines, network
+from skincad.circuit.response import noise_density, noise_samples, total_density
 from tests.circuit.spice import needs_ngspice, vectors
 
 NAMES = ("yamada-2002", "yamada-2002-motional", "transimpedance", "charge-amplifier")

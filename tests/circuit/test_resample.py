@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
-from skincad.circuit.resample import recorded
+from skincad.circuit.state import recorded
 
 RATE, WANTED = 1e5, 650.0
 TIME = np.arange(100_000) / RATE

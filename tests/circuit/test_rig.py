@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.circuit.bode import gain
+from skincad.circuit.bode import film_load, gain, has_rig, told_rig, without_rig
 from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.netlist import netlist
-from skincad.circuit.rig import film_load, has_rig, told_rig, without_rig
-from skincad.inputs.retyped import retyped
+from skincad.circuit.network import netlist
+from skincad.inputs.catalog import retyped
 
 FREQUENCY = np.geomspace(1.0, 1e5, 51)
 INDENTER, SENSOR = "indenter={resonance=9000.0,damping=0.5}", "force_sensor={resonance=1000.0,damping=0.25}"

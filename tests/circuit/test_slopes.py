@@ -15,7 +15,7 @@ from skincad.circuit import bode
 from skincad.circuit.bode import gain
 from skincad.circuit.calibrate import Calibration
 from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.slopes import fit_slopes
+from skincad.circuit.response import fit_slopes
 
 F = np.geomspace(10.0, 20_000.0, 400)
 

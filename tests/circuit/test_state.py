@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.elements import Network
 from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.netlist import element_lines
+from skincad.circuit.network import Network, element_lines, network
 from skincad.circuit.response import response
 from skincad.circuit.state import Stepper, run, state_space, stepper
-from skincad.circuit.topologies import network
 from tests.circuit.paper import exact_response
 from tests.circuit.sets import output, random_sets
 from tests.circuit.spice import needs_ngspice, vectors

@@ -12,14 +12,20 @@ from scipy.constants import Boltzmann
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.bode import gain
-from skincad.circuit.constants import Constants, NoiseSources
-from skincad.circuit.elements import Capacitor, Network, Resistor, Source
 from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.netlist import element_lines
-from skincad.circuit.noise import noise_density, total_density
-from skincad.circuit.response import response
+from skincad.circuit.network import (
+    TOPOLOGIES,
+    Capacitor,
+    Constants,
+    Network,
+    NoiseSources,
+    Resistor,
+    Source,
+    element_lines,
+    network,
+)
+from skincad.circuit.response import noise_density, response, total_density
 from skincad.circuit.state import state_space
-from skincad.circuit.topologies import TOPOLOGIES, network
 from tests.circuit.paper import angular, motional_impedance
 from tests.circuit.sets import output, random_sets
 from tests.circuit.spice import needs_ngspice, vectors

@@ -16,9 +16,8 @@ from skincad.fabrication.reach import left_standing
 from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.inputs.process import processes
 from skincad.shape.curves import Loop, Segment
-from skincad.solids.body import Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part
+from skincad.solids.plan import Part, Prism
 from tests.consumers import Job
 
 STEP = 2e-3  # mm between drops

@@ -10,7 +10,7 @@ from bench.campaign.random_designs import drawn
 from skincad.outputs.export import assembly, write_assembly
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import workplane
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 from tests.conftest import Made
 from tests.consumers import Job, gmsh
 

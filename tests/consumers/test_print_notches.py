@@ -16,7 +16,7 @@ from skincad.inputs.process import processes
 from skincad.outputs.export import write_stl
 from skincad.shape.curves import polygon
 from skincad.solids.mold import mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 from tests.consumers import prusaslicer
 from tests.consumers.print_levels import resin_layers
 

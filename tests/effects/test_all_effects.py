@@ -14,9 +14,8 @@ import pytest
 
 from skincad.effects import EFFECTS, effect
 from skincad.effects.friction import Friction
-from skincad.effects.kinds import MASS, Reading, Step, Term
+from skincad.effects.kinds import MASS, Reading, SceneOutline, Step, Term
 from skincad.effects.moving import MovingPad, matter_of
-from skincad.effects.omitted import SceneOutline
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, Drive

@@ -10,11 +10,11 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.effects.film import OF_PRESSURE, OF_SHEAR, FilmStrips
-from skincad.effects.omitted import LeftOutEffect
+from skincad.effects.kinds import LeftOutEffect
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.validity import mean_width
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.simulation import at_level
 from tests.mechanics.designs import yamada
 from tests.outlines import outline

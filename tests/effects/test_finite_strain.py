@@ -105,7 +105,7 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
 ) -> None:
     """Of the largest differential stress, within a factor of 2: the spread of the calibration's scenes."""
     from skincad.effects.small_strain import SmallStrain
-    from skincad.scenes.omitted import omitted
+    from skincad.scenes.models import omitted
 
     drives = [Drive(normal * min(i, 3) / 3, 0.3 * mu * normal * max(0, i - 3)) for i in range(7)]
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})

@@ -10,12 +10,12 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
-from skincad.effects.omitted import LeftOutEffect
+from skincad.effects.kinds import LeftOutEffect
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.left_out import force_changes
 from skincad.mechanics.models.corrected import added_compliance
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 from tests.mechanics.designs import yamada

@@ -13,7 +13,7 @@ from skincad.base.errors import InputError
 from skincad.effects.inertia import CALIBRATED, Inertia
 from skincad.inputs.catalog import template_text
 from skincad.mechanics.dynamics.ringing import FREE_TOP, skin_mass
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from tests.mechanics.designs import yamada

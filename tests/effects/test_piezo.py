@@ -16,16 +16,16 @@ import shapely
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.circuit.film import electrode
-from skincad.circuit.low_pass import corner
 from skincad.circuit.model import load_circuit
+from skincad.circuit.network import electrode
+from skincad.circuit.state import corner
 from skincad.effects.kinds import ReaderContext, Reading
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
 from skincad.outputs.simulations import write_table
-from skincad.scenes import climb
-from skincad.scenes.levels import LEVELS
+from skincad.scenes import models
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import SceneRun, Simulation, marched, marching, read_out, simulate
 from skincad.shape.curves import polygon
@@ -194,7 +194,7 @@ def test_one_entry_is_at_rest() -> None:
 @cache
 def march() -> SceneRun:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
+        patch.setattr(models, "LEVELS", (replace(LEVELS[0]),))
         settings = ["effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0"]
         return marched(load_scene("yamada-2002-press", settings))
 
@@ -301,7 +301,7 @@ def test_a_march_read_by_another_circuit_is_as_if_marched_anew() -> None:
     )
     assert marching(other) == marching(pressed().scene)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(climb, "LEVELS", (replace(LEVELS[0]),))
+        patch.setattr(models, "LEVELS", (replace(LEVELS[0]),))
         anew = simulate(other).as_json()
     told = read_out(other, march()).as_json()
     assert {k: v for k, v in told.items() if k != "seconds"} == {

@@ -22,8 +22,7 @@ from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.shape.skin import section
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import CutRole, PartRole, bores
 from skincad.solids.shrinkage import shrinkage
 
 BATCH = 0.002  # relative, shrinkage from batch to batch

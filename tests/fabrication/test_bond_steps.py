@@ -6,7 +6,7 @@ import re
 import pytest
 
 import skincad
-from skincad.circuit.film import capacitance, electrode
+from skincad.circuit.network import capacitance, electrode
 from skincad.fabrication.bond_steps import bonding_kit, release_agent_places
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.sheet import casting_sheet

@@ -11,10 +11,9 @@ from skincad.fabrication.closing import closing_findings
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.process import processes
-from skincad.solids.closing import SHEETS
+from skincad.solids.layout import SHEETS
 from skincad.solids.mold import mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import bent
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skincad.fabrication.coupon_fit import crest_result, notch_result
-from skincad.inputs.coupon_forms import CrestForm, NotchForm
+from skincad.inputs.measurements import CrestForm, NotchForm
 from skincad.solids.coupon import HEIGHTS, NOTCH_PITCH, NOTCHES, drawn_steps
 
 BLADES = np.round(np.arange(0.02, 1.0, 0.01), 2)  # mm: a set of feeler gauges, single or laid together

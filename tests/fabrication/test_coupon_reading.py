@@ -17,11 +17,11 @@ from skincad.fabrication.coupon_kit import coupon
 from skincad.fabrication.coupon_reading import read_coupon
 from skincad.fabrication.coupon_sheet import coupon_forms
 from skincad.inputs.catalog import load_design
-from skincad.inputs.coupon_forms import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
+from skincad.inputs.measurements import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
 from skincad.inputs.process import processes
 from skincad.shape.curves import polygon
-from skincad.solids.body import Prism
 from skincad.solids.coupon import NOTCH_DEPTH, NOTCH_PITCH, NOTCHES
+from skincad.solids.plan import Prism
 from tests.fabrication.test_coupon_fit import BLADES, by_blades, ladder, steps
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.stopwatch import Stopwatch
+from skincad.base.progress import Stopwatch
 from skincad.fabrication.coupon_kit import coupon
 from skincad.fabrication.coupon_sheet import (
     APPROACHES,
@@ -20,8 +20,8 @@ from skincad.fabrication.coupon_sheet import (
     fit_bar_command,
 )
 from skincad.inputs.process import PROCESSES
-from skincad.material.pad_curve import finite_strain_curve, small_strain_curve
-from skincad.solids.tensile_bar import BAR
+from skincad.material.pad import finite_strain_curve, small_strain_curve
+from skincad.solids.coupon import BAR
 
 
 @pytest.mark.parametrize("process", PROCESSES)

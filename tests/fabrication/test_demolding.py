@@ -7,7 +7,7 @@ from skincad.fabrication.demolding import freeing_widths
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
-from skincad.solids.undercut import SAFE_SHARE, safe_strain
+from skincad.solids.cavity import SAFE_SHARE, safe_strain
 
 
 def upright(radius: float, **other: object) -> Design:

@@ -24,11 +24,18 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import PAGE, drawing
 from skincad.shape.curves import rectangle
-from skincad.solids.body import ExtendedCut, Prism, RevolvedBody, RotatedBody
-from skincad.solids.grid import Grid
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part, box
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import (
+    CutRole,
+    ExtendedCut,
+    Grid,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    box,
+)
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import make_into
 

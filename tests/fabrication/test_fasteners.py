@@ -7,10 +7,9 @@ import pytest
 import skincad
 from skincad.fabrication.fasteners import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
 from skincad.inputs.catalog import template_names
+from skincad.solids.fasteners import LENGTHS
 from skincad.solids.mold import mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import END_PLATES, PINS, CutRole, PartRole
-from skincad.solids.screws import LENGTHS
+from skincad.solids.plan import END_PLATES, PINS, CutRole, PartRole, bores
 
 
 @pytest.mark.parametrize("name", template_names())

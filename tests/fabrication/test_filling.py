@@ -18,10 +18,8 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.fabrication.void import Space, Void, void
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
-from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part, bores
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
 from tests.templates import KINDS
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids

@@ -15,8 +15,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.pictures.drawing import drawing
 from skincad.shape.skin import skin_of
+from skincad.solids.cavity import safe_strain, split_ridges
 from skincad.solids.mold import mold
-from skincad.solids.undercut import safe_strain, split_ridges
 from tests.fabrication.test_demolding import upright
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]

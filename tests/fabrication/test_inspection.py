@@ -20,8 +20,7 @@ from skincad.pictures.page import page
 from skincad.shape.curves import polygon
 from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole
+from skincad.solids.plan import CutRole, bores
 from skincad.solids.shrinkage import shrinkage
 
 

@@ -10,10 +10,8 @@ import skincad
 from skincad.fabrication.machining import machining
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
-from skincad.solids.body import Bore, Prism, RevolvedBody, plain
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, box
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Bore, Part, PartRole, Prism, RevolvedBody, box, plain
 
 CNC, EDM = processes()["cnc"], processes()["edm"]
 BLOCK = Part("cover", PartRole.COVER, box(20.0, (-10.0, 10.0), (0.0, 5.0)))  # 40 x 20 x 5

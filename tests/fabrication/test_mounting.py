@@ -18,8 +18,7 @@ from skincad.fabrication.sheet import casting_sheet
 from skincad.fabrication.tolerances import what_matters
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole
+from skincad.solids.plan import CutRole, bores
 from tests.bent_skin import bent
 from tests.mounted import IN_LINE, MOUNTS, NAMES, PLAIN, mounted_design
 

@@ -8,7 +8,7 @@ import skincad
 from skincad.fabrication.opening import opening_steps
 from skincad.fabrication.sheet import casting_sheet
 from skincad.solids.mold import mold
-from skincad.solids.roles import END_PLATES, PartRole
+from skincad.solids.plan import END_PLATES, PartRole
 
 MOLDS = {
     "shims": ("yamada-2002", []),

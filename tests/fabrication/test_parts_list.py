@@ -12,7 +12,7 @@ from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 
 
 def read(design: Design) -> list[dict[str, str]]:

@@ -15,10 +15,9 @@ from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.pictures.drawing import drawing
 from skincad.pictures.exploded import explosion_offset
+from skincad.solids.fasteners import TAP_RADIUS
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole
-from skincad.solids.screws import TAP_RADIUS
+from skincad.solids.plan import CutRole, bores
 from tests.bent_skin import three_ridges
 
 OTHER = "x-"

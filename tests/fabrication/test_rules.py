@@ -18,10 +18,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
 from skincad.shape.skin import Narrowest
-from skincad.solids.body import Bore, Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Bore, Part, PartRole, Prism
 
 
 @pytest.fixture

@@ -8,8 +8,7 @@ from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, box
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, box
 
 
 def sheet(design: Design) -> str:

@@ -16,7 +16,7 @@ from skincad.inputs.catalog import template_names
 from skincad.outputs.export import write_shims_dxf
 from skincad.shape.curves import area, polygon
 from skincad.solids.mold import mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 from tests.bent_skin import three_ridges
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from skincad.base.errors import InputError
-from skincad.inputs.coupon_forms import (
+from skincad.inputs.measurements import (
     CREST_COLUMNS,
     CREST_FORM,
     NOTCH_COLUMNS,

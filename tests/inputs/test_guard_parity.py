@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.stopwatch import Stopwatch
+from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
-from skincad.ladders.scenes import scene_on
-from skincad.material.pad_curve import small_strain_curve
+from skincad.material.pad import small_strain_curve
 from skincad.mechanics.check import check
 from skincad.mechanics.film.stress import film_stresses
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
+from skincad.studies.accuracy.slip import scene_on
 from tests.mechanics.designs import yamada
 
 

@@ -8,7 +8,7 @@ from skincad.base.columns import MOST_ROWS, read_columns
 from skincad.base.errors import InputError
 from skincad.circuit.bode import COLUMNS
 from skincad.inputs.design import Design
-from skincad.inputs.material_test import TESTS, material_test
+from skincad.inputs.measurements import TESTS, material_test
 from skincad.shape.crests import crest_drops
 from skincad.shape.skin import skin_of
 

@@ -7,7 +7,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import load
-from skincad.inputs.mount_table import Mount
+from skincad.inputs.mold_table import Mount
 
 GOOD = [
     {"thread": "M3", "diameter": 20.0},

@@ -8,8 +8,7 @@ import pytest
 
 import skincad
 from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import load_design
-from skincad.inputs.retyped import retyped
+from skincad.inputs.catalog import load_design, retyped
 
 
 @pytest.mark.parametrize(

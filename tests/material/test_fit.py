@@ -9,13 +9,11 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.stopwatch import Stopwatch
-from skincad.inputs.material_test import MaterialTest, material_test
+from skincad.base.progress import Stopwatch
+from skincad.inputs.measurements import MaterialTest, material_test
 from skincad.material.fit import fit_material
-from skincad.material.modulus import MaterialFit
-from skincad.material.pad import fit_curve, fit_to_curve
-from skincad.material.pad_curve import PadCurve, finite_strain_curve, small_strain_curve
-from skincad.material.regression import regression
+from skincad.material.modulus import MaterialFit, regression
+from skincad.material.pad import PadCurve, finite_strain_curve, fit_curve, fit_to_curve, small_strain_curve
 from tests.mechanics.designs import yamada
 
 CURVES = 200

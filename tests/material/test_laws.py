@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.inputs.material_test import MaterialTest
+from skincad.inputs.measurements import MaterialTest
 from skincad.laws import LAWS, law
 from skincad.laws.gent import Gent
 from skincad.laws.mooney_rivlin import MooneyRivlin

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from skincad.ladders.contact_errors import measures_of
-from skincad.ladders.ladder import Ladder, Measurement
 from skincad.outputs.accuracies import _ladder_lines
+from skincad.studies.accuracy.contact import measures_of
+from skincad.studies.accuracy.ladder import Ladder, Measurement
 
 
 def test_a_measure_has_a_readers_name_above_its_column() -> None:

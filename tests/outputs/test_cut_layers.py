@@ -23,11 +23,9 @@ from skincad.pictures.layers import LAYERS
 from skincad.pictures.part_sheet import part_sheet
 from skincad.shape.curves import area
 from skincad.shape.skin import section
-from skincad.solids.body import Prism, RotatedBody, plain
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
-from skincad.solids.plan import Part, unturned
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole, Prism, RotatedBody, plain, unturned
 from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
 from tests.outputs.test_export import dxf_loops

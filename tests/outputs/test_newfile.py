@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.base.freshfile import fresh
+from skincad.base.outfolder import fresh
 from skincad.base.tables import NumberWithRange, table_of
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.effects import EFFECTS, effect

@@ -14,10 +14,10 @@ import pytest
 import skincad
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.result import LONGEST_REPR, Result
-from skincad.ladders import circuit
 from skincad.outputs import accuracies, gains, makes, simulations
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.simulation import at_level
+from skincad.studies.accuracy import circuit
 from tests.base.test_portable import FILMED
 from tests.small_scene import small_scene
 

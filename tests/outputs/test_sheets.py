@@ -28,12 +28,10 @@ from skincad.pictures.part_sheet import part_sheet
 from skincad.pictures.sheet_bores import ViewPlacement, bore_marks
 from skincad.pictures.sheet_pdf import write_sheet_pdf
 from skincad.pictures.sheet_svg import sheet_svg
-from skincad.solids.body import RotatedBody
 from skincad.solids.mold import mold
 from skincad.solids.occ import projection, solid
-from skincad.solids.plan import Part, bores
+from skincad.solids.plan import CutRole, Part, RotatedBody, bores
 from skincad.solids.projection import Arc
-from skincad.solids.roles import CutRole
 from tests.bent_skin import three_ridges
 
 FAST = {"yamada-2002", "nozzle-04", "bent", "mounted"}  # by wire, printed with nuts, doubly curved

@@ -12,7 +12,7 @@ import pytest
 import typer
 
 from skincad.cli.app import app
-from skincad.ladders import circuit
+from skincad.studies.accuracy import circuit
 from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder

@@ -11,7 +11,7 @@ import skincad
 from skincad.fabrication.meshes import manifold
 from skincad.pictures.exploded import explosion_offset
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.roles import PINS, PartRole
+from skincad.solids.plan import PINS, PartRole
 from tests.bent_skin import three_ridges
 
 

@@ -20,7 +20,6 @@ from matplotlib.transforms import Bbox
 import skincad
 from skincad.base.result import Result
 from skincad.fabrication.meshes import mesh
-from skincad.ladders.ladder import ErrorMeasure, Ladder, Measurement
 from skincad.mechanics.manufacture import sensitivities
 from skincad.pictures.canvas import Axes, Picture, own_style, sheet
 from skincad.pictures.circuit_figures import gain_figure
@@ -29,6 +28,7 @@ from skincad.pictures.ladder_figures import diagram
 from skincad.pictures.report_figures import models_figure, sensitivity_figure
 from skincad.pictures.scene_figures import scene_figure
 from skincad.solids.mold import mold
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
 from tests.small_scene import THIRD, small_scene
 
 UNITS = (

@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
-from skincad.circuit.low_pass import band_limited
+from skincad.circuit.state import band_limited
 from skincad.effects.friction import Friction
 from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.film.sliding import ContactPad
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import March, march
-from skincad.scenes.moments import frames
-from skincad.scenes.refined import thinned
-from skincad.scenes.scene_tables import History
+from skincad.scenes.march import LEVELS, March, frames, march
+from skincad.scenes.models import thinned
+from skincad.scenes.scene import History
 from skincad.scenes.simulation import Simulation, at_level
 from tests.small_scene import small_scene
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from skincad.inputs.catalog import template_text
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import at_level
 from tests.small_scene import small_skin

@@ -11,10 +11,9 @@ import pytest
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.mesh import triangles
 from skincad.mechanics.film.stress import RUNGS
-from skincad.scenes import climb, on_mesh
-from skincad.scenes.levels import EXPONENT, LEVELS, Level, expected
-from skincad.scenes.march import March
-from skincad.scenes.on_mesh import piece_for
+from skincad.scenes import models
+from skincad.scenes.march import EXPONENT, LEVELS, Level, March, expected
+from skincad.scenes.models import piece_for
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import simulate
 from tests.small_scene import THIRD, small_scene
@@ -48,7 +47,7 @@ def test_sizes_are_those_of_the_papers_scene() -> None:
 def test_the_time_left_is_told_and_falls_to_what_must_follow(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(on_mesh, "LONGER", 1e6)  # so that the march with fewer steps stands out
+    monkeypatch.setattr(models, "LONGER", 1e6)  # so that the march with fewer steps stands out
     told: list[tuple[str, int, float]] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -82,7 +81,7 @@ def test_a_budget_is_told_to_be_too_small(tmp_path: Path) -> None:
 def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
     asked: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(climb, "LEVELS", LEVELS[:3])
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -98,15 +97,15 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
 def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(climb, "LEVELS", LEVELS[:3])
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
     marched: list[March] = []
-    march = climb.march_on
+    march = models.march_on
 
     def fail_third(*asked: Any) -> March:
         marched.append(march(*asked))
         return replace(marched[-1], failed=True, stopped="step 2") if len(marched) == 3 else marched[-1]
 
-    monkeypatch.setattr(climb, "march_on", fail_third)
+    monkeypatch.setattr(models, "march_on", fail_third)
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
     found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
     assert len(marched) == 3

@@ -14,11 +14,10 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact import frozen_tangent
 from skincad.outputs.simulations import lines
 from skincad.scenes import models
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.march import march
-from skincad.scenes.on_mesh import piece_for
+from skincad.scenes.errors import slips_of
+from skincad.scenes.march import LEVELS, march
+from skincad.scenes.models import piece_for
 from skincad.scenes.scene import Scene, load_scene
-from skincad.scenes.signals import slips_of
 from skincad.scenes.simulation import Simulation, marched, read_out, simulate
 from tests.small_scene import small_scene
 

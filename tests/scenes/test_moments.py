@@ -10,8 +10,7 @@ from PIL import Image
 
 from skincad.mechanics.film.fields import DeformedSection
 from skincad.pictures.section_figures import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.moments import frames, kept_steps
+from skincad.scenes.march import LEVELS, frames, kept_steps
 from skincad.scenes.simulation import Simulation, at_level
 from tests.small_scene import small_scene
 

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from skincad.effects.omitted import LeftOutEffect, PlatePath, SceneOutline
+from skincad.effects.kinds import LeftOutEffect, PlatePath, SceneOutline
 from skincad.inputs.catalog import template_text
-from skincad.scenes import omitted
-from skincad.scenes.levels import LEVELS
+from skincad.scenes import models
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from tests.small_scene import small_scene
@@ -104,7 +104,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     name: str, across: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[SceneOutline] = []
-    monkeypatch.setattr(omitted, "effect", lambda _: SimpleNamespace(left_out=seen.append))
+    monkeypatch.setattr(models, "effect", lambda _: SimpleNamespace(left_out=seen.append))
     scene = load_scene(name)
     loads = np.array([[[0.1, 0.3], [0.5, 0.2], [9.0, 9.0]], [[0.2, 0.1], [0.6, 0.7], [9.0, 9.0]]])
     readings = {
@@ -116,7 +116,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     }
     ridge = np.array([1, 1, 2, 2])
     march = SimpleNamespace(time=np.array([0.0, 1.0]), column=readings.get, loads=loads, ridge=ridge)
-    assert omitted.omitted(scene, march) == []  # type: ignore[arg-type]
+    assert models.omitted(scene, march) == []  # type: ignore[arg-type]
     assert seen
     for outline in seen:
         assert outline.ridge_normal == 0.3

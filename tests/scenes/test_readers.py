@@ -11,10 +11,9 @@ import pytest
 
 from skincad import effects
 from skincad.effects.kinds import Reader
-from skincad.scenes import readers
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.readers import joined
-from skincad.scenes.simulation import at_level
+from skincad.scenes import simulation
+from skincad.scenes.march import LEVELS
+from skincad.scenes.simulation import at_level, joined
 from tests.small_scene import small_scene
 
 PRESS = ("history.steps=1", "readout.ridges=[]", "effects.film=none", "effects.friction=none")
@@ -73,7 +72,7 @@ def test_what_follows_has_keys_of_its_own_too(tmp_path: Path, monkeypatch: pytes
     def half(told: Any, *_: Any) -> dict[str, Any]:
         return {"half": told["one"] / 2}
 
-    monkeypatch.setitem(readers.FOLLOWING, "one", half)
+    monkeypatch.setitem(simulation.FOLLOWING, "one", half)
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}")
     assert at_level(scene, LEVELS[0]).read == {"one": 2, "half": 1.0}
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other.tells=half")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.scenes.refined import BySource, thinned
+from skincad.scenes.models import BySource, thinned
 
 
 def test_fewer_steps_keep_the_history_s_points() -> None:

@@ -15,7 +15,7 @@ import pytest
 import tomlkit
 
 from skincad.inputs.catalog import read_table
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from tests.hard_cases import scaled

@@ -7,13 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from skincad.circuit.low_pass import band_limited, corner, delay
-from skincad.scenes.signals import (
-    gross_slip_step,
-    intervals,
-    lasting_slip_step,
-    slip_by_ridge,
-)
+from skincad.circuit.state import band_limited, corner, delay
+from skincad.scenes.errors import gross_slip_step, intervals, lasting_slip_step, slip_by_ridge
 
 WIDTH = 300.0
 TIME = np.linspace(0.0, 0.02, 401)

@@ -16,8 +16,8 @@ import pytest
 
 from skincad.base.errors import ExhaustedError
 from skincad.effects import EFFECTS
-from skincad.scenes import climb, on_mesh
-from skincad.scenes.levels import LEVELS, Level
+from skincad.scenes import models
+from skincad.scenes.march import LEVELS, Level
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level, simulate
 from tests.conftest import run_skincad
@@ -57,7 +57,7 @@ PULL = (
 def on(level: Level, scene: str, *overrides: str) -> Simulation:
     """A scene on one mesh alone."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(climb, "LEVELS", (level,))
+        patch.setattr(models, "LEVELS", (level,))
         return simulate(load_scene(scene, overrides))
 
 
@@ -331,9 +331,7 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     marched, after, heavy = done.stdout.split("\n")[:3]
-    assert set(marched.split()) == {
-        f"skincad.effects.{name}" for name in ("kinds", "omitted", "small_strain")
-    }
+    assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
     said = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
     # by which masses and free ends tell what leaving them out changes
     closed_forms = {
@@ -386,7 +384,7 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
 def test_ctrl_c_leaves_what_is_done(
     whole_first: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
     stages: list[str] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -406,7 +404,7 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(
     moment: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the first mesh gave is there for who asks for it; a Python caller gets the interrupt."""
-    monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -427,15 +425,15 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(
 def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(climb, "LEVELS", LEVELS[:2])
-    meshed, most = on_mesh._meshed, 1
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
+    meshed, most = models._meshed, 1
 
     def without(part: Any, level: Any, meshes: Any) -> object:
         if level in LEVELS[most:]:
             raise MemoryError
         return meshed(part, level, meshes)
 
-    monkeypatch.setattr(on_mesh, "_meshed", without)
+    monkeypatch.setattr(models, "_meshed", without)
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     found = simulate(scene)
     assert found.as_json()["steps"] == 5

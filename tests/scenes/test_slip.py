@@ -13,13 +13,9 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import InputError
-from skincad.circuit.low_pass import band_limited, delay
+from skincad.circuit.state import band_limited, delay
 from skincad.outputs.simulations import write_table
-from skincad.scenes.levels import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.signals import intervals
-from skincad.scenes.simulation import at_level
-from skincad.scenes.slip import (
+from skincad.scenes.detector import (
     ALL,
     EARLY,
     INCIPIENT,
@@ -37,6 +33,10 @@ from skincad.scenes.slip import (
     score,
     statistic,
 )
+from skincad.scenes.errors import intervals
+from skincad.scenes.march import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import at_level
 
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
 TIME = np.arange(600) / RATE

@@ -13,13 +13,12 @@ from skincad.effects.kinds import Reading
 from skincad.mechanics.contact.frozen_tangent import Drift
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.outputs.simulations import lines
-from skincad.scenes import on_mesh
+from skincad.scenes import models
+from skincad.scenes.errors import in_steps, lead, slip_errors, slip_step, slips_of, spread
 from skincad.scenes.march import INTERRUPTED, March, march
-from skincad.scenes.refined import BySource, ComparisonRuns
+from skincad.scenes.models import BySource, ComparisonRuns
 from skincad.scenes.scene import load_scene
-from skincad.scenes.signals import slips_of
 from skincad.scenes.simulation import Simulation, simulate
-from skincad.scenes.slip_errors import in_steps, lead, slip_errors, slip_step, spread
 
 COULOMB = FrictionCoefficients(1.0, 1.0)
 
@@ -211,7 +210,7 @@ def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
         found = march(pad, times, *rest, **more)
         return found if times.size == 13 else replace(found, stopped=INTERRUPTED)
 
-    monkeypatch.setattr(on_mesh, "march", interrupted)
+    monkeypatch.setattr(models, "march", interrupted)
     found = simulate(scene, partial=True)
     assert found.march.interrupted
     assert len(found.march.readings) == 13

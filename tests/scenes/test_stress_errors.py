@@ -7,9 +7,9 @@ import pytest
 
 from skincad.base.arrays import Array
 from skincad.effects.kinds import Reading
+from skincad.scenes.errors import stress_errors
 from skincad.scenes.march import March
-from skincad.scenes.refined import BySource, ComparisonRuns
-from skincad.scenes.stress_errors import stress_errors
+from skincad.scenes.models import BySource, ComparisonRuns
 
 
 def euler(steps: int, gross: float = np.inf) -> March:

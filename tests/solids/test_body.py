@@ -10,9 +10,17 @@ import pytest
 from scipy.integrate import quad
 
 from skincad.shape.curves import Point, Segment, loop, rectangle
-from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody, corners, plain
-from skincad.solids.grid import Grid
-from skincad.solids.roles import CutRole
+from skincad.solids.plan import (
+    Bore,
+    CutRole,
+    ExtendedCut,
+    Grid,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    corners,
+    plain,
+)
 
 SQUARE, HOLE = rectangle(-1.0, 2.0, 3.0, 5.0), rectangle(0.0, 0.5, 3.5, 4.5)
 SAME = 1e-12  # rounding of sums of a few mm

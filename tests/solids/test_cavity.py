@@ -11,9 +11,9 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
+from skincad.solids.cavity import safe_strain, split_ridges
 from skincad.solids.mold import ClosedMold, Move, mold
 from skincad.solids.occ import solid
-from skincad.solids.undercut import safe_strain, split_ridges
 
 STEEP = "steep-fingertip"
 

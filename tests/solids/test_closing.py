@@ -16,20 +16,23 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
-from skincad.solids.closing import (
+from skincad.solids.cavity import split_ridges
+from skincad.solids.layout import (
     LEAST_COVER,
     MOST_BOW,
     PRESSURE,
+    Layout,
     ScrewRow,
     Spans,
     bow,
     choose_screws,
+    cover_pins,
+    layout,
+    lid_process,
     screw_rows,
     thick_enough,
 )
-from skincad.solids.layout import Layout, cover_pins, layout, lid_process
 from skincad.solids.shrinkage import scaled_for_shrinkage
-from skincad.solids.undercut import split_ridges
 
 NU = 0.35  # the formula has none
 # N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none

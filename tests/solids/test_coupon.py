@@ -16,20 +16,21 @@ from skincad.inputs.catalog import load_design, template_names
 from skincad.inputs.process import PROCESSES, Process, processes
 from skincad.shape import curves
 from skincad.solids.coupon import (
+    BAR,
+    BARS,
     HEIGHTS,
     NOTCH_DEPTH,
     NOTCH_PITCH,
     NOTCHES,
     REPEATS,
+    bar_outline,
     coupon_parts,
     drawn_notches,
     drawn_steps,
     poured_volumes,
 )
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import Part, PartRole
 from skincad.solids.skin import cast_skin
-from skincad.solids.tensile_bar import BAR, BARS, bar_outline
 
 PARTS = {part.name: part for part in coupon("sla").parts}
 

@@ -22,13 +22,21 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Bore, ExtendedCut, Prism, RevolvedBody, RotatedBody
-from skincad.solids.bowl import gap_beside
+from skincad.solids.bent import gap_beside
 from skincad.solids.layout import BESIDE
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import solid, volume
-from skincad.solids.plan import Part, unturned
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import (
+    Bore,
+    CutRole,
+    ExtendedCut,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    unturned,
+)
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.split import notch_rise
 from tests.bent_skin import bent, three_ridges

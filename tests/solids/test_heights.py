@@ -6,7 +6,7 @@ import pytest
 
 import skincad
 from skincad.solids.mold import mold
-from skincad.solids.roles import PartRole
+from skincad.solids.plan import PartRole
 from skincad.solids.skin import skin_solid
 from tests.bent_skin import bent
 

@@ -13,11 +13,9 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.skin import section
-from skincad.solids.body import Bore, Prism
 from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, bores
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.templates import KINDS
 

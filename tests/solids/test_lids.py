@@ -13,12 +13,10 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
-from skincad.solids.body import Bore
+from skincad.solids.fasteners import TAP_RADIUS
 from skincad.solids.layout import BOLT_RADIUS, EDGE, Layout, layout
 from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_dowels, refused_lids
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole
-from skincad.solids.screws import TAP_RADIUS
+from skincad.solids.plan import Bore, CutRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 BARE = {"slot": None, "film": None, "contact": {"film": None}}

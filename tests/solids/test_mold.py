@@ -12,12 +12,10 @@ from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area, polygon, rectangle
 from skincad.shape.skin import section, skin_of
-from skincad.solids.body import Bore
 from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part, bores, box
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import Bore, CutRole, Part, PartRole, bores, box
 from tests.templates import KINDS
 
 

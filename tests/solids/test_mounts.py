@@ -16,14 +16,12 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
-from skincad.solids.body import Bore, Prism
-from skincad.solids.bowl import rise
+from skincad.solids.bent import rise
 from skincad.solids.layout import layout
+from skincad.solids.lids import fiducial_bores
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.mounts import fiducial_bores
 from skincad.solids.occ import solid, volume
-from skincad.solids.plan import bores
-from skincad.solids.roles import CutRole, PartRole
+from skincad.solids.plan import Bore, CutRole, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.mounted import IN_LINE, NAMES, mounted_design
 

@@ -12,9 +12,9 @@ import skincad
 from skincad.inputs.design import Design
 from skincad.shape.curves import rectangle
 from skincad.shape.skin import section
-from skincad.solids.body import Bore, Prism, RevolvedBody
 from skincad.solids.mold import mold
 from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid, unchecked_solid
+from skincad.solids.plan import Bore, Prism, RevolvedBody
 from skincad.solids.skin import skin_part, skin_solid
 from tests.templates import KINDS
 

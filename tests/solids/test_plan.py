@@ -5,11 +5,19 @@ import pytest
 
 from skincad.fabrication.meshes import manifold
 from skincad.shape.curves import Point, loop
-from skincad.solids.body import Bore, Prism, RevolvedBody, RotatedBody
-from skincad.solids.grid import Grid
-from skincad.solids.plan import Part, box, turned, unturned
-from skincad.solids.roles import PartRole
-from skincad.solids.swept import swept
+from skincad.solids.plan import (
+    Bore,
+    Grid,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    box,
+    turned,
+    unturned,
+)
+from skincad.solids.skin import swept
 
 
 def test_volume_is_body_less_cuts() -> None:

@@ -19,12 +19,9 @@ from skincad.outputs import export
 from skincad.shape import curves
 from skincad.shape.curves import Point
 from skincad.shape.skin import section
-from skincad.solids.body import RevolvedBody
 from skincad.solids.occ import KernelError, solid
-from skincad.solids.plan import Part
-from skincad.solids.roles import PartRole
-from skincad.solids.skin import cast_skin, skin_part, skin_solid
-from skincad.solids.swept import swept
+from skincad.solids.plan import Part, PartRole, RevolvedBody
+from skincad.solids.skin import cast_skin, skin_part, skin_solid, swept
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]

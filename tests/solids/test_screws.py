@@ -11,11 +11,7 @@ import skincad
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.process import PROCESSES, processes
-from skincad.solids.layout import cavity_process
-from skincad.solids.mold import mold
-from skincad.solids.plan import bores
-from skincad.solids.roles import CAVITIES, END_PLATES, CutRole, PartRole
-from skincad.solids.screws import (
+from skincad.solids.fasteners import (
     DIAMETER,
     LENGTHS,
     blind_depth,
@@ -24,6 +20,9 @@ from skincad.solids.screws import (
     standard_length,
     torque,
 )
+from skincad.solids.layout import cavity_process
+from skincad.solids.mold import mold
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import three_ridges
 
 LISTED = {5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120}  # ISO 4762

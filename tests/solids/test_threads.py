@@ -6,11 +6,10 @@ import math
 
 import pytest
 
-from skincad.inputs.mount_table import Mount
+from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import processes
+from skincad.solids.fasteners import LEAST_UNDER_HOLE, METRIC, blind_thread, least_thickness, run_out_room
 from skincad.solids.layout import INSERT_RADIUS
-from skincad.solids.screws import run_out_room
-from skincad.solids.threads import LEAST_UNDER_HOLE, METRIC, blind_thread, least_thickness
 
 METAL, RESIN = processes()["edm"], processes()["sla"]
 # source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)

@@ -64,7 +64,7 @@ def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
             raise InputError("skin.length", "must be larger")
         return check(design, **options)  # type: ignore[arg-type]
 
-    for place in ("question", "advice"):
+    for place in ("query", "advice"):
         monkeypatch.setattr(f"skincad.studies.{place}.check", judge)
     assert "skin.length" not in [c.key for c in changes(plain())]
 

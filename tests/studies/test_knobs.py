@@ -8,7 +8,7 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.studies.knobs import knob, nearest_silicone, texts
+from skincad.studies.subject import knob, nearest_silicone, texts
 
 DESIGN = skincad.load_design("yamada-2002")
 SCENE = skincad.load_scene("yamada-2002-press")

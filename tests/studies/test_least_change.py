@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skincad.base.arrays import Array
-from skincad.studies.least_change import STARTS, least_change
+from skincad.studies.solving import STARTS, least_change
 
 NORMAL: Array = np.array([1.0, 2.0, 0.5])
 

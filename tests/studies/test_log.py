@@ -13,8 +13,8 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.studies.log import NAME, Log, evaluation_of, line_of
-from skincad.studies.question import Evaluation, Query, evaluate
+from skincad.studies.query import Evaluation, Query, evaluate
+from skincad.studies.running import NAME, Log, evaluation_of, line_of
 from tests.processes import started
 
 DESIGN = skincad.load_design("yamada-2002")
@@ -101,7 +101,7 @@ def test_a_full_disk_is_one_line_and_leaves_whole_lines(
             raise OSError(28, "No space left on device")
         return write(handle, data[:100])
 
-    monkeypatch.setattr("skincad.studies.log.os.write", full)
+    monkeypatch.setattr("skincad.studies.running.os.write", full)
     with pytest.raises(InputError, match="No space left on device"):
         log.append(numbered(1))
     assert log.path.read_bytes() == before
@@ -113,7 +113,7 @@ def test_a_full_disk_is_one_line_and_leaves_whole_lines(
 def test_a_claim_is_one_processs_and_ends_with_it(tmp_path: Path) -> None:
     key = numbered(7).key
     code = (
-        "import sys, time; from pathlib import Path; from skincad.studies.log import Log\n"
+        "import sys, time; from pathlib import Path; from skincad.studies.running import Log\n"
         f"log = Log(Path({str(tmp_path)!r})); print(log.claim({key!r}), flush=True); time.sleep(60)"
     )
     with started([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as other:

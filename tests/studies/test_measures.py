@@ -7,7 +7,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.studies.measures import measures, resolved, slack, unit_of_key, worded
+from skincad.studies.query import measures, resolved, slack, unit_of_key, worded
 
 CHECK = measures(skincad.check(skincad.load_design("yamada-2002"), tier="winkler").as_json())
 GAIN = measures(skincad.gain(skincad.load_circuit("transimpedance")).as_json())

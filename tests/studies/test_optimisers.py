@@ -9,8 +9,8 @@ import pytest
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.knobs import DesignVariable
 from skincad.studies.optimisers import Archive, Name, Outcome, minimise, optimiser
+from skincad.studies.subject import DesignVariable
 
 UNIT = tuple(DesignVariable(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
 

@@ -14,10 +14,9 @@ from skincad.base.errors import InputError
 from skincad.cli import run
 from skincad.scenes import simulation
 from skincad.scenes.scene import Scene
-from skincad.studies import question
-from skincad.studies.optimisation import Optimisation
+from skincad.studies import query
 from skincad.studies.optimising import optimise
-from skincad.studies.study import Study
+from skincad.studies.study import Optimisation, Study
 from skincad.studies.subject import value_of
 from skincad.studies.sweeping import sweep
 
@@ -194,7 +193,7 @@ class Led:
 @pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
 def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a scene's result, with a limit of the check beside it, which the judge has the last word on."""
-    monkeypatch.setitem(question._ASKED, "simulate", lambda scene, _: Led(scene))
+    monkeypatch.setitem(query._ASKED, "simulate", lambda scene, _: Led(scene))
     vary = {"skin.skin.curvature_radius": "40:200", "circuit.amplifier.feedback_resistance": "1e6:1e10"}
     found = optimise(
         study(
@@ -224,7 +223,7 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
 
 def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch) -> None:
     marches: list[Scene] = []
-    monkeypatch.setattr(question, "_LAST", {})
+    monkeypatch.setattr(query, "_LAST", {})
     monkeypatch.setattr(simulation, "marched", lambda scene, **_: marches.append(scene))
     monkeypatch.setattr(simulation, "read_out", lambda scene, _: Led(scene))
     vary = {"circuit.amplifier.feedback_resistance": "1e6:1e10", "readout.bandwidth_Hz": "1000:20000"}
@@ -234,8 +233,8 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
     )
     assert found.feasible
     assert len(marches) == 1
-    evaluate = question.evaluate
-    again = evaluate(found.subject, {"history.steps": 500}, question.Query("simulate"))
+    evaluate = query.evaluate
+    again = evaluate(found.subject, {"history.steps": 500}, query.Query("simulate"))
     assert again.results
     assert len(marches) == 2
 

@@ -8,8 +8,8 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.studies.question import Evaluation
-from skincad.studies.ranking import OWN, difference_error, model_error, ranking, surely_less
+from skincad.studies.query import Evaluation
+from skincad.studies.sweeping import OWN, difference_error, model_error, ranking, surely_less
 
 KEY = "all_touch_force_N"
 

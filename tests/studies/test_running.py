@@ -17,9 +17,8 @@ import pytest
 import skincad
 from skincad.base.errors import ExhaustedError, InputError
 from skincad.studies import running
-from skincad.studies.log import NAME, Log
-from skincad.studies.question import Evaluation, Query
-from skincad.studies.running import Run, Values, Workers, workers
+from skincad.studies.query import Evaluation, Query
+from skincad.studies.running import NAME, Log, Run, Values, Workers, workers
 from tests.processes import LIMIT, started
 
 DESIGN = skincad.load_design("yamada-2002")

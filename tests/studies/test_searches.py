@@ -14,12 +14,10 @@ import pytest
 from skincad.base.errors import RefusedError
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
-from skincad.studies import question
-from skincad.studies.knobs import knobs
-from skincad.studies.optimisation import Optimisation
+from skincad.studies import query
 from skincad.studies.optimising import optimise
-from skincad.studies.study import Study
-from skincad.studies.subject import value_of
+from skincad.studies.study import Optimisation, Study
+from skincad.studies.subject import knobs, value_of
 from skincad.studies.sweeping import sweep
 
 Row = tuple[float, ...]  # the losses of an allowed design
@@ -178,7 +176,7 @@ def wave(random: np.random.Generator) -> Callable[[Any], Any]:
 
 def work(monkeypatch: pytest.MonkeyPatch, **functions: Callable[[Design], float]) -> None:
     monkeypatch.setattr(Work, "functions", functions, raising=False)
-    monkeypatch.setitem(question._ASKED, "check", lambda design, _: Work(design))
+    monkeypatch.setitem(query._ASKED, "check", lambda design, _: Work(design))
 
 
 def thickness(design: Design) -> float:

@@ -9,8 +9,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.silicone import silicones
-from skincad.studies.solution import Solution
-from skincad.studies.solving import TOL, solve
+from skincad.studies.solving import TOL, Solution, solve
 from skincad.studies.subject import value_of
 
 DESIGN = skincad.load_design("yamada-2002")

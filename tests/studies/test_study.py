@@ -10,8 +10,8 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import template_names
-from skincad.studies.knobs import knobs
 from skincad.studies.study import Study, load_study
+from skincad.studies.subject import knobs
 
 PLAIN: dict[str, Any] = {
     "name": "plain",

@@ -10,9 +10,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.studies.optimisation import Member
-from skincad.studies.study import Study
-from skincad.studies.weighing import RobustObjective
+from skincad.studies.study import Member, RobustObjective, Study
 
 HERE = np.array([0.5])
 CHEAP = {"all_touch_force_N": Estimate(2.0, 0.5, "N"), "margin_N": Estimate(1.0, None, "N")}

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index
-from skincad.base.blas import one_blas_thread
+from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, fe, film_field
 from skincad.mechanics.bodies.film_field import StripBody
 from skincad.mechanics.dynamics.steps import Half, PadEquations

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import linalg, optimize, sparse
 
 from skincad.base.arrays import Array, Index, Mask
-from skincad.base.blas import one_blas_thread
+from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody

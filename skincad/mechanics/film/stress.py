@@ -13,13 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from skincad.base.arguments import require_goals, require_number
 from skincad.base.arrays import Array
 from skincad.base.climbing import Ascent, climb, unmet
-from skincad.base.errors import InputError, RefusedError
+from skincad.base.errors import InputError, RefusedError, require_goals, require_number
 from skincad.base.estimate import Estimate
+from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
-from skincad.base.stopwatch import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.bodies import elements

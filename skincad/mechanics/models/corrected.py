@@ -20,10 +20,10 @@ import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
 from skincad.mechanics.bodies.mesh import PadMesh, half_of, meshed_piece

@@ -12,7 +12,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Answer, Request
 

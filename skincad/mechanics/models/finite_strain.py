@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.blas import one_blas_thread
 from skincad.base.errors import InputError
-from skincad.base.stopwatch import Progress
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS

@@ -15,10 +15,10 @@ import numpy as np
 
 from skincad.base import climbing
 from skincad.base.arrays import Array
-from skincad.base.blas import one_blas_thread
 from skincad.base.climbing import overrun, unmet
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.chain import ChainFactors, chained

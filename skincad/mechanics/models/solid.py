@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.blas import one_blas_thread
 from skincad.base.climbing import Ascent, by_price, climb
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, prisms
 from skincad.mechanics.bodies.mesh import PadMesh, Sizes, height_of, meshed_piece, unit_of

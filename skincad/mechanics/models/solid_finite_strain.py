@@ -14,8 +14,8 @@ from time import perf_counter
 
 import numpy as np
 
-from skincad.base.blas import one_blas_thread
-from skincad.base.stopwatch import Progress
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
 from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece

@@ -27,7 +27,7 @@ from pydantic import BaseModel, ConfigDict, PositiveFloat, ValidationError
 
 from skincad.base.errors import InputError, did_you_mean, needing
 from skincad.base.machine import machine
-from skincad.base.stopwatch import Progress
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of

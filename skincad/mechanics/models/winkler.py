@@ -34,7 +34,7 @@ from scipy import optimize
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
-from skincad.base.stopwatch import Progress
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import Answer, Request, rise

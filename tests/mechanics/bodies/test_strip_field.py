@@ -8,7 +8,7 @@ from typing import Any
 import ngsolve as ngs
 import pytest
 
-from skincad.scenes.levels import LEVELS
+from skincad.scenes.march import LEVELS
 from skincad.scenes.simulation import at_level
 from tests.small_scene import THIRD, small_scene
 

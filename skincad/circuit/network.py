@@ -1,0 +1,343 @@
+"""The network of a circuit: constants, elements, topologies, and its SPICE netlist.
+
+Source: Yamada et al. 2002, equations (1) to (9) and Figs 5 and 6: the film is a current source beside its
+static capacitance and a series R-L-C (motional) branch.
+
+Nodes are names. Three have a meaning: `GROUND`, `LOAD`, whose voltage is the load in N, and `OUT`.
+
+Source: parallel plates (the edge's stray field left out: right while the electrode is much wider than the
+film is thick); piezoelectric charge D3 = d31 T1 + d32 T2 + d33 T3 (IEEE Std 176-1987), 1 the draw axis.
+
+A new one is a function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film`
+(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.constants import epsilon_0
+
+from skincad.base.arrays import Array, Mask
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
+
+MAY_BE_0 = ("feedback_capacitance", "gain_bandwidth")  # what the paper's network has not
+
+
+@dataclass(frozen=True)
+class NoiseSources:
+    """Temperature, K; amplifier's input noise, V/sqrt(Hz) and A/sqrt(Hz); the film's own part of Cpvd, F."""
+
+    temperature: float = 293.0
+    voltage_density: float = 0.0
+    current_density: float = 0.0
+    loss_tangent: float = 0.0
+    film_capacitance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Constants:
+    """The constants of a film and its amplifier, each finite and above 0; `d33` may have either sign, not 0.
+
+    `capacitance` is the paper's Cpvd with the cable's in parallel; `feedback_capacitance` may be 0,
+    none, and `gain_bandwidth` 0, no limit. Raises InputError for any other value.
+    """
+
+    d33: float  # C/N
+    capacitance: float  # F, Cpvd
+    motional_resistance: float  # ohm
+    motional_inductance: float  # H
+    motional_capacitance: float  # F
+    series_resistance: float  # ohm, R1 + R2
+    input_resistance: float  # ohm, Ropi
+    input_capacitance: float  # F, Copi
+    feedback_resistance: float  # ohm, R3 + R4
+    output_resistance: float  # ohm, Ropo
+    gain: float  # A
+    feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
+    gain_bandwidth: float = 0.0  # Hz, of A, one pole; none in the paper
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not math.isfinite(value):
+                raise InputError(name, "must be a finite number", value)
+            valid, rule = value > 0, "be above 0"
+            if name in MAY_BE_0:
+                valid, rule = value >= 0, "not be below 0"
+            elif name == "d33":
+                valid, rule = value != 0, "not be 0"
+            if not valid:
+                raise InputError(name, f"must {rule}", value)
+
+    def as_json(self) -> dict[str, float]:
+        """Return the constants by name, the unit as suffix."""
+        units = {"d33": "_C_per_N", "resistance": "_ohm", "capacitance": "_F", "inductance": "_H", "gain": ""}
+        units["bandwidth"] = "_Hz"
+        return {name + units[name.rpartition("_")[2]]: value for name, value in asdict(self).items()}
+
+
+Real = Array
+Complex = NDArray[np.complex128]
+
+GROUND, LOAD, OUT = "0", "load", "vout"
+
+
+@dataclass(frozen=True)
+class _TwoTerminal:
+    """What lies between two nodes."""
+
+    name: str
+    a: str
+    b: str
+    value: float
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """The nodes that it touches; a source's own comes first."""
+        return (self.a, self.b)
+
+
+class Resistor(_TwoTerminal):
+    """In ohm; it has its thermal noise."""
+
+
+@dataclass(frozen=True)
+class Capacitor(_TwoTerminal):
+    """In F. `loss`, F times the loss tangent, counts in the noise only."""
+
+    loss: float = 0.0
+
+
+class Inductor(_TwoTerminal):
+    """In H."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Holds node `a` at `value` times the voltage from `minus` to `plus`; an amplifier has input noise too.
+
+    `voltage_density` is in V/sqrt(Hz), before the gain; `current_density` in A/sqrt(Hz), into each input.
+    """
+
+    name: str
+    a: str
+    plus: str
+    minus: str
+    value: float
+    voltage_density: float = 0.0
+    current_density: float = 0.0
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """The nodes that it touches, its own first."""
+        return (self.a, self.plus, self.minus)
+
+
+Element = Resistor | Capacitor | Inductor | Source
+Wiring = tuple[tuple[type[Element], tuple[str, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Network:
+    """Elements, no two sources at one node; `charge` C is what a load of 1 N gives."""
+
+    elements: tuple[Element, ...]
+    charge: float
+    temperature: float = 293.0  # K
+
+    @property
+    def wiring(self) -> Wiring:
+        """The kind and the nodes of each element."""
+        return tuple((type(e), e.ends) for e in self.elements)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """A network's node equations, one of each of `nodes`, those of `held` ones, `(n,)`, by source or load.
+
+    `across` `(elements, n)` gives the voltage that each element sees, of the nodes'.
+    """
+
+    nodes: tuple[str, ...]
+    fixed: Mask
+    drops: NDArray[Any]
+
+    def part(self, i: int, branch: str | None) -> NDArray[Any]:
+        """Return what element i's admittance multiplies, `(n, n)`, or the gain of a source at `own`."""
+        where = ~self.fixed * self.drops[i] if branch is None else [-(node == branch) for node in self.nodes]
+        return np.outer(where, self.drops[i])
+
+
+def equations(wiring: Wiring) -> Equations:
+    """Return the equations: source and load hold their nodes, elsewhere the currents add up to 0."""
+    named = dict.fromkeys(node for _, ends in wiring for node in ends)
+    nodes = tuple(node for node in named if node != GROUND)
+    voltage = dict(zip([*nodes, GROUND], np.eye(len(nodes) + 1, len(nodes), dtype=int), strict=True))
+    fixed = {LOAD, *(ends[0] for kind, ends in wiring if kind is Source)}
+    drops = np.array([voltage[ends[-2]] - voltage[ends[-1]] for _, ends in wiring])
+    return Equations(nodes, np.array([node in fixed for node in nodes]), drops)
+
+
+MM, MM2 = 1e-3, 1e-6  # m, m2
+PICO = 1e-12
+
+
+def electrode(design: Design) -> float:
+    """Return the area of a strip's electrode, mm2: where the metal of both faces lies over each other, as the
+    cutting pattern draws it; bare at its edges and at both ends of the skin.
+
+    It gives the charge and has the capacitance. The leads of the two faces run side by side and overlap
+    nowhere (fabrication/electrodes.py): they have no piezoelectric part, and only a stray capacitance, which
+    is left out. As coplanar strips (C = eps K(k') / K(k), k = gap / (gap + 2 width); Gupta, Garg, Bahl,
+    Bhartia, Microstrip Lines and Slotlines, 2nd ed. 1996, chapter 7) it lies between that in air and that on
+    a half space of film: 0.02 to 0.12 pF a millimetre of lead in `yamada-2002`, about that of a cable.
+    """
+    slot = skin_of(design).slot
+    assert design.film is not None
+    assert slot is not None
+    margin = design.film.margin
+    return (design.skin.length - 2 * margin) * (slot.depth - 2 * margin)
+
+
+def capacitance(area: float, thickness: float, permittivity: float) -> float:
+    """Return the film's static capacitance, F, of electrodes in mm2 and a thickness in mm."""
+    return float(epsilon_0) * permittivity * area * MM2 / (thickness * MM)
+
+
+def charge(
+    through: ArrayLike,
+    along: ArrayLike,
+    transverse: ArrayLike,
+    *,
+    area: float,
+    coefficients: tuple[float, float, float],
+    draw_axis: Literal["length", "width"] = "length",
+) -> NDArray[np.float64]:
+    """Return the charge on a strip, C, from mean stresses in MPa, tension positive, of any one shape.
+
+    `through` the film, `along` the strip's length (y) and `across` its width in the section. In plane strain
+    `along` is not zero: it counts as much as the others. `area` mm2; `coefficients` d31, d32, d33 in pC/N.
+    """
+    d31, d32, d33 = (d * PICO for d in coefficients)
+    of_length, of_width = (d31, d32) if draw_axis == "length" else (d32, d31)
+    total = d33 * np.asarray(through) + of_length * np.asarray(along) + of_width * np.asarray(transverse)
+    return np.asarray(area * total, float)  # MPa times mm2 is N
+
+
+SILENT = NoiseSources()
+
+
+def inverting(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
+    """An inverting amplifier: the rate of the charge, or with a feedback capacitor the charge itself.
+
+    Source: Yamada et al. 2002, Figs 5 and 6; the capacitor is not in the paper. `vout` has the sign of (9).
+    """
+    return (
+        *_input(c),
+        Resistor("R34", "in", "out", c.feedback_resistance),
+        *_beside(c, "in", "out"),
+        Resistor("Ropo", "amp", "out", c.output_resistance),
+        *_open_loop(c, n, "in", "0", -c.gain),
+        Source("Evout", "vout", "out", "0", -1),
+    )
+
+
+def follower(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
+    """A voltage follower: the film's voltage, charge over capacitance, above 1 / (2 pi Ropi (Cpvd + Copi)).
+
+    Ropi is the bias resistor; R3 + R4 lead from the output to the inverting input, which takes no current.
+    Source: Horowitz and Hill, The Art of Electronics, 3rd ed., sec. 4.2.3.
+    """
+    return (
+        *_input(c),
+        Resistor("R34", "back", "out", c.feedback_resistance),
+        *_beside(c, "back", "out"),
+        Resistor("Ropo", "amp", "out", c.output_resistance),
+        *_open_loop(c, n, "in", "back", c.gain),
+        Source("Evout", "vout", "out", "0", 1),
+    )
+
+
+TOPOLOGIES: dict[str, Callable[[Constants, NoiseSources], tuple[Element, ...]]] = {
+    "inverting": inverting,
+    "follower": follower,
+}
+
+
+def network(c: Constants, n: NoiseSources = SILENT, topology: str = "inverting") -> Network:
+    """Return film and amplifier as one network.
+
+    The film's current source beside Cpvd stands as a voltage source d33 lo / Cpvd behind it (Thevenin), so
+    that any waveform at `load` gives the charge d33 lo without a derivative.
+    """
+    film = (
+        Source("Epv", "pv", "load", "0", c.d33 / c.capacitance),
+        Capacitor("Cpvd", "pv", "film", c.capacitance, n.film_capacitance * n.loss_tangent),
+        Resistor("Rmot", "film", "m1", c.motional_resistance),
+        Inductor("Lmot", "m1", "m2", c.motional_inductance),
+        Capacitor("Cmot", "m2", "0", c.motional_capacitance),
+    )
+    return Network((*film, *TOPOLOGIES[topology](c, n)), c.d33, n.temperature)
+
+
+def _input(c: Constants) -> tuple[Element, ...]:
+    """From the film to the amplifier's input, with what leads from there to ground."""
+    return (
+        Resistor("R12", "film", "in", c.series_resistance),
+        Resistor("Ropi", "in", "0", c.input_resistance),
+        Capacitor("Copi", "in", "0", c.input_capacitance),
+    )
+
+
+def _open_loop(c: Constants, n: NoiseSources, plus: str, minus: str, gain: float) -> tuple[Element, ...]:
+    """The amplifier's source at `amp`; of a finite bandwidth its gain, a pole of 1 ohm, and a source of 1.
+
+    The pole lies at gain_bandwidth / gain. Its resistor's noise, 0.13 nV/sqrt(Hz), comes behind the gain and
+    counts for nothing.
+    """
+    noise = n.voltage_density, n.current_density
+    if not c.gain_bandwidth:
+        return (Source("Eamp", "amp", plus, minus, gain, *noise),)
+    return (
+        Source("Eamp", "fast", plus, minus, gain, *noise),
+        Resistor("Rpole", "fast", "slow", 1.0),
+        Capacitor("Cpole", "slow", "0", c.gain / (2 * math.pi * c.gain_bandwidth)),
+        Source("Epole", "amp", "slow", "0", 1),
+    )
+
+
+def _beside(c: Constants, a: str, b: str) -> tuple[Element, ...]:
+    """The feedback's capacitor, if there is one."""
+    return (Capacitor("C34", a, b, c.feedback_capacitance),) if c.feedback_capacitance else ()
+
+
+def netlist(network: Network, name: str, low: float = 10.0, high: float = 20_000.0) -> str:
+    """Return a SPICE deck: 1 V at node `load` is 1 N, node `vout` is the output."""
+    return "\n".join(
+        [
+            f"* {name}: PVDF film and amplifier, 1 V at node load is 1 N",
+            "Vload load 0 DC 0 AC 1",
+            *element_lines(network),
+            f".ac dec 50 {low:g} {high:g}",
+            ".print ac vdb(vout)",
+            ".end",
+            "",
+        ]
+    )
+
+
+def element_lines(network: Network) -> list[str]:
+    """Return the deck's elements between node `load` and node `vout`."""
+    return [
+        f"{e.name} {e.a} 0 {e.plus} {e.minus} {e.value!r}"
+        if isinstance(e, Source)
+        else f"{e.name} {e.a} {e.b} {e.value!r}"
+        for e in network.elements
+    ]

@@ -1,0 +1,328 @@
+"""Slip felt from the films' outputs alone: which ridge slips, and when all monitored ones do. No look-ahead.
+
+A small network (one hidden layer, its weights as data) tells of each ridge how likely it slips,
+by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
+design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores it
+(docs/detector.md). An alarm asks for more than a threshold, which is the user's choice (POINTS), and for
+outputs that stand out of the noise.
+
+Range: outputs that follow the stress-rate in their band; the more ridges are told the better, one alone warns
+of an eighth of gross slips, of a third by early alarms. That all monitored ridges slip says nothing of
+ridges that are not monitored: gross slip may come much later.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.base.errors import InputError
+from skincad.circuit.state import delay
+from skincad.scenes import slip_features
+from skincad.scenes.slip_features import features
+
+WINDOW = 3.5  # of the low-pass's delay; assumption
+FEWEST = 3  # samples of a window
+SEEN = 5.0  # noise rms of a pair, a window's mean, below which nothing is told: noise alone reaches 2.9
+
+INCIPIENT, ALL = "incipient slip", "all monitored ridges slip"
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A choice of alarms: a network's `file`, told at the logarithm of odds `threshold`, until `back` below.
+
+    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier:
+    the share of gross slips `warned` of, with its 95 % interval `between`, and false warnings a minute of
+    handling, all (`false`) and those while nothing slips (`idle`). While a load is held there are none.
+    """
+
+    file: str
+    threshold: float
+    back: float
+    warned: float
+    between: tuple[float, float]
+    false: float
+    idle: float
+
+
+SURE, EARLY = "sure", "early"
+# Of thresholds on the design set these cost least where a slip missed is as bad as 5 and as 20 false alarms.
+POINTS = {
+    SURE: OperatingPoint("slip_weights.toml", 1.5, 2.0, 0.56, (0.46, 0.66), 115.0, 17.0),
+    EARLY: OperatingPoint("slip_weights_early.toml", 1.25, 1.0, 0.80, (0.71, 0.87), 213.0, 33.0),
+}
+
+
+@dataclass(frozen=True)
+class Detector:
+    """`window` samples, `noise` V rms of a pair, alarm at the logarithm of odds `threshold`; `alarms` of
+    POINTS, whose network it is."""
+
+    window: int
+    noise: float
+    threshold: float = POINTS[SURE].threshold
+    alarms: str = SURE
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.noise) and self.noise > 0):
+            raise InputError("noise", "must be above 0 V and finite", self.noise)
+        if not math.isfinite(self.threshold):
+            raise InputError("threshold", "must be finite", self.threshold)
+
+
+@dataclass(frozen=True)
+class Event:
+    """At sample `index` `ridge` of the told ones (from 0) begins to slip, or (None) the last of them does."""
+
+    kind: str
+    ridge: int | None
+    index: int
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """All that the detector keeps: the running means' state; which ridges are taken to slip; how many samples
+    were fed."""
+
+    means: Array
+    slipping: Mask
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """The network: of `(features,)` to `(hidden,)`, and of these to one."""
+
+    into: Array
+    bias: Array
+    out: Array
+    base: float
+
+
+@cache
+def weights(alarms: str = SURE) -> Weights:
+    """Return a network's weights as fitted by bench/exam/fitting.py; the head of its file says to what."""
+    table = tomllib.loads((Path(__file__).parent / POINTS[alarms].file).read_text())
+    into = np.ascontiguousarray(np.array(table["into"]).T)
+    return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
+
+
+def detector(
+    rate: float, bandwidth: float, noise: float, threshold: float | None = None, alarms: str = SURE
+) -> Detector:
+    """Return the detector of outputs at `rate` Hz behind the low-pass of `bandwidth` Hz; its threshold is
+    that of `alarms`, one of POINTS, if not given."""
+    window = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate))
+    return Detector(window, noise, POINTS[alarms].threshold if threshold is None else threshold, alarms)
+
+
+def at_rest(ridges: int) -> Memory:
+    """Return the state before the first sample."""
+    return Memory(slip_features.at_rest(ridges), np.zeros(ridges, bool), 0)
+
+
+def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory]:
+    """Return the events of `outputs` `(n, ridges, 2)` V (S1, S2), and the state behind them; n may be 1."""
+    odds, means = statistic(d, state, outputs)
+    slipping = taken(d, state.slipping, odds)
+    before: Mask = np.concatenate([state.slipping[None], slipping])
+    rises = slipping & ~before[:-1]
+    every: Mask = np.asarray(before.all(axis=1))
+    events = [Event(INCIPIENT, int(r), state.count + int(i)) for i, r in np.argwhere(rises)]
+    events += [Event(ALL, None, state.count + int(i)) for i in np.flatnonzero(every[1:] & ~every[:-1])]
+    after = Memory(means, before[-1], state.count + outputs.shape[0])
+    return sorted(events, key=lambda event: event.index), after
+
+
+def taken(d: Detector, before: Mask, odds: Array) -> Mask:
+    """Return when each ridge is taken to slip `(n, ridges)`: from the threshold on until `back` below it."""
+    turns = np.where(odds > d.threshold, 1, np.where(odds < d.threshold - POINTS[d.alarms].back, -1, 0))
+    turns = np.concatenate([np.where(before, 1, -1)[None], turns])
+    last = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.shape[0])[:, None], 0), axis=0)
+    return np.asarray(np.take_along_axis(turns, last, axis=0)[1:] > 0)
+
+
+def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]:
+    """Return the logarithm of the odds that each ridge slips `(n, ridges)`, and the means' state.
+
+    One sample is multiplied at a time, so that it is the same however the samples are cut in pieces.
+    """
+    felt, loud, after = features(d.window, d.noise, outputs, state.means)
+    w = weights(d.alarms)
+    hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
+    odds = np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base
+    return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - POINTS[d.alarms].back - 1.0)), after
+
+
+# Why an alarm is no true warning of gross slip
+PASSING = "the slip ends before gross slip"
+MISNAMED = "another ridge slips"
+NOTHING = "no monitored ridge slips"
+NOT_ALL = "not all monitored ridges slip until gross slip"
+
+
+@dataclass(frozen=True)
+class Score:
+    """Alarms against the true slips: `hits` and `missed` of these; by event why it is no true warning of
+    gross slip (`reasons`), "" of a true one; `lead` s by monitored ridge and `gross_lead` s from the first
+    true warning to gross slip, None without one of them."""
+
+    hits: int
+    missed: int
+    reasons: tuple[str, ...]
+    lead: tuple[float | None, ...]
+    gross_lead: float | None
+
+    @property
+    def false(self) -> int:
+        """Number of alarms of what is not so: of a slip where none is, or that all ridges slip until gross
+        slip."""
+        return self.reasons.count(NOTHING) + self.reasons.count(NOT_ALL)
+
+    @property
+    def misnamed(self) -> int:
+        """Number of alarms that name a ridge that sticks while another slips."""
+        return self.reasons.count(MISNAMED)
+
+
+def score(
+    d: Detector,
+    events: Sequence[Event],
+    time: Array,
+    runs: Sequence[Sequence[Sequence[int]]],
+    gross: int | None,
+) -> Score:
+    """Return how `events` meet the true `runs` of slip, [from, to] by monitored ridge.
+
+    A ridge slips while all its touching points do. A run shorter than the window is not asked for; each other
+    counts once, as a hit where an alarm of its ridge lies in it or within a window beside it (before: its
+    first points slip already). An alarm warns of gross slip truly where all ridges that it names are in the
+    run that lasts until then, or within a window beside it; else falsely, however much they slip at the time.
+    Lead time runs from the first true one of a run that is asked for.
+    """
+    w = d.window
+    last = [
+        next(((a, b) for a, b in ridge_runs if gross is not None and a <= gross <= b), None)
+        for ridge_runs in runs
+    ]
+    reasons = []
+    for event in events:
+        named = range(len(runs)) if event.ridge is None else [event.ridge]
+        near = [any(_beside(event.index, run, w) for run in ridge_runs) for ridge_runs in runs]
+        if all(_beside(event.index, last[ridge], w) for ridge in named):
+            reasons.append("")
+        elif event.ridge is None:
+            reasons.append(NOT_ALL)
+        else:
+            reasons.append(PASSING if near[event.ridge] else MISNAMED if any(near) else NOTHING)
+
+    def first(ridge: int | None) -> float | None:
+        pairs = zip(events, reasons, strict=True)
+        true = [event.index for event, reason in pairs if event.ridge == ridge and not reason]
+        return float(time[gross] - time[true[0]]) if true and gross is not None else None
+
+    long_runs = [[run for run in ridge_runs if run[1] - run[0] + 1 >= w] for ridge_runs in runs]
+    heard = [
+        any(event.ridge == ridge and _beside(event.index, run, w) for event in events)
+        for ridge, ridge_runs in enumerate(long_runs)
+        for run in ridge_runs
+    ]
+    long = [run is not None and run[1] - run[0] + 1 >= w for run in last]
+    leads = tuple(first(ridge) if long[ridge] else None for ridge in range(len(runs)))
+    return Score(sum(heard), len(heard) - sum(heard), tuple(reasons), leads, first(None))
+
+
+def _beside(sample: int, run: Sequence[int] | None, window: int) -> bool:
+    """Whether a sample lies in a run of slip, or within a window beside it."""
+    return run is not None and run[0] - window <= sample <= run[1] + window
+
+
+def report(
+    time: Array,
+    outputs: dict[str, dict[str, list[float]]],
+    noise: float,
+    bandwidth: float,
+    runs: Sequence[Sequence[Sequence[int]]],
+    gross: int | None,
+    alarms: str = SURE,
+    even: Index | None = None,
+    noises: Iterable[Array] = (),
+) -> dict[str, Any]:
+    """Return the keys `events`, `lead_time_s`, the longest of these, `event_score`, which counts slips and
+    alarms of slips, and, of outputs, `warning_score`, which counts alarms as warnings of gross slip, and
+    `detector`, of a march's outputs by ridge, S1 and S2.
+
+    `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
+    steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
+    the outputs those of another seed: with some, `lead_time_by_noise` has the leads' spread.
+    """
+    names, point = list(outputs), POINTS[alarms]
+    at = np.arange(time.size) if even is None else even[even < time.size]
+    if not names or at.size < 2:
+        nothing = dict.fromkeys(("longest_lead_time_s", "event_score"))
+        return {"events": [], "lead_time_s": {}, **nothing}
+    d = detector(1 / float(time[at[1]] - time[at[0]]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
+    values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
+    # runs and gross slip in samples; what happens between two of them is put at the later one
+    sampled = [np.searchsorted(at, np.array(runs[int(r) - 1], dtype=int)).tolist() for r in names]
+    whole, times = None, np.append(time[at], time[-1])
+    if gross is not None:
+        whole = int(np.searchsorted(at, gross))
+        times[whole] = time[gross]
+
+    def scored(felt: Array) -> tuple[list[Event], Score]:
+        events, _ = fed(d, at_rest(len(names)), felt[at])
+        return events, score(d, events, times, sampled, whole)
+
+    def leads(result: Score) -> dict[str, float | None]:
+        return {**dict(zip(names, result.lead, strict=True)), "all": result.gross_lead}
+
+    events, scores = scored(values)
+    others = [leads(scored(values + more)[1]) for more in noises]
+    return {
+        "events": [
+            {
+                "kind": event.kind,
+                "ridge": None if event.ridge is None else int(names[event.ridge]),
+                "step": int(at[event.index]),
+                "time_s": float(time[at[event.index]]),
+                "true": not reason,
+                "reason": reason or None,
+            }
+            for event, reason in zip(events, scores.reasons, strict=True)
+        ],
+        "lead_time_s": leads(scores),
+        **({"lead_time_by_noise": _spreads([leads(scores), *others])} if others else {}),
+        "longest_lead_time_s": max((lead for lead in scores.lead if lead is not None), default=None),
+        "warning_score": {
+            "true": scores.reasons.count(""),
+            "false": len(scores.reasons) - scores.reasons.count(""),
+        },
+        "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
+        "detector": {
+            "alarms": alarms,
+            "share_of_gross_slips_warned_of": point.warned,
+            "between": list(point.between),
+            "false_alarms_per_minute_of_handling": point.false,
+            "of_these_while_nothing_slips": point.idle,
+        },
+    }
+
+
+def _spreads(leads: Sequence[dict[str, float | None]]) -> list[dict[str, Any]]:
+    """Return by ridge the smallest and largest of `leads`, one a noise seed, and how many seeds warn."""
+    spreads = []
+    for ridge in leads[0]:
+        known = [lead for leads_of_seed in leads if (lead := leads_of_seed[ridge]) is not None]
+        ends = {"smallest_s": min(known, default=None), "largest_s": max(known, default=None)}
+        spreads.append({"ridge": ridge, **ends, "warned": len(known), "seeds": len(leads)})
+    return spreads

@@ -1,0 +1,259 @@
+"""Slips from readings, and the errors of slips, leads and stresses by their source.
+
+A quasi-static march with Coulomb friction is piecewise smooth, so its raw jerk is spikes of 1 / dt at events
+that hang on the mesh; nobody may read those as signal. Everything goes through one causal low-pass.
+
+Mesh: the largest change to a march on the mesh before. Time step: the largest to one of fewer steps, at the
+times that both have, before gross slip: from there on they tell of different states. That change itself is
+taken, four times what it would be of first order in the step: points slip and stick from step to step, so the
+order is lower. Of yamada-2002-slip with 110 steps the error, by 550, is 0.06 to 0.96 of the change; of
+steady-pull and hold, looked at afterwards, 0.02 to 0.77. What is left out: the relative change of the ridges'
+loads, taken to be the signal's, of its largest.
+
+Mesh and time step: the change to a march on the mesh before, and to one of fewer steps. What is left out: an
+effect that changes a ridge's load by a share c lets it slip when it bears 1 / (1 + c) of what it bore at its
+slip without that effect. How long before the slip the ridge bore that much is how far the slip may move; the
+same is taken for later. Range: marches whose tangential load grows towards the slip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.base.estimate import Estimate
+from skincad.circuit.state import longest_step
+from skincad.effects.kinds import Reading
+from skincad.mechanics.contact.state import FrictionCoefficients, law_of
+from skincad.scenes.march import March
+from skincad.scenes.models import THIN, BySource, ComparisonRuns
+
+
+def unresolved(time: Array, bandwidth: float) -> list[str]:
+    """Return a warning where the march's steps do not reach up to `bandwidth` Hz, else nothing."""
+    if time.size < 2 or bandwidth <= 0.5 / (step := longest_step(time)):
+        return []
+    return [
+        f"steps of {step:.3g} s show what happens up to {0.5 / step:.4g} Hz: from there up to "
+        f"readout.bandwidth_Hz ({bandwidth:g} Hz) rate and jerk are artefacts of the steps"
+    ]
+
+
+def slip_by_ridge(touches: Mask, slips: Mask, ridge: Index, ridges: int) -> Mask:
+    """Return `(steps + 1, ridges)`: a ridge slips while all its touching points slip, and some touch."""
+    mine = [ridge == r for r in range(1, ridges + 1)]
+    columns = [touches[:, m].any(axis=1) & (slips | ~touches)[:, m].all(axis=1) for m in mine]
+    return np.stack(columns, axis=1)
+
+
+def intervals(slipping: Mask) -> list[list[int]]:
+    """Return [from, to] of every run of True in `(n,)`, both inside the run."""
+    edges = np.flatnonzero(np.diff(slipping.astype(np.int8), prepend=0, append=0))
+    return [[int(a), int(b) - 1] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def gross_slip_step(touches: Mask, slips: Mask) -> int | None:
+    """Return the first index at which every touching point slips, None if there is none."""
+    steps = np.flatnonzero(touches.any(axis=1) & (slips | ~touches).all(axis=1))
+    return int(steps[0]) if steps.size else None
+
+
+def lasting_slip_step(runs: list[list[int]], gross: int | None, last: int) -> int | None:
+    """Return the start of the run that lasts to gross slip, or to the end."""
+    end = last if gross is None else gross
+    return next((a for a, b in runs if a <= end <= b), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Slips:
+    """When ridges slip: `slipping` `(steps + 1, ridges)`; the `runs` of it, [from, to], and the step at which
+    the one that lasts begins, by ridge from 1; and the first step of gross slip."""
+
+    slipping: Mask
+    runs: list[list[list[int]]]
+    steps: list[int | None]
+    gross: int | None
+
+
+def slips_of(readings: Sequence[Reading], ridge: Index, ridges: int) -> Slips:
+    """Return when the ridges slip, by a march's readings and the `ridge` `(m,)` of its contact points."""
+    touches = np.array([reading.touches for reading in readings])
+    slips = np.array([reading.slips for reading in readings])
+    slipping = slip_by_ridge(touches, slips, ridge, ridges)
+    runs = [intervals(column) for column in slipping.T]
+    gross, last = gross_slip_step(touches, slips), len(readings) - 1
+    return Slips(slipping, runs, [lasting_slip_step(run, gross, last) for run in runs], gross)
+
+
+Stress = Mapping[int, Array]  # MPa by told ridge, `(steps + 1,)`
+
+
+def stress_errors(
+    raw: Stress,
+    mesh: Mapping[int, float] | None,
+    refined: ComparisonRuns,
+    stress: Callable[[March], Stress],
+    change: float,
+    drift: Mapping[int, float],
+) -> dict[int, BySource]:
+    """Return the errors of the stress `raw`, MPa, by told ridge: `mesh` is the mesh's, `stress` tells that of
+    another march, `change` what is left out, `drift` what drifts between chosen steps."""
+    fewer = _by_fewer(refined, stress)
+    return {
+        ridge: BySource(
+            None if mesh is None else mesh.get(ridge),
+            fewer.get(ridge),
+            change * float(np.abs(values).max()),
+            drift.get(ridge, 0.0),
+        )
+        for ridge, values in raw.items()
+    }
+
+
+def _by_fewer(refined: ComparisonRuns, stress: Callable[[March], Stress]) -> dict[int, float]:
+    """The step's share by ridge; nothing where no march has fewer steps, or no step before gross slip."""
+    every, thin = refined.every, refined.thin
+    if every is None or thin is None:
+        return {}
+    end = min(_gross(every), _gross(thin))
+    times, at, indices = np.intersect1d(every.time, thin.time, return_indices=True)
+    at, indices = at[times < end], indices[times < end]
+    one, other = stress(every), stress(thin)
+    # both start unloaded: that they agree there says nothing
+    return {r: float(np.abs(one[r][at] - other[r][indices]).max()) for r in one if at.size > 1}
+
+
+def _gross(march: March) -> float:
+    """When gross slip begins, s; never without it."""
+    touches = np.array([reading.touches for reading in march.readings])
+    slips = np.array([reading.slips for reading in march.readings])
+    gross = gross_slip_step(touches, slips)
+    return np.inf if gross is None else float(march.time[gross])
+
+
+@dataclass(frozen=True, eq=False)
+class SlipErrors:
+    """The errors, ms: of each ridge's `slips`, in order, of `gross` slip, and of `leads`, from a ridge's slip
+    to gross slip, which mesh and step may move less than either."""
+
+    slips: list[BySource]
+    gross: BySource
+    leads: list[BySource]
+
+
+def slip_errors(
+    last: March,
+    slips: Slips,
+    refined: ComparisonRuns,
+    change: float,
+    driven: bool,
+    cone: FrictionCoefficients,
+) -> SlipErrors:
+    """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
+    whether the plate's travel is given: gross slip hangs on the skin then."""
+    count, time, loads = len(slips.steps), last.time, last.loads
+    after, before, every, thin = (
+        None if march is None else _moments(march, count)
+        for march in (refined.after or last, refined.before, refined.every, refined.thin)
+    )
+    whole = loads.sum(axis=2)
+    missed = _drift(last)
+
+    def spreads(changes: Array) -> Array:
+        """By how much each slip's time, and last that of gross slip, may move, ms, for changes of the loads
+        `(steps + 1, ridges)`."""
+        column = [
+            spread(time, loads[:, :, ridge], step, float(changes[step or 0, ridge]), cone)
+            for ridge, step in enumerate(slips.steps)
+        ]
+        all_of_it = float(changes[slips.gross or 0].max(initial=0.0))
+        return np.array([*column, spread(time, whole, slips.gross, all_of_it, cone) if driven else 0.0])
+
+    def errors(of: Callable[[Array], Array], *spreads: Array) -> list[BySource]:
+        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((after, before), (every, thin)))
+        # of first order in the step, and at least a step
+        steps = [None if parts is None else max(step_ms(last), parts / (THIN - 1)) for parts in fewer]
+        others = (parts.tolist() for parts in spreads)
+        return [BySource(*parts) for parts in zip(mesh, steps, *others, strict=True)]
+
+    moved = spreads(np.full_like(missed, change)), spreads(missed)
+    slipped = errors(lambda moments: 1e3 * moments, *moved)
+    of_leads = (moved_by[:-1] + moved_by[-1] for moved_by in moved)
+    leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), *of_leads)
+    return SlipErrors(slipped[:-1], slipped[-1], leads)
+
+
+def _drift(march: March) -> Array:
+    """By how much drift changes each ridge's share of friction that is used, by step `(steps + 1, ridges)`,
+    relative: of what the ridge bears along x, and along z. None without chosen steps, or contact."""
+    none = np.zeros_like(march.loads[0, :2])
+    drift = [none if reading.drift is None else reading.drift.forces for reading in march.readings]
+    borne = np.abs(march.loads[:, 1::-1])  # along x, then z
+    share = np.divide(drift, borne, out=np.zeros_like(borne), where=borne > 0)
+    return np.asarray(share.sum(axis=1))
+
+
+def step_ms(march: March) -> float:
+    """Return the time of a march's step, ms, the longest where they are not equal; 0 without any."""
+    return 1e3 * longest_step(march.time) if march.time.size > 1 else 0.0
+
+
+def in_steps(march: March, step: int | None, error: BySource) -> BySource | None:
+    """Return a slip's error, ms, in steps of its march; None without that slip."""
+    if step is None:
+        return None
+    mesh, time_step = (None if part is None else _whole(part / step_ms(march)) for part in error[:2])
+    others = (_whole(part / step_ms(march)) for part in error[2:] if part is not None)
+    return BySource(mesh, time_step, *others)
+
+
+def _whole(steps: float) -> float:
+    """Steps without the rounding of the times that they come from."""
+    return round(steps, 6)
+
+
+def slip_step(step: int | None, error: BySource | None) -> Estimate:
+    """Return the step of a slip; of no value without that slip."""
+    return Estimate(step, None if error is None else error.total, "steps")
+
+
+def lead(time: Array, gross: int | None, step: int | None, error: float | None) -> Estimate:
+    """Return by how many ms a slip comes before gross slip; of no value without one of them."""
+    if gross is None or step is None:
+        return Estimate(None, None, "ms")
+    return Estimate(1e3 * float(time[gross] - time[step]), error, "ms")
+
+
+def _moments(march: March, ridges: int) -> Array:
+    """When ridges slip for good, s `(ridges + 1,)`, and last gross slip: the march's end without it, and that
+    of a ridge that does not slip is put there too."""
+    slips = slips_of(march.readings, march.ridge, ridges)
+    last = march.time.size - 1 if slips.gross is None else slips.gross
+    return np.asarray(march.time[[*(last if step is None else step for step in slips.steps), last]])
+
+
+def _apart(
+    one: Array | None, other: Array | None, of: Callable[[Array], Array], count: int
+) -> list[float | None]:
+    """By how much what is `of` two marches' moments differs, `count` numbers; None without one of them."""
+    if one is None or other is None:
+        return [None] * count
+    return [float(difference) for difference in np.abs(of(one) - of(other))]
+
+
+def spread(time: Array, loads: Array, step: int | None, change: float, cone: FrictionCoefficients) -> float:
+    """Return for how long before a slip, ms, a ridge stood at least at what slips once its load is larger by
+    `change`: by `loads` `(steps + 1, 3)`, normal and tangential N and what touches, mm2, and the friction of
+    the `cone`."""
+    if step is None or change == 0.0:
+        return 0.0
+    normal, tangential, area = loads.T
+    touches = (normal > 0) & (area > 0)
+    borne = law_of(cone, np.where(touches, area, 1.0)).borne(np.where(touches, normal, 1.0))
+    used = np.where(touches, np.abs(tangential) / borne, 0.0)
+    low = np.flatnonzero(used[: step + 1] < used[step] / (1 + change))
+    first = int(low[-1]) + 1 if low.size else 0
+    return 1e3 * float(time[step] - time[min(first, step)])

@@ -1,0 +1,1 @@
+"""Work-precision studies: what accuracy costs in time, one file a ladder."""

@@ -1,0 +1,307 @@
+"""The ladder of contact models.
+
+Two errors that are never mixed. The mesh's: each physical model against its own finest setting. The whole:
+every trial against the best model that can judge the design. A model's time includes all that it builds on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.progress import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
+from skincad.mechanics.models import finite_strain, linear, solid
+from skincad.mechanics.models.linear import LevelSolver
+from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
+from skincad.mechanics.models.table import (
+    TIERS,
+    TierTiming,
+    own_seconds,
+    plane_unknowns,
+    run,
+    seconds_at_size,
+    unsupported_reason,
+)
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
+from skincad.mechanics.validity import refuse_crushed
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
+
+AIM = {  # the tier whose finest setting another's mesh and method aim at
+    **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
+    "corrected": "solid",
+}
+
+
+@dataclass(frozen=True)
+class ContactAnswer:
+    """What a trial found: F9 in N (None where there is none), approach in mm."""
+
+    model: str
+    setting: str
+    unknowns: int
+    runs: tuple[float, ...]
+    force: float | None
+    approach: float
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A model's finest setting; `own` its relative errors of F9 and approach, `words` how they are known."""
+
+    answer: ContactAnswer
+    own_errors: tuple[float, float]
+    words: str
+
+
+def apart(answer: ContactAnswer, truth: ContactAnswer, force: float, height: float) -> tuple[float, float]:
+    """Return the relative differences of F9 and approach; nan where there is no F9."""
+    by_force, by_approach = math.nan, abs(answer.approach - truth.approach)
+    if answer.force is not None and truth.force is not None:
+        by_force = abs(answer.force - truth.force) / max(truth.force, NEGLIGIBLE * force)
+    return by_force, by_approach / max(truth.approach, 1e-9 * height)
+
+
+def stated(estimate: Estimate, least: float) -> float:
+    """Return the relative error that an estimate states, of `least` at least; nan without a value."""
+    value = estimate.value
+    return math.nan if value is None else (estimate.error or 0.0) / max(value, least)
+
+
+def trial_of(
+    answer: ContactAnswer, truths: Mapping[str, Truth], best: str, force: float, height: float
+) -> Measurement:
+    """Return a trial with its errors; the best model has its own stated error as whole one."""
+    errors: dict[str, float] = {}
+    for kind, name in (("mesh", AIM.get(answer.model, "")), ("whole", best)):
+        truth = truths.get(name)
+        itself = truth is not None and answer is truth.answer
+        if truth is None or (itself and kind == "mesh"):
+            continue
+        values = truth.own_errors if itself else apart(answer, truth.answer, force, height)
+        named = zip(("F9", "approach"), values, strict=True)
+        errors |= {f"{kind} {q}": error for q, error in named if not math.isnan(error)}
+    return Measurement(answer.model, answer.setting, answer.unknowns, answer.runs, errors)
+
+
+def measures_of(truths: Mapping[str, Truth], best: str) -> tuple[ErrorMeasure, ...]:
+    """Return what contact's trials are judged by; `best` is the best model that judged the design, or ""."""
+    own_words = "; ".join(f"{name}: {truth.words}" for name, truth in truths.items() if name in AIM.values())
+    measures = []
+    for quantity, what in enumerate(("F9", "approach")):
+        floor = truths[best].own_errors[quantity] if best else 0.0
+        named = {"F9": "all-touch force", "approach": "approach"}[what]
+        measures.append(
+            ErrorMeasure(
+                f"mesh {what}",
+                f"error of mesh and method in {named}, relative",
+                "1",
+                "each model's own finest setting",
+                own_words,
+                compares=False,
+                label=f"mesh {named}",
+            )
+        )
+        measures.append(
+            ErrorMeasure(
+                f"whole {what}",
+                f"error of model and mesh in {named}, relative",
+                "1",
+                f"{best or 'none'}: the best model that can judge this design",
+                truths[best].words if best else "nothing",
+                floor=0.0 if math.isnan(floor) else floor,
+                label=f"whole {named}",
+            )
+        )
+    return tuple(measures)
+
+
+MESH = 5e-3  # relative; what `check` asks of a tier's mesh
+BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
+OWN = "as check takes it"
+ALONE = ("winkler", "corrected")  # short enough to be solved again from nothing
+# fineness and order of each level, the last the reference
+LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
+    "linear": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4), (2.0, 3), (2.0, 4), (2.0, 5)),
+    "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
+}
+SOLVERS: dict[str, Callable[[], LevelSolver]] = {
+    "linear": lambda: linear.level,
+    "finite-strain": finite_strain.Levels,
+}
+
+
+SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
+FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that climbed to its second rung, else up to 1.4
+ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are tried
+SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
+# time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
+# this (yamada-2002, 2 % off)
+OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
+    runs = _ContactRuns(design, repeats, progress)
+    for name in ORDER:
+        runs.attempt(name)
+    best = next((name for name in BEST if name in runs.truth), "")
+    force, height = runs.request.force, design.skin.thickness
+    trials = tuple(trial_of(answer, runs.truth, best, force, height) for answer in runs.found)
+    title = f"contact of {design.name} at {force:g} N"
+    measures, timings = measures_of(runs.truth, best), taken_of(design, runs.done)
+    return Ladder("contact", title, trials, measures, skipped=runs.skipped, timings=timings)
+
+
+def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, TierTiming]:
+    """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
+    nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
+    timings = {}
+    for name, answer in answers.items():
+        tier, size = TIERS[name], TIERS[name].size(design)
+        counts = tier.law.exponent > 0 and size > SMALL * tier.law.size
+        if counts and (tier.builds_on or answer.unknowns < FINER * size):
+            timings[name] = TierTiming(size=size, seconds=answer.own_seconds)
+    return timings
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds, by the tiers' laws."""
+    seconds: dict[str, float] = {}
+    for name in (name for name in ORDER if not unsupported_reason(name, design, measured=False)):
+        alone = repeats if name in ALONE else 1
+        for level in LEVELS.get(name, ()):
+            size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
+            last = level == LEVELS[name][-1]
+            seconds[_level(name, *level)] = repeated(
+                OF_TIER * seconds_at_size(name, size), 1 if last else repeats
+            )
+        if name in LEVELS:
+            continue
+        price = _own(name, design)
+        if name == "solid":
+            seconds |= {
+                _layers(solid_level): repeated(s * price, repeats) for solid_level, s in SOLID_LEVELS.items()
+            }
+        seconds[_stage(name)] = repeated(price, alone)
+    return seconds
+
+
+def _own(name: str, design: Design) -> float:
+    """A tier's own seconds; nothing for one that refuses the design, as it will when it is tried."""
+    try:
+        return own_seconds(name, design)
+    except (InputError, RefusedError):
+        return 0.0
+
+
+class _ContactRuns:
+    """What is found so far."""
+
+    def __init__(self, design: Design, repeats: int, progress: Progress | None) -> None:
+        self.design, self.repeats, self.progress = design, repeats, progress
+        self.request = Request(design.contact.force, MESH)
+        self.found: list[ContactAnswer] = []
+        self.truth: dict[str, Truth] = {}
+        self.skipped: dict[str, str] = {}
+        self.done: dict[str, Answer] = {}
+
+    def attempt(self, name: str) -> None:
+        """Try a tier; one that cannot judge the design is skipped with its reason."""
+        reason = unsupported_reason(name, self.design, measured=False)
+        try:
+            if not reason and name in LEVELS:
+                self._levels(name)
+            elif not reason:
+                self._tier(name)
+        except (InputError, RefusedError) as refusal:
+            reason = str(refusal)
+        if reason:
+            self.skipped[name] = reason
+
+    def _levels(self, name: str) -> None:
+        pad, force = pad_of(self.design), self.request.force
+        errors = []
+        for fineness, order in LEVELS[name]:
+            setting = f"fineness {fineness:g}, order {order}"
+            self._tell(_level(name, fineness, order))
+
+            def solved(fineness: float = fineness, order: int = order) -> linear.PlaneSolution:
+                return SOLVERS[name]()(plane_piece(pad, fineness), order, force, ())
+
+            last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
+            level, runs = timed(solved, 1 if last else self.repeats)
+            refuse_crushed(self.design, force, name, level.approach)
+            numbers = level.all_touch_force, level.approach
+            errors.append(ContactAnswer(name, setting, level.unknowns, runs, *numbers))
+        finest, before = errors[-1], errors[-2]
+        own_errors = apart(finest, before, force, pad.top)
+        words = (
+            f"{finest.setting}; {before.setting} differs by {own_errors[0]:.0e}, approach {own_errors[1]:.0e}"
+        )
+        self.truth[name] = Truth(finest, own_errors, words)
+        self.found += errors[:-1]
+
+    def _tier(self, name: str) -> None:
+        if name == "solid":
+            self._solid_levels()
+        self._tell(_stage(name))
+        alone, answers = name in ALONE, self.done
+
+        def work() -> Answer:
+            nonlocal answers
+            answers = {} if alone else self.done
+            return run(name, self.design, self.request, answers, None)
+
+        answer, runs = timed(work, self.repeats if alone else 1)
+        refuse_crushed(self.design, self.request.force, name, answer.approach.value or 0.0)
+        self.done |= answers
+        if not alone:
+            runs = (math.fsum(answer.seconds.values()),)
+        setting = "closed form" if name == "winkler" else OWN
+        force, approach = answer.all_touch_force, answer.approach
+        row = ContactAnswer(name, setting, answer.unknowns, runs, force.value, approach.value or 0.0)
+        self.found.append(row)
+        if name != "winkler":
+            own_errors = (stated(force, NEGLIGIBLE * self.request.force), stated(approach, 0.0))
+            words = f"tier {name}; its stated error, {own_errors[0]:.1e} of the all-touch force and "
+            words += f"{own_errors[1]:.1e} of the approach, is "
+            self.truth[name] = Truth(
+                row, own_errors, words + "checked against finer meshes in tests/mechanics"
+            )
+
+    def _solid_levels(self) -> None:
+        """The solid's coarsest levels, which its tier adds up."""
+        pad, first_level = pad_of(self.design), solid.RUNGS[0]
+        for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
+            setting = f"order {first_level.order - 1}, {label} layers"
+            self._tell(_layers(label))
+
+            def solved(layers: Layers = layers) -> SolidSolution:
+                meshed = meshed_piece(pad, coarse_sizes(pad, first_level.fineness))
+                forms = forms_of(meshed, first_level.order - 1)
+                return solve_level(meshed, forms, layers, self.request.force, {})
+
+            level, runs = timed(solved, self.repeats)
+            numbers = level.all_touch_force, level.approach
+            self.found.append(ContactAnswer("solid", setting, level.unknowns, runs, *numbers))
+
+    def _tell(self, what: str) -> None:
+        if self.progress:
+            self.progress(what)
+
+
+def _stage(name: str) -> str:
+    return f"contact: {name}"
+
+
+def _level(name: str, fineness: float, order: int) -> str:
+    return f"contact: {name}, fineness {fineness:g}, order {order}"
+
+
+def _layers(level: str) -> str:
+    return f"contact: solid, {level} layers"

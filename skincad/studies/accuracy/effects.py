@@ -1,0 +1,92 @@
+"""The ladder of effects: what leaving each out changes.
+
+Every effect there is is named and left out in turn, with its default table, on the coarsest mesh. The error
+is what leaving it out does; the time is the scene's with it. Effects change by different physics, so nothing
+here is a step towards anything: no line joins them.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.progress import Progress
+from skincad.effects import EFFECTS, effect
+from skincad.effects.kinds import Reader
+from skincad.inputs.design import Design
+from skincad.scenes.march import LEVELS
+from skincad.scenes.scene import LAW
+from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
+from skincad.studies.accuracy.slip import apart, marched, of_size, scene_on
+
+STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is dear, fewer
+SLIPPERY = {"finite_strain": 0.3}  # coefficient of friction, both with and without: at 1 the surface folds
+MOST = 120.0  # s a march
+BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assumption: a light plate
+# s of a march of yamada-2002 without any and with those that take longer; measured
+PLAIN = 1.7
+SECONDS = {"finite_strain": 60.0, "free_ends": 8.0, "inertia": 20.0, "viscosity": 20.0}
+SceneRun = tuple[Simulation, tuple[float, ...]]
+
+
+def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+    """Return two trials an effect: the scene with it, and without it with the error that this makes."""
+
+    @cache
+    def run(changes: tuple[str, ...], steps: int, friction: float) -> SceneRun:
+        scene = scene_on(design, f"history.steps={steps}", *changes, friction=friction)
+        return timed(lambda: marched(scene, LEVELS[0], MOST), repeats)
+
+    trials: list[Measurement] = []
+    skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
+    skipped |= {n: "a readout: it changes none of the signals" for n in EFFECTS if _reads(n)}
+    for name in EFFECTS:
+        if name in skipped:
+            continue
+        if progress:
+            progress(_stage(name))
+        try:
+            base = scene_on(design).effects
+            table = "none" if name in base else "{}"
+            changed = (f"effects.{name}={table}", *(BESIDE.get(name, ()) if table == "{}" else ()))
+            pair = ((), changed) if name in base else (changed, ())
+            steps, friction = FEWER.get(name, STEPS), SLIPPERY.get(name, 1.0)
+            (named, spent), (without, short) = (run(changes, steps, friction) for changes in pair)
+        except (InputError, RefusedError) as refusal:
+            skipped[name] = str(refusal)
+            continue
+        errors = apart(without, named)
+        words = f"{steps} steps" + (f", friction {friction:g}" if name in SLIPPERY else "")
+        trials.append(Measurement(name, f"named, {words}", named.march.unknowns, spent, {}))
+        trials.append(Measurement(name, f"left out, {words}", without.march.unknowns, short, errors, spent))
+    reference = (
+        "the same scene, mesh and steps with the effect",
+        "both are computed; for the mesh's error see ladder slip",
+    )
+    what = "S1 - S2 at the ridge read out" if skin_of(design).slot else "the plate's travel"
+    measures = (
+        ErrorMeasure(
+            "peak rate", f"change of the peak rate of {what} by leaving the effect out", "1", *reference
+        ),
+        ErrorMeasure("signal", f"largest change of {what} by leaving the effect out", "1", *reference),
+        ErrorMeasure("slip", "change of when the ridge slips, of the history's length", "1", *reference),
+    )
+    title = f"effects in the slip of {design.name}"
+    return Ladder("effects", title, tuple(trials), measures, lines=False, skipped=skipped)
+
+
+def prices(design: Design, repeats: int) -> dict[str, float]:
+    """Return the stages and their expected seconds."""
+    larger = of_size(design)
+    marches = {name: PLAIN + SECONDS.get(name, PLAIN) for name in EFFECTS if name != LAW and not _reads(name)}
+    return {_stage(name): repeated(larger * seconds, repeats) for name, seconds in marches.items()}
+
+
+def _stage(name: str) -> str:
+    return f"effects: {name}"
+
+
+def _reads(name: str) -> bool:
+    return issubclass(effect(name), Reader)

@@ -1,0 +1,336 @@
+"""What a study asks of each of its designs, and the numbers that it gets.
+
+Lists are counted from 1, as ridges are, or by their entries' names: `ridge_force_N.3`,
+`parts.cavity.volume_mm3`; a list of plain numbers has `.min`, `.max` and `.last` too, any other `.count`. A
+key may leave its unit out: `all_touch_force`, `ridge_force.3`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
+from time import perf_counter
+from typing import Any, Literal
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, did_you_mean, require_goals
+from skincad.base.estimate import Estimate
+from skincad.base.interrupt import safe_point
+from skincad.base.progress import Progress
+from skincad.base.version import __version__
+from skincad.inputs.design import Design
+from skincad.mechanics.check import check, require_force
+from skincad.mechanics.models.table import tier_of, unsupported_reason
+from skincad.scenes.scene import Scene
+from skincad.studies.subject import Subject, Value, changed, fingerprint
+
+UNITS = (  # suffixes of JSON keys, the longer ones first
+    "MPa_per_s2", "MPa_per_s", "dB_per_dec", "N_per_MPa", "N_per_mm", "mm3", "mm2", "MPa", "mm", "Hz", "mJ",
+    "ms", "dB", "pC", "nV", "V", "N", "s", "g", "deg",
+)  # fmt: skip
+_UNIT = re.compile(rf"_({'|'.join(UNITS)})(?=\.|$)")
+LONGEST_LIST = 64  # of numbers that are told one by one; longer ones, over steps, by their ends
+NAMES = ("name", "effect", "rule", "tier")  # by which entries of a list are told
+
+
+def measures(result: Mapping[str, Any]) -> dict[str, Estimate]:
+    """Return every number of a result's JSON by its key; a null where a number may be has no value."""
+    return dict(_leaves(result, ""))
+
+
+def _leaves(data: Any, at: str) -> Iterator[tuple[str, Estimate]]:
+    if isinstance(data, Mapping):
+        if data.keys() == {"value", "error"}:
+            yield at, Estimate(data["value"], data["error"], unit_of_key(at))
+            return
+        for key, value in data.items():
+            error = data.get(f"{key}_error")
+            if key.endswith("_error") and key.removesuffix("_error") in data:
+                continue
+            where = f"{at}.{key}" if at else str(key)
+            if isinstance(error, int | float) and isinstance(value, int | float):
+                yield where, Estimate(float(value), float(error), unit_of_key(where))
+            else:
+                yield from _leaves(value, where)
+    elif isinstance(data, list):
+        yield from _entries(data, at)
+    elif data is None or (isinstance(data, int | float) and not isinstance(data, bool)):
+        yield at, Estimate(None if data is None else float(data), None, unit_of_key(at))
+    elif isinstance(data, bool):
+        yield at, Estimate(float(data), 0.0, "")
+
+
+def _entries(data: list[Any], at: str) -> Iterator[tuple[str, Estimate]]:
+    numbers = [float(x) for x in data if isinstance(x, int | float) and not isinstance(x, bool)]
+    if len(data) <= LONGEST_LIST or not numbers:
+        for number, entry in enumerate(data[:LONGEST_LIST], 1):
+            name = (
+                next((entry[k] for k in NAMES if k in entry), number) if isinstance(entry, dict) else number
+            )
+            yield from _leaves(entry, f"{at}.{name}")
+    if not numbers and not any(isinstance(entry, Mapping) and "value" in entry for entry in data):
+        yield f"{at}.count", Estimate(float(len(data)), 0.0, "")
+    if numbers and len(numbers) == len(data):
+        for name, value in (("min", min(numbers)), ("max", max(numbers)), ("last", numbers[-1])):
+            yield f"{at}.{name}", Estimate(value, None, unit_of_key(at))
+
+
+def unit_of_key(key: str) -> str:
+    """Return the unit that a JSON key ends in, "" where it has none: N/mm of `sensitivity_N_per_mm.1`."""
+    match = _UNIT.search(key)
+    return match[1].replace("_per_", "/") if match else ""
+
+
+def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
+    """Return the known key that `key` means, its unit left out or not; raises InputError for none."""
+    names = list(known)
+    if key in names:
+        return key
+    matches = [name for name in names if _UNIT.sub("", name) == key]
+    if len(matches) == 1:
+        return matches[0]
+    bare = {_UNIT.sub("", name) for name in names if "seconds" not in name}
+    remedy = did_you_mean(key, bare)
+    if remedy.startswith("known"):  # all entries of all lists would be no help
+        remedy = did_you_mean(key, {name.partition(".")[0] for name in bare})
+    raise InputError(f"{what} {key}", "no such number in the result", remedy=remedy)
+
+
+def worded(key: str, value: Estimate | float) -> str:
+    """Return a result in words: `all_touch_force 3 N`, or with its error."""
+    estimate = value if isinstance(value, Estimate) else Estimate(value, None, unit_of_key(key))
+    return f"{_UNIT.sub('', key)} {estimate}".rstrip()
+
+
+def slack(estimate: Estimate) -> float:
+    """Return an estimate's error, 0 where nobody knows it."""
+    return 0.0 if estimate.error is None or not math.isfinite(estimate.error) else estimate.error
+
+
+ECHOED = ("force_N", "friction")  # what a check was asked: no results that could be wanted
+Kind = Literal["check", "make", "simulate", "circuit"]
+
+
+@dataclass(frozen=True)
+class Query:
+    """What is asked: a check at `force` N (the design's own if None) by a tier, its mesh to `tol`; a make,
+    with that check; a scene's simulation to `tol`; or a circuit's gain."""
+
+    kind: Kind
+    tier: str | None = None
+    tol: float | None = None
+    force: float | None = None
+
+    def key(self, subject: Subject) -> str:
+        """Return what tells this question of this subject from any other."""
+        text = json.dumps([fingerprint(subject), asdict(self)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a question's result said, or why it was refused; `seconds` of wall time, `when` it began (UTC).
+
+    `results` holds every number of the result's JSON by its key (`measures.py`). What lies beyond the range
+    of its model is refused too, with its numbers.
+    """
+
+    key: str
+    values: Mapping[str, Value]
+    results: Mapping[str, Estimate] = field(default_factory=dict)
+    passed: bool | None = None
+    refused: str = ""
+    tier: str = ""
+    seconds: float = 0.0
+    when: str = ""
+    version: str = __version__
+
+
+def question_of(
+    subject: Subject, *, tier: str | None = None, tol: float | None = None, force: float | None = None
+) -> Query:
+    """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
+
+    Raises InputError for a tier, tolerance or force that there is none of, or where there is none.
+    """
+    require_goals(tol, None, "0.05")
+    if isinstance(subject, Design):
+        if force is not None:
+            require_force(force)
+        if tier not in (None, "auto"):
+            tier_of(tier)
+        return Query("check", tier, tol, force)
+    for name, value in (("tier", tier), ("force", force)):
+        if value is not None:
+            what = "a scene" if isinstance(subject, Scene) else "a circuit"
+            raise InputError(name, f"is for a design, and {subject.name} is {what}", value, "leave it out")
+    return Query("simulate", tol=tol) if isinstance(subject, Scene) else Query("circuit")
+
+
+def first_able(tiers: Sequence[str], design: Design) -> str:
+    """Return the first of these tiers that can judge a design; the last ones of all lists take any."""
+    return next(name for name in tiers if not unsupported_reason(name, design, False))
+
+
+def evaluate(subject: Subject, values: Mapping[str, Value], question: Query) -> Evaluation:
+    """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
+    safe_point()
+    began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    key, data, refused = "", dict[str, Any](), ""
+    try:
+        one = changed(subject, values)
+        key = question.key(one)
+        data = _ASKED[question.kind](one, question).as_json()
+    except ExhaustedError:
+        raise  # says nothing of the design
+    except (InputError, RefusedError) as failure:
+        refused = str(failure)
+    seconds = perf_counter() - began
+    return told_by(data, key or _unmade(subject, values, question), values, refused, seconds, when)
+
+
+def told_by(
+    data: Mapping[str, Any],
+    key: str,
+    values: Mapping[str, Value],
+    refused: str = "",
+    seconds: float = 0.0,
+    when: str = "",
+) -> Evaluation:
+    """Return the evaluation that a result's JSON tells."""
+    refused = refused or data.get("beyond_range") or ""
+    tier = data.get("tier", "")
+    results = {name: estimate for name, estimate in measures(data).items() if name not in ECHOED}
+    return Evaluation(key, dict(values), results, data.get("passed"), refused, tier, seconds, when)
+
+
+def key_of(subject: Subject, values: Mapping[str, Value], question: Query) -> str:
+    """Return the key of what `evaluate` would answer, without asking."""
+    try:
+        return question.key(changed(subject, values))
+    except InputError:
+        return _unmade(subject, values, question)
+
+
+def _unmade(subject: Subject, values: Mapping[str, Value], question: Query) -> str:
+    """The key of a design that its own rules refuse: the start's, and what was changed."""
+    text = json.dumps([question.key(subject), sorted(values.items())])
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _check(subject: Any, question: Query) -> Any:
+    return check(subject, force=question.force, tier=question.tier or "auto", tol=question.tol)
+
+
+def _make(subject: Any, _: Query) -> Any:
+    from skincad.fabrication.making import make
+
+    return make(subject)
+
+
+def _simulate(subject: Any, question: Query) -> Any:
+    from skincad.scenes.simulation import marched, marching, read_out
+
+    key = question.key(marching(subject))
+    if key not in _LAST:  # a search over an amplifier alone marches once
+        run = marched(subject, tol=question.tol)
+        _LAST.clear()
+        _LAST[key] = run
+    return read_out(subject, _LAST[key])
+
+
+def _gain(subject: Any, _: Query) -> Any:
+    from skincad.circuit.bode import gain
+
+    return gain(subject)
+
+
+_LAST: dict[str, Any] = {}  # of the scene that was simulated last, its march
+
+_ASKED: dict[str, Callable[[Any, Query], Any]] = {
+    "check": _check,
+    "make": _make,
+    "simulate": _simulate,
+    "circuit": _gain,
+}
+
+
+GUIDE = "winkler"  # the closed form: a thousandth of the time, and the right slope
+
+
+@dataclass
+class Evaluator:
+    """A question of a subject, its evaluations so far by key, and the numbers `wished` of them.
+
+    `target` is what is wished by the result's own keys, empty until the first answer tells them.
+    """
+
+    subject: Subject
+    question: Query
+    wished: Mapping[str, float]
+    progress: Progress | None = None
+    target: dict[str, float] = field(default_factory=dict)
+    evaluations: dict[str, Evaluation] = field(default_factory=dict)
+    unlike: bool = False  # whether the closed form's result lacks a number that is wished
+
+    def ask(self, values: Mapping[str, Value]) -> Evaluation:
+        """Return the answer for some values. Raises InputError for a wish that no result's key is."""
+        key = key_of(self.subject, values, self.question)
+        if key not in self.evaluations:
+            if self.progress:
+                self.progress(
+                    ", ".join(f"{name.rpartition('.')[2]} {short(v)}" for name, v in values.items())
+                )
+            self.evaluations[key] = evaluation = evaluate(self.subject, values, self.question)
+            self.name(evaluation)
+        return self.evaluations[key]
+
+    def name(self, evaluation: Evaluation) -> None:
+        """Take the wishes' keys from a first answer."""
+        if evaluation.results and not self.target:
+            self.target = {resolved(key, evaluation.results): value for key, value in self.wished.items()}
+
+    def told(self, evaluation: Evaluation) -> list[float] | None:
+        """Return the wished results' values; None where one has none or the design is refused."""
+        if evaluation.refused or not evaluation.results:
+            return None
+        values = [evaluation.results[key].value for key in self.target]
+        return [value for value in values if value is not None] if None not in values else None
+
+    def guide(self, values: Mapping[str, Value]) -> list[float] | None:
+        """Return what the closed form says, without counting it as an evaluation; None where it does not."""
+        evaluation = evaluate(self.subject, values, replace(self.question, tier=GUIDE))
+        self.name(evaluation)
+        return self.told(evaluation)
+
+    @property
+    def guided(self) -> bool:
+        """Whether there is a closed form that is cheaper than what is asked."""
+        return self.question.kind == "check" and self.question.tier != GUIDE and not self.unlike
+
+    def off(self, evaluation: Evaluation) -> float:
+        """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""
+        values = self.told(evaluation)
+        if values is None:
+            return math.inf
+        wanted = self.target.values()
+        return max(abs(x - y) / (abs(y) or 1.0) for x, y in zip(values, wanted, strict=True))
+
+
+def short(value: Value) -> str:
+    """Return a value as it is shown."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def scaled(value: Array, wanted: Array) -> Array:
+    """Return results as logarithms where they are wanted above 0: powers of sizes are lines then."""
+    above = wanted > 0
+    logs = np.log(np.maximum(value, 1e-9 * np.abs(wanted)), where=above, out=np.zeros(len(wanted)))
+    return np.where(above, logs, value)
