@@ -3,7 +3,7 @@ ranked by the linear tier, against `solid-finite-strain`.
 
 `python -m bench.ranks 30 --seed 100` draws 30 pairs, writes a JSON line of each to out/ranks-SEED.jsonl and
 prints how many are said to be surely different, how many of those rightly, and the same for other values of
-what two designs do not share of a model's error (`OWN` in skincad/studies/ranking.py).
+what two designs do not share of a model's error (`OWN` in skincad/studies/sweeping.py).
 """
 
 from __future__ import annotations

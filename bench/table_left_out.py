@@ -27,7 +27,7 @@ from skincad.base.errors import InputError
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.scenes.march import LEVELS, March, march
-from skincad.scenes.models import Marching, march_on, omitted, path_of, piece_for
+from skincad.scenes.models import MarchSetup, march_on, omitted, path_of, piece_for
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
@@ -85,7 +85,7 @@ def change(without: Array, named: Array) -> float:
 
 def _graded(scene: Scene) -> March:
     """Return the scene's march on its own coarsest mesh, fine at the strips' ends."""
-    return march_on(LEVELS[0], Marching(scene, piece_for(scene, {})), {})
+    return march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
 
 
 def _coarse(scene: Scene) -> March:

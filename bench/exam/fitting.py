@@ -7,7 +7,7 @@ is whether it slips, the low-pass's delay later; while slip lasts on to gross de
 count as slipping too, at a lower weight, for that is what is to be told; a short gross slip counts as much as
 one of EVENT windows. Scenes that ship are in the set as well, and records of ridges that all stick. Writes
 slip_weights_early.toml, and prints what threefold cross-validation by scene makes of thresholds: EARLY's of
-scenes/slip.py was read off that.
+scenes/detector.py was read off that.
 """
 
 from __future__ import annotations

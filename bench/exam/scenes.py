@@ -22,7 +22,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.material import silicone
 from skincad.scenes.errors import slips_of
 from skincad.scenes.march import LEVELS, march
-from skincad.scenes.models import Marching, march_on, piece_for
+from skincad.scenes.models import MarchSetup, march_on, piece_for
 from skincad.scenes.scene import Scene
 
 COUNT = {DESIGN: 240, EXAM: 160}  # scenes
@@ -138,7 +138,7 @@ def marched(one: Drawn) -> SceneRun:
         times, drives = scene.history.times, scene.history.drives()
         found = march(_PADS[name], times, drives, scene.terms, None, (), 0.0, ends)
     else:
-        found = march_on(LEVELS[0], Marching(scene, piece_for(scene, {})), {})
+        found = march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
         if one.mass is None:
             _PADS[name] = found.pad
     slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)

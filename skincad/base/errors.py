@@ -92,7 +92,7 @@ class ExhaustedError(RefusedError):
     """Memory or another resource ran out: what is asked needs more. The command line exits with 3."""
 
 
-class needing:  # noqa: N801
+class resource_guard:  # noqa: N801
     """A block that may ask for more than there is: where it does, ExhaustedError says so of `what`."""
 
     def __init__(self, what: str) -> None:

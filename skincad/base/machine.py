@@ -73,7 +73,7 @@ LIBRARIES = ("ngsolve", "numpy", "scipy", "cadquery", "manifold3d", "skincad")
 def machine() -> dict[str, Any]:
     """Return processor, cores that this process may use, load and versions; no host name, no user.
 
-    `load` is the machine's mean number of running processes over the last minute, None where it is not told:
+    `load` is the machine's mean number of running processes over the last minute, None where it is unknown:
     above 1 a core the times are somebody else's too.
     """
     return {
@@ -87,7 +87,7 @@ def machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
-    """The model's name as the system tells it."""
+    """The model's name as the system reports it."""
     info = Path("/proc/cpuinfo")
     if info.is_file():
         for line in info.read_text("utf-8", errors="replace").splitlines():

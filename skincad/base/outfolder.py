@@ -51,7 +51,7 @@ def manifest_name(command: str) -> str:
 
 
 def write_manifest(staging: Path, command: str, data: Mapping[str, Any]) -> None:
-    """Write the manifest of all files in a folder, with what else is `told`.
+    """Write the manifest of all files in a folder, with the further keys `told`.
 
     Raises RefusedError for a number that is not finite, which JSON has not.
     """
@@ -147,7 +147,7 @@ OURS = ".skincad-"  # so begins the name of whatever lies in the folder only whi
 RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
 # what stands in nobody's way: what a new volume holds, a study's log, and a package's own folder
 BESIDE = {"lost+found", "evaluations.jsonl", "package"}
-PATIENCE, POLL = 1.0, 0.05  # s: until a wait is told; between two tries
+PATIENCE, POLL = 1.0, 0.05  # s: until a wait is reported; between two attempts
 
 
 def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = ()) -> Path:
@@ -182,7 +182,7 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
 def replaced(folder: Path, command: str = "make", data: Mapping[str, Any] | None = None) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well its files replace the earlier result's.
 
-    `told` is what the command's manifest says beside the files. Of two runs at once the later one's result
+    `told` are the manifest's keys beside the files. Of two runs at once the later one's result
     stays. Raises InputError, with nothing changed, when `folder` cannot be written, runs out of space, holds
     things and no earlier result, or holds a file of these names that is not as this command wrote it;
     RefusedError when `told` holds a number that is not finite.

@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @contextmanager
 def stage_bar(stages: int) -> Iterator[Progress | None]:
-    """Show a bar while the block runs: by the seconds left where they are told, else by its stages."""
+    """Show a bar while the block runs: by the seconds left where they are known, else by its stages."""
     with _stages(stages) as (_, progress):
         yield progress
 
@@ -111,7 +111,7 @@ def _time_bar() -> Any:
     from rich.progress_bar import ProgressBar
 
     class TimeBar(BarColumn):
-        """Elapsed against expected seconds; stages done against all where none are told."""
+        """Elapsed against expected seconds; stages done against all where none are known."""
 
         def render(self, task: Task) -> ProgressBar:
             if task.fields["ends"] is None or task.start_time is None:

@@ -50,7 +50,7 @@ class Document(Table):
     )
 
     def with_(self, **changes: Any) -> Self:
-        """Return a copy with some keys changed, checked anew.
+        """Return a copy with some keys changed, checked again.
 
         `design.with_(ridge={"height": 0.6}, slot=None)`: a dict changes the keys that it names in a table,
         None drops a key or an optional table, with all that cannot be without it.
@@ -71,7 +71,7 @@ class Document(Table):
         """Change, in place, what a changed key takes with it."""
 
     def to_toml(self) -> str:
-        """Return the TOML text that this is loaded from; defaults are told, what is not given is not."""
+        """Return the TOML text that this is loaded from, with defaults but without keys that are None."""
         import tomlkit
 
         return tomlkit.dumps(self.model_dump(exclude_none=True))
@@ -146,7 +146,7 @@ def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
 
 
 def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
-    """The errors in the order in which they are told: unknown keys first, and no key as missing in a table
+    """The errors in the order of their report: unknown keys first, and no key as missing in a table
     with an unknown one, as which it is most often misspelt."""
     unknown = [e for e in errors if e["type"] == "extra_forbidden"]
     tables = {e["loc"][:-1] for e in unknown}

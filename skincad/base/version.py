@@ -1,3 +1,3 @@
-"""The package's version, which every manifest tells."""
+"""The package's version, which every manifest states."""
 
 __version__ = "0.1.0"

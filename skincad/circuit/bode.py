@@ -26,7 +26,7 @@ from skincad.circuit.state import PASS
 
 
 def has_rig(circuit: Circuit) -> bool:
-    """Return whether a circuit's gain is told of a measured load."""
+    """Return whether a circuit's gain is by a measured load."""
     return bool(circuit.indenter or circuit.force_sensor)
 
 
@@ -36,7 +36,7 @@ def without_rig(circuit: Circuit) -> Circuit:
 
 
 def film_load(circuit: Circuit, frequency: Real) -> Complex:
-    """Return the load on the film by the load that is told, `(n,)` at `(n,)` Hz; 1 without a rig."""
+    """Return the load on the film by the measured load, `(n,)` at `(n,)` Hz; 1 without a rig."""
     ratio = np.ones(np.shape(frequency), complex)
     if circuit.indenter:
         ratio = ratio / pressed(circuit.indenter, frequency)

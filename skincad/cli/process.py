@@ -15,7 +15,7 @@ from skincad.base.interrupt import INTERRUPTED, safe_point
 from skincad.cli.app import app
 
 TRACEBACK = "SKINCAD_TRACEBACK"  # the environment variable that lets a traceback of skincad's own faults pass
-SIGNALLED = 128  # a status above it tells a signal
+SIGNALLED = 128  # a status above it means a signal
 COMPLETE = "_SKINCAD_COMPLETE"  # set by a shell that asks how a word may go on
 
 # typer carries a parser of its own; its public BadParameter leads to the base of its errors
@@ -91,7 +91,7 @@ def _by_flag(failure: InputError, flags: dict[str, str]) -> InputError:
 
 
 def describe_failure(failure: Exception) -> tuple[str, int]:
-    """Return the line that tells of a failure that is nobody's input, and its status."""
+    """Return the line that describes a failure not caused by input, and its exit status."""
     if lacking := exhausted(failure):
         return f"out of {lacking} ({str(failure) or type(failure).__name__}); allow more, or ask for less", 3
     if isinstance(failure, RefusedError):

@@ -1,4 +1,4 @@
-"""Finite strain in chosen steps, the pad linear about them in between (mechanics/contact/held.py).
+"""Finite strain in chosen steps, the pad linear about them in between (mechanics/contact/frozen_tangent.py).
 
 For what small strain misses, P-delta above all, at a small part of the price of finite strain in each step;
 and on through a pull in which finite strain itself has no smooth surface, with an error that says how far.
@@ -15,7 +15,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import Reading, Share, Step
+from skincad.effects.kinds import Observables, Share, Step
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, Tangential
 from skincad.mechanics.contact.frozen_tangent import STRIDE, FrozenTangentPad, FrozenTangentState
@@ -91,8 +91,8 @@ class ChosenPad:
         """None: chosen steps are looked at, and one that is not sound is not chosen."""
         return None
 
-    def reading(self, before: FrozenTangentState, state: FrozenTangentState) -> Reading:  # noqa: ARG002
-        """Return what is told of a state."""
-        return Reading.of(
+    def reading(self, before: FrozenTangentState, state: FrozenTangentState) -> Observables:  # noqa: ARG002
+        """Return the observables of a state."""
+        return Observables.of(
             state.grip, state.films, state.elastic, state.dissipated, drift=self.held.drift(state)
         )

@@ -4,7 +4,7 @@ Bonded strips are thin stiff solids in silicone; a membrane line without bending
 (docs/facts.md#what-a-model-leaves-out).
 A loose strip lies in an empty slot and carries nothing, so it feels nothing either, until the slot's walls
 meet it; a scene warns where walls meet, for contact within a slot is not in the model. Range: isotropic film.
-Without this effect the slots are full of silicone, and what is told is the silicone's stress in the films'
+Without this effect the slots are full of silicone, and the signal is the silicone's stress in the films'
 place. Reference: film/stress.py's patches and contour integrals; loose, the linear tier on the same pad.
 """
 
@@ -66,7 +66,7 @@ class FilmStrips(PadChange):
         The stress across a thin stiff strip in incompressible silicone is nearly the silicone's in its place,
         but for its blunt ends, the more so the thicker it is for its depth d, as the root of t / d. Whatever
         the tilt that changes S1 - S2 by a share of the ridge's nominal shear stress and pressure; S1 - S2
-        itself hangs on the tilt, and is small at some 15 deg. None without a film or a normal force.
+        itself depends on the tilt, and is small at some 15 deg. None without a film or a normal force.
         """
         design, path = outline.design, outline.path
         slot = skin_of(design).slot

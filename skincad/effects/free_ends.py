@@ -47,7 +47,7 @@ class FreeEnds(PadChange):
 
         A ridge's signal follows its normal force as it has in the march; and where all of it slips, its pull
         too, which friction bounds then. As points begin to slip the pull follows by the share of them to the
-        power of SLIPPING. Below LEAST nothing is told apart. None without a normal force.
+        power of SLIPPING. Below LEAST the two are not separated. None without a normal force.
         """
         from skincad.mechanics.left_out import force_changes
 

@@ -23,7 +23,7 @@ from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, LeftOutEffect, SceneOutline, Share, Step, Term
 
 CALIBRATED = (
-    1.4  # of a plate that forces move; fitted to 46 random scenes: ridges slip and share anew besides
+    1.4  # of a plate that forces move; fitted to 46 random scenes: ridges also slip and share the load again
 )
 WITHIN, ROUGHLY = 4.0, 7.0  # the second where nothing is pulled, or the plate is driven
 

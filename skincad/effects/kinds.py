@@ -76,7 +76,7 @@ class LeftOutEffect:
 class PlatePath:
     """What a march found: at `time` `(n,)` s the plate's `approach` and `travel` `(n,)` mm; of the ridges,
     `(n, ridges)`, the normal force `pressed` and the pull `pulled`, N, to +x, the share of their touching
-    points that `slips`, and S1 - S2 `felt`, MPa, with no ridges where no film's stress is told."""
+    points that `slips`, and S1 - S2 `felt`, MPa, with no ridges where no film is read."""
 
     time: Array
     approach: Array
@@ -136,7 +136,7 @@ class SceneOutline:
         return float(self.path.pressed.max(initial=0.0))
 
 
-MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and stress that hangs on strain's past
+MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and history-dependent stress
 
 
 @dataclass(frozen=True)
@@ -165,14 +165,14 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What is told of an accepted state.
+class Observables:
+    """The observables of an accepted state.
 
     `normal`, `tangential` N and `approach`, `travel` mm of the plate; `touches`, `slips` `(m,)` by contact
     point; `films` `(strips, 3)` MPa, across, along and lengthwise; `elastic` mJ stored and `dissipated` mJ
     in the step; `residual` relative. With masses `kinetic` mJ, of viscous parts `viscous` mJ dissipated in
     the step; `work` mJ is what drives the plate did in the step, None where the plate's forces tell it.
-    `drift` is told by a pad that is linear between chosen steps.
+    `drift` is given by a pad that is linear between chosen steps.
     """
 
     normal: float
@@ -192,7 +192,7 @@ class Reading:
 
     @classmethod
     def of(cls, contact: ContactState, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:
-        """Return what is told of a contact and of what goes with it; `more` by its name."""
+        """Return the observables of a contact and of what goes with it; `more` by its name."""
         normal, tangential = float(contact.normal.sum()), float(contact.tangential.sum())
         plate = normal, tangential, contact.approach, contact.travel
         return cls(
@@ -235,8 +235,8 @@ class MarchedPad(Protocol):
         Raises GrossSlip, whose `last` is the last state there is, or ContactError.
         """
 
-    def reading(self, before: Any, state: Any) -> Reading:
-        """Return what is told of a state that a step led to from `before`."""
+    def reading(self, before: Any, state: Any) -> Observables:
+        """Return the observables of a state that a step led to from `before`."""
 
     def grip(self, state: Any) -> ContactState:
         """Return the contact of a state."""
@@ -247,7 +247,7 @@ class MarchedPad(Protocol):
 
 
 @runtime_checkable
-class Showing(Protocol):
+class SectionPad(Protocol):
     """A marched pad that also tells the whole section's state."""
 
     def shown(self, state: Any) -> DeformedSection:
@@ -331,7 +331,7 @@ class Term(Effect):
 
 @dataclass(frozen=True)
 class ReaderContext:
-    """What a reader reads of: the skin, the told ridges, and the signals' bandwidth, Hz."""
+    """What a reader reads of: the skin, the monitored ridges, and the signals' bandwidth, Hz."""
 
     design: Design
     ridges: tuple[int, ...]
@@ -341,7 +341,7 @@ class ReaderContext:
 class Reader(Effect):
     """Looks at what the march has accepted."""
 
-    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
+    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return keys for the result's JSON from the accepted readings at `time` s.
 
         `warnings` are added to the result's. `<name>_<unit>` of ridge, of signal, with a number a step, also

@@ -1,4 +1,4 @@
-"""A pad at finite strain, each of its steps solved to equilibrium (mechanics/contact/dragged.py)."""
+"""A pad at finite strain, each of its steps solved to equilibrium (mechanics/contact/frictional_pad.py)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import Reading, Share, Step
+from skincad.effects.kinds import Observables, Share, Step
 from skincad.mechanics.contact.state import ContactState, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
@@ -24,7 +24,7 @@ FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class LargePad:
-    """A pad that is linearised anew as it deforms; its states are `FrictionalState`."""
+    """A pad that is linearised again as it deforms; its states are `FrictionalState`."""
 
     pad: FrictionalPad
     strips: StripStress | None
@@ -84,8 +84,8 @@ class LargePad:
         """None: a step costs so much that each is looked at."""
         return None
 
-    def reading(self, before: FrictionalState, state: FrictionalState) -> Reading:  # noqa: ARG002
-        """Return what is told of a state."""
+    def reading(self, before: FrictionalState, state: FrictionalState) -> Observables:  # noqa: ARG002
+        """Return the observables of a state."""
         films = np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus
         elastic = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
-        return Reading.of(state.grip, films, elastic, state.dissipated)
+        return Observables.of(state.grip, films, elastic, state.dissipated)

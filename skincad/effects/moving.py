@@ -1,4 +1,4 @@
-"""A pad in small strain with what terms ask beyond it: masses, and stress that hangs on the past."""
+"""A pad in small strain with what terms ask beyond it: masses, and history-dependent stress."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import Reading, Share, Step
+from skincad.effects.kinds import Observables, Share, Step
 from skincad.mechanics.contact.state import ContactState, FrictionCoefficients
 from skincad.mechanics.dynamics.steps import Dynamics, DynamicState, Matter, rest_state
 
@@ -86,10 +86,10 @@ class MovingPad:
         plate = self.piece.whole.top - state.contact.approach
         return collision(self.piece, body, on_sides(list(moved.T)), plate, 0.0)
 
-    def reading(self, before: DynamicState, state: DynamicState) -> Reading:  # noqa: ARG002
-        """Return what is told of a state."""
+    def reading(self, before: DynamicState, state: DynamicState) -> Observables:  # noqa: ARG002
+        """Return the observables of a state."""
         dynamics = self.dynamics
-        return Reading.of(
+        return Observables.of(
             state.contact,
             dynamics.strips(state),
             dynamics.elastic(state),

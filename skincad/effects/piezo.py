@@ -1,12 +1,12 @@
 """The strips' charge through an amplifier: the voltages that one measures.
 
-Charge from the mean stresses of a strip (circuit/film.py): d33 across it, d31 and d32 along it in the section
-and along y, where plane strain has a stress too; times the electrode that lies in the skin. The circuit's
-film is replaced by the skin's own strip, so a wider one changes the output, and a longer lead, whose metal
-overlaps nowhere, doesn't; its motional branch stays. Both strips of a pair have the same amplifier. Range:
-what the film feels is the mean over the strip, its bare edge included; the amplifier does not act back on the
-stress (no stiffening).
-The stress goes through the signals' low-pass, as rate and jerk do, and so does the noise.
+Charge from the mean stresses of a strip (circuit/network.py): d33 across it, d31 and d32 along it in the
+section and along y, where plane strain has a stress too; times the electrode that lies in the skin. The
+circuit's film is replaced by the skin's own strip, so a wider one changes the output, and a longer lead,
+whose metal overlaps nowhere, doesn't; its motional branch stays. Both strips of a pair have the same
+amplifier. Range: what the film feels is the mean over the strip, its bare edge included; the amplifier does
+not act back on the stress (no stiffening). The stress goes through the signals' low-pass, as rate and jerk
+do, and so does the noise.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from skincad.circuit.state import (
     run,
     stepper,
 )
-from skincad.effects.kinds import Reader, ReaderContext, Reading
+from skincad.effects.kinds import Observables, Reader, ReaderContext
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
 from skincad.shape.skin import skin_of
@@ -45,7 +45,7 @@ FINE = 0.1  # of the low-pass's time: a step of the network; straight lines betw
 MOST_STEPS = 200  # of the network in one of the march
 MOST_SAMPLES = 2_000_000
 MOST_LEAD = 20_000_000  # of noise before its record begins
-NOISES, FEWEST_NOISES = 20, 5  # seeds by which a lead's spread is told
+NOISES, FEWEST_NOISES = 20, 5  # seeds that give a lead's spread
 MOST_NOISE = 20_000_000  # samples of their noise, some seconds, where the fewest seeds take less
 SIDES = ("S1", "S2")  # of a pair
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
@@ -99,8 +99,8 @@ class Piezo(Reader):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
         constants(fitted(self.loaded, design))
 
-    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Reading]) -> Mapping[str, Any]:
-        """Return `output_V` by told ridge and S1, S2, pair (their difference), and what is to know of it; the
+    def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
+        """Return `output_V` by monitored ridge and S1, S2, pair (their difference), and facts about it; the
         largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
         circuit = fitted(self.loaded, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None

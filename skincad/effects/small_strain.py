@@ -15,7 +15,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Reading, Share, Step, Term
+from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Observables, Share, Step, Term
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.frictional import halved
 from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
@@ -134,8 +134,8 @@ class CondensedPad:
         height = self._whole.piece.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
         return force, height, state.angle
 
-    def reading(self, before: ContactState, state: ContactState) -> Reading:
-        """Return what is told of a state."""
+    def reading(self, before: ContactState, state: ContactState) -> Observables:
+        """Return the observables of a state."""
         along = np.concatenate([state.tangential, -state.normal])
         force = turning.in_skin_axes(along, state.angle) if state.angle else along
         # a force that turned round within the step had done so before its point slipped
@@ -144,4 +144,4 @@ class CondensedPad:
         mean += np.where(turned, 0.0, 0.5) * before.tangential
         elastic, dissipated = float(force @ self.pad.compliance @ force) / 2, -float(mean @ state.slipped)
         work = turning.work(self.pad, before, state) if before.angle or state.angle else None
-        return Reading.of(state, self.pad.strips @ force, elastic, dissipated, work=work)
+        return Observables.of(state, self.pad.strips @ force, elastic, dissipated, work=work)

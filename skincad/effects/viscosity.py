@@ -1,4 +1,4 @@
-"""Silicone whose shear stress hangs on the strain's past: Kelvin-Voigt, and a Prony series.
+"""History-dependent shear stress of silicone (viscoelasticity): Kelvin-Voigt, and a Prony series.
 
 The design's modulus is the slow one, as a tensile test finds it, and what is viscous comes on top:
 G(t) = G (1 + sum of g exp(-t / tau)), and a dashpot whose stress is G `retardation_time` times twice the
@@ -50,7 +50,7 @@ class Viscosity(Term):
         return self
 
     def share(self, step: Step) -> Share:  # noqa: ARG002
-        """Return the dashpot and the branches; they hang on nothing of the step."""
+        """Return the dashpot and the branches; they do not depend on the step."""
         alone = 0.0 if self.prony else RETARDATION
         rate = alone if self.retardation_time is None else self.retardation_time
         return Share(rate=rate, relaxing=tuple((g, time) for g, time in self.prony))

@@ -33,7 +33,7 @@ LABEL = (4.5, 1.0)  # mm: room along a tab, in which "15 S2" is 3.9 long; height
 CORNER = 1.0  # mm, assumption: legs of the corner cut off a tab at the ridge's side, to be seen and felt
 PERMITTIVITY = (12.5, 0.5)  # relative, and its error; source: data sheets of PVDF film, 12 to 13
 FILM_THICKNESS = 0.05  # relative, assumption: by which a film differs from its nominal thickness
-COPLANAR = 0.12  # pF/mm of lead, source: see circuit/film.py, on a half space of film
+COPLANAR = 0.12  # pF/mm of lead, source: see circuit/network.py, on a half space of film
 LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
 
 

@@ -10,7 +10,7 @@ from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
-from skincad.base.errors import needing
+from skincad.base.errors import resource_guard
 from skincad.base.interrupt import safe_point
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
@@ -60,7 +60,7 @@ def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
     Raises ExhaustedError where memory does not suffice.
     """
     safe_point()
-    with needing(f"the mesh of {part.name}"):
+    with resource_guard(f"the mesh of {part.name}"):
         raw = manifold(part, tolerance).to_mesh64()
         corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
         return trimesh.Trimesh(corners, faces, process=False, validate=False)

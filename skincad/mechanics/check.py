@@ -13,9 +13,9 @@ from skincad.base.errors import (
     ExhaustedError,
     InputError,
     RefusedError,
-    needing,
     require_goals,
     require_number,
+    resource_guard,
 )
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, about
@@ -323,7 +323,7 @@ class Climb:
         failed: tuple[str, ...] = ()
         if not (self.crest_offsets or check.out_of_range or check.tier == "winkler"):
             try:
-                with needing("the yield"):
+                with resource_guard("the yield"):
                     result = self._manufacture(known)
             except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
                 failed = (no_yield(failure),)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from skincad.base.errors import ExhaustedError, InputError, needing
+from skincad.base.errors import ExhaustedError, InputError, resource_guard
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import ALONG, FREE_ENDS, FRICTION, LeftOut
 from skincad.mechanics.models.table import TIERS
@@ -84,7 +84,7 @@ class PlateFriction:
 
         began = perf_counter()
         try:
-            with needing("the press with friction"):
+            with resource_guard("the press with friction"):
                 self.solved = solve(
                     plain_pad(self.design), self.coefficient or 0.0, self.force, self.crest_offsets
                 )

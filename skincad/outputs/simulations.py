@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.errors import RefusedError
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
-from skincad.effects.kinds import Showing
+from skincad.effects.kinds import SectionPad
 from skincad.outputs.delivery import picture
 from skincad.scenes.march import frames
 from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, BySource, chosen_steps, model_of
@@ -231,7 +231,7 @@ def _moment(simulation: Simulation, step: int) -> Moment:
     from skincad.pictures.section_figures import Moment
 
     march = simulation.march
-    assert isinstance(march.pad, Showing)  # the scene was checked for it
+    assert isinstance(march.pad, SectionPad)  # the scene was checked for it
     reading = march.readings[step]
     forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
     title = f"{simulation.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"

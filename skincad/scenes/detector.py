@@ -6,7 +6,7 @@ design set of bench/exam: scenes of other skins, frictions and histories than th
 (docs/detector.md). An alarm asks for more than a threshold, which is the user's choice (POINTS), and for
 outputs that stand out of the noise.
 
-Range: outputs that follow the stress-rate in their band; the more ridges are told the better, one alone warns
+Range: outputs that follow the stress-rate in their band; more monitored ridges are better, one alone warns
 of an eighth of gross slips, of a third by early alarms. That all monitored ridges slip says nothing of
 ridges that are not monitored: gross slip may come much later.
 """
@@ -31,7 +31,7 @@ from skincad.scenes.slip_features import features
 
 WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
-SEEN = 5.0  # noise rms of a pair, a window's mean, below which nothing is told: noise alone reaches 2.9
+SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
 
 INCIPIENT, ALL = "incipient slip", "all monitored ridges slip"
 
@@ -81,7 +81,7 @@ class Detector:
 
 @dataclass(frozen=True)
 class Event:
-    """At sample `index` `ridge` of the told ones (from 0) begins to slip, or (None) the last of them does."""
+    """At sample `index` `ridge` of the monitored (from 0) begins to slip, or (None) the last of them does."""
 
     kind: str
     ridge: int | None

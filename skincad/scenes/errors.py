@@ -1,7 +1,7 @@
 """Slips from readings, and the errors of slips, leads and stresses by their source.
 
 A quasi-static march with Coulomb friction is piecewise smooth, so its raw jerk is spikes of 1 / dt at events
-that hang on the mesh; nobody may read those as signal. Everything goes through one causal low-pass.
+that depend on the mesh and are no signal. Everything goes through one causal low-pass.
 
 Mesh: the largest change to a march on the mesh before. Time step: the largest to one of fewer steps, at the
 times that both have, before gross slip: from there on they tell of different states. That change itself is
@@ -26,7 +26,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.estimate import Estimate
 from skincad.circuit.state import longest_step
-from skincad.effects.kinds import Reading
+from skincad.effects.kinds import Observables
 from skincad.mechanics.contact.state import FrictionCoefficients, law_of
 from skincad.scenes.march import March
 from skincad.scenes.models import THIN, BySource, ComparisonRuns
@@ -78,7 +78,7 @@ class Slips:
     gross: int | None
 
 
-def slips_of(readings: Sequence[Reading], ridge: Index, ridges: int) -> Slips:
+def slips_of(readings: Sequence[Observables], ridge: Index, ridges: int) -> Slips:
     """Return when the ridges slip, by a march's readings and the `ridge` `(m,)` of its contact points."""
     touches = np.array([reading.touches for reading in readings])
     slips = np.array([reading.slips for reading in readings])
@@ -88,7 +88,7 @@ def slips_of(readings: Sequence[Reading], ridge: Index, ridges: int) -> Slips:
     return Slips(slipping, runs, [lasting_slip_step(run, gross, last) for run in runs], gross)
 
 
-Stress = Mapping[int, Array]  # MPa by told ridge, `(steps + 1,)`
+Stress = Mapping[int, Array]  # MPa by monitored ridge, `(steps + 1,)`
 
 
 def stress_errors(
@@ -99,8 +99,8 @@ def stress_errors(
     change: float,
     drift: Mapping[int, float],
 ) -> dict[int, BySource]:
-    """Return the errors of the stress `raw`, MPa, by told ridge: `mesh` is the mesh's, `stress` tells that of
-    another march, `change` what is left out, `drift` what drifts between chosen steps."""
+    """Return the errors of the stress `raw`, MPa, by monitored ridge: `mesh` is the mesh's,
+    `stress` that of another march, `change` what is left out, `drift` what drifts between chosen steps."""
     fewer = _by_fewer(refined, stress)
     return {
         ridge: BySource(
@@ -153,7 +153,7 @@ def slip_errors(
     cone: FrictionCoefficients,
 ) -> SlipErrors:
     """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
-    whether the plate's travel is given: gross slip hangs on the skin then."""
+    whether the plate's travel is given: gross slip depends on the skin then."""
     count, time, loads = len(slips.steps), last.time, last.loads
     after, before, every, thin = (
         None if march is None else _moments(march, count)

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.interrupt import safe_point
-from skincad.effects.kinds import MarchedPad, Reading, Step, Term
+from skincad.effects.kinds import MarchedPad, Observables, Step, Term
 from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
@@ -43,7 +43,7 @@ EXPONENT = 1.35
 
 
 def expected(level: Level, last: Level, spent: Mapping[str, float]) -> float:
-    """Return the seconds that a level will take, by the stages' seconds of the last; its mesh is made anew
+    """Return the seconds that a level will take, by the stages' seconds of the last; its mesh is made again
     if it is finer, else shared."""
     growth = level.size / last.size
     mesh = spent["mesh"] * growth if level.fineness != last.fineness else 0.0
@@ -67,7 +67,7 @@ class March:
     """
 
     time: Array
-    readings: tuple[Reading, ...]
+    readings: tuple[Observables, ...]
     ridge: Index
     unknowns: int
     stopped: str | None

@@ -22,7 +22,7 @@ import numpy as np
 from skincad.base import climbing
 from skincad.base.arrays import Array, Index
 from skincad.base.climbing import Ascent, overrun, unmet
-from skincad.base.errors import InputError, RefusedError, needing
+from skincad.base.errors import InputError, RefusedError, resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.effects import EFFECTS, effect
@@ -83,7 +83,7 @@ def thinned(steps: int, points: Index) -> Index:
 
 
 @dataclass(frozen=True, eq=False)
-class Marching:
+class MarchSetup:
     """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
     is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
     scene's own."""
@@ -127,7 +127,7 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
 
 def march_on(
     level: Level,
-    on: Marching,
+    on: MarchSetup,
     seconds: dict[str, float],
     following: Level | None = None,
     again: bool = False,
@@ -139,7 +139,7 @@ def march_on(
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]
-    with needing(f"the mesh of {stage}"):
+    with resource_guard(f"the mesh of {stage}"):
         mesh = _meshed(on.piece, level, on.meshes)
         marks.append(perf_counter())
         films = bool(scene.readout.ridges)
@@ -157,7 +157,7 @@ def march_on(
             tick(stage, step, whole * (1 - step / count + fewer) + after)
 
     # to ask for one thread at each step takes longer than the step
-    with needing(f"the computation on the mesh of {stage}"), one_blas_thread():
+    with resource_guard(f"the computation on the mesh of {stage}"), one_blas_thread():
         times, drives, ends = history.times, history.drives(), scene.law.limits(scene.design)
         keep = kept_steps(scene)
         march_result = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
@@ -165,9 +165,9 @@ def march_on(
     return march_result
 
 
-def march_thin(on: Marching, whole: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
+def march_thin(on: MarchSetup, whole: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
     """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
-    `seconds` have a stage of its own, for the price of the next mesh hangs on the march's alone. The tick is
+    `seconds` have a stage of its own, as the price of the next mesh depends on the march's alone. The tick is
     told the history's steps, and the time left with the s `after` it."""
     scene, history, tick = on.scene, on.scene.history, on.tick
     thinned = _fewer(scene)
@@ -242,7 +242,7 @@ def path_of(march: March) -> PlatePath:
 
 
 def _friction(scene: Scene) -> float:
-    """The coefficient of static friction, at small pressures where it hangs on pressure; 0 without any."""
+    """The coefficient of static friction, at small pressures where it depends on pressure; 0 without any."""
     still = Drive(0.0)
     cones = (term.share(Step(0.0, 1.0, still, still)).cone for term in scene.terms)
     return next((cone.static for cone in cones if cone), 0.0)
@@ -261,7 +261,7 @@ DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out
 
 @dataclass(frozen=True, eq=False)
 class RefinedRun:
-    """The last march that counts, its error MPa by told ridge (None with one mesh), what was not met, and the
+    """The last march that counts, its error MPa by monitored ridge (None with one mesh), shortfalls, and the
     marches that its slips are held against."""
 
     march: March
@@ -271,7 +271,7 @@ class RefinedRun:
 
 
 def climb(
-    on: Marching, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
+    on: MarchSetup, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
 ) -> RefinedRun:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
     wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
@@ -335,14 +335,14 @@ class _StoppedError(RefusedError):
 
 
 def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
-    """Return S1 - S2 across the films `(steps + 1,)` MPa by told ridge."""
+    """Return S1 - S2 across the films `(steps + 1,)` MPa by monitored ridge."""
     place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
 
 
-def _errors(on: Marching, before: March, march: March) -> tuple[dict[int, float], float]:
-    """Largest change of each told ridge's difference from the mesh before, MPa; the largest relative one."""
+def _errors(on: MarchSetup, before: March, march: March) -> tuple[dict[int, float], float]:
+    """Largest change of each monitored ridge's difference from the mesh before, MPa; largest relative one."""
     one, other = (differential(on.piece, on.scene, run) for run in (before, march))
     steps = min(before.time.size, march.time.size)
     error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
@@ -372,8 +372,8 @@ def chosen_steps(march: March) -> list[int] | None:
     return None if drifts[-1] is None else [i for i, drift in enumerate(drifts) if drift and drift.chosen]
 
 
-def drifted(on: Marching, march: March) -> dict[int, float]:
-    """Return the largest drift of each told ridge's difference, MPa; nothing without chosen steps."""
+def drifted(on: MarchSetup, march: March) -> dict[int, float]:
+    """Return the largest drift of each monitored ridge's difference, MPa; nothing without chosen steps."""
     if march.readings[-1].drift is None:
         return {}
     place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
@@ -392,13 +392,13 @@ def cut_short(march: March) -> list[str]:
 
 
 def further(
-    on: Marching,
+    on: MarchSetup,
     climbed: RefinedRun,
     tol: float,
     budget: float | None,
     began: float,
     seconds: dict[str, float],
-) -> tuple[Marching, RefinedRun]:
+) -> tuple[MarchSetup, RefinedRun]:
     """Return what is marched, and the march that counts, by the model that `tol` asks for: `found` in small
     strain, or one beyond it. `seconds` are by stage; `budget` s run from `began`."""
     scene, short = on.scene, climbed.short
@@ -438,13 +438,13 @@ def _asks(scene: Scene, small: March, tol: float) -> bool:
 
 def _by(
     law: Mapping[str, Any],
-    on: Marching,
+    on: MarchSetup,
     climbed: RefinedRun,
     price: float,
     budget: float | None,
     began: float,
     seconds: dict[str, float],
-) -> tuple[Marching, RefinedRun]:
+) -> tuple[MarchSetup, RefinedRun]:
     """March by another law on the coarsest mesh; RefusedError where that would overrun the budget or stops
     before what was found already. What mesh and time step change stays as it was found, in small strain."""
     if budget is not None and perf_counter() - began + price > budget:
@@ -462,8 +462,8 @@ def _by(
     return better, replace(climbed, march=march, refined=refined)
 
 
-def _relative(on: Marching, climbed: RefinedRun) -> float:
-    """The largest drift of a told ridge's differential stress, of the largest stress."""
+def _relative(on: MarchSetup, climbed: RefinedRun) -> float:
+    """The largest drift of a monitored ridge's differential stress, of the largest stress."""
     stress = differential(on.piece, on.scene, climbed.march)
     largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
     return max(drifted(on, climbed.march).values(), default=0.0) / largest if largest else 0.0

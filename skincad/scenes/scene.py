@@ -265,7 +265,7 @@ class Scene(Document):
         return self
 
     def with_(self, **changes: Any) -> Self:
-        """Return a copy with some keys changed, checked anew, as a design's `with_`.
+        """Return a copy with some keys changed, checked again, as a design's `with_`.
 
         `scene.with_(history={"steps": 100}, effects={"piezo": None})`; a dict for `skin` changes the design.
         """

@@ -37,7 +37,7 @@ from skincad.scenes.models import (
     FINITE_STRAIN,
     MATTERS,
     BySource,
-    Marching,
+    MarchSetup,
     RefinedRun,
     chosen_steps,
     climb,
@@ -139,7 +139,7 @@ def joined(parts: Mapping[str, Readings]) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Result):
-    """A scene's result. `raw` and `signals` are by told ridge: the differential stress S1 - S2, MPa, as it is
+    """A scene's result. `raw` and `signals`, by monitored ridge: differential stress S1 - S2, MPa, as it is
     and band-limited; `error` MPa its change from the mesh before, None with one mesh, and `stress_errors`
     MPa its whole error by source; `slipping` `(steps + 1, ridges)`; `slip_errors` ms.
     """
@@ -173,7 +173,7 @@ class Simulation(Result):
 
     @property
     def lead(self) -> dict[int, Estimate]:
-        """By how many ms a told ridge's lasting slip comes before gross slip; no value without one of them,
+        """By how many ms a monitored ridge's lasting slip comes before gross slip; no value without both,
         no error where nobody asked what the mesh or the step changes."""
         slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
         gross, errors = self.gross_slip_step, self.slip_errors.leads
@@ -202,7 +202,7 @@ class Simulation(Result):
 
     @property
     def largest_stress(self) -> dict[int, Estimate]:
-        """A told ridge's largest differential stress, MPa, either way, with its whole error."""
+        """A monitored ridge's largest differential stress, MPa, either way, with its whole error."""
         return {
             r: Estimate(float(np.abs(values).max()), self.stress_errors[r].total, "MPa")
             for r, values in self.raw.items()
@@ -296,7 +296,7 @@ def simulate(
 class SceneRun:
     """What was marched, the march that counts, and the seconds that both took, by stage."""
 
-    on: Marching
+    on: MarchSetup
     climbed: RefinedRun
     seconds: dict[str, float]
 
@@ -314,7 +314,7 @@ def marched(
     for a model `beyond` the scene's own."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
-    on = Marching(scene, piece_for(scene, seconds), tick, partial)
+    on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
     climbed = climb(on, tol, budget, began, seconds)
     if further_models and tol is not None:
         on, climbed = further(on, climbed, tol, budget, began, seconds)
@@ -338,7 +338,7 @@ def marching(scene: Scene) -> Scene:
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
-    on = Marching(scene, piece_for(scene, seconds), tick)
+    on = MarchSetup(scene, piece_for(scene, seconds), tick)
     climbed = RefinedRun(march_on(level, on, seconds), None, [])
     return _told(on, climbed, {"total": perf_counter() - began, **seconds})
 
@@ -355,8 +355,8 @@ def _change(left_out: list[LeftOutEffect]) -> float:
     return math.fsum(entry.change for entry in left_out)
 
 
-def _told(on: Marching, climbed: RefinedRun, seconds: dict[str, float]) -> Simulation:
-    """What is told of the last march that counts."""
+def _told(on: MarchSetup, climbed: RefinedRun, seconds: dict[str, float]) -> Simulation:
+    """The result of the last march that counts."""
     began = perf_counter()
     scene, march, notes = on.scene, climbed.march, [*climbed.short, *cut_short(climbed.march)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz

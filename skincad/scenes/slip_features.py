@@ -1,7 +1,7 @@
 """What a slip shows in: the films' outputs of a ridge and of those beside it, over short and long times.
 
 Running means of the pairs' differences and sums and of their products, all first-order filters, so that they
-are the same however the samples are cut in pieces. What is told of them is without a unit, bounded, and the
+are the same however the samples are cut in pieces. The features are without a unit, bounded, and the
 same to either side: positive is where the ridge has been pulled to.
 """
 
@@ -65,7 +65,7 @@ def bounded(x: Array) -> Array:
 
 
 def beside(values: Array, side: Array, ahead: bool) -> Array:
-    """Return the values of the told ridge next to each, ahead of where it is pulled or behind; 0 without."""
+    """Return the values of each ridge's monitored neighbour, ahead of its pull or behind; 0 without."""
     nothing = np.zeros_like(values[:, :1])
     up = np.concatenate([values[:, 1:], nothing], axis=1)
     down = np.concatenate([nothing, values[:, :-1]], axis=1)
@@ -111,7 +111,7 @@ def _tied(m: Means, side: Array, usual: dict[int, Array], least: float) -> list[
 
 
 def _neighbours(m: Means, side: Array, usual: Array) -> list[Array]:
-    """What the told ridges ahead and behind feel."""
+    """What the monitored ridges ahead and behind feel."""
     columns = []
     for ahead in (True, False):
         columns += [bounded(beside(m["pair"][k], side, ahead) * side / usual) for k in (1, 2, 3)]

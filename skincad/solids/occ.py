@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import FaultError, InputError, exhausted, needing
+from skincad.base.errors import FaultError, InputError, exhausted, resource_guard
 from skincad.base.interrupt import safe_point
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Segment
@@ -110,7 +110,7 @@ def solid(part: Part) -> cq.Solid:
     """Return the part's exact solid, mm. Raises KernelError unless it is one valid solid of its volume, and
     ExhaustedError where memory does not suffice.
     """
-    with needing(f"the solid of {part.name}"):
+    with resource_guard(f"the solid of {part.name}"):
         try:
             return _checked_solid(part)
         except Exception as failure:

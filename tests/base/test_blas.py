@@ -90,8 +90,8 @@ def assembled(design: Design) -> list[float]:
 
 
 def linear(design: Design) -> list[float | None]:
-    found = skincad.check(design, force=1.0, tier="linear", tol=0.3)
-    return [found.approach.value, found.all_touch_force.value, *(e.value for e in found.ridge_force)]
+    result = skincad.check(design, force=1.0, tier="linear", tol=0.3)
+    return [result.approach.value, result.all_touch_force.value, *(e.value for e in result.ridge_force)]
 
 
 @pytest.mark.parametrize(("job", "times"), [(linear, 1), (assembled, 4)])
@@ -100,6 +100,6 @@ def test_two_threads_give_the_numbers_of_one(job: Callable[[Design], object], ti
     alone = [job(design) for design in designs]
     with ThreadPoolExecutor(2) as pool:
         together = list(pool.map(job, times * designs))
-    for found, expected in zip(together, times * alone, strict=True):
-        assert found == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING)
+    for values, expected in zip(together, times * alone, strict=True):
+        assert values == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING)
     assert blas_threads() == {BEFORE}

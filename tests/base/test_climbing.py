@@ -30,30 +30,30 @@ class Stairs:
         self.now, self.refused, self.tried = 50.0, refused or {}, list[SolverLevel]()
         patch.setattr(climbing, "perf_counter", lambda: self.now)
 
-    def solve(self, rung: SolverLevel, before: Ascent[SolverLevel, SolverLevel, str] | None) -> SolverLevel:
-        self.tried.append(rung)
+    def solve(self, level: SolverLevel, before: Ascent[SolverLevel, SolverLevel, str] | None) -> SolverLevel:
+        self.tried.append(level)
         assert before is None or before.rungs == tuple(r for r in self.tried[:-1] if r not in self.refused)
-        if rung in self.refused:
-            raise self.refused[rung]
-        self.now += rung.price
-        return rung
+        if level in self.refused:
+            raise self.refused[level]
+        self.now += level.price
+        return level
 
     def climbed(
         self, tol: float = 0.0, budget: float | None = None, **more: Any
     ) -> Ascent[SolverLevel, SolverLevel, str]:
         self.tried.clear()
-        asked = {"began": self.now, "ends": (ValueError,), "price": by_price, **more}
-        return climb(self.solve, RUNGS, lambda rung, _, old: (f"{old}", rung.error), tol, budget, **asked)
+        options = {"began": self.now, "ends": (ValueError,), "price": by_price, **more}
+        return climb(self.solve, RUNGS, lambda rung, _, old: (f"{old}", rung.error), tol, budget, **options)
 
 
 def test_rungs_are_climbed_to_the_tolerance_and_not_beyond_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
     stairs = Stairs(monkeypatch)
     for tol, count in ((0.3, 1), (0.29, 2), (0.1, 2), (0.0, 3)):
-        found = stairs.climbed(tol)
-        assert (found.rungs, found.found) == (RUNGS[:count], RUNGS[count - 1])
-        assert (found.error, found.ended) == (RUNGS[count - 1].error, None)
-        assert found.spent == sum(r.price for r in RUNGS[:count])
-        assert found.told == (f"{RUNGS[count - 2]}" if count > 1 else "None")
+        ascent = stairs.climbed(tol)
+        assert (ascent.rungs, ascent.found) == (RUNGS[:count], RUNGS[count - 1])
+        assert (ascent.error, ascent.ended) == (RUNGS[count - 1].error, None)
+        assert ascent.spent == sum(r.price for r in RUNGS[:count])
+        assert ascent.told == (f"{RUNGS[count - 2]}" if count > 1 else "None")
     assert stairs.climbed(0.1, first=2).rungs == RUNGS[2:]
 
 
@@ -73,8 +73,8 @@ def test_a_rung_that_refuses_leaves_the_one_before_or_gives_way_to_a_cheaper(
 ) -> None:
     too_large = ValueError("too large")
     stairs = Stairs(monkeypatch, {RUNGS[2]: too_large})
-    found = stairs.climbed()
-    assert (found.rungs, found.error, found.ended) == (RUNGS[:2], 0.1, too_large)
+    ascent = stairs.climbed()
+    assert (ascent.rungs, ascent.error, ascent.ended) == (RUNGS[:2], 0.1, too_large)
     last = stairs.climbed(first=2)
     assert (last.rungs, last.ended) == (RUNGS[1:2], too_large)
     assert stairs.tried == [RUNGS[2], RUNGS[1], RUNGS[2]]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, needing
+from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, resource_guard
 
 RAN_OUT = [
     (MemoryError(), "memory"),
@@ -37,15 +37,15 @@ def test_a_resource_that_ran_out_is_told_by_its_name(failure: Exception, resourc
     assert exhausted(failure) == resource
     with (
         pytest.raises(ExhaustedError, match=f"the mesh needs more {resource} than there is"),
-        needing("the mesh"),
+        resource_guard("the mesh"),
     ):
         raise failure
 
 
-@pytest.mark.parametrize("failure", ELSE, ids=lambda each: type(each).__name__)
+@pytest.mark.parametrize("failure", ELSE, ids=lambda error: type(error).__name__)
 def test_no_other_failure_is_taken_for_it(failure: Exception) -> None:
     assert exhausted(failure) == ""
-    with pytest.raises(type(failure)) as passed, needing("the mesh"):
+    with pytest.raises(type(failure)) as passed, resource_guard("the mesh"):
         raise failure
     assert passed.value is failure
 
@@ -63,15 +63,15 @@ def test_what_ran_out_is_given_back() -> None:
         seen.append(weakref.ref(large))
         raise MemoryError
 
-    with pytest.raises(ExhaustedError) as told, needing("the mesh"):
+    with pytest.raises(ExhaustedError) as refusal, resource_guard("the mesh"):
         compute()
     assert seen[0]() is None
-    assert str(pickle.loads(pickle.dumps(told.value))) == str(told.value)
+    assert str(pickle.loads(pickle.dumps(refusal.value))) == str(refusal.value)
 
 
 def test_nothing_catches_all_but_the_command_lines_end() -> None:
     """What catches every exception hides faults, and memory that ran out, behind another word."""
-    found = []
+    names = []
     for file in Path(skincad.__file__).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.ExceptHandler):
@@ -82,6 +82,6 @@ def test_nothing_catches_all_but_the_command_lines_end() -> None:
                 )
                 wide = node.type is None or {"Exception", "BaseException"} & set(kinds)
                 if wide and not isinstance(node.body[-1], ast.Raise):
-                    found.append(file.name)
+                    names.append(file.name)
     # a page of sliders stays, whatever a design leads to: it shows the failure and prints its traceback
-    assert sorted(found) == ["desk.py", "page.py", "process.py", "worker.py"]
+    assert sorted(names) == ["desk.py", "page.py", "process.py", "worker.py"]

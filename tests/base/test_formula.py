@@ -21,14 +21,14 @@ def step(formula: str, *given: Quantity) -> Calculation:
     [("a + b * a", 50.0), ("(a - b) / b", -11 / 12), ("-a**2", -4.0), ("sqrt(b + 1) * pi", 5 * math.pi)],
 )
 def test_a_formula_is_pythons_arithmetic(formula: str, value: float) -> None:
-    given = Quantity("a", "", 2.0, "1"), Quantity("b", "", 24.0, "1")
-    assert step(formula, *given).recomputed() == pytest.approx(value)
+    values = Quantity("a", "", 2.0, "1"), Quantity("b", "", 24.0, "1")
+    assert step(formula, *values).recomputed() == pytest.approx(value)
 
 
 def test_a_sum_runs_over_the_ridges_and_tells_its_terms() -> None:
-    found = step("sum(l_i * a) / sum(l_i)", Quantity("a", "", 2.0, "1"), LENGTHS)
-    assert found.recomputed() == 2.0
-    assert [terms for _, terms in found.sums()] == [[2.0, 4.0, 7.0], [1.0, 2.0, 3.5]]
+    calculation = step("sum(l_i * a) / sum(l_i)", Quantity("a", "", 2.0, "1"), LENGTHS)
+    assert calculation.recomputed() == 2.0
+    assert [terms for _, terms in calculation.sums()] == [[2.0, 4.0, 7.0], [1.0, 2.0, 3.5]]
 
 
 def test_numbers_are_taken_as_they_are_printed() -> None:

@@ -125,10 +125,10 @@ def test_an_interruption_anywhere_leaves_the_old_or_the_new_result(
             calls += 1
             if calls == at and not after:
                 raise KeyboardInterrupt
-            done = real(self, *rest, **options)
+            result = real(self, *rest, **options)
             if calls == at:
                 raise KeyboardInterrupt
-            return done
+            return result
 
         with monkeypatch.context() as patch:
             patch.setattr(Path, function, interrupted)
@@ -214,11 +214,11 @@ def test_a_manifest_says_who_wrote_what(tmp_path: Path) -> None:
     with replaced(tmp_path / "x", "circuit", {"name": "n"}) as staging:
         (staging / "b").write_text("")
         (staging / "a").write_text("")
-    told = json.loads((tmp_path / "x" / "circuit.json").read_text())
-    assert (told["command"], told["name"], told["files"]) == ("circuit", "n", ["a", "b"])
+    manifest = json.loads((tmp_path / "x" / "circuit.json").read_text())
+    assert (manifest["command"], manifest["name"], manifest["files"]) == ("circuit", "n", ["a", "b"])
     nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  # SHA-256 of no bytes
-    assert told["sha256"] == {"a": nothing, "b": nothing}
-    assert told["skincad"]
+    assert manifest["sha256"] == {"a": nothing, "b": nothing}
+    assert manifest["skincad"]
 
 
 def test_a_number_that_json_has_not_is_refused_and_the_earlier_result_stays(tmp_path: Path) -> None:
@@ -241,15 +241,15 @@ def test_a_run_that_waits_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(tmp_path / "x", a="1")
-    held = os.open(tmp_path / "x", os.O_RDONLY)
-    fcntl.flock(held, fcntl.LOCK_EX)
+    descriptor = os.open(tmp_path / "x", os.O_RDONLY)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
     clock, waits = [0.0], list[str]()
 
     def sleep(seconds: float) -> None:
         clock[0] += seconds
         waits.append(capsys.readouterr().err)
         if waits[-1]:
-            os.close(held)  # the other one is done
+            os.close(descriptor)  # the other one is done
 
     monkeypatch.setattr(outfolder.time, "monotonic", lambda: clock[0])
     monkeypatch.setattr(outfolder.time, "sleep", sleep)
@@ -268,11 +268,11 @@ def test_a_lock_on_the_parent_folder_keeps_nobody_waiting(
         raise AssertionError("it waits")
 
     monkeypatch.setattr(outfolder.time, "sleep", waits)
-    held = os.open(tmp_path, os.O_RDONLY)
-    fcntl.flock(held, fcntl.LOCK_EX)
+    descriptor = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
     try:
         write(tmp_path / "x", a="1")
         write(tmp_path / "x", a="2")
     finally:
-        os.close(held)
+        os.close(descriptor)
     assert contents(tmp_path / "x") == {"a.txt": "2"}

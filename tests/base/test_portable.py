@@ -36,7 +36,7 @@ from tests.small_scene import THIRD, small_scene
 WAYS: tuple[Callable[[Any], Any], ...] = (
     copy.copy,
     copy.deepcopy,
-    *(lambda each, p=p: pickle.loads(pickle.dumps(each, p)) for p in range(2, pickle.HIGHEST_PROTOCOL + 1)),
+    *(lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in range(2, pickle.HIGHEST_PROTOCOL + 1)),
 )
 WORDS = {"key": "ridge.height", "rule": "must be below 1", "value": 1.5, "remedy": "take less", "others": ()}
 FILMED = ("ridge.count=1", "skin.width=3.0")
@@ -49,10 +49,10 @@ def kinds() -> list[type[Exception]]:
     for module in walk_packages(skincad.__path__, "skincad."):
         if not module.name.endswith("__main__"):
             import_module(module.name)
-    found: list[type[Exception]] = [InputError, RefusedError, UnclearError]
-    for kind in found:
-        found += [each for each in kind.__subclasses__() if each not in found]
-    return [kind for kind in found if kind.__module__.startswith("skincad")]
+    classes: list[type[Exception]] = [InputError, RefusedError, UnclearError]
+    for kind in classes:
+        classes += [subclass for subclass in kind.__subclasses__() if subclass not in classes]
+    return [kind for kind in classes if kind.__module__.startswith("skincad")]
 
 
 def example(kind: type[Exception]) -> Exception:
@@ -128,9 +128,9 @@ def test_every_result_pickles_and_copies(tmp_path: Path) -> None:
 
 
 def test_a_march_leaves_the_fe_library_behind(tmp_path: Path) -> None:
-    found = at_level(small_scene(tmp_path, "yamada-2002-press", *FEW), LEVELS[0]).march
-    other = pickle.loads(pickle.dumps(found))
+    run = at_level(small_scene(tmp_path, "yamada-2002-press", *FEW), LEVELS[0]).march
+    other = pickle.loads(pickle.dumps(run))
     assert isinstance(other, March)
-    assert found.pad is not None
+    assert run.pad is not None
     assert other.pad is None
     assert not other.states

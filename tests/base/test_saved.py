@@ -51,12 +51,12 @@ def test_each_save_is_told_once(tmp_path: Path, acts: list[object]) -> None:
 def test_a_save_in_two_steps_is_told_when_it_is_whole(tmp_path: Path, acts: list[object]) -> None:
     file = tmp_path / "a.toml"
     write(file, "a", 1)
-    told = []
+    texts = []
     acts += [None, None, lambda: write(file, "half", 2), lambda: write(file, "whole", 3), *[None] * 6]
     with pytest.raises(KeyboardInterrupt):
         for _ in saves([file]):
-            told.append(file.read_text())
-    assert told == ["a", "whole"]
+            texts.append(file.read_text())
+    assert texts == ["a", "whole"]
 
 
 def test_a_file_that_is_being_replaced_is_waited_for(tmp_path: Path, acts: list[object]) -> None:

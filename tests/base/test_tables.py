@@ -166,7 +166,7 @@ def test_what_is_bad_is_an_input_error_however_it_comes(
 
     document = good(kind)
     copies = (document, copy.deepcopy(document), pickle.loads(pickle.dumps(document)))
-    ways = [lambda each=each: each.with_(**change) for each in copies]
+    ways = [lambda original=original: original.with_(**change) for original in copies]
     if not any(v is None or (isinstance(v, dict) and None in v.values()) for v in change.values()):
         ways.append(lambda: built(document))
     for way in ways:

@@ -19,10 +19,10 @@ def vectors(folder: Path, lines: list[str], analysis: str, saved: list[str]) -> 
         "write out.raw", "quit", ".endc", ".end", "",
     ]  # fmt: skip
     (folder / "deck.cir").write_text("\n".join(deck))
-    done = subprocess.run(
+    process = subprocess.run(
         ["ngspice", "-b", "deck.cir"], cwd=folder, capture_output=True, text=True, check=False, timeout=120
     )
-    assert (folder / "out.raw").is_file(), done.stdout + done.stderr
+    assert (folder / "out.raw").is_file(), process.stdout + process.stderr
     head, _, body = (folder / "out.raw").read_bytes().partition(b"Binary:\n")
     rows = head.decode().splitlines()
     start = rows.index("Variables:") + 1

@@ -39,24 +39,24 @@ def shipped() -> Constants:
 
 
 @pytest.fixture(scope="module")
-def found() -> Calibration:
+def calibration() -> Calibration:
     """The nearest to the paper's statements."""
     return calibrate(*paper_target())
 
 
 def test_the_shipped_set_is_as_near_to_the_paper_as_any_that_is_found(
-    shipped: Constants, found: Calibration
+    shipped: Constants, calibration: Calibration
 ) -> None:
     assert misfit(shipped) == pytest.approx(1.82, abs=0.01)
-    assert found.rms == pytest.approx(misfit(shipped), abs=0.01)
-    assert found.agreeing >= 2  # more than one start ended there
+    assert calibration.rms == pytest.approx(misfit(shipped), abs=0.01)
+    assert calibration.agreeing >= 2  # more than one start ended there
 
 
 def test_the_ranges_searched_are_those_of_the_page() -> None:
     page = (Path(__file__).parents[2] / "docs" / "circuit.md").read_text("utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", page, re.M)
-    told = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
-    assert told == BOUNDS
+    ranges = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
+    assert ranges == BOUNDS
 
 
 def test_every_shipped_constant_lies_in_its_bounds(shipped: Constants) -> None:
@@ -70,24 +70,24 @@ def test_every_shipped_constant_lies_in_its_bounds(shipped: Constants) -> None:
 
 def test_the_shipped_cutoff_is_the_papers_but_60_db_a_decade_is_not_reached(shipped: Constants) -> None:
     frequency = np.geomspace(10.0, 20_000.0, 400)
-    found = fit_slopes(frequency, decibels(exact_response(shipped, frequency)), 10.0, 8000.0)
-    assert found.cutoff.value == pytest.approx(PAPER_CUTOFF, rel=0.05)
-    assert found.below.value == pytest.approx(21.3, abs=0.2)
-    assert found.above.value == pytest.approx(53.7, abs=0.3)
+    slopes = fit_slopes(frequency, decibels(exact_response(shipped, frequency)), 10.0, 8000.0)
+    assert slopes.cutoff.value == pytest.approx(PAPER_CUTOFF, rel=0.05)
+    assert slopes.below.value == pytest.approx(21.3, abs=0.2)
+    assert slopes.above.value == pytest.approx(53.7, abs=0.3)
 
 
 def test_with_a_films_own_coupling_the_network_stays_at_20_db_a_decade() -> None:
     """Static over motional capacitance as a PVDF film has it: no better than a straight line."""
     frequency, gain = paper_target()
     straight = 20 * np.log10(frequency) - gain
-    found = calibrate(frequency, gain, largest_ratio=FILM_RATIO)
-    assert found.rms == pytest.approx(float(np.std(straight)), abs=0.05)
-    assert found.rms > 9.0
+    calibration = calibrate(frequency, gain, largest_ratio=FILM_RATIO)
+    assert calibration.rms == pytest.approx(float(np.std(straight)), abs=0.05)
+    assert calibration.rms > 9.0
 
 
-def test_the_papers_statements_fix_four_of_ten_combinations(found: Calibration) -> None:
+def test_the_papers_statements_fix_four_of_ten_combinations(calibration: Calibration) -> None:
     """Which constants the other six mix hangs on the machine's rounding: only their number is told."""
-    assert len(found.combinations) - len(found.open_combinations) == 4
+    assert len(calibration.combinations) - len(calibration.open_combinations) == 4
 
 
 def test_scaling_film_and_branch_alike_is_open(shipped: Constants) -> None:
@@ -101,12 +101,14 @@ def test_scaling_film_and_branch_alike_is_open(shipped: Constants) -> None:
     assert np.std(change) < 1e-4  # the virtual ground is none quite: it stays below a thousandth of OPEN
 
 
-def test_open_combinations_do_not_change_the_curve(found: Calibration) -> None:
+def test_open_combinations_do_not_change_the_curve(calibration: Calibration) -> None:
     frequency, _ = paper_target()
-    before = decibels(exact_response(found.constants, frequency))
-    step = found.open_combinations[0].exponents
-    moved = {name: getattr(found.constants, name) * np.exp(0.5 * step.get(name, 0.0)) for name in FITTED}
-    moved["motional_capacitance"] *= moved["capacitance"] / found.constants.capacitance
+    before = decibels(exact_response(calibration.constants, frequency))
+    step = calibration.open_combinations[0].exponents
+    moved = {
+        name: getattr(calibration.constants, name) * np.exp(0.5 * step.get(name, 0.0)) for name in FITTED
+    }
+    moved["motional_capacitance"] *= moved["capacitance"] / calibration.constants.capacitance
     after = decibels(exact_response(Constants(d33=-33e-12, **moved), frequency))
     assert np.std(after - before) < 0.1  # OPEN, over half a factor e
 
@@ -116,11 +118,11 @@ def test_known_constants_curve_is_found_again() -> None:
     """A curve of the network itself, at another level: nothing is left over."""
     known = constants(load_circuit("yamada-2002-motional", ["motional.resistance=50000.0"]))
     frequency = np.geomspace(10.0, 8000.0, 60)
-    found = calibrate(frequency, decibels(exact_response(known, frequency)) + 7.0)
-    assert found.rms < 0.01  # the optimiser's own end
-    again = exact_response(found.constants, frequency)
+    calibration = calibrate(frequency, decibels(exact_response(known, frequency)) + 7.0)
+    assert calibration.rms < 0.01  # the optimiser's own end
+    again = exact_response(calibration.constants, frequency)
     shift = decibels(again) - decibels(exact_response(known, frequency)) - 7.0
-    assert found.offset == pytest.approx(-float(shift.mean()), abs=1e-9)
+    assert calibration.offset == pytest.approx(-float(shift.mean()), abs=1e-9)
 
 
 def test_the_same_seed_gives_the_same_answer() -> None:

@@ -39,26 +39,28 @@ def test_loop_node_and_state_equations_agree_on_200_random_sets() -> None:
         assert np.abs(decibels(loop_response(c, BAND) / exact)).max() < 1e-7
         np.testing.assert_allclose(response(network(c), BAND), exact, rtol=1e-12)
         s = state_space(network(c))
-        found = np.linalg.solve(jw[:, None, None] * np.eye(5) - s.a, s.b[:, None] * c.d33)[:, :, 0] @ s.c
-        np.testing.assert_allclose(found, exact, rtol=1e-5)
+        state_response = (
+            np.linalg.solve(jw[:, None, None] * np.eye(5) - s.a, s.b[:, None] * c.d33)[:, :, 0] @ s.c
+        )
+        np.testing.assert_allclose(state_response, exact, rtol=1e-5)
 
 
 @needs_ngspice
 def test_spices_gain(tmp_path: Path) -> None:
     """Its transient is test_state's, as every circuit's."""
     lines = ["Vload load 0 DC 0 AC 1", *element_lines(NETWORK)]
-    found = vectors(tmp_path, lines, "ac dec 10 0.01 20000", ["v(vout)"])
-    ratio = response(NETWORK, found["frequency"].real) / found["v(vout)"]
+    spice = vectors(tmp_path, lines, "ac dec 10 0.01 20000", ["v(vout)"])
+    ratio = response(NETWORK, spice["frequency"].real) / spice["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
 
 
 def test_a_step_of_charge_is_held_and_fades_with_the_feedbacks_time() -> None:
     charge = np.r_[0.0, np.full(20_000, 1e-12)]
     time = np.arange(charge.size) * 1e-4
-    found, _ = run(stepper(NETWORK, 1e4), charge)
+    voltage, _ = run(stepper(NETWORK, 1e4), charge)
     exact = 1e-12 / C.feedback_capacitance * np.exp(-time / TAU)
     # 1e-3: the film's own branch and the amplifier's gain of 1e5 take a share; half a step of 1e-4 s of 1 s
-    assert np.abs(found[10:] - exact[10:]).max() < 1e-3 * exact[0]
+    assert np.abs(voltage[10:] - exact[10:]).max() < 1e-3 * exact[0]
 
 
 @pytest.mark.parametrize("resistance", [1e9, 1e10, 1e11])
@@ -66,19 +68,19 @@ def test_the_drift_on_a_hold_is_what_the_feedbacks_time_says(resistance: float) 
     """Of a load put on in 10 ms and held for 0.4 s, as in the scene `hold`."""
     c = replace(C, feedback_resistance=resistance)
     time = np.arange(0.0, 0.41, 1e-3)
-    found = output(network(c), 1e-12 * np.clip(time / 0.01, 0.0, 1.0), 1e3)
+    voltage = output(network(c), 1e-12 * np.clip(time / 0.01, 0.0, 1.0), 1e3)
     tau = resistance * c.feedback_capacitance
     # the charge came evenly over 0.01 s; 1e-4: a gain of 1e5 and an input of 1e12 ohm
     exact = 1e-12 / c.feedback_capacitance * tau / 0.01 * -math.expm1(-0.01 / tau) * math.exp(-0.4 / tau)
-    assert found[-1] == pytest.approx(exact, abs=1e-3 * found.max())
+    assert voltage[-1] == pytest.approx(exact, abs=1e-3 * voltage.max())
 
 
 def test_it_follows_the_stress_where_the_transimpedance_follows_its_rate() -> None:
     time = np.arange(0.0, 0.02, 1e-5)
     stress = np.sin(2 * np.pi * 100.0 * time) ** 2
-    found = output(NETWORK, stress * C.d33, 1e5)
+    voltage = output(NETWORK, stress * C.d33, 1e5)
     rate = output(circuit_network(load_circuit("transimpedance")), stress * C.d33, 1e5)
-    assert np.corrcoef(found, stress)[0, 1] < -0.999  # d33 is below 0
+    assert np.corrcoef(voltage, stress)[0, 1] < -0.999  # d33 is below 0
     # the half period has as many rises as falls
     assert abs(np.corrcoef(rate, stress)[0, 1]) < 0.2
 

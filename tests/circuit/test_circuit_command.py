@@ -51,42 +51,42 @@ FILES = {"gain.csv", "gain.png", "netlist.cir", "circuit.json"}
 
 def write_curve(path: Path, level: float = 0.0) -> None:
     """A measured curve of 42 points: the shipped network's own at another damping, 0.1 dB of noise."""
-    found = gain(load_circuit("yamada-2002-motional", ["motional.resistance=40000.0", "indenter=none"]))
-    noise = np.random.default_rng(1).normal(0.0, 0.1, found.gain.size)
-    rows = [f"{f},{g + level}" for f, g in zip(found.frequency, found.gain + noise, strict=True) if f < 8000]
+    curve = gain(load_circuit("yamada-2002-motional", ["motional.resistance=40000.0", "indenter=none"]))
+    noise = np.random.default_rng(1).normal(0.0, 0.1, curve.gain.size)
+    rows = [f"{f},{g + level}" for f, g in zip(curve.frequency, curve.gain + noise, strict=True) if f < 8000]
     path.write_text("\n".join(["frequency_Hz,gain_dB", *rows[::8]]) + "\n")
 
 
 def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -> None:
-    done = run_skincad("circuit", "yamada-2002", "--json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
-    found = json.loads(done.stdout)
-    assert found.keys() >= KEYS
-    assert len(found["frequency_Hz"]) == len(found["gain_dB"]) == 400
-    assert (found["frequency_Hz"][0], found["frequency_Hz"][-1]) == (10.0, pytest.approx(20_000.0))
-    assert all(found[key].keys() == {"value", "error"} for key in KEYS if "_per_dec" in key or "cut" in key)
-    assert found["cutoff_Hz"]["value"] == pytest.approx(1200.0, rel=0.05)
+    process = run_skincad("circuit", "yamada-2002", "--json", cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    assert process.stderr == ""
+    data = json.loads(process.stdout)
+    assert data.keys() >= KEYS
+    assert len(data["frequency_Hz"]) == len(data["gain_dB"]) == 400
+    assert (data["frequency_Hz"][0], data["frequency_Hz"][-1]) == (10.0, pytest.approx(20_000.0))
+    assert all(data[key].keys() == {"value", "error"} for key in KEYS if "_per_dec" in key or "cut" in key)
+    assert data["cutoff_Hz"]["value"] == pytest.approx(1200.0, rel=0.05)
     assert {p.name for p in (tmp_path / "out/yamada-2002").iterdir()} == FILES
-    assert all((tmp_path / f["path"]).stat().st_size == f["bytes"] for f in found["files"])
-    assert any("650 Hz" in w for w in found["warnings"])
-    own = found["own_signal"]
-    assert len(own["gain_dB"]) == 400
-    assert own["cutoff_Hz"]["value"] is None
+    assert all((tmp_path / f["path"]).stat().st_size == f["bytes"] for f in data["files"])
+    assert any("650 Hz" in w for w in data["warnings"])
+    own_signal = data["own_signal"]
+    assert len(own_signal["gain_dB"]) == 400
+    assert own_signal["cutoff_Hz"]["value"] is None
     # 1e5 of gain behind 100 pF: 20 dB/dec but for the film's resonance at 57 kHz
-    assert own["slope_below_dB_per_dec"]["value"] == pytest.approx(20.0, abs=0.01)
+    assert own_signal["slope_below_dB_per_dec"]["value"] == pytest.approx(20.0, abs=0.01)
     head, *rows = (tmp_path / "out/yamada-2002/gain.csv").read_text().splitlines()
     assert head == "frequency_Hz,gain_dB,gain_less_offset_dB,own_gain_dB"
-    assert [float(row.split(",")[3]) for row in rows] == pytest.approx(own["gain_dB"], abs=1e-6)
+    assert [float(row.split(",")[3]) for row in rows] == pytest.approx(own_signal["gain_dB"], abs=1e-6)
 
 
 def test_the_papers_curve_is_told_with_its_rig_and_the_films_signal_without(tmp_path: Path) -> None:
-    told = run_skincad("circuit", "yamada-2002", cwd=tmp_path).stdout
-    first, *_ = told.splitlines()
+    text = run_skincad("circuit", "yamada-2002", cwd=tmp_path).stdout
+    first, *_ = text.splitlines()
     assert first.startswith("yamada-2002: the gain rises by 19.8")
     assert first.endswith("as measured with its rig.")
-    assert "  own signal     by the load on the film the gain rises by 19.998" in told
-    assert "not the film's, by the indenter at 9000 Hz and the force sensor at 1200 Hz" in told
+    assert "  own signal     by the load on the film the gain rises by 19.998" in text
+    assert "not the film's, by the indenter at 9000 Hz and the force sensor at 1200 Hz" in text
     plain = run_skincad("circuit", "transimpedance", cwd=tmp_path).stdout
     assert "rig" not in plain
     assert "own signal" not in plain
@@ -96,27 +96,27 @@ def test_the_film_feels_the_probes_inertia_that_its_force_sensor_does_not_read()
     """A mass and a damped spring in numbers: the film's force is m a + c v + k x, the sensor's k x; a filter
     between, of the same two poles, is the sensor's amplifier."""
     circuit = load_circuit("yamada-2002", ["indenter=none", "force_sensor={resonance=1000.0,damping=0.25}"])
-    found = gain(circuit)
-    assert found.own is not None
+    curve = gain(circuit)
+    assert curve.own is not None
     k, m = 4e6, 4e6 / (2 * np.pi * 1000.0) ** 2  # N/m, kg
     c = 2 * 0.25 * np.sqrt(k * m)
-    jw = 2j * np.pi * found.frequency
-    assert found.gain - found.own.gain == pytest.approx(20 * np.log10(np.abs(m * jw**2 + c * jw + k) / k))
+    jw = 2j * np.pi * curve.frequency
+    assert curve.gain - curve.own.gain == pytest.approx(20 * np.log10(np.abs(m * jw**2 + c * jw + k) / k))
 
 
 def test_a_branch_larger_than_the_film_is_a_warning() -> None:
-    told = [gain(load_circuit(name)).warnings for name in ("yamada-2002-motional", "yamada-2002")]
-    assert [any("motional capacitance" in w for w in warnings) for warnings in told] == [True, False]
+    by_circuit = [gain(load_circuit(name)).warnings for name in ("yamada-2002-motional", "yamada-2002")]
+    assert [any("motional capacitance" in w for w in warnings) for warnings in by_circuit] == [True, False]
 
 
 @pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-motional"])
 def test_both_readings_stay_within_what_they_say_of_the_papers_statements(name: str) -> None:
     """20 dB/dec to 1.2 kHz, then 60, level free: their first lines say it, the network's without indenter."""
-    found = gain(load_circuit(name))
+    curve = gain(load_circuit(name))
     frequency, wanted = paper_target()
-    rest = np.interp(np.log(frequency), np.log(found.frequency), found.gain) - wanted
-    told = {"yamada-2002": 0.26, "yamada-2002-motional": 1.73}[name]
-    assert np.std(rest) == pytest.approx(told, abs=0.01)
+    rest = np.interp(np.log(frequency), np.log(curve.frequency), curve.gain) - wanted
+    deviation = {"yamada-2002": 0.26, "yamada-2002-motional": 1.73}[name]
+    assert np.std(rest) == pytest.approx(deviation, abs=0.01)
 
 
 def test_the_papers_rig_is_the_nearest_to_its_statements() -> None:
@@ -135,8 +135,8 @@ def test_the_papers_rig_is_the_nearest_to_its_statements() -> None:
     circuit = load_circuit("yamada-2002")
     assert circuit.force_sensor is not None
     assert circuit.indenter is not None
-    found = least_squares(misfit, [0.3, 0.9]).x
-    assert found == pytest.approx([circuit.force_sensor.damping, circuit.indenter.damping], abs=0.01)
+    dampings = least_squares(misfit, [0.3, 0.9]).x
+    assert dampings == pytest.approx([circuit.force_sensor.damping, circuit.indenter.damping], abs=0.01)
 
 
 @pytest.mark.slow
@@ -167,13 +167,13 @@ def test_measured_data_are_calibrated_to_and_the_result_is_a_circuit(
     arguments = (
         "circuit", "yamada-2002-motional", "--measured", "m.csv", "-o", "o", "--set", "indenter=none",
     )  # fmt: skip
-    done = run_skincad(*arguments, "--json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
-    assert found["calibration"]["rms_dB"] == pytest.approx(0.1, abs=0.03)  # the noise, and no more
+    process = run_skincad(*arguments, "--json", cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    data = json.loads(process.stdout)
+    assert data["calibration"]["rms_dB"] == pytest.approx(0.1, abs=0.03)  # the noise, and no more
     again = run_skincad("circuit", "o/calibrated.toml", "-o", "p", "--json", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    np.testing.assert_allclose(json.loads(again.stdout)["gain_dB"], found["gain_dB"], atol=1e-6)
+    np.testing.assert_allclose(json.loads(again.stdout)["gain_dB"], data["gain_dB"], atol=1e-6)
     assert "  calibrated     " in run_skincad(*arguments, cwd=tmp_path).stdout
 
 
@@ -182,29 +182,29 @@ def test_a_measured_curve_is_calibrated_to_less_its_rig(
 ) -> None:
     """The network's own curve comes out, whatever the rig makes of it; drawn again with the rig it is the
     measured one."""
-    asked = []
+    calls = []
 
     def calibrated(frequency: np.ndarray, level: np.ndarray, **_: object) -> Calibration:
-        asked.append((frequency, level))
+        calls.append((frequency, level))
         return Calibration(constants(circuit), 0.0, 0.0, (), (), 1, 1)
 
     circuit = load_circuit("yamada-2002")
     monkeypatch.setattr(bode, "calibrate", calibrated)
-    found = gain(circuit)
-    rows = [f"{f:.17g},{g:.17g}" for f, g in zip(found.frequency, found.gain, strict=True)]
+    curve = gain(circuit)
+    rows = [f"{f:.17g},{g:.17g}" for f, g in zip(curve.frequency, curve.gain, strict=True)]
     (tmp_path / "m.csv").write_text("\n".join(["frequency_Hz,gain_dB", *rows]))
     again = gain(circuit, tmp_path / "m.csv")
-    ((frequency, level),) = asked
-    assert found.own is not None
-    assert level == pytest.approx(found.own.gain[: frequency.size], abs=1e-9)
-    assert again.gain == pytest.approx(found.gain, abs=1e-9)
+    ((frequency, level),) = calls
+    assert curve.own is not None
+    assert level == pytest.approx(curve.own.gain[: frequency.size], abs=1e-9)
+    assert again.gain == pytest.approx(curve.gain, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", template_names("circuits"))
 def test_every_template_runs(name: str) -> None:
-    found = gain(load_circuit(name))
-    assert np.isfinite(found.gain).all()
-    assert found.slopes.below.value is not None
+    curve = gain(load_circuit(name))
+    assert np.isfinite(curve.gain).all()
+    assert curve.slopes.below.value is not None
 
 
 def test_the_indenters_resonance_is_an_option() -> None:
@@ -217,9 +217,9 @@ def test_the_indenters_resonance_is_an_option() -> None:
 
 
 def test_a_rate_sensor_has_no_cutoff() -> None:
-    found = gain(load_circuit("transimpedance"))
-    assert found.slopes.cutoff.value is None
-    assert found.slopes.below.value == pytest.approx(20.0, abs=0.01)
+    curve = gain(load_circuit("transimpedance"))
+    assert curve.slopes.cutoff.value is None
+    assert curve.slopes.below.value == pytest.approx(20.0, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -239,9 +239,9 @@ def test_a_rate_sensor_has_no_cutoff() -> None:
     ],
 )
 def test_bad_constants_are_told(setting: str, words: str) -> None:
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refusal:
         gain(load_circuit("yamada-2002", [setting]))
-    assert str(told.value).startswith(words)
+    assert str(refusal.value).startswith(words)
 
 
 @pytest.mark.parametrize(
@@ -257,9 +257,9 @@ def test_bad_constants_are_told(setting: str, words: str) -> None:
 def test_bad_data_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, words: str) -> None:
     monkeypatch.chdir(tmp_path)
     Path("m.csv").write_text(text)
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refusal:
         gain(load_circuit("yamada-2002"), "m.csv")
-    assert str(told.value).startswith(words)
+    assert str(refusal.value).startswith(words)
 
 
 @pytest.mark.parametrize(
@@ -274,27 +274,27 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(
     tmp_path: Path, arguments: list[str], words: str
 ) -> None:
     (tmp_path / "file").write_text("")
-    done = run_skincad("circuit", "yamada-2002", *arguments, cwd=tmp_path)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.startswith(f"skincad: {words}"), done.stderr
-    assert done.stderr.count("\n") == 1
-    assert done.stdout == ""
+    process = run_skincad("circuit", "yamada-2002", *arguments, cwd=tmp_path)
+    assert process.returncode == 2, process.stderr
+    assert process.stderr.startswith(f"skincad: {words}"), process.stderr
+    assert process.stderr.count("\n") == 1
+    assert process.stdout == ""
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
 def test_a_sampling_rate_below_the_cutoff_is_a_warning() -> None:
-    def told(rate: float) -> bool:
-        found = gain(load_circuit("yamada-2002", [f"sampling.rate={rate}"]))
-        return any("sampled at" in warning for warning in found.warnings)
+    def warns(rate: float) -> bool:
+        curve = gain(load_circuit("yamada-2002", [f"sampling.rate={rate}"]))
+        return any("sampled at" in warning for warning in curve.warnings)
 
-    assert told(650.0)
-    assert not told(20_000.0)
+    assert warns(650.0)
+    assert not warns(20_000.0)
 
 
 def test_an_unknown_circuit_is_told_with_the_known_ones(tmp_path: Path) -> None:
-    done = run_skincad("circuit", "yamada-2003", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "no such template among circuits" in done.stderr
+    process = run_skincad("circuit", "yamada-2003", cwd=tmp_path)
+    assert process.returncode == 2
+    assert "no such template among circuits" in process.stderr
 
 
 def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
@@ -304,11 +304,11 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, before[1]))
     try:
-        done = run_skincad("circuit", "yamada-2002", "-o", "here", cwd=tmp_path)
+        process = run_skincad("circuit", "yamada-2002", "-o", "here", cwd=tmp_path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.startswith("skincad: -o: ")
+    assert process.returncode == 2, process.stderr
+    assert process.stderr.startswith("skincad: -o: ")
     assert {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()} == earlier
 
 
@@ -319,7 +319,7 @@ def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
         "try:\n    main()\nexcept SystemExit:\n    pass\n"
         "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
     )
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", program],
         cwd=tmp_path,
         capture_output=True,
@@ -327,8 +327,8 @@ def test_neither_kernel_nor_finite_elements_are_loaded(tmp_path: Path) -> None:
         check=False,
         timeout=300,
     )
-    assert not {"OCP", "cadquery", "ngsolve", "netgen"} & set(done.stderr.split())
-    assert "scipy" in done.stderr.split()
+    assert not {"OCP", "cadquery", "ngsolve", "netgen"} & set(process.stderr.split())
+    assert "scipy" in process.stderr.split()
 
 
 @pytest.mark.parametrize(
@@ -347,9 +347,9 @@ def test_the_sweeps_defaults_are_the_papers_and_it_may_be_as_slow_as_one_likes()
     assert Sweep().model_dump() == {**paper.model_dump(), "offset": 0.0}
     slow = Sweep(low=1e-3, high=1e-1, fit_high=1e-2)  # the fit's range: from a decade, to all of it
     assert Sweep(low=1e-3, high=1e-1, fit_high=1e-1).low == slow.low
-    for beyond in (0.99e-2, 1.01e-1):
+    for end in (0.99e-2, 1.01e-1):
         with pytest.raises(InputError, match=r"fit_high: must be from 0\.01 Hz \(10 times low\) to 0\.1 Hz"):
-            Sweep(low=1e-3, high=1e-1, fit_high=beyond)
+            Sweep(low=1e-3, high=1e-1, fit_high=end)
 
 
 def test_a_resistor_too_small_to_reckon_with_is_told() -> None:

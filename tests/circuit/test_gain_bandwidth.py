@@ -50,8 +50,8 @@ def test_state_equations_have_the_response_of_the_elements(topology: str) -> Non
         elements = network(c, topology=topology)
         s = state_space(elements)
         rows = angular(BAND)[:, None, None] * np.eye(s.b.size) - s.a
-        found = np.linalg.solve(rows, s.b[:, None] * c.d33)[:, :, 0] @ s.c + s.d * c.d33
-        np.testing.assert_allclose(found, response(elements, BAND), rtol=1e-5)
+        state_response = np.linalg.solve(rows, s.b[:, None] * c.d33)[:, :, 0] @ s.c + s.d * c.d33
+        np.testing.assert_allclose(state_response, response(elements, BAND), rtol=1e-5)
 
 
 @needs_ngspice
@@ -59,8 +59,8 @@ def test_state_equations_have_the_response_of_the_elements(topology: str) -> Non
 def test_spices_gain(tmp_path: Path, name: str) -> None:
     slow = circuit_network(load_circuit(name, ["amplifier.gain_bandwidth=1e6"]))
     lines = ["Vload load 0 DC 0 AC 1", *element_lines(slow)]
-    found = vectors(tmp_path, lines, "ac dec 50 10 20000", ["v(vout)"])
-    ratio = response(slow, found["frequency"].real) / found["v(vout)"]
+    spice = vectors(tmp_path, lines, "ac dec 50 10 20000", ["v(vout)"])
+    ratio = response(slow, spice["frequency"].real) / spice["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-6  # its own digits, at a resonance of quality 60
 
 

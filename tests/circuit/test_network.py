@@ -38,10 +38,10 @@ def test_no_digit_is_lost_where_the_output_cancels() -> None:
     """A of Ropo / Rf but for 1e-9, where the loop equations keep no digit: against fractions."""
     for c in random_sets(20):
         near = replace(c, gain=c.output_resistance / c.feedback_resistance * (1 + 1e-9))
-        found = decibels(response(network(near), BAND[::22]))
+        gains = decibels(response(network(near), BAND[::22]))
         exact = [rational.gain(near, float(f)) for f in BAND[::22]]
         # 1e-5: where the machine has no extended precision, ten roundings over 1e-9
-        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-5)
+        np.testing.assert_allclose(gains, exact, rtol=0, atol=1e-5)
 
 
 @needs_ngspice
@@ -52,12 +52,12 @@ def test_elements_and_spice_agree_to_a_millionth_of_a_decibel(tmp_path: Path) ->
         for line in element_lines(network(c)):
             name, *rest = line.split()
             lines.append(" ".join([f"{name}_{i}", *(f"{w}_{i}" if w in nodes else w for w in rest)]))
-    found = vectors(tmp_path, lines, "ac dec 20 10 20000", [f"v(vout_{i})" for i in range(len(sets))])
-    frequency = found["frequency"].real
+    spice = vectors(tmp_path, lines, "ac dec 20 10 20000", [f"v(vout_{i})" for i in range(len(sets))])
+    frequency = spice["frequency"].real
     assert frequency[0] == 10.0
     assert frequency[-1] > 19_000.0
     ours = [response(network(c), frequency) for c in sets]
-    worst = max(np.abs(decibels(x / found[f"v(vout_{i})"])).max() for i, x in enumerate(ours))
+    worst = max(np.abs(decibels(x / spice[f"v(vout_{i})"])).max() for i, x in enumerate(ours))
     assert worst < 1e-6  # what is asked: 1e-7 relative
 
 
@@ -66,8 +66,8 @@ def test_the_exported_netlist_is_a_deck_that_spice_runs(tmp_path: Path) -> None:
     c = constants(load_circuit("yamada-2002"))
     body = netlist(network(c), "x").splitlines()
     lines = [line for line in body[1:] if line and not line.startswith(".")]
-    found = vectors(tmp_path, lines, body[-3].lstrip("."), ["v(vout)"])
-    ratio = response(network(c), found["frequency"].real) / found["v(vout)"]
+    spice = vectors(tmp_path, lines, body[-3].lstrip("."), ["v(vout)"])
+    ratio = response(network(c), spice["frequency"].real) / spice["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-7  # sign and phase too
 
 

@@ -29,13 +29,13 @@ def c(request: pytest.FixtureRequest) -> Constants:
 @needs_ngspice
 def test_the_resistors_noise_is_spices(tmp_path: Path, c: Constants) -> None:
     # a poor amplifier too: its output's resistance is heard only there
-    for each in (c, replace(c, output_resistance=c.feedback_resistance / 2, gain=5.0)):
-        lines = ["Vload load 0 DC 0 AC 1", *element_lines(network(each)), ".options temp=20"]
+    for case in (c, replace(c, output_resistance=c.feedback_resistance / 2, gain=5.0)):
+        lines = ["Vload load 0 DC 0 AC 1", *element_lines(network(case)), ".options temp=20"]
         saved = ["onoise_spectrum"]
-        found = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", saved)
-        ours = total_density(network(each, QUIET), found["frequency"])
+        spice = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", saved)
+        ours = total_density(network(case, QUIET), spice["frequency"])
         # SPICE's spectrum is V/sqrt(Hz); its Boltzmann constant differs from CODATA's in the sixth digit
-        np.testing.assert_allclose(np.sqrt(ours), found["onoise_spectrum"], rtol=2e-5)
+        np.testing.assert_allclose(np.sqrt(ours), spice["onoise_spectrum"], rtol=2e-5)
         (tmp_path / "out.raw").unlink()
 
 
@@ -47,9 +47,9 @@ def test_amplifier_noise_takes_the_way_that_spice_finds(tmp_path: Path, c: Const
     ampere = ["Vload load 0 DC 0", *element_lines(network(c)), "In 0 in AC 1"]
     n = NoiseSources(293.0, 1.0, 1.0, 0.0, 0.0)
     for lines, name in ((volt, "Eamp voltage"), (ampere, "Eamp current into in")):
-        found = vectors(tmp_path, lines, "ac dec 10 10 20000", ["v(vout)"])
-        ours = noise_density(network(c, n), found["frequency"].real)[name]
-        np.testing.assert_allclose(np.sqrt(ours), np.abs(found["v(vout)"]), rtol=1e-6)
+        spice = vectors(tmp_path, lines, "ac dec 10 10 20000", ["v(vout)"])
+        ours = noise_density(network(c, n), spice["frequency"].real)[name]
+        np.testing.assert_allclose(np.sqrt(ours), np.abs(spice["v(vout)"]), rtol=1e-6)
         (tmp_path / "out.raw").unlink()
 
 

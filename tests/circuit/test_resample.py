@@ -18,30 +18,31 @@ def middle(values: np.ndarray) -> np.ndarray:
 
 
 def test_a_sine_in_the_passband_is_sampled_as_it_is() -> None:
-    found = recorded(np.sin(2 * np.pi * 200.0 * TIME), RATE, WANTED)
-    exact = np.sin(2 * np.pi * 200.0 * np.arange(found.values.size) / WANTED)
-    assert np.abs(middle(found.values - exact)).max() < 1e-3  # the ripple of an 80 dB window, and its phases
-    assert found.warnings == ()
-    assert found.passband == pytest.approx(260.0)
+    recording = recorded(np.sin(2 * np.pi * 200.0 * TIME), RATE, WANTED)
+    exact = np.sin(2 * np.pi * 200.0 * np.arange(recording.values.size) / WANTED)
+    # the ripple of an 80 dB window, and its phases
+    assert np.abs(middle(recording.values - exact)).max() < 1e-3
+    assert recording.warnings == ()
+    assert recording.passband == pytest.approx(260.0)
 
 
 def test_a_sine_above_nyquist_does_not_fold_back() -> None:
-    found = recorded(np.sin(2 * np.pi * 500.0 * TIME), RATE, WANTED)
-    assert np.abs(middle(found.values)).max() < 2e-4  # 80 dB, over both phases of the interpolation
-    assert found.lost > 0.99
-    assert "100% of the signal's power lies above 260 Hz" in found.warnings[0]
+    recording = recorded(np.sin(2 * np.pi * 500.0 * TIME), RATE, WANTED)
+    assert np.abs(middle(recording.values)).max() < 2e-4  # 80 dB, over both phases of the interpolation
+    assert recording.lost > 0.99
+    assert "100% of the signal's power lies above 260 Hz" in recording.warnings[0]
 
 
 def test_a_constant_stays() -> None:
-    found = recorded(np.full(50_000, 3.0), RATE, WANTED)
-    np.testing.assert_allclose(found.values, 3.0, rtol=1e-3)  # ripple between the filter's phases
+    recording = recorded(np.full(50_000, 3.0), RATE, WANTED)
+    np.testing.assert_allclose(recording.values, 3.0, rtol=1e-3)  # ripple between the filter's phases
 
 
 def test_the_filter_has_no_delay() -> None:
     signal = np.exp(-(((TIME - 0.4) / 0.01) ** 2))
-    found = recorded(signal, RATE, WANTED)
-    exact = np.exp(-(((np.arange(found.values.size) / WANTED - 0.4) / 0.01) ** 2))
-    assert np.abs(found.values - exact).max() < 2e-3
+    recording = recorded(signal, RATE, WANTED)
+    exact = np.exp(-(((np.arange(recording.values.size) / WANTED - 0.4) / 0.01) ** 2))
+    assert np.abs(recording.values - exact).max() < 2e-3
 
 
 def test_the_same_rate_is_the_same_signal() -> None:
@@ -58,6 +59,6 @@ def test_the_same_rate_is_the_same_signal() -> None:
     ],
 )
 def test_a_rate_that_cannot_be_is_told(wanted: float, words: str) -> None:
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refusal:
         recorded(TIME, RATE, wanted)
-    assert str(told.value).startswith(words)
+    assert str(refusal.value).startswith(words)

@@ -24,12 +24,12 @@ def test_without_a_rig_the_film_feels_what_is_measured() -> None:
 
 def test_an_indenter_keeps_load_from_the_film_and_a_sensor_from_the_reading() -> None:
     """Far above either resonance, the square of the ratio, by mass alone; both below, all of the load."""
-    pressed, read = (load_circuit("transimpedance", [each]) for each in (INDENTER, SENSOR))
+    with_indenter, with_sensor = (load_circuit("transimpedance", [part]) for part in (INDENTER, SENSOR))
     both = load_circuit("transimpedance", [INDENTER, SENSOR])
     far, low = np.array([1e7]), np.array([1.0])
-    assert np.abs(film_load(pressed, far)) == pytest.approx((9000.0 / 1e7) ** 2, rel=1e-3)
-    assert np.abs(film_load(read, far)) == pytest.approx((1e7 / 1000.0) ** 2, rel=1e-3)
-    product = film_load(pressed, FREQUENCY) * film_load(read, FREQUENCY)
+    assert np.abs(film_load(with_indenter, far)) == pytest.approx((9000.0 / 1e7) ** 2, rel=1e-3)
+    assert np.abs(film_load(with_sensor, far)) == pytest.approx((1e7 / 1000.0) ** 2, rel=1e-3)
+    product = film_load(with_indenter, FREQUENCY) * film_load(with_sensor, FREQUENCY)
     np.testing.assert_allclose(film_load(both, FREQUENCY), product, rtol=1e-12)
     assert np.abs(film_load(both, low)) == pytest.approx(1.0, abs=2e-6)  # (1 / 1000)^2
 
@@ -51,10 +51,10 @@ def test_the_circuit_in_use_is_typed_again_in_one_line() -> None:
 
 
 def test_a_rig_is_told_by_its_parts() -> None:
-    told = [
+    texts = [
         told_rig(load_circuit("transimpedance", list(s))) for s in ([INDENTER], [SENSOR], [INDENTER, SENSOR])
     ]
-    assert told == [
+    assert texts == [
         "the indenter at 9000 Hz",
         "the force sensor at 1000 Hz",
         "the indenter at 9000 Hz and the force sensor at 1000 Hz",

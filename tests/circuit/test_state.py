@@ -38,17 +38,19 @@ def test_state_equations_have_the_frequency_response_on_200_random_sets() -> Non
     jw = 2j * np.pi * np.geomspace(10.0, 20_000.0, 13)
     for c in random_sets(200):
         s = state_space(network(c))
-        found = np.linalg.solve(jw[:, None, None] * np.eye(4) - s.a, s.b[:, None] * c.d33)[:, :, 0] @ s.c
-        np.testing.assert_allclose(found, exact_response(c, jw.imag / (2 * np.pi)), rtol=1e-6)
+        state_response = (
+            np.linalg.solve(jw[:, None, None] * np.eye(4) - s.a, s.b[:, None] * c.d33)[:, :, 0] @ s.c
+        )
+        np.testing.assert_allclose(state_response, exact_response(c, jw.imag / (2 * np.pi)), rtol=1e-6)
 
 
 def sine_gain(c: Network, frequency: float, per_period: int) -> complex:
     """The response to a sampled sine over the frequency response; the window keeps slow transients out."""
     rate, periods, seen = frequency * per_period, 60, 20 * per_period
     time = np.arange(per_period * periods) / rate
-    found = output(c, c.charge * np.sin(2 * np.pi * frequency * time), rate)[-seen:]
+    voltage = output(c, c.charge * np.sin(2 * np.pi * frequency * time), rate)[-seen:]
     window = 1 - np.cos(2 * np.pi * np.arange(seen) / seen)
-    size = 2j * np.mean(window * found * np.exp(-2j * np.pi * frequency * time[-seen:]))
+    size = 2j * np.mean(window * voltage * np.exp(-2j * np.pi * frequency * time[-seen:]))
     return complex(size / response(c, np.array([frequency]))[0])
 
 
@@ -99,10 +101,10 @@ def test_time_response_and_spices_transient_agree(tmp_path: Path, c: Network) ->
         f"Vload load 0 PWL({points})", *element_lines(c),
         ".options method=trap",
     ]  # fmt: skip
-    found = vectors(tmp_path, lines, "tran 1e-6 2.5e-3 0 2e-7", ["v(vout)"])
-    assert found["time"][-1] >= time[-1]  # it went to the end
+    spice = vectors(tmp_path, lines, "tran 1e-6 2.5e-3 0 2e-7", ["v(vout)"])
+    assert spice["time"][-1] >= time[-1]  # it went to the end
     ours = output(c, charge, 1e6)
-    theirs = np.interp(time, found["time"], found["v(vout)"])
+    theirs = np.interp(time, spice["time"], spice["v(vout)"])
     assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
 
 
@@ -164,9 +166,9 @@ def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
     for c in random_sets(10):
         s = stepper(network(c), rate)
         assert np.abs(np.diag(s.step)).max() <= 1.0 + 1e-12
-        found, _ = run(s, np.r_[0.0, np.full(2000, c.d33)])
-        assert np.isfinite(found).all()
-        assert np.abs(found[-200:]).max() <= np.abs(found).max()
+        voltage, _ = run(s, np.r_[0.0, np.full(2000, c.d33)])
+        assert np.isfinite(voltage).all()
+        assert np.abs(voltage[-200:]).max() <= np.abs(voltage).max()
 
 
 def test_what_no_double_can_hold_is_refused() -> None:

@@ -46,9 +46,9 @@ def follower_response(c: Constants, frequency: np.ndarray) -> np.ndarray:
 
 def test_the_follower_is_its_closed_form_on_200_random_sets() -> None:
     for c in random_sets(200):
-        found = response(network(c, topology="follower"), BAND)
+        gains = response(network(c, topology="follower"), BAND)
         # 1e-12: some ten factors a product
-        np.testing.assert_allclose(found, follower_response(c, BAND), rtol=1e-12)
+        np.testing.assert_allclose(gains, follower_response(c, BAND), rtol=1e-12)
 
 
 @pytest.mark.parametrize("topology", TOPOLOGIES)
@@ -61,8 +61,8 @@ def test_state_equations_have_the_response_of_the_elements(topology: str) -> Non
             states = np.linalg.solve(
                 angular(BAND)[:, None, None] * np.eye(s.b.size) - s.a, s.b[:, None] * c.d33
             )
-            found = states[:, :, 0] @ s.c + s.d * c.d33
-            np.testing.assert_allclose(found, response(elements, BAND), rtol=1e-5)
+            state_response = states[:, :, 0] @ s.c + s.d * c.d33
+            np.testing.assert_allclose(state_response, response(elements, BAND), rtol=1e-5)
 
 
 def way(network: Network, node: str) -> np.ndarray:
@@ -77,12 +77,12 @@ def way(network: Network, node: str) -> np.ndarray:
 def test_each_noise_source_goes_the_way_of_a_current_in_its_place(topology: str, gain: float) -> None:
     c = replace(C, gain=gain, output_resistance=5e3, feedback_capacitance=1e-11)
     quiet = network(c, topology=topology)
-    found = noise_density(network(c, AMPLIFIER, topology), BAND)
-    held, thermal = {e.a for e in quiet.elements if isinstance(e, Source)}, 4 * Boltzmann * 293.0
+    densities = noise_density(network(c, AMPLIFIER, topology), BAND)
+    nodes, thermal = {e.a for e in quiet.elements if isinstance(e, Source)}, 4 * Boltzmann * 293.0
     exact = {}
     for e in quiet.elements:
         if isinstance(e, Resistor | Capacitor):
-            a, b = (way(quiet, node) if node not in {*held, "0"} else 0.0 for node in (e.a, e.b))
+            a, b = (way(quiet, node) if node not in {*nodes, "0"} else 0.0 for node in (e.a, e.b))
             loss = 2 * np.pi * BAND * 1e-11 * 0.02
             density = 1 / e.value if isinstance(e, Resistor) else loss
             exact[e.name] = thermal * density * np.abs(a - b) ** 2
@@ -94,10 +94,12 @@ def test_each_noise_source_goes_the_way_of_a_current_in_its_place(topology: str,
     seen = (Source("Eneg", "neg", "load", "0", -1.0), Source("Eseen", "seen", eamp.plus, "neg", 1.0))
     loud = response(Network((*shifted, *seen, replace(eamp, plus="seen")), 1.0), BAND)
     exact["Eamp voltage"] = 1e-16 * np.abs(loud) ** 2
-    for name, density in found.items():
+    for name, density in densities.items():
         # 1e-9: what a node of 1e9 ohm leaves beside 1e25
         np.testing.assert_allclose(density, exact[name.removesuffix(" loss")], rtol=1e-9, err_msg=name)
-    assert len(found) == sum(isinstance(e, Resistor) for e in quiet.elements) + 3 + (topology == "follower")
+    assert len(densities) == sum(isinstance(e, Resistor) for e in quiet.elements) + 3 + (
+        topology == "follower"
+    )
 
 
 def test_an_amplifier_of_finite_bandwidth_is_four_elements() -> None:
@@ -111,7 +113,7 @@ def test_an_amplifier_of_finite_bandwidth_is_four_elements() -> None:
             slow.append(Source("Eslow", "amp", "pole", "0", 1.0))
         else:
             slow.append(e)
-    found = response(Network(tuple(slow), C.d33), BAND)
+    transfer = response(Network(tuple(slow), C.d33), BAND)
     gains = C.gain / (1 + 1j * BAND * C.gain / bandwidth)
     jw = angular(BAND)
     film, behind = (
@@ -121,17 +123,17 @@ def test_an_amplifier_of_finite_bandwidth_is_four_elements() -> None:
     node = jw * C.input_capacitance + 1 / C.input_resistance + (1 + gains) / behind
     vd = jw * C.d33 / (film + node + film * node * C.series_resistance)
     exact = vd * (gains * C.feedback_resistance - C.output_resistance) / behind
-    np.testing.assert_allclose(found, exact, rtol=1e-12)
+    np.testing.assert_allclose(transfer, exact, rtol=1e-12)
     noise = noise_density(Network(tuple(slow), C.d33), BAND)
     assert (noise["Rpole"] < 1e-6 * noise["Eamp voltage"]).all()
 
 
 def test_the_followers_noise_by_hand_in_its_band() -> None:
     """Its own voltage noise and that of the feedback's resistor come out as they are."""
-    found = noise_density(network(C, AMPLIFIER, "follower"), np.array([1000.0]))
+    densities = noise_density(network(C, AMPLIFIER, "follower"), np.array([1000.0]))
     # 1e-4: a gain of 1e5
-    assert found["Eamp voltage"][0] == pytest.approx(1e-16, rel=1e-4)
-    assert found["R34"][0] == pytest.approx(4 * Boltzmann * 293.0 * C.feedback_resistance, rel=1e-4)
+    assert densities["Eamp voltage"][0] == pytest.approx(1e-16, rel=1e-4)
+    assert densities["R34"][0] == pytest.approx(4 * Boltzmann * 293.0 * C.feedback_resistance, rel=1e-4)
 
 
 @needs_ngspice
@@ -139,33 +141,33 @@ def test_the_followers_gain_and_noise_are_spices(tmp_path: Path) -> None:
     """Its transient is test_state's, as every circuit's."""
     elements = network(C, NoiseSources(293.15), "follower")
     lines = ["Vload load 0 DC 0 AC 1", *element_lines(elements), ".options temp=20 method=trap"]
-    found = vectors(tmp_path, lines, "ac dec 10 0.05 20000", ["v(vout)"])
-    ratio = response(elements, found["frequency"].real) / found["v(vout)"]
+    spice = vectors(tmp_path, lines, "ac dec 10 0.05 20000", ["v(vout)"])
+    ratio = response(elements, spice["frequency"].real) / spice["v(vout)"]
     assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
     (tmp_path / "out.raw").unlink()
-    found = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", ["onoise_spectrum"])
-    ours = np.sqrt(total_density(elements, found["frequency"]))
+    spice = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", ["onoise_spectrum"])
+    ours = np.sqrt(total_density(elements, spice["frequency"]))
     # SPICE's Boltzmann constant differs from CODATA's in the sixth digit
-    np.testing.assert_allclose(ours, found["onoise_spectrum"], rtol=2e-5)
+    np.testing.assert_allclose(ours, spice["onoise_spectrum"], rtol=2e-5)
 
 
 def test_the_followers_low_cut_off_and_level() -> None:
-    found = gain(CIRCUIT)
+    curve = gain(CIRCUIT)
     # the motional branch is a capacitor too, far below its resonance
     whole = C.capacitance + C.motional_capacitance + C.input_capacitance
     corner = 1 / (2 * math.pi * C.input_resistance * whole)
-    assert found.slopes.cutoff.value == pytest.approx(corner, abs=found.slopes.cutoff.error)
-    middle = int(np.argmin(np.abs(found.frequency - 500.0)))
+    assert curve.slopes.cutoff.value == pytest.approx(corner, abs=curve.slopes.cutoff.error)
+    middle = int(np.argmin(np.abs(curve.frequency - 500.0)))
     # 1e-3: one hundredth of the corner's frequency squared, and a gain of 1e5
-    assert found.gain[middle] == pytest.approx(20 * math.log10(abs(C.d33) / whole), abs=1e-3)
+    assert curve.gain[middle] == pytest.approx(20 * math.log10(abs(C.d33) / whole), abs=1e-3)
 
 
 def test_a_step_of_charge_is_the_capacitors_voltage_and_fades_by_the_bias_resistor() -> None:
     whole = C.capacitance + C.motional_capacitance + C.input_capacitance
-    found = output(circuit_network(CIRCUIT), np.r_[0.0, np.full(2000, 1e-12)], 1e5)
+    voltage = output(circuit_network(CIRCUIT), np.r_[0.0, np.full(2000, 1e-12)], 1e5)
     exact = 1e-12 / whole * np.exp(-np.arange(2001) * 1e-5 / (C.input_resistance * whole))
     # 1e-3: half a step of 1e-5 s of 33 ms, the branch's ringing, a gain of 1e5
-    assert np.abs(found[1500:] - exact[1500:]).max() < 1e-3 * exact[0]
+    assert np.abs(voltage[1500:] - exact[1500:]).max() < 1e-3 * exact[0]
 
 
 def test_what_an_output_follows_at_once_goes_through() -> None:
@@ -182,8 +184,8 @@ def test_what_an_output_follows_at_once_goes_through() -> None:
     s = state_space(divider)
     assert (s.a.item(), s.b.item(), s.c.item(), s.d) == pytest.approx((-1e3, 2e3, -1.0, 2.0))
     assert s.rest.item() == pytest.approx(2.0)
-    found = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
-    assert found[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
+    voltage = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
+    assert voltage[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
 
 
 def test_a_loop_of_capacitors_and_sources_is_refused() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from skincad.effects import EFFECTS, effect
 from skincad.effects.friction import Friction
-from skincad.effects.kinds import MASS, Reading, SceneOutline, Step, Term
+from skincad.effects.kinds import MASS, Observables, SceneOutline, Step, Term
 from skincad.effects.moving import MovingPad, matter_of
 from skincad.effects.small_strain import SmallStrain
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
@@ -46,15 +46,15 @@ CASES = pytest.mark.parametrize(("name", "table"), TERMS, ids=[f"{n}-{len(t)}" f
 @cache
 def piece() -> tuple[PadPiece, object]:
     pad = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
-    found = piece_of(*filled_pad(pad))
-    return found, triangles(found.pad, default_sizes(found.pad, 0.4))
+    pad_piece = piece_of(*filled_pad(pad))
+    return pad_piece, triangles(pad_piece.pad, default_sizes(pad_piece.pad, 0.4))
 
 
 @cache
-def model(asked: frozenset[str]) -> Any:
+def model(demands: frozenset[str]) -> Any:
     """One model for all terms that ask the same: it hangs on nothing else."""
-    asking = type("Evaluator", (Term,), {"asks": asked})
-    return SmallStrain().marched(*piece(), 2, True, [asking()])
+    kind = type("Evaluator", (Term,), {"asks": demands})
+    return SmallStrain().marched(*piece(), 2, True, [kind()])
 
 
 def built(name: str, table: dict[str, Any]) -> tuple[Any, list[Term]]:
@@ -62,7 +62,7 @@ def built(name: str, table: dict[str, Any]) -> tuple[Any, list[Term]]:
     assert isinstance(term, Term)
     others = [effect(other)() for other in COMPANIONS.get(name, ())]
     terms = [term] if name == "friction" else [Friction(coefficient=MU), *others, term]
-    return model(frozenset[str]().union(*(each.asks for each in terms))), terms
+    return model(frozenset[str]().union(*(entry.asks for entry in terms))), terms
 
 
 def step(before: Drive, after: Drive, index: int) -> Step:
@@ -113,10 +113,13 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
             inertia = 1e-6 * matter.plate * ops.scheme.force
     else:
         compliance = skin.skin.compliance
-    found = contact(state)
-    m = found.status.size
-    closed, stuck = np.flatnonzero(found.status != OPEN), np.flatnonzero(found.status == STICK)
-    drag = MU * np.where(found.status == RIGHT, 1.0, -1.0) * (found.status >= RIGHT)
+    contact_state = contact(state)
+    m = contact_state.status.size
+    closed, stuck = (
+        np.flatnonzero(contact_state.status != OPEN),
+        np.flatnonzero(contact_state.status == STICK),
+    )
+    drag = MU * np.where(contact_state.status == RIGHT, 1.0, -1.0) * (contact_state.status >= RIGHT)
     # unknown: p of closed points, t of sticking ones, the approach; forces (t, -p) by them
     k, n = closed.size, stuck.size
     spread = np.zeros((2 * m, k + n))
@@ -146,8 +149,8 @@ def test_tangent_against_finite_differences(name: str, table: dict[str, Any], tr
 
     def pull(shift: float) -> tuple[float, Any]:
         further = replace(ahead, travel=(ahead.travel or 0.0) + shift)
-        found = contact(advanced(skin, terms, state, before, further, last))
-        return float(found.tangential.sum()), found.status
+        contact_state = contact(advanced(skin, terms, state, before, further, last))
+        return float(contact_state.tangential.sum()), contact_state.status
 
     (more, one), (less, other) = pull(small), pull(-small)
     assert (one == here.status).all()
@@ -169,10 +172,17 @@ def test_zero_force_at_rest(name: str, table: dict[str, Any]) -> None:
     state = skin.start()
     for i in range(1, 4):
         state = advanced(skin, terms, state, Drive(0.0, travel=0.0), Drive(0.0, travel=0.0), i)
-    found: Reading = skin.reading(state, state)
-    assert found.normal == found.tangential == found.elastic == found.kinetic == found.dissipated == 0.0
-    assert not found.films.any()
-    assert not found.touches.any()
+    reading: Observables = skin.reading(state, state)
+    assert (
+        reading.normal
+        == reading.tangential
+        == reading.elastic
+        == reading.kinetic
+        == reading.dissipated
+        == 0.0
+    )
+    assert not reading.films.any()
+    assert not reading.touches.any()
 
 
 @CASES
@@ -184,19 +194,19 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
         Drive(1.2 * min(1.0, 2 * i / count), travel=1.0 * max(0.0, 2 * i / count - 1))
         for i in range(count + 1)
     ]
-    found = march(skin, DT * np.arange(count + 1), drives, terms, mass=PLATE)
-    assert found.stopped is None
-    normal, tangential = found.column("normal"), found.column("tangential")
-    down, along = np.diff(found.column("approach")), np.diff(found.column("travel"))
+    run = march(skin, DT * np.arange(count + 1), drives, terms, mass=PLATE)
+    assert run.stopped is None
+    normal, tangential = run.column("normal"), run.column("tangential")
+    down, along = np.diff(run.column("approach")), np.diff(run.column("travel"))
     work = (normal[1:] + normal[:-1]) / 2 @ down + (tangential[1:] + tangential[:-1]) / 2 @ along
-    told = [reading.work for reading in found.readings[1:]]
-    work = work if None in told else sum(told)
-    last = found.readings[-1]
-    lost = found.column("dissipated").sum() + found.column("viscous").sum()
+    works = [reading.work for reading in run.readings[1:]]
+    work = work if None in works else sum(works)
+    last = run.readings[-1]
+    lost = run.column("dissipated").sum() + run.column("viscous").sum()
     assert last.elastic + last.kinetic + lost == pytest.approx(work, rel=1e-3)
-    assert found.column("viscous").min() >= 0
-    assert found.column("dissipated").sum() > 0.05 * work
-    assert found.column("residual").max() <= 1e-10
+    assert run.column("viscous").min() >= 0
+    assert run.column("dissipated").sum() > 0.05 * work
+    assert run.column("residual").max() <= 1e-10
 
 
 def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() -> None:

@@ -51,15 +51,15 @@ def marched(steps: str) -> March:
     return march(pad_of(law), np.arange(float(len(way))), way, [Friction(coefficient=COEFFICIENT)])
 
 
-def difference(found: March) -> Array:
+def difference(run: March) -> Array:
     """S1 - S2 across, `(steps + 1, 3)` MPa."""
-    films = found.column("films")
+    films = run.column("films")
     return np.asarray(films[:, ::2, 0] - films[:, 1::2, 0])
 
 
-def missed(found: March) -> Array:
+def missed(run: March) -> Array:
     """The told drift of S1 - S2, `(steps + 1, 3)` MPa."""
-    films = np.array([reading.drift.films for reading in found.readings if reading.drift])
+    films = np.array([reading.drift.films for reading in run.readings if reading.drift])
     return np.asarray(films[:, ::2, 0] + films[:, 1::2, 0])
 
 
@@ -84,8 +84,8 @@ def test_nothing_jumps_where_a_step_is_chosen() -> None:
     """The signal's slope changes nowhere by more than at finite strain in each step."""
     every, chosen = marched("all"), marched("chosen")
     bend = [
-        np.abs(np.diff(difference(found)[PRESSED + 1 : PRESSED + PULLED], 2, axis=0)).max()
-        for found in (every, chosen)
+        np.abs(np.diff(difference(run)[PRESSED + 1 : PRESSED + PULLED], 2, axis=0)).max()
+        for run in (every, chosen)
     ]
     assert bend[1] < 1.5 * bend[0]
 
@@ -93,60 +93,58 @@ def test_nothing_jumps_where_a_step_is_chosen() -> None:
 def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     """The energy summed up from the contact's work is the body's own at the last chosen step, to the drift;
     and the plate's work is that and friction's, to the trapezoids' error where points close within a step."""
-    found = marched("chosen")
-    state = list(found.states.values())[-1]
-    body, pad = state.held.state, found.pad
+    run = marched("chosen")
+    state = list(run.states.values())[-1]
+    body, pad = state.held.state, run.pad
     assert isinstance(body, FrictionalState)
     stored = pad.held.pad.body.energy(body.values) * pad.held.pad.scale * pad.held.pad.unit
-    at = max(i for i, reading in enumerate(found.readings) if reading.drift and reading.drift.chosen)
-    assert found.readings[at].elastic == pytest.approx(stored, rel=0.01)
-    normal, along = found.column("normal"), found.column("tangential")
-    work = (normal[1:] + normal[:-1]) / 2 @ np.diff(found.column("approach"))
-    work += (along[1:] + along[:-1]) / 2 @ np.diff(found.column("travel"))
-    assert found.readings[-1].elastic + found.column("dissipated").sum() == pytest.approx(work, rel=2e-3)
+    at = max(i for i, reading in enumerate(run.readings) if reading.drift and reading.drift.chosen)
+    assert run.readings[at].elastic == pytest.approx(stored, rel=0.01)
+    normal, along = run.column("normal"), run.column("tangential")
+    work = (normal[1:] + normal[:-1]) / 2 @ np.diff(run.column("approach"))
+    work += (along[1:] + along[:-1]) / 2 @ np.diff(run.column("travel"))
+    assert run.readings[-1].elastic + run.column("dissipated").sum() == pytest.approx(work, rel=2e-3)
 
 
 @pytest.mark.slow
 def test_drift_falls_with_the_square_of_the_stride(monkeypatch: pytest.MonkeyPatch) -> None:
     """Between first and third order: pulled at full stick, where no set changes."""
     pull = [Drive(NORMAL * min(i, 10) / 10, 0.012 * max(0, i - 10)) for i in range(41)]
-    told = []
-    for stride in (1 / 12, 1 / 24):
-        monkeypatch.setattr("skincad.effects.chosen_steps.STRIDE", stride)
+    drifts = []
+    for limit in (1 / 12, 1 / 24):
+        monkeypatch.setattr("skincad.effects.chosen_steps.STRIDE", limit)
         pad = pad_of(FiniteStrain(steps="chosen"))
-        found = march(pad, np.arange(41.0), pull, [Friction(coefficient=1.5)])
-        assert found.stopped is None
-        told.append(missed(found)[30:].max())
-    assert 2 < told[0] / told[1] < 8
+        run = march(pad, np.arange(41.0), pull, [Friction(coefficient=1.5)])
+        assert run.stopped is None
+        drifts.append(missed(run)[30:].max())
+    assert 2 < drifts[0] / drifts[1] < 8
 
 
 def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is not looked for again under larger forces; its error grows with the square of what moves."""
-    tried = []
+    calls = []
 
     def folded(*_: object) -> str:
-        tried.append(1)
+        calls.append(1)
         return "the surface folds"
 
     monkeypatch.setattr(frozen_tangent, "fault", folded)
     way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.02 * i) for i in range(6)]
-    found = march(
+    run = march(
         pad_of(FiniteStrain(steps="chosen")), np.arange(float(len(way))), way, [Friction(coefficient=1.0)]
     )
-    assert found.stopped is None
-    assert len(tried) == 1
-    assert found.readings[-1].drift is not None
-    assert found.readings[-1].drift.cut == "the surface folds"
+    assert run.stopped is None
+    assert len(calls) == 1
+    assert run.readings[-1].drift is not None
+    assert run.readings[-1].drift.cut == "the surface folds"
 
 
 def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
     faults = iter(["the surface folds", None, None, None])
     monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(faults))
     way = [Drive(0.1 * i, 0.0) for i in (0, 1, 2, 3, 4, 4, 3, 2, 1)]
-    found = march(
-        pad_of(FiniteStrain(steps="chosen"), False), np.arange(9.0), way, [Friction(coefficient=1.0)]
-    )
-    cuts = [reading.drift.cut for reading in found.readings if reading.drift]
+    run = march(pad_of(FiniteStrain(steps="chosen"), False), np.arange(9.0), way, [Friction(coefficient=1.0)])
+    cuts = [reading.drift.cut for reading in run.readings if reading.drift]
     assert any(cuts)
     assert not cuts[-1]
 
@@ -154,8 +152,8 @@ def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.Mon
 def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
     """A touch too light for any: the drift told is not nothing."""
     way = [Drive(0.002 * i, 0.0) for i in range(4)]
-    found = march(pad_of(FiniteStrain(steps="chosen")), np.arange(4.0), way, [Friction(coefficient=0.5)])
-    drifts = [reading.drift for reading in found.readings if reading.drift]
+    run = march(pad_of(FiniteStrain(steps="chosen")), np.arange(4.0), way, [Friction(coefficient=0.5)])
+    drifts = [reading.drift for reading in run.readings if reading.drift]
     assert [drift.chosen for drift in drifts] == [True, False, False, False]
     assert 0 < drifts[-1].forces[1].max() < frozen_tangent.STRIDE * way[-1].normal
     assert drifts[-1].films.max() > 0

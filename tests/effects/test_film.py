@@ -74,9 +74,9 @@ def test_bonded_strips_and_slots_full_of_silicone_differ(tmp_path: Path) -> None
 
 
 def said(pull: float, design: Design) -> LeftOutEffect:
-    found = FilmStrips.left_out(outline(design, (0.0, 1.0), (0.0, 4.0), (0.0, pull)))
-    assert found is not None
-    return found
+    entry = FilmStrips.left_out(outline(design, (0.0, 1.0), (0.0, 4.0), (0.0, pull)))
+    assert entry is not None
+    return entry
 
 
 def test_what_leaving_films_out_changes_goes_by_load_and_bluntness() -> None:

@@ -39,25 +39,25 @@ def friction(mu: float) -> Any:
 def test_a_march_tells_films_energy_and_gross_slip() -> None:
     what = model()
     drives = [Drive(0.3 * min(i, 4), 0.15 * max(0, i - 4)) for i in range(9)]
-    found = march(what, np.arange(9.0), drives, [friction(0.4)])
-    assert found.stopped == "gross slip"
-    assert found.column("normal")[1:] == pytest.approx([d.normal for d in drives[1:]], rel=1e-9)
-    assert found.column("tangential")[-1] == pytest.approx(0.48, rel=1e-9)
-    assert found.readings[-1].slips[found.readings[-1].touches].all()
-    assert found.column("residual").max() <= 1e-9
-    assert (found.column("dissipated") >= -1e-12).all()
-    films = found.column("films")
+    run = march(what, np.arange(9.0), drives, [friction(0.4)])
+    assert run.stopped == "gross slip"
+    assert run.column("normal")[1:] == pytest.approx([d.normal for d in drives[1:]], rel=1e-9)
+    assert run.column("tangential")[-1] == pytest.approx(0.48, rel=1e-9)
+    assert run.readings[-1].slips[run.readings[-1].touches].all()
+    assert run.column("residual").max() <= 1e-9
+    assert (run.column("dissipated") >= -1e-12).all()
+    films = run.column("films")
     assert films.shape == (9, 6, 3)
     # pressed, the middle ridge's strips are mirror images of each other to the mesh; pulled, they are not
-    pressed, pulled = films[4, 2:4, 0], films[-1, 2:4, 0]
-    assert pressed[0] == pytest.approx(pressed[1], rel=0.03)
-    assert abs(pulled[0] - pulled[1]) > 0.5 * np.abs(pulled).max()
+    press, pull = films[4, 2:4, 0], films[-1, 2:4, 0]
+    assert press[0] == pytest.approx(press[1], rel=0.03)
+    assert abs(pull[0] - pull[1]) > 0.5 * np.abs(pull).max()
     # what the plate does is stored or dissipated, to the trapezoids' error
-    normal, along = found.column("normal"), found.column("tangential")
-    work = (normal[1:] + normal[:-1]) / 2 @ np.diff(found.column("approach"))
-    work += (along[1:] + along[:-1]) / 2 @ np.diff(found.column("travel"))
-    kept = found.readings[-1].elastic + found.column("dissipated").sum()
-    assert kept == pytest.approx(work, rel=0.02)
+    normal, along = run.column("normal"), run.column("tangential")
+    work = (normal[1:] + normal[:-1]) / 2 @ np.diff(run.column("approach"))
+    work += (along[1:] + along[:-1]) / 2 @ np.diff(run.column("travel"))
+    energy = run.readings[-1].elastic + run.column("dissipated").sum()
+    assert energy == pytest.approx(work, rel=0.02)
 
 
 def test_without_readout_no_film_is_looked_at() -> None:
@@ -71,10 +71,10 @@ def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest
 
     monkeypatch.setattr(press_path, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]
-    found = march(model(False), np.arange(3.0), drives, [friction(1.0)])
-    assert found.failed
-    assert found.stopped is not None
-    assert "the surface folds onto itself at ridge " in found.stopped
+    run = march(model(False), np.arange(3.0), drives, [friction(1.0)])
+    assert run.failed
+    assert run.stopped is not None
+    assert "the surface folds onto itself at ridge " in run.stopped
     passed = march(model(False, "pass"), np.arange(3.0), drives, [friction(1.0)])
     assert passed.stopped is None
 
@@ -112,10 +112,10 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     piece = piece_of(*filled_pad(design), halved=False)
     mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
     laws = SmallStrain(), FiniteStrain()
-    found = [
+    runs = [
         march(law.marched(piece, mesh, 2, True, []), np.arange(7.0), drives, [friction(mu)]) for law in laws
     ]
-    small, large = (each.column("films")[:, ::2, 0] - each.column("films")[:, 1::2, 0] for each in found)
+    small, large = (run.column("films")[:, ::2, 0] - run.column("films")[:, 1::2, 0] for run in runs)
     changed = np.abs(large - small).max() / np.abs(small).max()
     text = (
         template_text("yamada-2002")
@@ -125,6 +125,6 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     (tmp_path / "small.toml").write_text(text)
     (tmp_path / "scene.toml").write_text(template_text("yamada-2002-slip", "scenes"))
     scene = load_scene(tmp_path / "scene.toml", ["skin=small.toml", "effects.film=none"])
-    said = next(entry for entry in omitted(scene, found[0]) if entry.effect == "finite_strain")
+    said = next(entry for entry in omitted(scene, runs[0]) if entry.effect == "finite_strain")
     assert said.calibrated
     assert 0.5 < said.change / changed < 2.0

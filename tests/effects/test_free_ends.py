@@ -26,21 +26,21 @@ PRESS = ("yamada-2002-press", THIRD, "history.steps=2", "effects.friction=none",
 ENDS = "effects.free_ends={}"
 
 
-def shares(found: object) -> np.ndarray:
-    state, ridge = found.march.states[2], found.march.ridge
+def shares(simulation: object) -> np.ndarray:
+    state, ridge = simulation.march.states[2], simulation.march.ridge
     return np.array([state.normal[ridge == r].sum() for r in np.unique(ridge)])
 
 
 @pytest.mark.slow
 def test_approach_and_shares_are_the_corrected_tiers(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, *PRESS, ENDS)
-    plane, found = at_level(small_scene(tmp_path, *PRESS), LEVELS[1]), at_level(scene, LEVELS[1])
+    plane, simulation = at_level(small_scene(tmp_path, *PRESS), LEVELS[1]), at_level(scene, LEVELS[1])
     tier = check(scene.design.with_(contact={"film": "bonded"}), force=1.3, tier="corrected")
     wanted = np.array([force.value for force in tier.ridge_force])
     approach = tier.approach.value
     # 1 %: nine ridges agree to 0.6 % (ends.py), the tier's own error is 0.5 %
-    assert found.march.readings[-1].approach == pytest.approx(approach, rel=0.01)
-    assert shares(found) == pytest.approx(wanted, abs=0.01 * wanted.mean())
+    assert simulation.march.readings[-1].approach == pytest.approx(approach, rel=0.01)
+    assert shares(simulation) == pytest.approx(wanted, abs=0.01 * wanted.mean())
     # and it is the ends that do it
     assert plane.march.readings[-1].approach < 0.95 * approach
 
@@ -50,13 +50,13 @@ def test_outer_ridges_of_nine_bear_more(tmp_path: Path) -> None:
     """plain-ridges at 4 N: the outer ridge's share doubles. Measured 0.25 % and 0.32 % (ends.py)."""
     scene = ("yamada-2002-press", ["skin=plain-ridges", "history.steps=2", "effects.film=none"])
     bare = ["effects.friction=none", "readout.ridges=[]"]
-    plane, found = (
+    plane, simulation = (
         at_level(load_scene(scene[0], [*scene[1], *bare, *more]), LEVELS[1]) for more in ([], [ENDS])
     )
-    tier = check(found.scene.design, force=4.0, tier="corrected")
+    tier = check(simulation.scene.design, force=4.0, tier="corrected")
     wanted = np.array([force.value for force in tier.ridge_force])
-    assert found.march.readings[-1].approach == pytest.approx(tier.approach.value, rel=0.005)
-    assert shares(found) == pytest.approx(wanted, abs=0.005 * wanted.mean())
+    assert simulation.march.readings[-1].approach == pytest.approx(tier.approach.value, rel=0.005)
+    assert shares(simulation) == pytest.approx(wanted, abs=0.005 * wanted.mean())
     assert shares(plane)[0] < 0.6 * wanted[0]
 
 
@@ -81,9 +81,9 @@ def test_ends_are_known_to_condensed_pads_alone(tmp_path: Path, other: str) -> N
 def said(design: Design, slips: float, pull: float = 1.0) -> LeftOutEffect:
     scene = outline(design, (0.0, 1.0, 2.0), (0.0, 3.0, 3.0), (0.0, 0.0, pull))
     path = replace(scene.path, slips=np.full_like(scene.path.slips, slips))
-    found = FreeEnds.left_out(replace(scene, path=path))
-    assert found is not None
-    return found
+    entry = FreeEnds.left_out(replace(scene, path=path))
+    assert entry is not None
+    return entry
 
 
 def test_what_leaving_ends_out_changes_follows_the_pull_where_all_slips() -> None:

@@ -24,7 +24,7 @@ KINETIC = {**SHEAR, "kinetic": 1.2}
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "words"),
     [
         ({}, "coefficient: is missing; give coefficient a value"),
         ({"law": "amontons"}, "law: must be 'coulomb', 'shear' or 'table', got 'amontons'"),
@@ -56,16 +56,16 @@ KINETIC = {**SHEAR, "kinetic": 1.2}
         ),
     ],
 )
-def test_bad_tables_are_told_in_one_line(table: dict[str, Any], told: str) -> None:
+def test_bad_tables_are_told_in_one_line(table: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError) as refusal:
         Friction(**table)
-    assert told in str(refusal.value)
+    assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
 
 def test_a_scene_tells_the_key_with_its_table() -> None:
-    told = "effects.friction.shear_stress: is missing, which law = shear asks for"
-    with pytest.raises(InputError, match=told):
+    words = "effects.friction.shear_stress: is missing, which law = shear asks for"
+    with pytest.raises(InputError, match=words):
         load_scene("yamada-2002-slip", ["effects.friction.law=shear"])
 
 
@@ -79,13 +79,13 @@ def test_a_constant_shear_stress_is_a_table_of_one_pair() -> None:
 
 def pads() -> dict[str, tuple[MarchedPad, list[Term]]]:
     """Small strain at rest, with a past, with masses: friction's own term left out."""
-    found: dict[str, tuple[MarchedPad, list[Term]]] = {
+    cases: dict[str, tuple[MarchedPad, list[Term]]] = {
         "small_strain": (SmallStrain().marched(*piece(), 2, True, []), [])
     }
     for name in ("viscosity", *COMPANIONS):
         model, terms = built(name, {})
-        found[name] = model, [term for term in terms if not isinstance(term, Friction)]
-    return found
+        cases[name] = model, [term for term in terms if not isinstance(term, Friction)]
+    return cases
 
 
 @pytest.mark.parametrize("table", [SHEAR, KINETIC, TABLE], ids=["shear", "kinetic", "table"])
@@ -99,19 +99,19 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
         Drive(1.2 * min(1.0, 2 * i / count), travel=1.0 * max(0.0, 2 * i / count - 1))
         for i in range(count + 1)
     ]
-    found = march(pad, DT * np.arange(count + 1), drives, [Friction(**table), *others], mass=PLATE)
-    assert found.stopped is None
-    normal, tangential = found.column("normal"), found.column("tangential")
-    down, along = np.diff(found.column("approach")), np.diff(found.column("travel"))
+    run = march(pad, DT * np.arange(count + 1), drives, [Friction(**table), *others], mass=PLATE)
+    assert run.stopped is None
+    normal, tangential = run.column("normal"), run.column("tangential")
+    down, along = np.diff(run.column("approach")), np.diff(run.column("travel"))
     work = (normal[1:] + normal[:-1]) / 2 @ down + (tangential[1:] + tangential[:-1]) / 2 @ along
-    told = [reading.work for reading in found.readings[1:]]
-    work = work if None in told else sum(told)
-    last = found.readings[-1]
-    lost = found.column("dissipated").sum() + found.column("viscous").sum()
+    works = [reading.work for reading in run.readings[1:]]
+    work = work if None in works else sum(works)
+    last = run.readings[-1]
+    lost = run.column("dissipated").sum() + run.column("viscous").sum()
     within = 1e-2 if "kinetic" in table else 1e-3
     assert last.elastic + last.kinetic + lost == pytest.approx(work, rel=within)
-    assert found.column("dissipated").sum() > 0.05 * work
-    assert found.column("residual").max() <= 1e-10
+    assert run.column("dissipated").sum() > 0.05 * work
+    assert run.column("residual").max() <= 1e-10
     assert abs(tangential[-1]) < 0.95 * 1.5 * normal[-1]  # the law's cap is at work
 
 
@@ -119,7 +119,7 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
 def test_finite_strain_slips_by_area() -> None:
     """Dragged through gross slip, each point bears what the law says of it: 1e-9 of the largest, for the
     contact is solved on the last tangent but one."""
-    found = load_scene(
+    scene = load_scene(
         "yamada-2002-press",
         [
             "effects.finite_strain={}",
@@ -132,15 +132,15 @@ def test_finite_strain_slips_by_area() -> None:
             "history.displacement_mm=[0, 0, 0.4]",
         ],
     )
-    pad = found.law.marched(replace(piece()[0]), piece()[1], 2, False, found.terms)
-    state = march(pad, found.history.times, found.history.drives(), found.terms, keep=[8])
+    pad = scene.law.marched(replace(piece()[0]), piece()[1], 2, False, scene.terms)
+    state = march(pad, scene.history.times, scene.history.drives(), scene.terms, keep=[8])
     assert state.stopped is None
-    grip = pad.grip(state.states[8])
-    assert grip.slips[grip.touches].all()
+    contact_state = pad.grip(state.states[8])
+    assert contact_state.slips[contact_state.touches].all()
     most = 0.05 * pad.pad.weight * piece()[0].whole.length
-    borne = np.minimum(grip.normal, most)
-    assert grip.tangential == pytest.approx(borne, abs=1e-9 * grip.normal.max())
-    assert (grip.normal > most).sum() >= 3
+    borne = np.minimum(contact_state.normal, most)
+    assert contact_state.tangential == pytest.approx(borne, abs=1e-9 * contact_state.normal.max())
+    assert (contact_state.normal > most).sum() >= 3
 
 
 def test_every_kind_of_pad_has_the_same_area() -> None:

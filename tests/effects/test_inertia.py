@@ -32,12 +32,12 @@ LONGER = (  # the pull goes on for 1 ms: masses are late
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A skin of three ridges, for a third of the price."""
-    found = tmp_path_factory.mktemp("small")
+    path = tmp_path_factory.mktemp("small")
     text = template_text("yamada-2002").replace("count = 9 ", "count = 3 ")
-    (found / "small.toml").write_text(text.replace("width = 11.0", "width = 5.0"))
+    (path / "small.toml").write_text(text.replace("width = 11.0", "width = 5.0"))
     scene = template_text("yamada-2002-press-and-pull", "scenes").replace('"yamada-2002"', '"small.toml"')
-    (found / "scene.toml").write_text(scene)
-    return found
+    (path / "scene.toml").write_text(scene)
+    return path
 
 
 def pressed_and_pulled(folder: Path, ramp: float, *more: str) -> Simulation:
@@ -72,41 +72,41 @@ def test_what_leaving_masses_out_changes_is_estimated(folder: Path) -> None:
     """To a factor of 2.2 (measured 1.9) on ramps of 0.5 and 2 ms, where it says 4."""
     for ramp in (5e-4, 2e-3):
         still = pressed_and_pulled(folder, ramp)
-        told = next(entry for entry in still.left_out if entry.effect == "inertia")
+        estimate = next(entry for entry in still.left_out if entry.effect == "inertia")
         mass = skin_mass(still.scene.design)
-        assert f"{mass:.2g} g" in told.indicator
+        assert f"{mass:.2g} g" in estimate.indicator
         moving = pressed_and_pulled(folder, ramp, *INERTIA, f"plate.mass={mass}")
         assert "inertia" not in {entry.effect for entry in moving.left_out}
-        one, other = (np.array([found.raw[r] for r in (1, 2, 3)]) for found in (still, moving))
+        one, other = (np.array([simulation.raw[r] for r in (1, 2, 3)]) for simulation in (still, moving))
         change = np.abs(one - other).max() / np.abs(one).max()
-        assert told.change / 2.2 < change < told.change * 2.2
+        assert estimate.change / 2.2 < change < estimate.change * 2.2
 
 
 def test_slow_ramps_change_less_by_as_much() -> None:
     """A ramp of many swings leaves 1 / (w t) of itself; its corner rings undamped enough to be seen."""
-    told = []
+    changes = []
     for ramp in (0.1, 0.2):
         times = (0.0, 0.1, 0.1 + ramp)
-        found = Inertia.left_out(outline(yamada(), times, (0.0, 40.0, 40.0), (0.0, 0.0, 1.0)))
-        assert found is not None
-        told.append(found.change)
-    assert told[0] == pytest.approx(2 * told[1], rel=0.01)
+        entry = Inertia.left_out(outline(yamada(), times, (0.0, 40.0, 40.0), (0.0, 0.0, 1.0)))
+        assert entry is not None
+        changes.append(entry.change)
+    assert changes[0] == pytest.approx(2 * changes[1], rel=0.01)
     mass = 1e-6 * skin_mass(yamada())
     swing = math.sqrt(ALONG / (mass * (1 + FREE_TOP)))
     # at a quarter of a swing less is left of it than 1 / (w t) times the plate's share: 5 % are damped
-    assert told[0] == pytest.approx(CALIBRATED / (1 + FREE_TOP) / (swing * 0.1), rel=0.06)
+    assert changes[0] == pytest.approx(CALIBRATED / (1 + FREE_TOP) / (swing * 0.1), rel=0.06)
 
 
 def test_where_nothing_is_pulled_or_the_plate_is_driven_it_is_less_sure() -> None:
     times, force = (0.0, 1e-3), (0.0, 4.0)
-    pulled, pressed, driven = (
+    pulled, press, driven = (
         Inertia.left_out(outline(yamada(), times, force, (0.0, along), driven=moved))
         for along, moved in ((1.0, False), (0.0, False), (0.25, True))
     )
     assert pulled is not None
-    assert pressed is not None
+    assert press is not None
     assert driven is not None
-    assert (pulled.within, pressed.within, driven.within) == (4.0, 7.0, 7.0)
+    assert (pulled.within, press.within, driven.within) == (4.0, 7.0, 7.0)
 
 
 @cache
@@ -132,17 +132,17 @@ def test_a_light_plate_keeps_the_story_and_a_heavy_one_hides_it() -> None:
     heavy = slipped(*INERTIA, "plate.mass=1.0")
     assert heavy.gross_slip_step is not None
     assert heavy.gross_slip_step < 300
-    for found in (light, heavy):
-        assert found.march.stopped is None
-        assert len(found.march.readings) == 651
-        assert found.energy["imbalance"] < 1e-3
-        assert found.march.column("residual").max() <= 1e-10
+    for simulation in (light, heavy):
+        assert simulation.march.stopped is None
+        assert len(simulation.march.readings) == 651
+        assert simulation.energy["imbalance"] < 1e-3
+        assert simulation.march.column("residual").max() <= 1e-10
 
 
 @pytest.mark.slow
 def test_drop_keeps_its_energy() -> None:
-    found = at_level(load_scene("drop"), LEVELS[0])
-    assert found.march.stopped is None
-    assert found.energy["imbalance"] < 1e-3
+    simulation = at_level(load_scene("drop"), LEVELS[0])
+    assert simulation.march.stopped is None
+    assert simulation.energy["imbalance"] < 1e-3
     # twice the weight, and more: it falls on the skin
-    assert found.march.column("normal").max() > 6.0
+    assert simulation.march.column("normal").max() > 6.0

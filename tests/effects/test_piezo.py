@@ -19,7 +19,7 @@ from skincad.base.errors import InputError
 from skincad.circuit.model import load_circuit
 from skincad.circuit.network import electrode
 from skincad.circuit.state import corner
-from skincad.effects.kinds import ReaderContext, Reading
+from skincad.effects.kinds import Observables, ReaderContext
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.fabrication.pattern import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
@@ -38,18 +38,18 @@ RESISTANCE = 1e8 * 1e5 / (1 + 1e5)  # of the transimpedance's feedback at its fi
 WIDTH = 5000.0
 
 
-def readings(stress: np.ndarray) -> list[Reading]:
+def readings(stress: np.ndarray) -> list[Observables]:
     """Readings of `(steps + 1, 3)` MPa in S1 of ridge 1; all other strips feel nothing."""
-    found = []
+    result = []
     for row in stress:
         films = np.zeros((18, 3))
         films[0] = row
         none = np.zeros(0, bool)
-        found.append(Reading(0.0, 0.0, 0.0, 0.0, none, none, films, 0.0, 0.0, 0.0))
-    return found
+        result.append(Observables(0.0, 0.0, 0.0, 0.0, none, none, films, 0.0, 0.0, 0.0))
+    return result
 
 
-def told(stress: np.ndarray, dt: float, width: float = WIDTH, **keys: Any) -> dict[str, Any]:
+def piezo_data(stress: np.ndarray, dt: float, width: float = WIDTH, **keys: Any) -> dict[str, Any]:
     piezo = Piezo(**{"circuit": "transimpedance", **keys})
     time = np.arange(stress.shape[0]) * dt
     return dict(piezo.read(ReaderContext(DESIGN, (1,), width), time, readings(stress)))
@@ -74,10 +74,10 @@ def test_each_stress_gives_its_charge_by_hand() -> None:
     assert film is not None
     inside = (12.0 - 2 * 0.04) * (0.25 - 2 * 0.04)  # length and depth less the bare edges
     for row, d in (((1, 0, 0), film.d33), ((0, 1, 0), film.d32), ((0, 0, 1), film.d31)):
-        found = strip_charges(circuit, DESIGN, np.array([[row]], float))
-        assert found[0, 0] == pytest.approx(d * 1e-12 * inside, rel=1e-12)
-    across = load_circuit("transimpedance", ["film.draw_axis=width"])
-    turned = strip_charges(across, DESIGN, np.array([[[0.0, 1.0, 0.0]]]))
+        charges = strip_charges(circuit, DESIGN, np.array([[row]], float))
+        assert charges[0, 0] == pytest.approx(d * 1e-12 * inside, rel=1e-12)
+    width_drawn = load_circuit("transimpedance", ["film.draw_axis=width"])
+    turned = strip_charges(width_drawn, DESIGN, np.array([[[0.0, 1.0, 0.0]]]))
     assert turned[0, 0] == pytest.approx(film.d31 * 1e-12 * inside, rel=1e-12)
 
 
@@ -86,29 +86,31 @@ def test_a_constant_stress_rate_is_a_constant_current() -> None:
     film = DESIGN.film
     assert film is not None
     current = film.d33 * 1e-12 * electrode(DESIGN) * 10.0
-    found = told(ramp(), 1e-5)["output_V"]["1"]
+    output = piezo_data(ramp(), 1e-5)["output_V"]["1"]
     # 1e-6: the amplifier's 1e12 ohm beside its input, and the network's 0.2 ms after 4 ms
-    assert found["pair"][-1] == pytest.approx(current * RESISTANCE, rel=1e-6)
-    assert found["pair"] == found["S1"]
-    assert np.abs(found["S2"]).max() == 0.0
+    assert output["pair"][-1] == pytest.approx(current * RESISTANCE, rel=1e-6)
+    assert output["pair"] == output["S1"]
+    assert np.abs(output["S2"]).max() == 0.0
 
 
 def test_a_step_of_stress_gives_its_charge_in_all() -> None:
     stress = np.zeros((600, 3))
     stress[100:, 0] = 0.1
-    found = np.array(told(stress, 1e-5)["output_V"]["1"]["pair"])
+    output = np.array(piezo_data(stress, 1e-5)["output_V"]["1"]["pair"])
     charge = strip_charges(load_circuit("transimpedance"), DESIGN, stress[-1:][None])[0, 0]
     # trapezoids over a pulse of some ten samples
-    assert np.trapezoid(found, dx=1e-5) == pytest.approx(charge * RESISTANCE, rel=1e-3)
-    assert abs(found[-1]) < 1e-6 * np.abs(found).max()
-    assert np.abs(found[:100]).max() == 0.0
+    assert np.trapezoid(output, dx=1e-5) == pytest.approx(charge * RESISTANCE, rel=1e-3)
+    assert abs(output[-1]) < 1e-6 * np.abs(output).max()
+    assert np.abs(output[:100]).max() == 0.0
 
 
 def test_the_steps_of_the_march_do_not_count() -> None:
     """The same straight pieces of stress by ten times the steps; the network's own are finer than both."""
     coarse = np.outer(np.interp(np.arange(101), [0, 20, 60, 100], [0, 0, 1, 0.2]), [1.0, 0.0, 0.0])
     fine = np.stack([np.interp(np.arange(1001) / 10, np.arange(101), c) for c in coarse.T], axis=1)
-    one, other = (np.array(told(s, dt)["output_V"]["1"]["S1"]) for s, dt in ((coarse, 1e-4), (fine, 1e-5)))
+    one, other = (
+        np.array(piezo_data(s, dt)["output_V"]["1"]["S1"]) for s, dt in ((coarse, 1e-4), (fine, 1e-5))
+    )
     # the low-pass's output is taken as straight within a step of a tenth of its time: 0.01 / 12
     assert np.abs(one - other[::10]).max() < 1e-3 * np.abs(one).max()
 
@@ -133,7 +135,7 @@ def test_unequal_steps_do_not_count_either(seed: int) -> None:
 def test_the_noise_of_other_seeds_is_told_as_a_difference(samples: Sequence[float]) -> None:
     times = 1e-5 * np.array(samples)
     watched, still = ReaderContext(DESIGN, (1, 3), WIDTH), readings(np.zeros((times.size, 3)))
-    own, other = (
+    reference, other = (
         Piezo(circuit="transimpedance", noise_seed=seed).read(watched, times, still)["output_V"]
         for seed in (5, 7)
     )
@@ -142,7 +144,7 @@ def test_the_noise_of_other_seeds_is_told_as_a_difference(samples: Sequence[floa
     for i, ridge in enumerate(("1", "3")):
         for k, side in enumerate(("S1", "S2")):
             wanted = np.array(other[ridge][side])
-            moved = np.array(own[ridge][side]) + noises[1][:, i, k]
+            moved = np.array(reference[ridge][side]) + noises[1][:, i, k]
             np.testing.assert_allclose(moved, wanted, atol=1e-12 * np.abs(wanted).max())
     assert list(Piezo(circuit="transimpedance").other_noises(watched, times)) == []
 
@@ -162,7 +164,7 @@ def test_a_wider_strip_gives_more_and_a_longer_lead_has_no_more_capacitance() ->
 
 def test_noise_is_the_seeds_and_has_the_size_that_is_told() -> None:
     still = np.zeros((10_000, 3))
-    runs = [told(still, 1e-5, noise_seed=seed) for seed in (1, 1, 2)]
+    runs = [piezo_data(still, 1e-5, noise_seed=seed) for seed in (1, 1, 2)]
     assert runs[0]["output_V"] == runs[1]["output_V"]
     assert runs[0]["output_V"] != runs[2]["output_V"]
     one, other = (np.array(runs[0]["output_V"]["1"][side]) for side in ("S1", "S2"))
@@ -171,24 +173,24 @@ def test_noise_is_the_seeds_and_has_the_size_that_is_told() -> None:
     assert np.std(one) == pytest.approx(size, rel=0.15)
     assert abs(np.corrcoef(one, other)[0, 1]) < 0.2
     assert runs[0]["signal_to_noise_dB"]["1"] is None
-    assert told(still, 1e-5)["output_V"]["1"]["S1"] == [0.0] * 10_000
+    assert piezo_data(still, 1e-5)["output_V"]["1"]["S1"] == [0.0] * 10_000
 
 
 def test_the_ratio_is_the_pairs_to_two_amplifiers() -> None:
-    found = told(ramp(), 1e-5)
-    size = np.std(found["output_V"]["1"]["pair"]) / (math.sqrt(2) * found["output_noise_V_rms"])
-    assert found["signal_to_noise_dB"]["1"] == pytest.approx(20 * math.log10(size), rel=1e-9)
+    data = piezo_data(ramp(), 1e-5)
+    size = np.std(data["output_V"]["1"]["pair"]) / (math.sqrt(2) * data["output_noise_V_rms"])
+    assert data["signal_to_noise_dB"]["1"] == pytest.approx(20 * math.log10(size), rel=1e-9)
 
 
 def test_a_narrower_band_has_less_noise() -> None:
-    loud, quiet = (told(ramp(), 1e-5, width)["output_noise_V_rms"] for width in (5000.0, 50.0))
+    loud, quiet = (piezo_data(ramp(), 1e-5, width)["output_noise_V_rms"] for width in (5000.0, 50.0))
     assert quiet < loud / 3
     assert corner(50.0) < corner(5000.0)
 
 
 def test_one_entry_is_at_rest() -> None:
-    found = told(np.zeros((1, 3)), 1e-5, noise_seed=0)
-    assert len(found["output_V"]["1"]["pair"]) == 1
+    data = piezo_data(np.zeros((1, 3)), 1e-5, noise_seed=0)
+    assert len(data["output_V"]["1"]["pair"]) == 1
 
 
 @cache
@@ -206,20 +208,20 @@ def pressed() -> Simulation:
 
 def test_a_mirrored_press_leaves_nothing_in_the_middle_pair() -> None:
     """The skin is its own mirror image: ridge 5's S1 is S2, and ridge 3's S1 is ridge 7's S2."""
-    told = pressed().as_json()["output_V"]
-    size = max(np.abs(strips["S1"]).max() for strips in told.values())
+    outputs = pressed().as_json()["output_V"]
+    size = max(np.abs(strips["S1"]).max() for strips in outputs.values())
     # 1e-6: what the contact's own solution leaves of the symmetry
-    assert np.abs(told["5"]["pair"]).max() < 1e-6 * size
-    assert np.abs(np.subtract(told["3"]["S1"], told["7"]["S2"])).max() < 1e-6 * size
-    assert np.abs(np.add(told["3"]["pair"], told["7"]["pair"])).max() < 1e-6 * size
-    assert np.abs(told["3"]["pair"]).max() > 0.01 * size
+    assert np.abs(outputs["5"]["pair"]).max() < 1e-6 * size
+    assert np.abs(np.subtract(outputs["3"]["S1"], outputs["7"]["S2"])).max() < 1e-6 * size
+    assert np.abs(np.add(outputs["3"]["pair"], outputs["7"]["pair"])).max() < 1e-6 * size
+    assert np.abs(outputs["3"]["pair"]).max() > 0.01 * size
 
 
 def test_the_outputs_are_columns_of_the_table(tmp_path: Path) -> None:
     write_table(pressed(), tmp_path / "signals.csv")
     rows = list(csv.DictReader((tmp_path / "signals.csv").open()))
-    found = [float(row["ridge 3 pair output [V]"]) for row in rows]
-    np.testing.assert_allclose(found, pressed().read["output_V"]["3"]["pair"], rtol=1e-8, atol=1e-15)
+    values = [float(row["ridge 3 pair output [V]"]) for row in rows]
+    np.testing.assert_allclose(values, pressed().read["output_V"]["3"]["pair"], rtol=1e-8, atol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -252,9 +254,9 @@ def test_a_circuit_lies_beside_its_scene(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(template_text("transimpedance", "circuits"))
     scene = template_text(SLIP, "scenes") + '\n[effects.piezo]\ncircuit = "mine.toml"\n'
     (tmp_path / "scene.toml").write_text(scene)
-    found = load_scene(tmp_path / "scene.toml").parts["piezo"]
-    assert isinstance(found, Piezo)
-    assert found.circuit == load_circuit("transimpedance")
+    piezo = load_scene(tmp_path / "scene.toml").parts["piezo"]
+    assert isinstance(piezo, Piezo)
+    assert piezo.circuit == load_circuit("transimpedance")
 
 
 def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
@@ -263,19 +265,19 @@ def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(
         template_text(SLIP, "scenes") + '\n[effects.piezo]\ncircuit = "mine.toml"\n'
     )
-    done = run_skincad("simulate", "s.toml", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.startswith("skincad: effects.piezo.circuit: amplifier.gain: must be greater than 0")
-    assert done.stderr.count("\n") == 1
+    process = run_skincad("simulate", "s.toml", cwd=tmp_path)
+    assert process.returncode == 2
+    assert process.stderr.startswith("skincad: effects.piezo.circuit: amplifier.gain: must be greater than 0")
+    assert process.stderr.count("\n") == 1
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml", "s.toml"]
 
 
 def test_a_circuits_tables_may_stand_in_the_scene() -> None:
-    own = load_circuit("transimpedance").with_(amplifier={"feedback_resistance": 2e8})
+    circuit = load_circuit("transimpedance").with_(amplifier={"feedback_resistance": 2e8})
     scene = load_scene(SLIP, ["effects.piezo.circuit=transimpedance"])
-    found = scene.with_(effects={"piezo": {"circuit": own.model_dump(exclude_none=True)}}).parts["piezo"]
-    assert isinstance(found, Piezo)
-    assert found.circuit == own
+    piezo = scene.with_(effects={"piezo": {"circuit": circuit.model_dump(exclude_none=True)}}).parts["piezo"]
+    assert isinstance(piezo, Piezo)
+    assert piezo.circuit == circuit
     with pytest.raises(InputError, match=r"effects.piezo.circuit: must be a circuit, or the name"):
         load_scene(SLIP, ["effects.piezo.circuit=3"])
     with pytest.raises(InputError, match=r"effects.piezo.circuit.amplifier.gian: unknown key"):
@@ -284,7 +286,7 @@ def test_a_circuits_tables_may_stand_in_the_scene() -> None:
 
 def test_the_largest_output_is_any_strips() -> None:
     outputs = pressed().read["output_V"]
-    largest = max(np.abs(each[side]).max() for each in outputs.values() for side in ("S1", "S2"))
+    largest = max(np.abs(strips[side]).max() for strips in outputs.values() for side in ("S1", "S2"))
     assert pressed().read["largest_output_V"] == pytest.approx(largest, rel=1e-12)
     doubled = load_circuit("transimpedance").with_(amplifier={"feedback_resistance": 2e8})
     again = read_out(
@@ -303,8 +305,8 @@ def test_a_march_read_by_another_circuit_is_as_if_marched_anew() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(models, "LEVELS", (replace(LEVELS[0]),))
         anew = simulate(other).as_json()
-    told = read_out(other, march()).as_json()
-    assert {k: v for k, v in told.items() if k != "seconds"} == {
+    data = read_out(other, march()).as_json()
+    assert {k: v for k, v in data.items() if k != "seconds"} == {
         k: v for k, v in anew.items() if k != "seconds"
     }
     assert marching(other.with_(readout={"ridges": [2]})) != marching(other)

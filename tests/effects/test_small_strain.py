@@ -28,18 +28,18 @@ def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: fl
     skin, cone = condensed(springs()), FrictionCoefficients(coefficient, coefficient)
     state = skin.start()
     drives = [Drive(2.0, travel=0.0), *(Drive(2.0, travel=0.05 * i) for i in range(1, 41))]
-    before, taken, given = Drive(0.0, travel=0.0), 0.0, 0.0
+    before, dissipated, work = Drive(0.0, travel=0.0), 0.0, 0.0
     for drive in drives:
         step = Step(0.0, 1.0, before, drive, 0.0)
         after = skin.advanced(state, step, [Share(cone=cone)])
-        told = skin.reading(state, after)
-        given += (after.travel - state.travel) * (state.tangential.sum() + after.tangential.sum()) / 2
-        taken += told.dissipated
+        reading = skin.reading(state, after)
+        work += (after.travel - state.travel) * (state.tangential.sum() + after.tangential.sum()) / 2
+        dissipated += reading.dissipated
         state, before = after, drive
-    held = coefficient * 2.0  # N, on both points together
-    stretched = FLEXIBLE * held / 2
-    assert taken == pytest.approx(held * (2.0 - stretched), rel=0.05)
-    assert given == pytest.approx(taken + held * stretched / 2, rel=1e-9)
+    limit = coefficient * 2.0  # N, on both points together
+    stretched = FLEXIBLE * limit / 2
+    assert dissipated == pytest.approx(limit * (2.0 - stretched), rel=0.05)
+    assert work == pytest.approx(dissipated + limit * stretched / 2, rel=1e-9)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -65,10 +65,10 @@ def test_friction_takes_the_mean_force_of_a_step_times_the_slide(
         slipped=-way * np.array([slid, 0.0]),
         residual=1e-11,
     )
-    told = skin.reading(first, last)
-    assert told.dissipated == pytest.approx(mean * slid, rel=1e-12)
-    assert (told.normal, told.tangential) == (pytest.approx(3.0), pytest.approx(way * (after + 0.1)))
+    reading = skin.reading(first, last)
+    assert reading.dissipated == pytest.approx(mean * slid, rel=1e-12)
+    assert (reading.normal, reading.tangential) == (pytest.approx(3.0), pytest.approx(way * (after + 0.1)))
     # what the springs hold: half of flexibility times force squared, in both directions
-    assert told.elastic == pytest.approx(FLEXIBLE / 2 * (2.0**2 + 1.0**2 + after**2 + 0.1**2), rel=1e-12)
-    assert told.residual == 1e-11
-    assert told.work is None  # the plate does not turn
+    assert reading.elastic == pytest.approx(FLEXIBLE / 2 * (2.0**2 + 1.0**2 + after**2 + 0.1**2), rel=1e-12)
+    assert reading.residual == 1e-11
+    assert reading.work is None  # the plate does not turn

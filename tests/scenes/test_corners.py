@@ -38,18 +38,18 @@ def pulses(seed: int, driven: bool = False) -> History:
     draw = np.random.default_rng((34, seed))
     steps = int(draw.integers(5, 16))
     normal = float(draw.uniform(0.5, 4.0))
-    time, across = [0.0, float(draw.uniform(0.05, 0.25))], [0.0, 0.0]
+    time, pulls = [0.0, float(draw.uniform(0.05, 0.25))], [0.0, 0.0]
     for _ in range(int(draw.integers(1, 5))):
         begins = time[-1] + draw.uniform(0.1, 0.9) / steps
         width = draw.uniform(0.05, 0.9) / steps
         share = float(draw.choice([draw.uniform(0.2, 0.98), draw.uniform(1.02, 1.6)]))
         size = 0.8 * share / 1.6 if driven else share * FRICTION * normal
         time += [begins, begins + draw.uniform(0.2, 0.8) * width, begins + width]
-        across += [across[-1], float(draw.choice([-1, 1])) * size, 0.0]
-    time, across = [*time, time[-1] + 0.3], [*across, 0.0]
+        pulls += [pulls[-1], float(draw.choice([-1, 1])) * size, 0.0]
+    time, pulls = [*time, time[-1] + 0.3], [*pulls, 0.0]
     key = "displacement_mm" if driven else "tangential_force_N"
     forces = [0.0] + [normal] * (len(time) - 1)
-    return History(time_s=time, normal_force_N=forces, steps=steps, **{key: across})
+    return History(time_s=time, normal_force_N=forces, steps=steps, **{key: pulls})
 
 
 def marched(history: History) -> March:
@@ -62,14 +62,14 @@ def test_a_pull_between_two_steps_slips_where_friction_does_not_hold_it(seed: in
     history = pulses(seed)
     pull, normal = np.abs(np.array(history.tangential_force_N)), np.array(history.normal_force_N)
     slips = np.flatnonzero(pull > FRICTION * normal)
-    found = marched(history)
-    assert (found.stopped == "gross slip") == bool(slips.size)
+    run = marched(history)
+    assert (run.stopped == "gross slip") == bool(slips.size)
     if slips.size:
         first = int(slips[0])
         here, before = pull[first] - FRICTION * normal[first], pull[first - 1] - FRICTION * normal[first - 1]
         span = history.time_s[first] - history.time_s[first - 1]
         begins = history.time_s[first] - span * here / (here - before)
-        assert begins <= found.time[-1] <= history.time_s[first]
+        assert begins <= run.time[-1] <= history.time_s[first]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -95,8 +95,8 @@ def test_each_corner_has_a_time_and_no_other_is_added(seed: int) -> None:
         assert drives[here].tangential == pytest.approx(pull, abs=1e-12)
     assert times.size <= even.size + len(history.time_s)
     assert history.step_count == times.size - 1
-    kept = thinned(history.step_count, history.points)
-    assert np.isin(history.time_s, times[kept]).all()
+    indices = thinned(history.step_count, history.points)
+    assert np.isin(history.time_s, times[indices]).all()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -144,16 +144,16 @@ def test_a_short_pull_is_not_lost(tmp_path: Path) -> None:
         "effects.piezo.noise_seed=3",
     ]
     scene = small_scene(tmp_path, "hold", *changes)
-    found = at_level(scene, LEVELS[0])
-    assert found.march.stopped == "gross slip"
-    assert found.march.time[-1] == pytest.approx(0.2013, abs=1e-15)
-    told = found.as_json()
-    count = told["steps"] + 1
-    assert told["gross_slip_step"] == told["steps"]
-    every = (told["time_s"], told["normal_force_N"], told["differential_stress_MPa"]["2"])
-    assert [len(each) for each in (*every, told["output_V"]["2"]["pair"])] == [count] * 4
-    assert "103 steps" in str(found)
-    assert "100 equal ones" in str(found)
+    simulation = at_level(scene, LEVELS[0])
+    assert simulation.march.stopped == "gross slip"
+    assert simulation.march.time[-1] == pytest.approx(0.2013, abs=1e-15)
+    data = simulation.as_json()
+    count = data["steps"] + 1
+    assert data["gross_slip_step"] == data["steps"]
+    every = (data["time_s"], data["normal_force_N"], data["differential_stress_MPa"]["2"])
+    assert [len(series) for series in (*every, data["output_V"]["2"]["pair"])] == [count] * 4
+    assert "103 steps" in str(simulation)
+    assert "100 equal ones" in str(simulation)
     assert frames(scene.with_(readout={"frames": 3})) == [0, 50, 103]
     scene.with_(readout={"steps": [103]})
     with pytest.raises(InputError, match="from 0 to 103"):

@@ -48,38 +48,38 @@ def test_the_time_left_is_told_and_falls_to_what_must_follow(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "LONGER", 1e6)  # so that the march with fewer steps stands out
-    told: list[tuple[str, int, float]] = []
+    ticks: list[tuple[str, int, float]] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
         if left is not None:
-            told.append((stage, step, left))
+            ticks.append((stage, step, left))
 
     press = ("history.steps=8", "readout.ridges=[1]", THIRD)
-    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tol=0.5, tick=tick)
-    stages = list(dict.fromkeys(stage for stage, _, _ in told))
+    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tol=0.5, tick=tick)
+    stages = list(dict.fromkeys(stage for stage, _, _ in ticks))
     assert len(stages) == 3  # no error without a second mesh, nor without a march with fewer steps
-    first, fewer, second = ([left for name, _, left in told if name == stage] for stage in stages)
+    first, fewer, second = ([left for name, _, left in ticks if name == stage] for stage in stages)
     assert len(first) == len(second) == 8
     assert second[-1] == 0.0
     assert first[-1] > 100 * fewer[-1] > 0.0  # then the second mesh alone is left
     assert stages[1] == "march with fewer steps"
-    assert [step for name, step, _ in told if name == stages[1]] == [5, 8]
-    assert found.error is not None
+    assert [step for name, step, _ in ticks if name == stages[1]] == [5, 8]
+    assert simulation.error is not None
 
 
 def test_a_budget_is_told_to_be_too_small(tmp_path: Path) -> None:
     press = ("history.steps=4", "readout.ridges=[1]", THIRD)
-    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e-3)
-    assert found.error is None
-    assert any("more than the budget of 0.001 s" in warning for warning in found.warnings)
-    assert any("of unknown error" in warning for warning in found.warnings)
+    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e-3)
+    assert simulation.error is None
+    assert any("more than the budget of 0.001 s" in warning for warning in simulation.warnings)
+    assert any("of unknown error" in warning for warning in simulation.warnings)
 
 
 @pytest.mark.parametrize(
-    ("asked", "meshes"), [({"budget": 1e6}, 3), ({"budget": 1e6, "tol": 0.9}, 2), ({"tol": 0.9}, 2)]
+    ("limits", "meshes"), [({"budget": 1e6}, 3), ({"budget": 1e6, "tol": 0.9}, 2), ({"tol": 0.9}, 2)]
 )
 def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
-    asked: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    limits: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
     stages: set[str] = set()
@@ -89,9 +89,9 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
             stages.add(stage)
 
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
-    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **asked)
+    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **limits)
     assert len(stages) == meshes
-    assert not any("met" in warning or "budget" in warning for warning in found.warnings)
+    assert not any("met" in warning or "budget" in warning for warning in simulation.warnings)
 
 
 def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
@@ -101,16 +101,16 @@ def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
     marched: list[March] = []
     march = models.march_on
 
-    def fail_third(*asked: Any) -> March:
-        marched.append(march(*asked))
+    def fail_third(*arguments: Any) -> March:
+        marched.append(march(*arguments))
         return replace(marched[-1], failed=True, stopped="step 2") if len(marched) == 3 else marched[-1]
 
     monkeypatch.setattr(models, "march_on", fail_third)
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
-    found = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
+    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
     assert len(marched) == 3
-    assert found.march is marched[1]
-    assert any("a finer mesh stopped at step 2" in warning for warning in found.warnings)
+    assert simulation.march is marched[1]
+    assert any("a finer mesh stopped at step 2" in warning for warning in simulation.warnings)
 
 
 def test_a_level_is_its_own_unit_unless_told() -> None:

@@ -37,20 +37,20 @@ def block() -> CondensedPad:
 
 def test_gross_slip_ends_a_march_under_force() -> None:
     drives = [Drive(2.0 * bool(i), 0.4 * i) for i in range(5)]
-    found = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
-    assert found.stopped == "gross slip"
-    assert not found.failed
-    assert found.column("tangential") == pytest.approx([0.0, 0.4, 0.8, 1.0], rel=1e-12)
-    assert found.column("slips").ravel().tolist() == [False, False, False, True]
+    run = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
+    assert run.stopped == "gross slip"
+    assert not run.failed
+    assert run.column("tangential") == pytest.approx([0.0, 0.4, 0.8, 1.0], rel=1e-12)
+    assert run.column("slips").ravel().tolist() == [False, False, False, True]
 
 
 def test_a_driven_plate_goes_on_through_gross_slip_and_its_work_is_accounted_for() -> None:
     drives = [Drive(2.0 * bool(i), travel=0.2 * i) for i in range(5)]
-    found = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
-    assert found.stopped is None
-    assert found.column("tangential") == pytest.approx([0.0, 0.8, 1.0, 1.0, 1.0], rel=1e-12)
+    run = march(block(), TIMES, drives, [Friction(coefficient=0.5)])
+    assert run.stopped is None
+    assert run.column("tangential") == pytest.approx([0.0, 0.8, 1.0, 1.0, 1.0], rel=1e-12)
     # by hand: 0.25 mm of spring, the other 0.55 mm of 0.8 are slip at 1 N but for the step that breaks off
-    assert found.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
+    assert run.column("dissipated").sum() == pytest.approx(0.15 * 0.9 + 0.4, rel=1e-12)
 
 
 def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
@@ -59,8 +59,8 @@ def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
     springs = np.diag([0.25, 0.25, 0.1, 0.2])
     pad = ContactPad(springs, none, none, np.array([1, 2]), two, np.zeros((0, 3, 4)), 2)
     drives = [Drive(force, 0.0) for force in (0.0, 1.0, 3.0, 2.0, 1.0)]
-    found = march(condensed(pad), TIMES, drives, [Friction(coefficient=0.5)])
-    assert found.loads[:, 0].max() == pytest.approx(2.0, rel=1e-9)
+    run = march(condensed(pad), TIMES, drives, [Friction(coefficient=0.5)])
+    assert run.loads[:, 0].max() == pytest.approx(2.0, rel=1e-9)
 
 
 class _Failing(CondensedPad):
@@ -75,12 +75,12 @@ def test_what_cannot_go_on_stops_with_what_it_has(failure: BaseException) -> Non
     model = _Failing(block().pad, block().skin)
     object.__setattr__(model, "failure", failure)
     drives = [Drive(0.5 * i, 0.0) for i in range(5)]
-    found = march(model, TIMES, drives, [Friction(coefficient=0.5)], partial=True)
-    assert len(found.readings) == found.time.size == 3
-    assert found.failed == isinstance(failure, ContactError)
-    assert found.interrupted == isinstance(failure, KeyboardInterrupt)
-    if found.failed:
-        assert found.stopped == "step 3, t = 0.75 s: the sets do not settle"
+    run = march(model, TIMES, drives, [Friction(coefficient=0.5)], partial=True)
+    assert len(run.readings) == run.time.size == 3
+    assert run.failed == isinstance(failure, ContactError)
+    assert run.interrupted == isinstance(failure, KeyboardInterrupt)
+    if run.failed:
+        assert run.stopped == "step 3, t = 0.75 s: the sets do not settle"
 
 
 def test_ctrl_c_goes_on_to_a_caller_who_does_not_ask_for_a_part() -> None:

@@ -47,30 +47,30 @@ def corrected(folder: Path) -> Simulation:
 
 @pytest.mark.slow
 def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folder: Path) -> None:
-    found = corrected(folder)
-    told = found.as_json()
-    assert told["tier"] == "corrected"
-    assert told["effects"] == ["friction", "film", "finite_strain"]
-    assert 3 < len(told["chosen_steps"]) < 20
-    assert "finite_strain" not in {entry["effect"] for entry in told["left_out"]}
-    assert lines(found)[0].endswith(
+    simulation = corrected(folder)
+    data = simulation.as_json()
+    assert data["tier"] == "corrected"
+    assert data["effects"] == ["friction", "film", "finite_strain"]
+    assert 3 < len(data["chosen_steps"]) < 20
+    assert "finite_strain" not in {entry["effect"] for entry in data["left_out"]}
+    assert lines(simulation)[0].endswith(
         "Finite strain in 13 chosen steps, linear in between.".replace(
-            "13", str(len(told["chosen_steps"]) - 1)
+            "13", str(len(data["chosen_steps"]) - 1)
         )
     )
-    json.dumps(told, allow_nan=False)
+    json.dumps(data, allow_nan=False)
 
 
 def test_its_errors_are_small_strains_and_what_drifts(folder: Path) -> None:
     """Mesh and time step are as small strain has them; what drifts counts in stress, slips and leads."""
-    found, small = corrected(folder), simulate(scene_in(folder, "effects.small_strain={}"), tol=0.1)
-    one, other = found.stress_errors[2], small.stress_errors[2]
+    simulation, small = corrected(folder), simulate(scene_in(folder, "effects.small_strain={}"), tol=0.1)
+    one, other = simulation.stress_errors[2], small.stress_errors[2]
     assert (one.mesh, one.time_step) == (other.mesh, other.time_step)
     assert one.drift > 0 == other.drift
     assert one.left_out < other.left_out
-    lead, coarse = found.slip_errors.leads[1], small.slip_errors.leads[1]
+    lead, coarse = simulation.slip_errors.leads[1], small.slip_errors.leads[1]
     assert (lead.mesh, lead.time_step) == (coarse.mesh, coarse.time_step)
-    assert found.slip_errors.leads[1].left_out < small.slip_errors.leads[1].left_out
+    assert simulation.slip_errors.leads[1].left_out < small.slip_errors.leads[1].left_out
     assert small.as_json()["tier"] == "small_strain"
     assert small.as_json()["chosen_steps"] is None
 
@@ -78,15 +78,17 @@ def test_its_errors_are_small_strains_and_what_drifts(folder: Path) -> None:
 @pytest.mark.slow
 def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
     """The stress and each ridge's lead within the errors told, without what both leave out."""
-    found, each = corrected(folder), simulate(scene_in(folder, "effects.finite_strain={}"))
-    assert each.as_json()["tier"] == "finite_strain"
-    error = found.stress_errors[2]
-    common = min(found.raw[2].size, each.raw[2].size)  # in the last step the surface may fold
+    simulation, reference = corrected(folder), simulate(scene_in(folder, "effects.finite_strain={}"))
+    assert reference.as_json()["tier"] == "finite_strain"
+    error = simulation.stress_errors[2]
+    common = min(simulation.raw[2].size, reference.raw[2].size)  # in the last step the surface may fold
     assert common >= 24
-    off = np.abs(found.raw[2][:common] - each.raw[2][:common]).max()
+    off = np.abs(simulation.raw[2][:common] - reference.raw[2][:common]).max()
     assert off <= (error.total or 0) - error.left_out
-    assert off < 0.03 * np.abs(each.raw[2]).max()
-    for one, other, slip in zip(found.slip_steps, each.slip_steps, found.slip_step_errors, strict=True):
+    assert off < 0.03 * np.abs(reference.raw[2]).max()
+    for one, other, slip in zip(
+        simulation.slip_steps, reference.slip_steps, simulation.slip_step_errors, strict=True
+    ):
         assert slip is not None
         assert abs((one or 0) - (other or common)) <= (slip.total or 0) - slip.left_out + 1
 
@@ -99,8 +101,8 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
     """
     pull = [0.0, 0.0, 1.36, 1.36, 1.04, 1.28, 1.6]  # 0.4 of the scene's own
     weaker = [f"history.tangential_force_N={pull}", "effects.friction.coefficient=0.4"]
-    found = simulate(load_scene("yamada-2002-slip", [*weaker, "history.steps=110"]), tol=0.05)
-    assert found.as_json()["tier"] == "corrected"
+    simulation = simulate(load_scene("yamada-2002-slip", [*weaker, "history.steps=110"]), tol=0.05)
+    assert simulation.as_json()["tier"] == "corrected"
     judge = load_scene("yamada-2002-slip", [*weaker, "history.steps=220", "effects.finite_strain={}"])
     piece, times = piece_for(judge, {}), judge.history.times
     mesh = triangles(piece.pad, default_sizes(piece.pad, 2 * LEVELS[0].fineness))
@@ -108,42 +110,44 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
     true = march(pad, times, judge.history.drives(), judge.terms)
     slips = slips_of(true.readings, true.ridge, judge.design.ridge.count)
     assert true.stopped == "gross slip"
-    assert found.gross_slip_step is not None
+    assert simulation.gross_slip_step is not None
     assert slips.gross is not None
     films = true.column("films")[::2, :, 0]
-    for ridge, error in found.stress_errors.items():
-        one, other = found.raw[ridge], films[:, 2 * ridge - 2] - films[:, 2 * ridge - 1]
+    for ridge, error in simulation.stress_errors.items():
+        one, other = simulation.raw[ridge], films[:, 2 * ridge - 2] - films[:, 2 * ridge - 1]
         common = min(one.size, other.size)
         assert common >= 109
         assert np.abs(one[:common] - other[:common]).max() <= (error.total or 0) - error.left_out
     step, rounding = 1e3 * times[2], 1e-9  # ms
-    for one, other, error in zip(found.slip_steps, slips.steps, found.slip_errors.leads, strict=True):
+    for one, other, error in zip(
+        simulation.slip_steps, slips.steps, simulation.slip_errors.leads, strict=True
+    ):
         assert (one is None) == (other is None)
         if one is not None and other is not None:
-            lead, known = (found.gross_slip_step - one) * step, 1e3 * (times[slips.gross] - times[other])
+            lead, known = (simulation.gross_slip_step - one) * step, 1e3 * (times[slips.gross] - times[other])
             assert abs(lead - known) <= (error.total or 0) - error.left_out + rounding
 
 
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
-    found = marched(scene_in(folder), tol=1 - 1e-9, further_models=True)
-    assert models.model_of(found.on.scene) == "small_strain"
+    run = marched(scene_in(folder), tol=1 - 1e-9, further_models=True)
+    assert models.model_of(run.on.scene) == "small_strain"
     light = ("history.normal_force_N=[0.0, 0.02, 0.02]", "history.tangential_force_N=[0.0, 0.0, 0.01]")
-    found = marched(scene_in(folder, *light), tol=0.1, further_models=True)
-    assert models.model_of(found.on.scene) == "small_strain"
+    run = marched(scene_in(folder, *light), tol=0.1, further_models=True)
+    assert models.model_of(run.on.scene) == "small_strain"
 
 
 def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> None:
     for override in ("effects.small_strain={}", "readout.ridges=[]"):
-        found = marched(scene_in(folder, override), tol=0.1, further_models=True)
-        assert models.model_of(found.on.scene) == "small_strain"
-        assert not any("model beyond" in note for note in found.climbed.short)
+        run = marched(scene_in(folder, override), tol=0.1, further_models=True)
+        assert models.model_of(run.on.scene) == "small_strain"
+        assert not any("model beyond" in note for note in run.climbed.short)
 
 
 def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
     """With the effect, the reason, and the results of small strain."""
-    found = simulate(scene_in(folder, "effects.viscosity.retardation_time=1e-4"), tol=0.1)
-    assert found.as_json()["tier"] == "small_strain"
-    said = [note for note in found.warnings if "no model beyond this one was marched" in note]
+    simulation = simulate(scene_in(folder, "effects.viscosity.retardation_time=1e-4"), tol=0.1)
+    assert simulation.as_json()["tier"] == "small_strain"
+    said = [note for note in simulation.warnings if "no model beyond this one was marched" in note]
     assert len(said) == 1
     assert "viscosity" in said[0]
 
@@ -152,28 +156,28 @@ def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "DEAR", math.inf)
-    found = simulate(scene_in(folder), tol=0.1, budget=300)
-    assert found.as_json()["tier"] == "small_strain"
-    assert any("more than the budget of 300 s leaves" in note for note in found.warnings)
+    simulation = simulate(scene_in(folder), tol=0.1, budget=300)
+    assert simulation.as_json()["tier"] == "small_strain"
+    assert any("more than the budget of 300 s leaves" in note for note in simulation.warnings)
 
 
 @pytest.mark.slow
 def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
     """A scene that differs in its readers alone is read out of the same march, law and all."""
     scene = scene_in(folder)
-    found = marched(scene, tol=0.1, further_models=True)
-    told = read_out(scene.with_(effects={"piezo": {"circuit": "transimpedance"}}), found)
-    assert told.as_json()["tier"] == "corrected"
-    assert "events" in told.read
+    run = marched(scene, tol=0.1, further_models=True)
+    simulation = read_out(scene.with_(effects={"piezo": {"circuit": "transimpedance"}}), run)
+    assert simulation.as_json()["tier"] == "corrected"
+    assert "events" in simulation.read
 
 
 def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And finite strain in each step is not tried: it would stop there."""
     seen = iter([None, None, None])
     monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(seen, "the surface folds"))
-    found = simulate(scene_in(folder), tol=0.01)
-    assert found.as_json()["tier"] == "corrected"
+    simulation = simulate(scene_in(folder), tol=0.01)
+    assert simulation.as_json()["tier"] == "corrected"
     assert any(
-        "no step could be taken at finite strain: the surface folds" in note for note in found.warnings
+        "no step could be taken at finite strain: the surface folds" in note for note in simulation.warnings
     )
-    assert any("the tolerance 1.0e-02 is not met" in note for note in found.warnings)
+    assert any("the tolerance 1.0e-02 is not met" in note for note in simulation.warnings)

@@ -26,8 +26,8 @@ def change(named: Simulation, without: Simulation) -> float:
     return max(np.abs(named.raw[r] - without.raw[r]).max() for r in named.raw) / largest
 
 
-def told(found: Simulation, effect: str) -> LeftOutEffect:
-    return next(entry for entry in found.left_out if entry.effect == effect)
+def left_out_entry(simulation: Simulation, effect: str) -> LeftOutEffect:
+    return next(entry for entry in simulation.left_out if entry.effect == effect)
 
 
 def assert_told(entry: LeftOutEffect, change: float) -> None:
@@ -41,8 +41,8 @@ def test_small_pad(tmp_path: Path) -> None:
     plain = at_level(small_scene(tmp_path, PULL, *press), LEVELS[0])
     without = at_level(small_scene(tmp_path, PULL, *press, "effects.film=none"), LEVELS[0])
     ends = at_level(small_scene(tmp_path, PULL, *press, "effects.free_ends={}"), LEVELS[0])
-    assert_told(told(without, "film"), change(plain, without))
-    assert_told(told(plain, "free_ends"), change(ends, plain))
+    assert_told(left_out_entry(without, "film"), change(plain, without))
+    assert_told(left_out_entry(plain, "free_ends"), change(ends, plain))
     assert {"film"} <= {entry.effect for entry in without.left_out}
     assert not {"film", "free_ends"} & {entry.effect for entry in ends.left_out}
 
@@ -62,7 +62,7 @@ def test_films(skin: str, tmp_path: Path) -> None:
     named, without = (
         at_level(load_scene(PULL, [*press, *more]), LEVELS[0]) for more in ([], ["effects.film=none"])
     )
-    assert_told(told(without, "film"), change(named, without))
+    assert_told(left_out_entry(without, "film"), change(named, without))
 
 
 @pytest.mark.slow
@@ -72,17 +72,17 @@ def test_ends(skin: str) -> None:
     without, named = (
         at_level(load_scene(PULL, [*press, *more]), LEVELS[0]) for more in ([], ["effects.free_ends={}"])
     )
-    assert_told(told(without, "free_ends"), change(named, without))
+    assert_told(left_out_entry(without, "free_ends"), change(named, without))
 
 
 def test_what_matters_is_warned_of(tmp_path: Path) -> None:
     gentle = (FORCES[0], "history.tangential_force_N=[0.0, 0.0, 0.1]", "history.steps=2")
-    found = at_level(
+    simulation = at_level(
         small_scene(tmp_path, PULL, *gentle, "readout.ridges=[2]", "effects.film=none"), LEVELS[0]
     )
-    film = next(entry for entry in found.left_out if entry.effect == "film")
+    film = next(entry for entry in simulation.left_out if entry.effect == "film")
     assert film.change > 0.1
-    assert film.warning in found.warnings
+    assert film.warning in simulation.warnings
     assert f"{film.change:.0%}, to a factor of {film.within:g}" in film.warning
 
 
@@ -98,10 +98,10 @@ def test_how_sure_an_estimate_is_stands_beside_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "across"), [(PULL, "tangential_force_N"), ("yamada-2002-stage", "displacement_mm")]
+    ("name", "key"), [(PULL, "tangential_force_N"), ("yamada-2002-stage", "displacement_mm")]
 )
 def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
-    name: str, across: str, monkeypatch: pytest.MonkeyPatch
+    name: str, key: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[SceneOutline] = []
     monkeypatch.setattr(models, "effect", lambda _: SimpleNamespace(left_out=seen.append))
@@ -122,34 +122,34 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
         assert outline.ridge_normal == 0.3
         assert outline.end == 1.0
         assert outline.pulls
-        assert outline.driven == (across == "displacement_mm")
+        assert outline.driven == (key == "displacement_mm")
         assert outline.friction == scene.effects["friction"]["coefficient"]
         assert outline.path.slips.tolist() == [[1.0, 0.0], [0.5, 1.0]]
         assert outline.path.felt.tolist() == [[-3.0, -3.0], [-3.0, -3.0]]
         assert outline.path.pulled.tolist() == [[0.5, 0.2], [0.6, 0.7]]
         assert outline.loads == (
             tuple(scene.history.normal_force_N),
-            tuple(getattr(scene.history, across)),
+            tuple(getattr(scene.history, key)),
         )
 
 
 def test_a_signal_follows_pull_and_normal_force() -> None:
     """S = 3 T + 0.5 P of ridge 1 and -0.5 P of ridge 2; a third one that hardly touches tells nothing."""
-    pressed = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.05], [2.0, 2.0, 0.05], [2.0, 2.0, 0.05]])
+    normal = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.05], [2.0, 2.0, 0.05], [2.0, 2.0, 0.05]])
     pulled = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.4, 0.4, 0.0]])
-    signal = 3 * pulled + pressed * [0.5, -0.5, 7.0]
+    signal = 3 * pulled + normal * [0.5, -0.5, 7.0]
     zero = np.zeros(4)
-    path = PlatePath(np.arange(4.0), zero, zero, pressed, pulled, 0 * pressed, signal)
-    down, across = path.per_force()
+    path = PlatePath(np.arange(4.0), zero, zero, normal, pulled, 0 * normal, signal)
+    down, along = path.per_force()
     # what presses both ridges alike cancels, so the pull is told apart exactly
-    assert across == pytest.approx([3.0, 3.0, 3.0])
+    assert along == pytest.approx([3.0, 3.0, 3.0])
     assert down == pytest.approx([0.5, -0.5, 0.0])
 
 
 def test_without_films_the_pull_stands_for_the_signal_and_without_that_the_normal_force() -> None:
     ones, zero = np.ones((2, 3)), np.zeros(2)
     untold = np.zeros((2, 0))
-    pulled = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold)
-    assert pulled.signal is pulled.pulled
-    pressed = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold)
-    assert pressed.signal is pressed.pressed
+    pull = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold)
+    assert pull.signal is pull.pulled
+    press = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold)
+    assert press.signal is press.pressed

@@ -22,16 +22,16 @@ PRESS = ("history.steps=1", "readout.ridges=[]", "effects.film=none", "effects.f
 class One(Reader):
     """A reader."""
 
-    tells: str = "one"
+    key: str = "one"
 
     def read(self, watched: Any, time: Any, readings: Any) -> dict[str, Any]:  # noqa: ARG002
-        return {self.tells: len(readings), "warnings": [f"{self.tells} is made up"]}
+        return {self.key: len(readings), "warnings": [f"{self.key} is made up"]}
 
 
 class Other(One):
     """Another."""
 
-    tells: str = "other"
+    key: str = "other"
 
 
 @pytest.fixture(autouse=True)
@@ -46,15 +46,15 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_two_readers_tell_side_by_side(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other={}")
-    found = at_level(scene, LEVELS[0])
-    assert found.read == {"one": 2, "other": 2}
-    assert found.as_json()["other"] == 2
-    assert {"one is made up", "other is made up"} <= set(found.warnings)
-    assert {"effect one", "effect other"} <= found.seconds.keys()
+    simulation = at_level(scene, LEVELS[0])
+    assert simulation.read == {"one": 2, "other": 2}
+    assert simulation.as_json()["other"] == 2
+    assert {"one is made up", "other is made up"} <= set(simulation.warnings)
+    assert {"effect one", "effect other"} <= simulation.seconds.keys()
 
 
 def test_a_reader_may_not_overwrite_what_another_tells(tmp_path: Path) -> None:
-    tables = ("effects.one={}", "effects.other.tells=one")
+    tables = ("effects.one={}", "effects.other.key=one")
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, *tables)
     with pytest.raises(ValueError, match=r"effects\.other gives 'one', which effects\.one gives already"):
         at_level(scene, LEVELS[0])
@@ -62,20 +62,20 @@ def test_a_reader_may_not_overwrite_what_another_tells(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("key", ["time_s", "energy"])
 def test_a_reader_may_not_overwrite_what_the_march_tells(key: str, tmp_path: Path) -> None:
-    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, f"effects.one.tells={key}")
-    found = at_level(scene, LEVELS[0])
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, f"effects.one.key={key}")
+    simulation = at_level(scene, LEVELS[0])
     with pytest.raises(ValueError, match=f"gives '{key}', which .* gives already: rename one of them"):
-        found.as_json()
+        simulation.as_json()
 
 
 def test_what_follows_has_keys_of_its_own_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def half(told: Any, *_: Any) -> dict[str, Any]:
-        return {"half": told["one"] / 2}
+    def half(readings: Any, *_: Any) -> dict[str, Any]:
+        return {"half": readings["one"] / 2}
 
     monkeypatch.setitem(simulation.FOLLOWING, "one", half)
     scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}")
     assert at_level(scene, LEVELS[0]).read == {"one": 2, "half": 1.0}
-    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other.tells=half")
+    scene = small_scene(tmp_path, "yamada-2002-press", *PRESS, "effects.one={}", "effects.other.key=half")
     with pytest.raises(
         ValueError, match=r"what follows one gives 'half', which effects\.other gives already"
     ):

@@ -9,8 +9,8 @@ from skincad.scenes.models import BySource, thinned
 
 
 def test_fewer_steps_keep_the_history_s_points() -> None:
-    kept = thinned(23, np.array([0, 7, 13, 23]))
-    assert kept.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
+    indices = thinned(23, np.array([0, 7, 13, 23]))
+    assert indices.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
 
 
 def test_without_a_source_there_is_no_sum() -> None:
@@ -18,5 +18,5 @@ def test_without_a_source_there_is_no_sum() -> None:
     assert BySource(0.1, None, 0.0).total is None
     assert BySource(0.1, 0.2, 0.3).total == pytest.approx(0.6)
     assert BySource(0.1, 0.2, 0.3, 0.4).total == pytest.approx(1.0)
-    told = {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3, "drift": 0.4}
-    assert BySource(0.1, 0.2, 0.3, 0.4).as_json() == told
+    data = {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3, "drift": 0.4}
+    assert BySource(0.1, 0.2, 0.3, 0.4).as_json() == data

@@ -120,7 +120,7 @@ def test_a_skins_path_counts_from_the_scene(tmp_path: Path) -> None:
 
 
 def test_a_bad_scene_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
-    done = run_skincad("simulate", SLIP, "--set", "effects.fricton.coefficient=1.0", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr == "skincad: effects.fricton: unknown effect; did you mean 'friction'?\n"
+    process = run_skincad("simulate", SLIP, "--set", "effects.fricton.coefficient=1.0", cwd=tmp_path)
+    assert process.returncode == 2
+    assert process.stderr == "skincad: effects.fricton: unknown effect; did you mean 'friction'?\n"
     assert list(tmp_path.iterdir()) == []

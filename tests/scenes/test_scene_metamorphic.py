@@ -48,15 +48,15 @@ def marched(folder: Path, tables: Tables, of: Tables, name: str = "skin") -> Sim
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Simulation]:
     """The scene as it is, and the one that goes beyond the range."""
-    found = {
+    simulations = {
         name: marched(tmp_path_factory.mktemp(name), scene(history), skin())
         for name, history in (("pull", PULL), ("crush", CRUSH))
     }
-    assert found["pull"].march.stopped is None
-    assert any(step is not None for step in found["pull"].slip_steps)
-    assert found["crush"].march.failed
-    assert len(found["crush"].march.readings) > 5
-    return found.__getitem__
+    assert simulations["pull"].march.stopped is None
+    assert any(step is not None for step in simulations["pull"].slip_steps)
+    assert simulations["crush"].march.failed
+    assert len(simulations["crush"].march.readings) > 5
+    return simulations.__getitem__
 
 
 def same(
@@ -83,10 +83,10 @@ def test_the_unit_of_time(name: str, factor: float, plain: Any, tmp_path: Path) 
     tables = scene(PULL if name == "pull" else CRUSH)
     tables["history"]["time_s"] = [factor * t for t in tables["history"]["time_s"]]
     tables["readout"]["bandwidth_Hz"] /= factor
-    found = marched(tmp_path, tables, skin())
-    same(plain(name), found)
+    simulation = marched(tmp_path, tables, skin())
+    same(plain(name), simulation)
     rate = plain(name).signals[1].rate
-    assert found.signals[1].rate * factor == pytest.approx(rate, abs=1e-6 * float(np.abs(rate).max()))
+    assert simulation.signals[1].rate * factor == pytest.approx(rate, abs=1e-6 * float(np.abs(rate).max()))
 
 
 @pytest.mark.parametrize("name", ["pull", "crush"])
@@ -102,8 +102,8 @@ def test_the_unit_of_force(name: str, plain: Any, tmp_path: Path) -> None:
 def test_the_unit_of_length(name: str, plain: Any, tmp_path: Path) -> None:
     """Lengths twice as large and moduli a quarter: the same forces. Meshes are made in the pad's own unit."""
     tables = scene(PULL if name == "pull" else CRUSH)
-    found = marched(tmp_path, tables, scaled(skin(), 2.0, 0.25))
-    same(plain(name), found, length=2.0, stress=0.25)
+    simulation = marched(tmp_path, tables, scaled(skin(), 2.0, 0.25))
+    same(plain(name), simulation, length=2.0, stress=0.25)
 
 
 def test_pulling_to_the_other_side(plain: Any, tmp_path: Path) -> None:
@@ -138,8 +138,8 @@ def test_names_and_order_change_nothing(plain: Any, tmp_path: Path) -> None:
     assert list(tables["effects"]) != list(scene(PULL)["effects"])
     named = {key: skin()[key] for key in sorted(skin(), reverse=True)} | {"name": "other-skin"}
     one, other = plain("pull").as_json(), marched(tmp_path, tables, named, "elsewhere").as_json()
-    for told in (one, other):
-        told["effects"] = sorted(told["effects"])
-        told.pop("name")
-        told.pop("seconds")
+    for data in (one, other):
+        data["effects"] = sorted(data["effects"])
+        data.pop("name")
+        data.pop("seconds")
     assert other == one

@@ -16,11 +16,11 @@ TIME = np.linspace(0.0, 0.02, 401)
 
 def test_a_ramp_by_the_closed_form() -> None:
     """y = t - 2/w + exp(-w t) (t + 2/w): a ramp is straight between samples, so only rounding is left."""
-    w, found = corner(WIDTH), band_limited(TIME, 5.0 + TIME, WIDTH)
+    w, signal = corner(WIDTH), band_limited(TIME, 5.0 + TIME, WIDTH)
     fade = np.exp(-w * TIME)
-    assert found.value == pytest.approx(5.0 + TIME - 2 / w + fade * (TIME + 2 / w), abs=1e-13)
-    assert found.rate == pytest.approx(1 - fade * (1 + w * TIME), abs=1e-11)
-    assert found.jerk == pytest.approx(w * w * TIME * fade, abs=1e-11 * w)
+    assert signal.value == pytest.approx(5.0 + TIME - 2 / w + fade * (TIME + 2 / w), abs=1e-13)
+    assert signal.rate == pytest.approx(1 - fade * (1 + w * TIME), abs=1e-11)
+    assert signal.jerk == pytest.approx(w * w * TIME * fade, abs=1e-11 * w)
 
 
 def test_the_delay_is_what_a_ramp_lags() -> None:
@@ -69,5 +69,5 @@ def test_a_ridge_slips_when_all_that_touches_slips() -> None:
 
 
 def test_one_sample_alone_stands_still() -> None:
-    found = band_limited(np.zeros(1), np.array([5.0]), WIDTH)
-    assert [each.tolist() for each in (found.value, found.rate, found.jerk)] == [[5.0], [0.0], [0.0]]
+    signal = band_limited(np.zeros(1), np.array([5.0]), WIDTH)
+    assert [values.tolist() for values in (signal.value, signal.rate, signal.jerk)] == [[5.0], [0.0], [0.0]]

@@ -67,52 +67,52 @@ def slipped(level: int = 1, *overrides: str) -> Simulation:
 
 
 def test_json_has_the_contracts_keys_and_lengths() -> None:
-    found = slipped(0)
-    told = json.loads(json.dumps(found.as_json(), allow_nan=False))
-    assert told.keys() >= KEYS
-    assert told["effects"] == ["friction", "film"]
-    count = told["steps"] + 1
+    simulation = slipped(0)
+    data = json.loads(json.dumps(simulation.as_json(), allow_nan=False))
+    assert data.keys() >= KEYS
+    assert data["effects"] == ["friction", "film"]
+    count = data["steps"] + 1
     for key in ("time_s", "normal_force_N", "tangential_force_N"):
-        assert len(told[key]) == count
+        assert len(data[key]) == count
     for key in ("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2"):
-        assert set(told[key]) == {"3"}
-        assert len(told[key]["3"]) == count
-    assert len(told["ridge_slip_step"]) == len(told["ridge_slip_intervals"]) == 9
-    assert {"effect", "indicator", "estimated_change"} <= set(told["left_out"][0])
-    assert {entry["effect"] for entry in told["left_out"]} >= {"inertia", "finite_strain", "free_ends"}
+        assert set(data[key]) == {"3"}
+        assert len(data[key]["3"]) == count
+    assert len(data["ridge_slip_step"]) == len(data["ridge_slip_intervals"]) == 9
+    assert {"effect", "indicator", "estimated_change"} <= set(data["left_out"][0])
+    assert {entry["effect"] for entry in data["left_out"]} >= {"inertia", "finite_strain", "free_ends"}
 
 
 def test_it_ends_in_gross_slip_at_the_last_step_and_every_step_holds() -> None:
-    found = slipped(0)
-    assert found.march.stopped == "gross slip"
-    assert found.gross_slip_step == 550
-    assert found.march.column("residual").max() <= 1e-10
-    assert found.march.column("tangential")[-1] == pytest.approx(4.0, rel=1e-10)
+    simulation = slipped(0)
+    assert simulation.march.stopped == "gross slip"
+    assert simulation.gross_slip_step == 550
+    assert simulation.march.column("residual").max() <= 1e-10
+    assert simulation.march.column("tangential")[-1] == pytest.approx(4.0, rel=1e-10)
 
 
 def test_energy_balance() -> None:
     """1e-3 of the work done is the issue's; what is missing is done within steps by closing points."""
-    found = slipped(0)
-    assert found.energy["imbalance"] < 1e-3
-    assert found.march.column("dissipated").min() >= -1e-12
-    assert found.energy["dissipated_mJ"] > 0.1 * found.energy["work_mJ"]
+    simulation = slipped(0)
+    assert simulation.energy["imbalance"] < 1e-3
+    assert simulation.march.column("dissipated").min() >= -1e-12
+    assert simulation.energy["dissipated_mJ"] > 0.1 * simulation.energy["work_mJ"]
 
 
-def check_the_story(found: Simulation) -> None:
+def check_the_story(simulation: Simulation) -> None:
     """Slip runs inward from both sides; ridge 3's rate falls at its slip and its jerk peaks there."""
-    first = found.slip_steps
+    first = simulation.slip_steps
     left = [first[i] for i in (2, 3, 4)]
     right = [first[i] for i in (7, 6, 5)]
     assert None not in left + right
     assert left == sorted(left)
     assert right == sorted(right)
     assert max(first[0], first[1]) < first[2]
-    step, gross = first[2], found.gross_slip_step
+    step, gross = first[2], simulation.gross_slip_step
     assert step is not None
     assert gross is not None
-    dt = float(found.march.time[1])
-    late = round(found.delay / dt)
-    signal = found.signals[3]
+    dt = float(simulation.march.time[1])
+    late = round(simulation.delay / dt)
+    signal = simulation.signals[3]
     # the rate is up since pulling began again, and falls over the low-pass's own time after the slip
     before, after = signal.rate[step - late], signal.rate[min(step + 4 * late, gross)]
     assert before > 0
@@ -131,53 +131,53 @@ def test_figs_12_and_13() -> None:
 def test_figs_12_and_13_at_other_meshes_and_steps() -> None:
     here = slipped(0)
     others = (slipped(1), slipped(2), slipped(0, "history.steps=1100"), slipped(0, "history.steps=275"))
-    for found in others:
-        check_the_story(found)
-        one, other = (float(each.march.time[each.slip_steps[2]]) for each in (here, found))
+    for simulation in others:
+        check_the_story(simulation)
+        one, other = (float(result.march.time[result.slip_steps[2]]) for result in (here, simulation))
         assert other == pytest.approx(one, rel=0.01)  # the issue's
 
 
 def test_fig_8a_on_a_mirrored_mesh() -> None:
     """1e-9 of S1 is the issue's; the halves share one solution."""
-    found = on(LEVELS[0], "yamada-2002-press", "history.steps=20")
-    largest = np.abs(found.march.column("films")).max()
-    last = np.array([found.raw[r][-1] for r in range(1, 10)])
+    simulation = on(LEVELS[0], "yamada-2002-press", "history.steps=20")
+    largest = np.abs(simulation.march.column("films")).max()
+    last = np.array([simulation.raw[r][-1] for r in range(1, 10)])
     assert abs(last[4]) <= 1e-9 * largest
     assert np.abs(last + last[::-1]).max() <= 1e-9 * largest
     assert np.abs(last).max() > 1e-3 * largest
 
 
 def test_fig_8b_a_pull_makes_a_difference_everywhere() -> None:
-    found = on(LEVELS[0], "yamada-2002-press-and-pull", "history.steps=40")
-    change = np.array([found.raw[r][-1] - found.raw[r][20] for r in range(1, 10)])
-    assert found.march.stopped is None
+    simulation = on(LEVELS[0], "yamada-2002-press-and-pull", "history.steps=40")
+    change = np.array([simulation.raw[r][-1] - simulation.raw[r][20] for r in range(1, 10)])
+    assert simulation.march.stopped is None
     assert (np.sign(change[1:8]) == np.sign(change[4])).all()
 
 
 def test_hold_neither_slips_nor_creeps() -> None:
-    found = on(LEVELS[0], "hold", "history.steps=60")
-    travel = found.march.column("travel")[20:]
+    simulation = on(LEVELS[0], "hold", "history.steps=60")
+    travel = simulation.march.column("travel")[20:]
     assert np.ptp(travel) <= 1e-12 * abs(travel[0])
-    assert not found.slipping[21:].any()
-    assert found.slip_steps == [None] * 9
+    assert not simulation.slipping[21:].any()
+    assert simulation.slip_steps == [None] * 9
 
 
 def test_a_driven_stage_goes_through_gross_slip() -> None:
-    found = on(LEVELS[0], "yamada-2002-stage", "history.steps=60")
-    assert found.march.stopped is None
-    assert found.gross_slip_step is not None
-    tangential = found.march.column("tangential")
+    simulation = on(LEVELS[0], "yamada-2002-stage", "history.steps=60")
+    assert simulation.march.stopped is None
+    assert simulation.gross_slip_step is not None
+    tangential = simulation.march.column("tangential")
     # Coulomb: all that friction holds, from there on
-    assert tangential[found.gross_slip_step :] == pytest.approx(4.0, rel=1e-9)
+    assert tangential[simulation.gross_slip_step :] == pytest.approx(4.0, rel=1e-9)
 
 
 def test_lead_is_a_number_of_ms() -> None:
-    found = slipped(0)
-    step, gross = found.slip_steps[2], found.gross_slip_step
+    simulation = slipped(0)
+    step, gross = simulation.slip_steps[2], simulation.gross_slip_step
     # steps of 0.01 ms
-    assert found.as_json()["slip_lead_ms"] == {"3": pytest.approx(0.01 * (gross - step), rel=1e-9)}
-    held = on(LEVELS[0], "yamada-2002-press", "history.steps=2", "readout.ridges=[3]")
-    assert held.as_json()["slip_lead_ms"] == {"3": None}
+    assert simulation.as_json()["slip_lead_ms"] == {"3": pytest.approx(0.01 * (gross - step), rel=1e-9)}
+    press = on(LEVELS[0], "yamada-2002-press", "history.steps=2", "readout.ridges=[3]")
+    assert press.as_json()["slip_lead_ms"] == {"3": None}
 
 
 @cache
@@ -197,28 +197,28 @@ def test_rolling_moves_contact_from_ridge_to_ridge() -> None:
 
 def test_rolling_is_no_slip() -> None:
     """Points slip at the edges of contact alone; what a ridge does while it lifts off lasts a few steps."""
-    found = rolled()
-    assert found.march.stopped is None
-    assert found.gross_slip_step is None
-    assert found.slip_steps == [None] * 9
+    simulation = rolled()
+    assert simulation.march.stopped is None
+    assert simulation.gross_slip_step is None
+    assert simulation.slip_steps == [None] * 9
     touches, slips = (
-        np.array([getattr(r, name) for r in found.march.readings[25:]]) for name in ("touches", "slips")
+        np.array([getattr(r, name) for r in simulation.march.readings[25:]]) for name in ("touches", "slips")
     )
     # measured 0.11 at most and 0.03 in the mean, over 400 steps
     share = slips.sum(axis=1) / touches.sum(axis=1)
     assert share.max() < 0.2
     assert share.mean() < 0.06
-    assert max((b - a for runs in found.runs for a, b in runs), default=0) < 15
+    assert max((b - a for runs in simulation.runs for a, b in runs), default=0) < 15
     # it is free to travel, and nothing pulls
-    assert np.abs(found.march.column("tangential")).max() < 1e-12
-    assert found.march.column("residual").max() <= 1e-10
+    assert np.abs(simulation.march.column("tangential")).max() < 1e-12
+    assert simulation.march.column("residual").max() <= 1e-10
 
 
 def test_rolling_raises_no_false_alarm() -> None:
     """Ridges 2 and 3 slip as they lift off, for a hundredth of the time, and may be told."""
-    found = on(LEVELS[0], "rolling", "effects.piezo.circuit=yamada-2002", "history.steps=150")
-    assert {event["kind"] for event in found.read["events"]} <= {"incipient slip"}
-    assert found.read["event_score"]["false"] == 0
+    simulation = on(LEVELS[0], "rolling", "effects.piezo.circuit=yamada-2002", "history.steps=150")
+    assert {event["kind"] for event in simulation.read["events"]} <= {"incipient slip"}
+    assert simulation.read["event_score"]["false"] == 0
 
 
 @pytest.mark.slow
@@ -234,12 +234,12 @@ def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
         "effects.piezo.circuit=transimpedance",
         "history.steps=600",
     )
-    found = on(LEVELS[0], "rolling", *fast)
-    assert {event["kind"] for event in found.read["events"]} <= {"incipient slip"}
-    assert found.read["event_score"]["false"] == 0
-    assert min(found.read["signal_to_noise_dB"].values()) > 3
+    simulation = on(LEVELS[0], "rolling", *fast)
+    assert {event["kind"] for event in simulation.read["events"]} <= {"incipient slip"}
+    assert simulation.read["event_score"]["false"] == 0
+    assert min(simulation.read["signal_to_noise_dB"].values()) > 3
     # the issue's, at the scene's own 600 steps
-    assert found.energy["imbalance"] < 1e-3
+    assert simulation.energy["imbalance"] < 1e-3
 
 
 def test_same_input_same_bits(tmp_path: Path) -> None:
@@ -255,25 +255,25 @@ def test_same_input_same_bits(tmp_path: Path) -> None:
 def test_any_friction_is_marched_or_refused_with_its_reason(mu: float) -> None:
     pull = [0.0, 0.0, 3.4, 3.4, 2.6, 3.2, 4.0]
     scaled = ", ".join(f"{mu * t:.6f}" for t in pull)
-    found = slipped(0, f"effects.friction.coefficient={mu}", f"history.tangential_force_N=[{scaled}]")
-    assert found.march.column("residual").max() <= 1e-10
+    simulation = slipped(0, f"effects.friction.coefficient={mu}", f"history.tangential_force_N=[{scaled}]")
+    assert simulation.march.column("residual").max() <= 1e-10
     if mu == 0.0:
-        assert found.march.stopped is None
+        assert simulation.march.stopped is None
     elif mu <= 1.0:
-        assert found.march.stopped == "gross slip"
-        assert found.gross_slip_step == 550
-    elif found.march.failed:
-        assert "step" in found.march.stopped
+        assert simulation.march.stopped == "gross slip"
+        assert simulation.gross_slip_step == 550
+    elif simulation.march.failed:
+        assert "step" in simulation.march.stopped
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [2.0, 3.0, 5.0])
 def test_much_friction_holds_the_scenes_own_pull(mu: float) -> None:
     """Where the sets cycle from the last step's, another start settles: sliding, sticking, less friction."""
-    found = slipped(0, f"effects.friction.coefficient={mu}")
-    assert found.march.stopped is None
-    assert found.gross_slip_step is None
-    assert found.march.column("residual").max() <= 1e-10
+    simulation = slipped(0, f"effects.friction.coefficient={mu}")
+    assert simulation.march.stopped is None
+    assert simulation.gross_slip_step is None
+    assert simulation.march.column("residual").max() <= 1e-10
 
 
 @pytest.mark.slow
@@ -287,16 +287,16 @@ def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(
         template_text(SLIP, "scenes").replace('"yamada-2002"', '"skin.toml"')
     )
-    found = on(LEVELS[0], str(tmp_path / "scene.toml"))
-    assert found.gross_slip_step == 550
-    assert found.march.column("residual").max() <= 1e-10
+    simulation = on(LEVELS[0], str(tmp_path / "scene.toml"))
+    assert simulation.gross_slip_step == 550
+    assert simulation.march.column("residual").max() <= 1e-10
 
 
 @pytest.mark.slow
 def test_an_error_comes_with_two_meshes() -> None:
-    found = simulate(load_scene("yamada-2002-press", ["history.steps=10"]), budget=1e-3)
-    assert found.error is None
-    assert any("is not met" in warning for warning in found.warnings)
+    simulation = simulate(load_scene("yamada-2002-press", ["history.steps=10"]), budget=1e-3)
+    assert simulation.error is None
+    assert any("is not met" in warning for warning in simulation.warnings)
     finer = simulate(load_scene("yamada-2002-press", ["history.steps=10"]))
     assert finer.error is not None
     assert all(0 < e < math.inf for e in finer.error.values())
@@ -321,7 +321,7 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
         "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
     )
     small_scene(tmp_path, "yamada-2002-press", "readout.ridges=[]")  # its files
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", program],
         cwd=tmp_path,
         capture_output=True,
@@ -329,8 +329,8 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
         check=False,
         timeout=300,
     )
-    assert done.returncode == 0, done.stderr
-    marched, after, heavy = done.stdout.split("\n")[:3]
+    assert process.returncode == 0, process.stderr
+    marched, after, heavy = process.stdout.split("\n")[:3]
     assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
     said = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
     # by which masses and free ends tell what leaving them out changes
@@ -348,24 +348,24 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     name = "yamada-2002-press-and-pull"
     if not whole:
         small_scene(tmp_path, name, *PULL)  # its files
-        small = ("--set", "skin=small.toml", *(text for each in PULL for text in ("--set", each)))
-    done = run_skincad(
+        small = ("--set", "skin=small.toml", *(text for setting in PULL for text in ("--set", setting)))
+    process = run_skincad(
         *("simulate", *((name,) if whole else ("scene.toml", *small)), "--set", "history.steps=20", "--json"),
         *("--at", "10", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
         *(("--gif",) if whole else ("--set", "readout.frames=3")),
         cwd=tmp_path,
     )
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout).keys() >= KEYS
-    assert done.stderr == ""
+    assert process.returncode == 0, process.stderr
+    assert json.loads(process.stdout).keys() >= KEYS
+    assert process.stderr == ""
     folder = tmp_path / "out" / name
     names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif"}
     assert {p.name for p in folder.iterdir()} == names
     assert (folder / "section.gif").stat().st_size < 2_000_000  # the issue's
-    told = json.loads((folder / "simulate.json").read_text())
-    assert set(told["files"]) == names - {"simulate.json"}
+    data = json.loads((folder / "simulate.json").read_text())
+    assert set(data["files"]) == names - {"simulate.json"}
     # named effects tell their own seconds, others nothing
-    assert {key for key in told["seconds"] if key.startswith("effect")} == {"effect film"}
+    assert {key for key in data["seconds"] if key.startswith("effect")} == {"effect film"}
     rows = list(csv.reader((folder / "signals.csv").open()))
     assert rows[0][:3] == ["step [1]", "time [s]", "normal force [N]"]
     assert len(rows) == 22
@@ -394,9 +394,9 @@ def test_ctrl_c_leaves_what_is_done(
             raise KeyboardInterrupt
 
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
-    found = simulate(scene, tick=tick, partial=True)
-    assert found.march.interrupted
-    assert found.as_json()["steps"] == (5 if whole_first else 3)
+    simulation = simulate(scene, tick=tick, partial=True)
+    assert simulation.march.interrupted
+    assert simulation.as_json()["steps"] == (5 if whole_first else 3)
 
 
 @pytest.mark.parametrize("moment", [0, pytest.param(3, marks=pytest.mark.slow)])
@@ -414,9 +414,9 @@ def test_ctrl_c_between_two_meshes_or_in_the_second(
             raise KeyboardInterrupt
 
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
-    found = simulate(scene, tick=tick, partial=True)
-    assert found.march.interrupted
-    assert found.as_json()["steps"] == 5
+    simulation = simulate(scene, tick=tick, partial=True)
+    assert simulation.march.interrupted
+    assert simulation.as_json()["steps"] == 5
     stages.clear()
     with pytest.raises(KeyboardInterrupt):
         simulate(scene, tick=tick)
@@ -435,9 +435,9 @@ def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
 
     monkeypatch.setattr(models, "_meshed", without)
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
-    found = simulate(scene)
-    assert found.as_json()["steps"] == 5
-    assert any("a finer mesh is refused" in w and "needs more memory" in w for w in found.warnings)
+    simulation = simulate(scene)
+    assert simulation.as_json()["steps"] == 5
+    assert any("a finer mesh is refused" in w and "needs more memory" in w for w in simulation.warnings)
     most = 0
     with pytest.raises(ExhaustedError, match="needs more memory than there is"):
         simulate(scene)

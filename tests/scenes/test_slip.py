@@ -59,15 +59,15 @@ def behind(*rates: np.ndarray) -> np.ndarray:
 
 def pieces(*points: tuple[int, float]) -> np.ndarray:
     """Constant from each step on."""
-    found = np.zeros(TIME.size)
+    values = np.zeros(TIME.size)
     for at, value in points:
-        found[at:] = value
-    return found
+        values[at:] = value
+    return values
 
 
 def felt(level: int, scene: str, *settings: str) -> dict[str, Any]:
-    asked = ["effects.piezo.circuit=transimpedance", "readout.ridges=[2, 3]", *settings]
-    return at_level(load_scene(scene, asked), LEVELS[level]).as_json()
+    overrides = ["effects.piezo.circuit=transimpedance", "readout.ridges=[2, 3]", *settings]
+    return at_level(load_scene(scene, overrides), LEVELS[level]).as_json()
 
 
 @cache
@@ -76,9 +76,9 @@ def papers() -> np.ndarray:
 
     Ridge 2 slips from step 186 to 200 and from 477 on, ridge 3 from 488 on, all do at 550.
     """
-    found = felt(1, "yamada-2002-slip")
-    strips = [[found["output_V"][r][side] for side in ("S1", "S2")] for r in "23"]
-    return np.moveaxis(np.array(strips), 2, 0) * NOISE / (math.sqrt(2) * found["output_noise_V_rms"])
+    data = felt(1, "yamada-2002-slip")
+    strips = [[data["output_V"][r][side] for side in ("S1", "S2")] for r in "23"]
+    return np.moveaxis(np.array(strips), 2, 0) * NOISE / (math.sqrt(2) * data["output_noise_V_rms"])
 
 
 RUNS = [[[186, 200], [477, 550]], [[488, 550]]]
@@ -90,15 +90,15 @@ def events(outputs: np.ndarray) -> list[Event]:
 
 def test_each_slip_is_told_once_and_then_that_all_do() -> None:
     """Ridge 2 sticks again in between, so that its first slip does not count for gross slip."""
-    found = events(papers())
-    assert [(e.kind, e.ridge) for e in found] == [
+    alarms = events(papers())
+    assert [(e.kind, e.ridge) for e in alarms] == [
         (INCIPIENT, 0),
         (INCIPIENT, 1),
         (INCIPIENT, 0),
         (ALL, None),
     ]
     # 0.2 ms, a window and a third: the low-pass's delay is 0.04 ms
-    late = [e.index - at for e, at in zip(found, (186, 488, 477, 488), strict=True)]
+    late = [e.index - at for e, at in zip(alarms, (186, 488, 477, 488), strict=True)]
     assert [0 < steps <= 20 for steps in late] == [True] * 4
 
 
@@ -117,12 +117,12 @@ def test_in_pieces_as_at_once(cuts: list[int], side: int) -> None:
     noise = np.random.default_rng(1).normal(0.0, NOISE / math.sqrt(2), papers().shape)
     noisy = papers()[:, ::side, ::side] + noise
     whole, end = fed(D, at_rest(2), noisy)
-    state, found, seen = at_rest(2), [], []
+    state, alarms, seen = at_rest(2), [], []
     for a, b in pairwise(cuts):
         seen.append(statistic(D, state, noisy[a:b])[0])
         some, state = fed(D, state, noisy[a:b])
-        found += some
-    assert found == whole
+        alarms += some
+    assert alarms == whole
     assert len(whole) >= 2
     np.testing.assert_array_equal(np.concatenate(seen), statistic(D, at_rest(2), noisy)[0])
     np.testing.assert_array_equal(state.means, end.means)
@@ -144,8 +144,8 @@ def test_its_state_is_all_it_keeps_and_is_not_changed() -> None:
     before = state.means.copy(), state.slipping.copy()
     one, other = (fed(D, state, papers())[0] for _ in range(2))
     assert one == other
-    for kept, now in zip(before, (state.means, state.slipping), strict=True):
-        np.testing.assert_array_equal(kept, now)
+    for earlier, now in zip(before, (state.means, state.slipping), strict=True):
+        np.testing.assert_array_equal(earlier, now)
 
 
 @pytest.mark.parametrize(
@@ -183,13 +183,13 @@ def test_a_score_by_hand() -> None:
     runs = [[[100, 120], [300, 400]], [[200, 203], [350, 400]]]
     alarms = [Event(INCIPIENT, 0, 95), Event(INCIPIENT, 0, 310), Event(INCIPIENT, 0, 330)]
     alarms += [Event(INCIPIENT, 1, 50), Event(ALL, None, 20), Event(ALL, None, 340)]
-    found = score(d, alarms, TIME, runs, 400)
+    result = score(d, alarms, TIME, runs, 400)
     # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; that all slip is false
     # at step 20, as no slip goes on from there until gross slip, and true within a window of ridge 1's at 340
-    assert (found.hits, found.missed, found.false) == (2, 1, 2)
-    assert found.reasons == (PASSING, "", "", NOTHING, NOT_ALL, "")
-    assert found.lead == (pytest.approx(90e-5), None)
-    assert found.gross_lead == pytest.approx(60e-5)
+    assert (result.hits, result.missed, result.false) == (2, 1, 2)
+    assert result.reasons == (PASSING, "", "", NOTHING, NOT_ALL, "")
+    assert result.lead == (pytest.approx(90e-5), None)
+    assert result.gross_lead == pytest.approx(60e-5)
     without = score(d, alarms, TIME, runs, None)
     assert (without.false, without.lead, without.gross_lead) == (3, (None, None), None)
     other = score(d, [Event(INCIPIENT, 1, 110), Event(INCIPIENT, 1, 140)], TIME, runs, None)
@@ -230,14 +230,14 @@ def test_an_alarm_is_true_where_all_that_it_names_slip_on_until_gross_slip(seed:
         ridge = None if draw.random() < 0.3 else int(draw.integers(ridges))
         alarms.append(Event(INCIPIENT if ridge is not None else ALL, ridge, int(draw.integers(count))))
     alarms.sort(key=lambda event: event.index)
-    found = score(d, alarms, TIME, runs, gross)
+    result = score(d, alarms, TIME, runs, gross)
     true = [
         event.index >= (lasts.max() if event.ridge is None else lasts[event.ridge]) - d.window
         and (lasts.max() if event.ridge is None else lasts[event.ridge]) < count
         for event in alarms
     ]
-    assert [not reason for reason in found.reasons] == true
-    for ridge, lead in [*enumerate(found.lead), (None, found.gross_lead)]:
+    assert [not reason for reason in result.reasons] == true
+    for ridge, lead in [*enumerate(result.lead), (None, result.gross_lead)]:
         first = [e.index for e, right in zip(alarms, true, strict=True) if e.ridge == ridge and right]
         if lead is not None:
             assert gross is not None
@@ -257,7 +257,7 @@ def test_the_detector_hears_the_equal_steps_alone(seed: int) -> None:
     strips = papers().reshape(551, 4)
     more = np.stack([np.interp(place, np.arange(551), column) for column in strips.T], axis=1)
     runs: list[list[list[int]]] = [[], *RUNS]
-    moved = [[[int(even[a]), int(even[b])] for a, b in each] for each in runs]
+    moved = [[[int(even[a]), int(even[b])] for a, b in ridge_runs] for ridge_runs in runs]
     one = report(TIME[:551], by_name(papers()), NOISE / math.sqrt(2), WIDTH, runs, 550)
     outputs = by_name(more.reshape(-1, 2, 2))
     gross = int(even[550])
@@ -276,14 +276,14 @@ def test_a_lead_has_its_spread_over_noises() -> None:
     noises = [20 * NOISE * k * draw.normal(size=clean.shape) for k in range(4)]
     noises.append(-clean)  # of these outputs nothing is left, so that none warns
 
-    def told(outputs: np.ndarray, **more: Any) -> dict[str, Any]:
+    def report_of(outputs: np.ndarray, **more: Any) -> dict[str, Any]:
         return report(TIME[:551], by_name(outputs), NOISE / math.sqrt(2), WIDTH, runs, 550, **more)
 
-    every = [told(clean + noise)["lead_time_s"] for noise in [*noises, np.zeros_like(clean)]]
-    spreads = told(clean, noises=noises)["lead_time_by_noise"]
-    assert "lead_time_by_noise" not in told(clean)
+    every = [report_of(clean + noise)["lead_time_s"] for noise in [*noises, np.zeros_like(clean)]]
+    spreads = report_of(clean, noises=noises)["lead_time_by_noise"]
+    assert "lead_time_by_noise" not in report_of(clean)
     for ridge, spread in zip(("2", "3", "all"), spreads, strict=True):
-        leads = [each[ridge] for each in every if each[ridge] is not None]
+        leads = [by_ridge[ridge] for by_ridge in every if by_ridge[ridge] is not None]
         assert len(leads) < 6
         wanted = {"smallest_s": min(leads), "largest_s": max(leads), "warned": len(leads), "seeds": 6}
         assert spread == {"ridge": ridge, **wanted}
@@ -304,25 +304,25 @@ def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
 def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     outputs = by_name(papers())
     runs: list[list[list[int]]] = [[], *RUNS]
-    found = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550)
-    assert [(e["kind"], e["ridge"]) for e in found["events"]] == [
+    result = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550)
+    assert [(e["kind"], e["ridge"]) for e in result["events"]] == [
         (INCIPIENT, 2),
         (INCIPIENT, 3),
         (INCIPIENT, 2),
         (ALL, None),
     ]
-    assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in found["events"])
-    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
+    assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in result["events"])
+    assert result["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
     # the first one is of ridge 2's slip from step 186 to 200, after which it sticks
-    assert found["warning_score"] == {"true": 3, "false": 1}
-    assert [e["true"] for e in found["events"]] == [False, True, True, True]
-    assert [e["reason"] for e in found["events"]] == [PASSING, None, None, None]
-    assert found["lead_time_s"]["2"] == pytest.approx((550 - found["events"][2]["step"]) / RATE)
-    assert set(found["lead_time_s"]) == {"2", "3", "all"}
-    told = found["detector"]
-    assert told["alarms"] == SURE
-    assert told["share_of_gross_slips_warned_of"] == POINTS[SURE].warned
-    assert found["longest_lead_time_s"] == found["lead_time_s"]["3"]
+    assert result["warning_score"] == {"true": 3, "false": 1}
+    assert [e["true"] for e in result["events"]] == [False, True, True, True]
+    assert [e["reason"] for e in result["events"]] == [PASSING, None, None, None]
+    assert result["lead_time_s"]["2"] == pytest.approx((550 - result["events"][2]["step"]) / RATE)
+    assert set(result["lead_time_s"]) == {"2", "3", "all"}
+    detector_data = result["detector"]
+    assert detector_data["alarms"] == SURE
+    assert detector_data["share_of_gross_slips_warned_of"] == POINTS[SURE].warned
+    assert result["longest_lead_time_s"] == result["lead_time_s"]["3"]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
     assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
 
@@ -359,32 +359,32 @@ def test_early_alarms_are_more_and_told_as_such() -> None:
 @pytest.mark.parametrize("seed", [None, 1])
 def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> None:
     """With and without noise; ridge 2 slips from step 186 to 200 and sticks again, which is told too."""
-    found = felt(1, "yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))
-    assert found["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
+    data = felt(1, "yamada-2002-slip", *([] if seed is None else [f"effects.piezo.noise_seed={seed}"]))
+    assert data["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
     # ridges 2 and 3 slip 0.73 and 0.62 ms before all do; an alarm may take a window of 0.15 ms
-    assert found["lead_time_s"]["2"] > 0.55e-3
-    assert found["lead_time_s"]["3"] > 0.45e-3
-    assert found["lead_time_s"]["all"] == min(found["lead_time_s"][ridge] for ridge in "23")
+    assert data["lead_time_s"]["2"] > 0.55e-3
+    assert data["lead_time_s"]["3"] > 0.45e-3
+    assert data["lead_time_s"]["all"] == min(data["lead_time_s"][ridge] for ridge in "23")
 
 
 def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise(tmp_path: Path) -> None:
     piezo = ["effects.piezo.circuit=yamada-2002", "effects.piezo.noise_seed=1"]
     settings = [*piezo, "readout.ridges=[2, 3]", "readout.bandwidth_Hz=10000.0"]
-    found = at_level(load_scene("steady-pull", settings), LEVELS[0])
-    lines = [line.split(maxsplit=1) for line in str(found).split("\n")]
+    simulation = at_level(load_scene("steady-pull", settings), LEVELS[0])
+    lines = [line.split(maxsplit=1) for line in str(simulation).split("\n")]
     felt = [words for key, words in lines if key == "felt"]
     assert sum("all monitored ridges slip at step" in words for words in felt) >= 1
     assert not any("gross slip at step" in words for words in felt)
     (warned,) = (words for key, words in lines if key == "warned" and "by ridge 2" in words)
     assert re.search(r"\([\d.]+ to [\d.]+ ms with 20 of 20 noise seeds\)", warned)
-    score = found.read["warning_score"]
-    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in str(found)
-    assert sum(not event["true"] for event in found.read["events"]) == score["false"]
-    write_table(found, tmp_path / "signals.csv")  # of what is told by step alone
+    score = simulation.read["warning_score"]
+    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in str(simulation)
+    assert sum(not event["true"] for event in simulation.read["events"]) == score["false"]
+    write_table(simulation, tmp_path / "signals.csv")  # of what is told by step alone
     assert "lead" not in (tmp_path / "signals.csv").read_text().split("\n")[0]
 
 
 def test_a_hold_is_no_slip() -> None:
-    found = felt(0, "hold", "history.steps=100", "readout.bandwidth_Hz=80.0", "effects.piezo.noise_seed=1")
-    assert found["events"] == []
-    assert found["event_score"] == {"hits": 0, "missed": 0, "false": 0, "misnamed": 0}
+    data = felt(0, "hold", "history.steps=100", "readout.bandwidth_Hz=80.0", "effects.piezo.noise_seed=1")
+    assert data["events"] == []
+    assert data["event_score"] == {"hits": 0, "missed": 0, "false": 0, "misnamed": 0}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import Reading
+from skincad.effects.kinds import Observables
 from skincad.mechanics.contact.frozen_tangent import Drift
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.outputs.simulations import lines
@@ -45,8 +45,8 @@ def test_by_a_constant_shear_stress_the_area_counts() -> None:
     """A pull that stays while the area shrinks from 2 to 1 mm2 uses ever more of what the area bears."""
     time = np.linspace(0.0, 0.01, 101)
     loads = np.stack([np.full(101, 4.0), np.full(101, 0.1), np.linspace(2.0, 1.0, 101)], axis=1)
-    found = spread(time, loads, 100, 0.25, FrictionCoefficients(1.0, 1.0, ((0.1, 0.1),)))
-    assert found == pytest.approx(2.5, abs=0.11)  # from 1.25 mm2 on; a step of 0.1 ms
+    shift = spread(time, loads, 100, 0.25, FrictionCoefficients(1.0, 1.0, ((0.1, 0.1),)))
+    assert shift == pytest.approx(2.5, abs=0.11)  # from 1.25 mm2 on; a step of 0.1 ms
     assert spread(time, loads, 100, 0.25, COULOMB) == pytest.approx(10.0)  # never below
 
 
@@ -77,7 +77,7 @@ def two_ridges(first: int, gross: int, every: int = 1) -> March:
     """100 steps of 0.1 ms, or each so many: a ridge slips from a step on, the other from gross slip on."""
     steps, two = np.arange(0, 101, every), np.ones(2, dtype=bool)
     readings = tuple(
-        Reading(1.0, 1.0, 0.0, 0.0, two, np.array([step >= first, step >= gross]), two, 0.0, 0.0, 0.0)
+        Observables(1.0, 1.0, 0.0, 0.0, two, np.array([step >= first, step >= gross]), two, 0.0, 0.0, 0.0)
         for step in steps
     )
     return March(1e-4 * steps, readings, np.array([1, 2]), 0, None, False, 0.0, np.ones((steps.size, 3, 2)))
@@ -85,9 +85,9 @@ def two_ridges(first: int, gross: int, every: int = 1) -> March:
 
 def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
     """The mesh moves slip by 3 steps and gross slip by 1, fewer steps by 20 and 10; a lead by the rest."""
-    found = two_ridges(40, 80)
+    run = two_ridges(40, 80)
     refined = ComparisonRuns(before=two_ridges(43, 81), every=two_ridges(30, 70), thin=two_ridges(50, 80, 5))
-    errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
+    errors = slip_errors(run, slips_of(run.readings, run.ridge, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
     assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))
     assert errors.gross == errors.slips[1]
@@ -96,9 +96,9 @@ def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
 
 
 def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
-    found, never = two_ridges(40, 80), 1000
+    run, never = two_ridges(40, 80), 1000
     refined = ComparisonRuns(before=two_ridges(never, never))
-    errors = slip_errors(found, slips_of(found.readings, found.ridge, 2), refined, 0.0, True, COULOMB)
+    errors = slip_errors(run, slips_of(run.readings, run.ridge, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0].mesh == pytest.approx(6.0)
     assert errors.gross.mesh == pytest.approx(2.0)
     assert errors.leads[0].mesh == pytest.approx(4.0)
@@ -107,14 +107,16 @@ def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
 
 def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
     """0.1 of 2 N of pull and 0.2 of 4 N pressed change the share of friction that is used by 0.05 + 0.05."""
-    found, none = two_ridges(100, 100), np.zeros((2, 2))
+    run, none = two_ridges(100, 100), np.zeros((2, 2))
     drift = Drift(np.array([[0.1, 0.0], [0.2, 0.0]]), np.zeros((0, 3)))
     loads = np.ones((101, 3, 2))
     loads[:, :2, 0] = np.stack([np.full(101, 4.0), np.linspace(0.0, -2.0, 101)], axis=1)
-    for each, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
-        readings = tuple(replace(reading, drift=each) for reading in found.readings)
-        told = replace(found, readings=readings, loads=loads)
-        errors = slip_errors(told, slips_of(readings, found.ridge, 2), ComparisonRuns(), 0.0, False, COULOMB)
+    for drift_case, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
+        readings = tuple(replace(reading, drift=drift_case) for reading in run.readings)
+        drifting_run = replace(run, readings=readings, loads=loads)
+        errors = slip_errors(
+            drifting_run, slips_of(readings, run.ridge, 2), ComparisonRuns(), 0.0, False, COULOMB
+        )
         assert errors.slips[0].drift == pytest.approx(of_slip, abs=0.11)  # a step of 0.1 ms
         assert errors.slips[1].drift == 0.0
 
@@ -128,25 +130,25 @@ def slip(*more: str) -> Simulation:
 def test_the_step_and_the_mesh_are_told() -> None:
     """110 steps of 0.05 ms on two meshes against 550 on the same: the finer leads lie within the error."""
     coarse, fine = slip("history.steps=110"), slip()
-    for ridge, told in coarse.lead.items():
+    for ridge, estimate in coarse.lead.items():
         error = coarse.slip_errors.leads[ridge - 1]
-        assert told.value is not None
+        assert estimate.value is not None
         assert error.mesh is not None
         assert error.time_step is not None
         assert error.time_step >= 0.05 - 1e-9
         other = fine.lead[ridge].value
         assert other is not None
-        assert abs(told.value - other) <= error.mesh + error.time_step + 1e-9
+        assert abs(estimate.value - other) <= error.mesh + error.time_step + 1e-9
 
 
 @pytest.mark.slow
 def test_the_steps_of_slip_hold_against_finer_steps() -> None:
     """A step of the coarse march is five of the fine one."""
     coarse, fine = slip("history.steps=110"), slip()
-    for told, error, other in zip(
+    for estimate, error, other in zip(
         coarse.slip_estimates, coarse.slip_step_errors, fine.slip_steps, strict=True
     ):
-        if told.value is None:
+        if estimate.value is None:
             assert error is None
             assert other is None
             continue
@@ -155,7 +157,7 @@ def test_the_steps_of_slip_hold_against_finer_steps() -> None:
         assert error.mesh is not None
         assert error.time_step is not None
         assert error.time_step >= 1.0
-        assert abs(told.value - other / 5) <= error.mesh + error.time_step + 1e-9
+        assert abs(estimate.value - other / 5) <= error.mesh + error.time_step + 1e-9
     assert coarse.gross_slip_step == 110
     assert coarse.gross_slip_estimate.error == 1.0  # friction alone says when, where the force is given
 
@@ -166,39 +168,39 @@ def test_the_stress_holds_against_finer_steps() -> None:
     coarse, fine = slip("history.steps=110"), slip()
     for ridge, error in coarse.stress_errors.items():
         assert error.time_step is not None
-        apart = float(np.abs(coarse.raw[ridge][:110] - fine.raw[ridge][:550:5]).max())
-        assert apart <= error.time_step < error.left_out
+        difference = float(np.abs(coarse.raw[ridge][:110] - fine.raw[ridge][:550:5]).max())
+        assert difference <= error.time_step < error.left_out
 
 
 def test_what_is_told_of_slips_and_stress() -> None:
-    found = slip("history.steps=110")
-    told = found.as_json()
-    assert len(told["slip_step_error"]) == len(told["ridge_slip_step"]) == 9
-    for step, error in zip(told["ridge_slip_step"], told["slip_step_error"], strict=True):
+    simulation = slip("history.steps=110")
+    data = simulation.as_json()
+    assert len(data["slip_step_error"]) == len(data["ridge_slip_step"]) == 9
+    for step, error in zip(data["ridge_slip_step"], data["slip_step_error"], strict=True):
         assert (step is None) == (error is None)
         assert error is None or error["total"] == error["mesh"] + error["time_step"] + error["left_out"]
-    alone = {source for source, share in told["gross_slip_step_error"].items() if share}
+    alone = {source for source, share in data["gross_slip_step_error"].items() if share}
     assert alone == {"time_step", "total"}  # friction alone says when, where the force is given
-    assert told["gross_slip_step_error"]["total"] == 1.0
-    by_source = told["differential_stress_error_by_source_MPa"]
-    assert {r: each["mesh"] for r, each in by_source.items()} == told["differential_stress_error_MPa"]
-    whole = told["largest_differential_stress_MPa"]["3"]
+    assert data["gross_slip_step_error"]["total"] == 1.0
+    by_source = data["differential_stress_error_by_source_MPa"]
+    assert {r: errors["mesh"] for r, errors in by_source.items()} == data["differential_stress_error_MPa"]
+    whole = data["largest_differential_stress_MPa"]["3"]
     assert whole["error"] == pytest.approx(sum(by_source["3"].values()))
-    change = sum(entry.change for entry in found.left_out)
+    change = sum(entry.change for entry in simulation.left_out)
     assert by_source["3"]["left_out"] == pytest.approx(change * whole["value"])
-    words = "\n".join(lines(found))
-    largest = max(each["left_out"] for each in told["slip_step_error"] if each)
-    assert f"3 from step {found.slip_steps[2]}, " in words
+    words = "\n".join(lines(simulation))
+    largest = max(errors["left_out"] for errors in data["slip_step_error"] if errors)
+    assert f"3 from step {simulation.slip_steps[2]}, " in words
     assert "; all of them from step 110" in words
     assert f" from mesh and time step, {largest:.0f} steps from what is left out (notes)" in words
 
 
 def test_what_is_left_out_moves_a_slip_more_than_the_mesh() -> None:
-    found = slip("history.steps=110")
-    told = found.as_json()
-    assert told["lead_ms"]["3"]["error"] == pytest.approx(sum(told["lead_error_ms"]["3"].values()))
-    assert told["lead_ms"]["3"]["value"] == told["slip_lead_ms"]["3"]
-    assert told["lead_error_ms"]["3"]["left_out"] > told["lead_error_ms"]["3"]["mesh"]
+    simulation = slip("history.steps=110")
+    data = simulation.as_json()
+    assert data["lead_ms"]["3"]["error"] == pytest.approx(sum(data["lead_error_ms"]["3"].values()))
+    assert data["lead_ms"]["3"]["value"] == data["slip_lead_ms"]["3"]
+    assert data["lead_error_ms"]["3"]["left_out"] > data["lead_error_ms"]["3"]["mesh"]
 
 
 def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
@@ -207,18 +209,18 @@ def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
     scene = load_scene("yamada-2002-press", ["history.steps=12", "readout.ridges=[3]"])
 
     def interrupted(pad: Any, times: Any, *rest: Any, **more: Any) -> March:
-        found = march(pad, times, *rest, **more)
-        return found if times.size == 13 else replace(found, stopped=INTERRUPTED)
+        run = march(pad, times, *rest, **more)
+        return run if times.size == 13 else replace(run, stopped=INTERRUPTED)
 
     monkeypatch.setattr(models, "march", interrupted)
-    found = simulate(scene, partial=True)
-    assert found.march.interrupted
-    assert len(found.march.readings) == 13
-    assert found.slip_errors.leads[2].time_step is None
-    assert found.slip_errors.slips[2].time_step is None
-    assert found.stress_errors[3].time_step is None
+    simulation = simulate(scene, partial=True)
+    assert simulation.march.interrupted
+    assert len(simulation.march.readings) == 13
+    assert simulation.slip_errors.leads[2].time_step is None
+    assert simulation.slip_errors.slips[2].time_step is None
+    assert simulation.stress_errors[3].time_step is None
 
 
 def test_the_extra_march_is_a_stage_of_its_own() -> None:
-    found = slip("history.steps=110")
-    assert 0 < found.seconds["march with fewer steps"] < found.seconds["march"]
+    simulation = slip("history.steps=110")
+    assert 0 < simulation.seconds["march with fewer steps"] < simulation.seconds["march"]

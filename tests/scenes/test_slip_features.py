@@ -11,37 +11,39 @@ WINDOW, NOISE = 12, 1e-3
 DRAWN = np.random.default_rng(1).normal(size=(300, 3, 2)).cumsum(axis=0) / 30
 
 
-def told(outputs: np.ndarray, noise: float = NOISE) -> np.ndarray:
+def feature_values(outputs: np.ndarray, noise: float = NOISE) -> np.ndarray:
     return features(WINDOW, noise, outputs, at_rest(outputs.shape[1]))[0]
 
 
 def test_a_mean_by_hand() -> None:
-    found = means(WINDOW, DRAWN, at_rest(3))[0]
+    values = means(WINDOW, DRAWN, at_rest(3))[0]
     pair = DRAWN[:, :, 0] - DRAWN[:, :, 1]
     for k, span in enumerate(SPANS, 1):
         mean, share = np.zeros(3), 1 / (1 + span * WINDOW)
         for value in pair:
             mean = mean + share * (value - mean)
-        np.testing.assert_allclose(found["pair"][k][-1], mean, rtol=1e-9)  # rounding of 300 steps
-    np.testing.assert_array_equal(found["pair sum"][0], pair * DRAWN.sum(axis=2))
+        np.testing.assert_allclose(values["pair"][k][-1], mean, rtol=1e-9)  # rounding of 300 steps
+    np.testing.assert_array_equal(values["pair sum"][0], pair * DRAWN.sum(axis=2))
 
 
 def test_they_are_the_same_to_either_side() -> None:
     """A mirror exchanges S1 with S2 and the order of ridges."""
     mirrored = DRAWN[:, ::-1, ::-1]
-    np.testing.assert_allclose(told(mirrored)[:, ::-1], told(DRAWN), atol=1e-9)  # sums in another order
+    np.testing.assert_allclose(
+        feature_values(mirrored)[:, ::-1], feature_values(DRAWN), atol=1e-9
+    )  # sums in another order
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e3])
 def test_they_have_no_unit(unit: float) -> None:
-    np.testing.assert_allclose(told(unit * DRAWN, unit * NOISE), told(DRAWN), atol=1e-9)
+    np.testing.assert_allclose(feature_values(unit * DRAWN, unit * NOISE), feature_values(DRAWN), atol=1e-9)
 
 
 def test_they_stay_finite_and_bounded_at_rest_and_when_loud() -> None:
     for size in (0.0, 1.0, 1e9):
-        found = told(size * DRAWN)
-        assert np.isfinite(found).all()
-        assert np.abs(found).max() < 16  # logarithms of up to 1e12 noise rms, by 4
+        values = feature_values(size * DRAWN)
+        assert np.isfinite(values).all()
+        assert np.abs(values).max() < 16  # logarithms of up to 1e12 noise rms, by 4
 
 
 def test_others_are_the_mean_of_the_others() -> None:

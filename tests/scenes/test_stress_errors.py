@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skincad.base.arrays import Array
-from skincad.effects.kinds import Reading
+from skincad.effects.kinds import Observables
 from skincad.scenes.errors import stress_errors
 from skincad.scenes.march import March
 from skincad.scenes.models import BySource, ComparisonRuns
@@ -19,7 +19,7 @@ def euler(steps: int, gross: float = np.inf) -> March:
     stress = np.concatenate([[0.0], np.cumsum(2 * time[:-1] * np.diff(time))])
     one = np.ones(1, dtype=bool)
     readings = tuple(
-        Reading(1.0, 1.0, 0.0, 0.0, one, one & (at >= gross), np.full((1, 3), value), 0.0, 0.0, 0.0)
+        Observables(1.0, 1.0, 0.0, 0.0, one, one & (at >= gross), np.full((1, 3), value), 0.0, 0.0, 0.0)
         for at, value in zip(time, stress, strict=True)
     )
     return March(time, readings, np.ones(1, dtype=int), 0, None, False, 0.0, np.zeros((steps + 1, 3, 1)))
@@ -39,10 +39,12 @@ def test_the_time_steps_share_is_four_errors_of_first_order() -> None:
     assert error(ComparisonRuns(every=every, thin=thin)).time_step == pytest.approx(4 * float(exact))
 
 
-@pytest.mark.parametrize(("own", "other"), [(12.0, np.inf), (np.inf, 12.0), (15.0, 12.0)])
-def test_from_gross_slip_on_nothing_is_compared(own: float, other: float) -> None:
+@pytest.mark.parametrize(("gross", "coarse_gross"), [(12.0, np.inf), (np.inf, 12.0), (15.0, 12.0)])
+def test_from_gross_slip_on_nothing_is_compared(gross: float, coarse_gross: float) -> None:
     """12 s: the march with steps of 5 s has it at 15 s. At 10 s steps of 1 s miss 10, of 5 s they miss 50."""
-    assert error(ComparisonRuns(every=euler(20, own), thin=euler(4, other))).time_step == pytest.approx(40.0)
+    assert error(
+        ComparisonRuns(every=euler(20, gross), thin=euler(4, coarse_gross))
+    ).time_step == pytest.approx(40.0)
 
 
 def test_of_two_marches_without_a_common_step_nothing_is_known() -> None:
@@ -51,6 +53,6 @@ def test_of_two_marches_without_a_common_step_nothing_is_known() -> None:
 
 
 def test_what_is_left_out_is_a_share_of_the_largest() -> None:
-    found = error(ComparisonRuns(), 0.2, {1: 0.1})
-    assert found[:3] == (0.1, None, pytest.approx(0.6))
+    result = error(ComparisonRuns(), 0.2, {1: 0.1})
+    assert result[:3] == (0.1, None, pytest.approx(0.6))
     assert error(ComparisonRuns())[:3] == (None, None, 0.0)

@@ -25,7 +25,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, PositiveFloat, ValidationError
 
-from skincad.base.errors import InputError, did_you_mean, needing
+from skincad.base.errors import InputError, did_you_mean, resource_guard
 from skincad.base.machine import machine
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
@@ -338,7 +338,7 @@ def run(
     if name not in solved:
         tier = TIERS[name]
         on = [run(other, design, request, solved, progress) for other in tier.builds_on]
-        with needing(f"the {name} tier"):
+        with resource_guard(f"the {name} tier"):
             answer, began = load(name), perf_counter()
             result = answer(design, request, progress, *on)
             solved[name] = replace(result, own_seconds=perf_counter() - began)
