@@ -18,6 +18,7 @@ from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.tiers import winkler
 from skincad.mechanics.tiers.winkler_error import compliances
 from skincad.mechanics.validity import limits, plane_modulus
+from skincad.shape.skin import skin_of
 
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
 ON_A_CIRCLE = "geometry of the base circle"
@@ -70,16 +71,16 @@ def _stiffness(design: Design) -> list[Calculation]:
 
 
 def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
-    skin, ridge = design.skin, design.ridge
+    skin = skin_of(design)
     under = (
-        Quantity("n", "ridges", ridge.count, "1"),
-        Quantity("T", "skin.thickness", skin.thickness, "mm"),
-        Quantity("W", "skin.width", skin.width, "mm"),
+        Quantity("n", "ridges", skin.count, "1"),
+        Quantity("T", "skin.thickness", skin.base.thickness, "mm"),
+        Quantity("W", "skin.width", skin.base.width, "mm"),
     )
     itself = (
-        Quantity("h", "ridge height, the median one", median(design.heights), "mm"),
-        Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
-        Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+        Quantity("h", "ridge height, the median one", median(skin.heights), "mm"),
+        Quantity("b_r", "ridge.root_width", skin.profile.root_width, "mm"),
+        Quantity("b_t", "ridge.tip_width", skin.profile.tip_width, "mm"),
     )
     return [
         Calculation("A ridge's part of the base", base, "n * T / W", under, FOUNDATION),
@@ -89,22 +90,23 @@ def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -
 
 def _gap(design: Design) -> list[Calculation]:
     """The approach at which the last ridge touches."""
-    depths, ridge = winkler.crest_depths(design), design.ridge
+    skin = skin_of(design)
+    depths = winkler.crest_depths(design)
     last = int(np.argmax(depths))
-    lean = Quantity("phi", f"lean of ridge {last + 1}", abs(design.lean(last + 1)), "rad")
+    lean = Quantity("phi", f"lean of ridge {last + 1}", abs(skin.lean(last + 1)), "rad")
     radius = Quantity("R", "skin.curvature_radius", design.skin.curvature_radius, "mm")
     lean_calculation = Calculation(
         f"Lean of ridge {last + 1}, the last to touch",
         lean,
         "m * p / R",
         (
-            Quantity("m", "pitches from the middle", abs(last - (ridge.count - 1) / 2), "1"),
-            Quantity("p", "ridge.pitch", ridge.spacing, "mm"),
+            Quantity("m", "pitches from the middle", abs(last - (skin.count - 1) / 2), "1"),
+            Quantity("p", "ridge.pitch", skin.pitch, "mm"),
             radius,
         ),
         ON_A_CIRCLE,
     )
-    height = Quantity("h_l", f"height of ridge {last + 1}", design.heights[last], "mm")
+    height = Quantity("h_l", f"height of ridge {last + 1}", skin.heights[last], "mm")
     formula, more = _gap_corrections(design, depths, last)
     gap = float(winkler.crest_gaps(design)[last])
     gap_calculation = Calculation(
@@ -114,19 +116,20 @@ def _gap(design: Design) -> list[Calculation]:
         (radius, height, lean, *more),
         ON_A_CIRCLE,
     )
-    return [gap_calculation] if ridge.count == 1 else [lean_calculation, gap_calculation]
+    return [gap_calculation] if skin.count == 1 else [lean_calculation, gap_calculation]
 
 
 def _gap_corrections(design: Design, depths: Array, last: int) -> tuple[str, list[Quantity]]:
     """Terms of a gap besides the circle's fall: the plate's rise, different heights, the first touch."""
+    skin = skin_of(design)
     formula, quantities, first = "", list[Quantity](), int(np.argmin(depths))
     if design.contact.plate.shape != "flat":
         formula += " + z_p"
         rises = float(winkler.plate_rises(design)[last])
         quantities.append(Quantity("z_p", f"rise of the plate over ridge {last + 1}", rises, "mm"))
-    if design.uneven:
+    if skin.uneven:
         formula += " + (h_m - h_l)"
-        quantities.append(Quantity("h_m", "height of the highest ridge", max(design.heights), "mm"))
+        quantities.append(Quantity("h_m", "height of the highest ridge", max(skin.heights), "mm"))
     if depths[first]:
         formula += " - d_f"
         quantities.append(
@@ -176,7 +179,7 @@ def _approach(design: Design, answer: Answer) -> Calculation:
 
 
 def _strain(design: Design, share: float) -> Calculation:
-    ridge = design.ridge
+    profile = skin_of(design).profile
     return Calculation(
         "Nominal strain of the most loaded ridge",
         Quantity("epsilon", "nominal strain", limits(design).strain(share), "1"),
@@ -185,8 +188,8 @@ def _strain(design: Design, share: float) -> Calculation:
             Quantity("P_m", "force on it, by the verdict's model", share, "N"),
             Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
             Quantity("L", "skin.length", design.skin.length, "mm"),
-            Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
-            Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+            Quantity("b_r", "ridge.root_width", profile.root_width, "mm"),
+            Quantity("b_t", "ridge.tip_width", profile.tip_width, "mm"),
         ),
         "force over modulus and mean area",
         "Small strain holds up to about 0.1; beyond it a model of finite strain is needed.",

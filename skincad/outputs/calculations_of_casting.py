@@ -10,7 +10,7 @@ from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.curves import area
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
 from skincad.solids.shrinkage import shrinkage
@@ -27,7 +27,7 @@ def casting_calculations(design: Design, closed: ClosedMold) -> list[Calculation
 
 
 def _bent_with_slots(design: Design) -> bool:
-    return design.slot is not None and design.skin.curvature_radius_y is not None
+    return skin_of(design).slot is not None and design.skin.curvature_radius_y is not None
 
 
 def _cavity(design: Design, closed: ClosedMold) -> Calculation:
@@ -84,7 +84,7 @@ def _mass(design: Design, closed: ClosedMold) -> list[Calculation]:
 
 def strip_calculations(design: Design) -> list[Calculation]:
     """Return a strip's electrode and its charge by the stress through it; none without films."""
-    film, slot = design.film, design.slot
+    film, slot = design.film, skin_of(design).slot
     if film is None or slot is None:
         return []
     inside = Quantity("A", "electrode in the skin, of one strip", electrode(design), "mm²")

@@ -38,6 +38,7 @@ from skincad.pictures.markup import (
     table,
 )
 from skincad.pictures.page import data_url, document, markdown_html
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.outputs.report_scenes import ScenePart
@@ -89,6 +90,7 @@ def _scenes(job: Job, source: str) -> list[ScenePart]:
 
 def suggested_scene(design: Design) -> str | None:
     """Return the name of a scene that this skin can take, with signals in volts if there is one."""
+    skin = skin_of(design)
     names = template_names("scenes")
     for wanted in ("piezo", "film", "friction"):
         for name in names:
@@ -99,8 +101,8 @@ def suggested_scene(design: Design) -> str | None:
             if (
                 wanted in effects
                 and films_suffice
-                and max(ridges, default=0) <= design.ridge.count
-                and force <= design.ridge.count * limits(design).largest
+                and max(ridges, default=0) <= skin.count
+                and force <= skin.count * limits(design).largest
             ):
                 return name
     return None
@@ -205,7 +207,7 @@ def _calculations(job: Job, make_command: str) -> str:
         quantity.symbol: quantity
         for step in contact
         for quantity in step.given
-        if isinstance(quantity.value, tuple) and len(quantity.value) == job.design.ridge.count
+        if isinstance(quantity.value, tuple) and len(quantity.value) == skin_of(job.design).count
     }
     words = (
         "Closed forms with their numbers, to be checked by hand. They rank designs; the verdict above is a "

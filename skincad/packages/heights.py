@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 
 PIXELS_PER_PITCH, MAX_PIXELS = 50, 4096  # pixels: in a pitch, and of an image's longer side
 LEVELS = 65535  # of a pixel; 0 is where there is no skin
@@ -59,7 +59,7 @@ def height_map(design: Design) -> HeightMap:
     skin, radius = design.skin, design.skin.curvature_radius_y
     centre, angle = (0.0, 0.0) if radius is None else (skin.thickness - radius, skin.length / 2 / radius)
     reach = skin.length / 2 if radius is None else (section(design).top - centre) * math.sin(angle)
-    pixel = max(design.ridge.spacing / PIXELS_PER_PITCH, max(skin.width, 2 * reach) / MAX_PIXELS)
+    pixel = max(skin_of(design).pitch / PIXELS_PER_PITCH, max(skin.width, 2 * reach) / MAX_PIXELS)
     columns, rows = (max(1, math.floor(size / pixel)) for size in (skin.width, 2 * reach))
     x = (np.arange(columns) - (columns - 1) / 2) * pixel
     y = ((rows - 1) / 2 - np.arange(rows)) * pixel
@@ -76,7 +76,7 @@ def height_map(design: Design) -> HeightMap:
 
 def _tops(design: Design, x: NDArray[np.floating[Any]]) -> Array:
     """Largest z of the outline at each x, mm, between its corners along chords."""
-    corners = curves.polygon(section(design).outline, CHORD * design.ridge.spacing)
+    corners = curves.polygon(section(design).outline, CHORD * skin_of(design).pitch)
     tops = np.full(x.size, -np.inf)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         (x0, z0), (x1, z1) = sorted([tuple(a), tuple(b)])

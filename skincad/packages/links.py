@@ -17,7 +17,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import PVDF_DENSITY
 from skincad.shape.curves import Loop, Segment
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.plan import Part
@@ -97,7 +97,7 @@ def carrier_part(design: Design) -> Part:
 
 def ridge_loop(design: Design, ridge: int) -> Loop:
     """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
-    segments = tuple(s for s in section(design).outline if s.ridge == ridge)
+    segments = tuple(s for s in section(design).outline if s.feature == ridge)
     return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
 
 
@@ -105,7 +105,7 @@ def ridge_parts(design: Design) -> list[Part]:
     """Return each ridge above the base; slots are not taken off it, they are of the base."""
     return [
         Part(f"ridge-{i}", PartRole.SKIN, along_skin(design, ridge_loop(design, i), ()))
-        for i in range(1, design.ridge.count + 1)
+        for i in range(1, skin_of(design).count + 1)
     ]
 
 
@@ -113,12 +113,12 @@ def base_loop(design: Design) -> Loop:
     """Return the skin's outline with each ridge cut off by the chord between its feet, mm."""
     segments: list[Segment] = []
     for segment in section(design).outline:
-        if segment.ridge is None:
+        if segment.feature is None:
             segments.append(segment)
-        elif segments[-1].kind == "flank" and segments[-1].ridge == segment.ridge:
+        elif segments[-1].kind == "flank" and segments[-1].feature == segment.feature:
             segments[-1] = replace(segments[-1], end=segment.end)
         else:
-            segments.append(Segment(segment.start, segment.end, 0.0, "flank", segment.ridge))
+            segments.append(Segment(segment.start, segment.end, 0.0, "flank", segment.feature))
     return tuple(segments)
 
 
@@ -137,7 +137,7 @@ def _filling(design: Design, density: float) -> Weight | None:
     strip = PVDF_DENSITY * G_PER_MM3
     weights = []
     for slot in slots:
-        name = f"slot-{slot.ridge}-{slot.side}"
+        name = f"slot-{slot.feature}-{slot.side}"
         if state != "loose":
             weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, slot.loop(), ())), density))
         if film and state != "ignored":

@@ -18,6 +18,7 @@ from skincad.packages.files import numbers
 from skincad.packages.links import Links, Weight
 from skincad.packages.springs import Springs
 from skincad.packages.taxels import crests
+from skincad.shape.skin import skin_of
 
 STEP = 0.002  # s; MuJoCo's own default
 FRICTION = 1.0  # where contact.friction is not given; paper: about 4 N of weight at a static friction of 1.0
@@ -150,7 +151,7 @@ def _defaults(design: Design, springs: Springs) -> Iterator[str]:
 
 def _assets(design: Design) -> Iterator[str]:
     names = ["carrier", "carrier-hull", "skin", "base-hull"]
-    names += [f"ridge-{i}" for i in range(1, design.ridge.count + 1)]
+    names += [f"ridge-{i}" for i in range(1, skin_of(design).count + 1)]
     yield "  <asset>"
     yield from (f'    <mesh name="{name}" file="{name}.stl" scale="{M:g} {M:g} {M:g}"/>' for name in names)
     yield "  </asset>"
@@ -172,7 +173,8 @@ def _filling(links: Links) -> Iterator[str]:
 
 
 def _ridges(design: Design, links: Links) -> Iterator[str]:
-    size = np.array([design.ridge.spacing, design.skin.length, max(design.heights)]) * M
+    skin = skin_of(design)
+    size = np.array([skin.pitch, design.skin.length, max(skin.heights)]) * M
     for i, (weight, pose) in enumerate(zip(links.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
         yield f'        <body name="ridge-{i}">'
@@ -199,6 +201,6 @@ def _sensors(design: Design) -> Iterator[str]:
     """Normal force by touch, and the force in the design's axes, of the ridge on what touches it."""
     yield "  <sensor>"
     for kind in ("touch", "force"):
-        for i in range(1, design.ridge.count + 1):
+        for i in range(1, skin_of(design).count + 1):
             yield f'    <{kind} name="{kind}-{i}" site="ridge-{i}"/>'
     yield "  </sensor>"

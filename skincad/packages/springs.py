@@ -26,6 +26,7 @@ from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeErr
 from skincad.mechanics.tiers.winkler import crest_gaps, stiffnesses
 from skincad.mechanics.touching import check
 from skincad.mechanics.verdict import ContactCheck
+from skincad.shape.skin import skin_of
 
 SPANS = (0.5, 2.0)  # of the load, where the springs are held against another check
 LEAST_SHARE = 1e-3  # of the mean share; a ridge that carries less has no secant of its own
@@ -124,7 +125,7 @@ def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeMo
     """The linear pad reduced to one force a ridge, or None where there is none."""
     from skincad.mechanics.tiers import linear
 
-    if design.skin.curvature_radius_y is not None or design.ridge.count == 1:
+    if design.skin.curvature_radius_y is not None or skin_of(design).count == 1:
         return None
     try:
         return linear.solve(pad_of(design), Request(force, parts=True), progress).parts

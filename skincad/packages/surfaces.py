@@ -11,6 +11,7 @@ import trimesh
 from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
 from skincad.packages.links import base_loop, carrier_part, ridge_parts
+from skincad.shape.skin import skin_of
 from skincad.solids.plan import Part
 from skincad.solids.roles import PartRole
 from skincad.solids.skin import along_skin, skin_part
@@ -21,13 +22,14 @@ CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the
 
 def visual(design: Design) -> dict[str, trimesh.Trimesh]:
     """Return skin and carrier, within CHORD of a pitch of their solids."""
-    chord = CHORD * design.ridge.spacing
+    chord = CHORD * skin_of(design).pitch
     return {"skin": mesh(skin_part(design), chord), "carrier": upright(mesh(carrier_part(design), chord))}
 
 
 def collision(design: Design) -> dict[str, trimesh.Trimesh]:
     """Return the convex hulls of each ridge, the base and the carrier; ridges within FINE of a pitch."""
-    chord, fine = CHORD * design.ridge.spacing, CONTACT_CHORD * design.ridge.spacing
+    skin = skin_of(design)
+    chord, fine = CHORD * skin.pitch, CONTACT_CHORD * skin.pitch
     base = Part("base-hull", PartRole.SKIN, along_skin(design, base_loop(design), ()))
     hulls = {part.name: mesh(part, fine).convex_hull for part in ridge_parts(design)}
     hulls["base-hull"] = mesh(base, chord).convex_hull

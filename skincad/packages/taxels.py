@@ -13,9 +13,8 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame
 from skincad.shape.curves import Point
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +48,9 @@ def films(design: Design) -> Taxels:
     slots = section(design).slots if design.film and design.film_state != "ignored" else ()
     poses = [_pose(slot.centre, slot.direction) for slot in slots]
     return Taxels(
-        tuple(f"ridge-{slot.ridge}-{slot.side}" for slot in slots),
+        tuple(f"ridge-{slot.feature}-{slot.side}" for slot in slots),
         ("film",) * len(slots),
-        tuple(slot.ridge for slot in slots),
+        tuple(slot.feature for slot in slots),
         tuple(slot.side for slot in slots),
         np.array(poses).reshape(-1, 3, 4),
         np.array([(slot.depth, design.skin.length) for slot in slots]).reshape(-1, 2),
@@ -60,9 +59,10 @@ def films(design: Design) -> Taxels:
 
 def crests(design: Design) -> Taxels:
     """Return the summits of all ridges."""
-    count = design.ridge.count
-    frames = [frame(design, ridge) for ridge in range(1, count + 1)]
-    places = [at.at(0.0, height) for at, height in zip(frames, design.heights, strict=True)]
+    skin = skin_of(design)
+    count = skin.count
+    frames = [skin.placed[ridge - 1].frame for ridge in range(1, count + 1)]
+    places = [at.at(0.0, height) for at, height in zip(frames, skin.heights, strict=True)]
     poses = [_pose(place, at.normal) for place, at in zip(places, frames, strict=True)]
     return Taxels(
         tuple(f"ridge-{ridge}-crest" for ridge in range(1, count + 1)),
@@ -70,7 +70,7 @@ def crests(design: Design) -> Taxels:
         tuple(range(1, count + 1)),
         ("",) * count,
         np.array(poses),
-        np.array([(design.ridge.tip_width, design.skin.length)] * count),
+        np.array([(skin.profile.tip_width, design.skin.length)] * count),
     )
 
 

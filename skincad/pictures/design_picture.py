@@ -11,7 +11,7 @@ from skincad.pictures.canvas import Axes, Picture, sheet
 from skincad.pictures.exploded import explosion_offset
 from skincad.pictures.render import shaded, view
 from skincad.shape.curves import polygon
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.roles import PartRole
 
@@ -39,20 +39,21 @@ def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     shown = upright(skin)
     camera = view([shown], 32.0, 28.0, (720, 350))
     axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
+    count = skin_of(design).count
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
-    _show(axes, f"skin: {design.ridge.count} ridge{'s' * (design.ridge.count > 1)}, {size}")
+    _show(axes, f"skin: {count} ridge{'s' * (count > 1)}, {size}")
 
 
 def _draw_ridge(axes: Axes, design: Design) -> None:
     """The middle ridges' section with its film strips, mm."""
-    shape, ridge = section(design), design.ridge
+    shape, skin = section(design), skin_of(design)
     axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor="#333", linewidth=0.8)
     for slot in shape.slots:
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor="#333", linewidth=0.5)
         if design.film:
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
-    height = design.heights[(ridge.count - 1) // 2]
-    reach = min(1.7 * ridge.spacing, 0.5 * design.skin.width)
+    height = skin.heights[(skin.count - 1) // 2]
+    reach = min(1.7 * skin.pitch, 0.5 * design.skin.width)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(design.skin.thickness - 0.9 * reach + height, shape.top + 0.12 * reach)
     axes.set_aspect("equal")

@@ -12,9 +12,8 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
-from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop, polygon
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.body import Prism, RevolvedBody, RotatedBody, corners
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, bores
@@ -77,10 +76,10 @@ def _section_view(design: Design) -> list[str]:
     rows += _upright(right + 8.0, base, middle, f"{shape.top:.4g} to the crest", right)
     at_base = view.at(0.0, skin.thickness)[1]
     rows += _upright(left - 8.0, base, at_base, f"{skin.thickness:g}", left)
-    row = f"{design.ridge.count} ridges at {design.ridge.spacing:g} along the arc"
-    radius = f"R {skin.curvature_radius:g}, {row if design.ridge.count > 1 else '1 ridge'}"
-    if design.uneven:
-        radius += f", {min(design.heights):.4g} to {max(design.heights):.4g} high"
+    row = f"{skin_of(design).count} ridges at {skin_of(design).pitch:g} along the arc"
+    radius = f"R {skin.curvature_radius:g}, {row if skin_of(design).count > 1 else '1 ridge'}"
+    if skin_of(design).uneven:
+        radius += f", {min(skin_of(design).heights):.4g} to {max(skin_of(design).heights):.4g} high"
     if skin.curvature_radius_y is not None:
         radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
@@ -92,11 +91,12 @@ def _section_view(design: Design) -> list[str]:
 
 def _ridge_view(design: Design) -> list[str]:
     """The middle ridge, or the one beside the middle, upright and enlarged."""
-    ridge, number = design.ridge, (design.ridge.count + 1) // 2
-    height = design.heights[number - 1]
-    ridge_frame = frame(design, number)
+    skin = skin_of(design)
+    ridge, number = skin.profile, (skin.count + 1) // 2
+    height = skin.heights[number - 1]
+    ridge_frame = skin.placed[number - 1].frame
     shape = section(design)
-    reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, design.slot.offset if design.slot else 0.0)
+    reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, skin.slot.offset if skin.slot else 0.0)
     scale = min(38.0 / (2 * reach), 24.0 / (1.5 * height))
     view = PageScale((48.0, 110.0), scale)
 
@@ -112,7 +112,7 @@ def _ridge_view(design: Design) -> list[str]:
         return view.ring(shapely.get_coordinates(part), kind)
 
     rows = [clip(shape.outline, "skin")]
-    rows += [clip(s.loop(), "slot") for s in shape.slots if s.ridge == number]
+    rows += [clip(s.loop(), "slot") for s in shape.slots if s.feature == number]
     crest, foot = view.at(0.0, height)[1], view.at(0.0, 0.0)[1]
     left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
     rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
@@ -123,8 +123,8 @@ def _ridge_view(design: Design) -> list[str]:
         f"ridge {number}, scale {scale:.3g} : 1; fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
     )
     rows.append(_text(48.0, 134.5, words))
-    if design.slot:
-        slot = design.slot
+    if skin.slot:
+        slot = skin.slot
         words = (
             f"slots {slot.thickness:g} x {slot.depth:g}, {slot.offset:g} from the axis, tilt {slot.tilt:g}"
         )

@@ -12,9 +12,8 @@ from skincad.fabrication.pattern import StripPattern
 from skincad.fabrication.seal_pattern import SealPattern
 from skincad.inputs.design import Design
 from skincad.pictures.marks import Dimension, Words, aligned, diameter, linear
-from skincad.shape.cross_section import frame
 from skincad.shape.curves import Loop
-from skincad.shape.skin import section
+from skincad.shape.skin import section, skin_of
 from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
 
@@ -82,14 +81,15 @@ def seal_dimensions(pattern: SealPattern) -> tuple[list[Dimension], float]:
 def _ridge(design: Design, scale: float) -> list[Dimension]:
     """Root and tip of the middle ridge, the pitch from the one before it, as a chord between crests, and the
     height of the first ridge, beside which there is room."""
-    ridge, middle = design.ridge, (design.ridge.count + 1) // 2
+    skin = skin_of(design)
+    profile, middle = skin.profile, (skin.count + 1) // 2
 
     def on_paper(number_: int, t: float, n: float) -> Place:
-        point = frame(design, number_).at(t, n)
+        point = skin.placed[number_ - 1].frame.at(t, n)
         return scale * point.x, scale * point.z
 
-    high, first = design.heights[middle - 1], design.heights[0]
-    root, tip = ridge.root_width / 2, ridge.tip_width / 2
+    high, first = skin.heights[middle - 1], skin.heights[0]
+    root, tip = profile.root_width / 2, profile.tip_width / 2
     rows = [
         aligned(
             (on_paper(middle, -root, 0.0), on_paper(middle, root, 0.0)),
@@ -110,8 +110,8 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
         ),
     ]
     if middle > 1:
-        ends = on_paper(middle - 1, 0.0, design.heights[middle - 2]), on_paper(middle, 0.0, high)
-        words = f"{number(math.dist(*ends) / scale)} (pitch {number(ridge.spacing)})"
+        ends = on_paper(middle - 1, 0.0, skin.heights[middle - 2]), on_paper(middle, 0.0, high)
+        words = f"{number(math.dist(*ends) / scale)} (pitch {number(skin.pitch)})"
         rows.append(aligned(ends, 6.6, scale, words, SIZE))
     return rows
 
