@@ -14,7 +14,7 @@ import numpy as np
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.pictures.canvas import Axes, save, sheet
+from skincad.outputs.figures.canvas import Axes, save, sheet
 from skincad.shape.cross_section import frame
 from skincad.shape.curves import polygon
 from skincad.shape.skin import section

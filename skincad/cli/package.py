@@ -48,7 +48,7 @@ def package(
     MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
     each number rests on appear in the output folder.
     """
-    from skincad.outputs.packages import COMMAND
+    from skincad.outputs.simulators.package import COMMAND
 
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
     target = out_folder(folder, Path(design.name, "package"), COMMAND, ())

@@ -37,6 +37,25 @@ class Delivery:
         return f"{len(named)} files in {self.folder}{names}"
 
 
+def _no_figures(_: Any) -> dict[str, Callable[[], Any]]:
+    return {}
+
+
+def _everything(result: Result) -> dict[str, Any]:
+    return result.as_json()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Presentation:
+    """How one kind of result is shown, where a module shows several kinds: see `skincad.base.result`."""
+
+    COMMAND: str
+    lines: Callable[[Any], list[str]]
+    files: Callable[[Any], dict[str, Writer]]
+    figures: Callable[[Any], dict[str, Callable[[], Any]]] = _no_figures
+    manifest: Callable[[Any], dict[str, Any]] = _everything
+
+
 def write(
     result: Result,
     folder: Path | str,
@@ -107,7 +126,7 @@ def picture(draw: Callable[[], Any]) -> Writer:
     """Return the writer of a figure as PNG, drawn when it is written."""
 
     def writer(path: Path) -> None:
-        from skincad.pictures.canvas import Picture, save
+        from skincad.outputs.figures.canvas import Picture, save
 
         figure = draw()
         assert isinstance(figure, Picture)

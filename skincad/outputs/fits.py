@@ -16,7 +16,7 @@ from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
+    from skincad.outputs.figures.canvas import Picture
 
 COMMAND = "fit-material"
 
@@ -96,7 +96,7 @@ def manifest(fit: MaterialFit) -> dict[str, Any]:
 
 def figures(fit: MaterialFit) -> dict[str, Callable[[], Picture]]:
     """Return the test's rows and what the model makes of them."""
-    from skincad.pictures.fit_figures import fit_figure
+    from skincad.outputs.figures.results import fit_figure
 
     return {"fit.png": partial(fit_figure, fit)}
 

@@ -20,8 +20,8 @@ from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
-    from skincad.pictures.section_figures import Moment
+    from skincad.outputs.figures.canvas import Picture
+    from skincad.outputs.figures.stress import Moment
 
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
@@ -196,9 +196,8 @@ def manifest(simulation: Simulation) -> dict[str, Any]:
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.pictures.recording_figures import recording, recording_figure
-    from skincad.pictures.scene_figures import scene_figure
-    from skincad.pictures.section_figures import section_figure
+    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure
+    from skincad.outputs.figures.stress import section_figure
 
     drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
     if record := recording(simulation):
@@ -210,7 +209,7 @@ def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
 
 def files(simulation: Simulation) -> dict[str, Writer]:
     """Return the writer of each file."""
-    from skincad.pictures.section_figures import section_animation, section_picture
+    from skincad.outputs.figures.stress import section_animation, section_picture
 
     drawings = figures(simulation)
     writers = {TABLE: partial(write_table, simulation)} | {
@@ -229,7 +228,7 @@ def _section_steps(simulation: Simulation) -> list[int]:
 
 
 def _moment(simulation: Simulation, step: int) -> Moment:
-    from skincad.pictures.section_figures import Moment
+    from skincad.outputs.figures.stress import Moment
 
     march = simulation.march
     assert isinstance(march.pad, Showing)  # the scene was checked for it

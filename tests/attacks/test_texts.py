@@ -25,10 +25,9 @@ from skincad.fabrication.making import Job
 from skincad.inputs.design import Design
 from skincad.outputs import makes
 from skincad.outputs.report import report
-from skincad.outputs.sweeps import sweep_csv, sweep_page
-from skincad.packages.card import markdown
-from skincad.packages.links import links
-from skincad.packages.packing import Package
+from skincad.outputs.simulators.links import links
+from skincad.outputs.simulators.package import Package, markdown
+from skincad.outputs.studies import sweep_csv, sweep_page
 from skincad.solids.mold import mold
 
 PIECES = (

@@ -19,8 +19,8 @@ from skincad.ladders.climbing import Accuracy
 from skincad.ladders.ladder import ErrorMeasure, Ladder, Trial
 from skincad.mechanics.tiers.measured import FOLDER, NAME, Taken, kept
 from skincad.outputs.accuracies import lines
-from skincad.pictures.canvas import save
-from skincad.pictures.ladder_figures import SIZE, STYLES, diagram
+from skincad.outputs.figures.canvas import save
+from skincad.outputs.figures.studies import LADDER_SIZE, STYLES, diagram
 from tests.conftest import run_skincad
 
 NUMBER, TEXT = {"type": "number"}, {"type": "string"}
@@ -79,7 +79,7 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
     first = float(rows[0]["circuit: output"])
     assert first == pytest.approx(found["rows"][0]["error"], rel=1e-3)  # four digits
     with Image.open(folder / "accuracy-circuit.png") as picture:
-        assert picture.size == (round(100 * SIZE[0]), round(100 * SIZE[1]))
+        assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
 
 def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
