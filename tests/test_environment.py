@@ -27,7 +27,8 @@ from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.outputs.figures.canvas import save
 from skincad.outputs.figures.results import gain_figure
-from skincad.outputs.solid_files import write_section_dxf, write_step
+from skincad.outputs.drawing.flat import write_section_dxf
+from skincad.outputs.solid_files import write_step
 from skincad.solids.occ import workplane
 from skincad.solids.skin import skin_part
 design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.estimate import Estimate
 from skincad.base.result import Writer
 from skincad.base.stopwatch import about
-from skincad.mechanics.film.answer import FilmStresses
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.delivery import Presentation, picture
 
 if TYPE_CHECKING:
+    from skincad.mechanics.film.answer import FilmStresses
     from skincad.outputs.figures.canvas import Picture
 
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from skincad.base.result import Writer
-from skincad.base.tables import Ranged
 from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
+from skincad.outputs.tomls import ranged_toml
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -82,11 +82,6 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_rounded(item) for item in value]
     return float(f"{value:.6g}") if isinstance(value, float) else value
-
-
-def ranged_toml(ranged: Ranged) -> str:
-    """Return a number with its range as a TOML value."""
-    return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
 
 
 def manifest(fit: MaterialFit) -> dict[str, Any]:

@@ -40,7 +40,6 @@ from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone, silicones
 from skincad.laws.rubber import Rubber
-from skincad.outputs.fits import ranged_toml
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
 _LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
@@ -443,6 +442,11 @@ def write_with_modulus(
     modulus_value = tomllib.loads(f"modulus = {ranged_toml(modulus)}")["modulus"]
     data["material"] = {**material, "young_modulus": modulus_value, **law_table}
     write_copy(path, source, Design(**data), {"material.young_modulus": provenance})
+
+
+def ranged_toml(ranged: Ranged) -> str:
+    """Return a number with its range as a TOML value."""
+    return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
 
 
 def _source_text(source: str) -> str:

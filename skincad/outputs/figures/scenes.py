@@ -109,7 +109,7 @@ def _errors(simulation: Simulation) -> dict[int, float]:
 
 def _slip_map(axes: Axes, simulation: Simulation) -> None:
     """Ridge by step: clear, sticking (in part at least), slipping with all that touches."""
-    count = len(simulation.slip_steps)
+    count = simulation.slipping.shape[1]
     touches = np.array([reading.touches for reading in simulation.march.readings])
     touching = np.stack(
         [touches[:, simulation.march.ridge == r].any(axis=1) for r in range(1, count + 1)], axis=1
