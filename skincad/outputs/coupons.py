@@ -120,7 +120,5 @@ def _numbers(reading: CouponReading) -> Iterator[str]:
 
 
 READING = Presentation(
-    COMMAND="coupon-reading",
-    lines=reading_lines,
-    files=lambda reading: {PRINTER: text(reading.to_toml)},
+    COMMAND="coupon-reading", lines=reading_lines, files=lambda reading: {PRINTER: text(reading.to_toml)}
 )

@@ -57,11 +57,7 @@ class Presentation:
 
 
 def write(
-    result: Result,
-    folder: Path | str,
-    *,
-    formats: Iterable[str] | str = (),
-    progress: Progress | None = None,
+    result: Result, folder: Path | str, *, formats: Iterable[str] | str = (), progress: Progress | None = None
 ) -> Delivery:
     """Write a result's files and its manifest into `folder`, whole or not at all.
 

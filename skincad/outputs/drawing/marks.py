@@ -162,12 +162,7 @@ def aligned(
 
 
 def _linear_dimension(
-    ends: tuple[Place, Place],
-    feet: tuple[Place, Place],
-    scale: float,
-    words: str,
-    height: float,
-    turn: float,
+    ends: tuple[Place, Place], feet: tuple[Place, Place], scale: float, words: str, height: float, turn: float
 ) -> Dimension:
     a, b = feet
     along = math.atan2(b[1] - a[1], b[0] - a[0])

@@ -90,11 +90,7 @@ class Package(Result):
 
 
 def package(
-    design: Design,
-    kinds: Iterable[str] | str = (),
-    *,
-    tier: str = "auto",
-    progress: Progress | None = None,
+    design: Design, kinds: Iterable[str] | str = (), *, tier: str = "auto", progress: Progress | None = None
 ) -> Package:
     """Return a design as a package for `kinds` of simulators, all of KINDS if there are none.
 

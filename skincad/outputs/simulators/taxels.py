@@ -83,11 +83,7 @@ def crests(design: Design) -> Taxels:
 def _pose(place: Point, outward: Point) -> Array:
     """Pose of a place in the section, its third axis along a unit vector of the section."""
     return np.array(
-        [
-            [outward.z, 0.0, outward.x, place.x],
-            [0.0, 1.0, 0.0, 0.0],
-            [-outward.x, 0.0, outward.z, place.z],
-        ]
+        [[outward.z, 0.0, outward.x, place.x], [0.0, 1.0, 0.0, 0.0], [-outward.x, 0.0, outward.z, place.z]]
     )
 
 
