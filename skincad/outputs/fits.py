@@ -13,7 +13,7 @@ from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
-from skincad.outputs.tomls import ranged_toml
+from skincad.outputs.tomls import aligned, ranged_toml
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -66,15 +66,7 @@ def law_lines(fit: MaterialFit) -> list[str]:
         )
         for row in fit.laws
     ]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "",
-        f"{head}. {how}",
-        *(
-            "  ".join([name.ljust(widths[0]), *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True))])
-            for name, *cells in rows
-        ),
-    ]
+    return ["", f"{head}. {how}", *aligned(rows)]
 
 
 def _rounded(value: Any) -> Any:

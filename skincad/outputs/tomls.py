@@ -325,7 +325,7 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
     known = silicones()
     rows = [("", *(head for _, head, _ in _COLUMNS)), ("", *(unit for *_, unit in _COLUMNS))]
     rows += [(name, *(_silicone_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
-    head, units, *lines = _aligned(rows)
+    head, units, *lines = aligned(rows)
     sources = [[f"  {entry.source}", *_silicone_sources(entry)] for entry in known.values()]
     cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
     notes = [
@@ -364,8 +364,8 @@ def _silicone_cell(entry: Silicone, key: str) -> str:
     return f"{100 * value:g}" if key == "elongation_at_break" else f"{value:g}"
 
 
-def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Rows as lines with columns of the same width, the first to the left."""
+def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return rows as lines with columns of the same width, the first to the left."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])

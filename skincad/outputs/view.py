@@ -43,7 +43,13 @@ def view_page(
     data = {
         "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
         "steps": [
-            {"words": step.words, "moves": [_move(move, closed) for move in step.moves]}
+            {
+                "words": step.words,
+                "moves": [
+                    {"parts": {name: way_out(closed.part(name), move) for name in move.parts}}
+                    for move in step.moves
+                ],
+            }
             for step in opening_steps(design, closed)
         ],
         "load": _load(design, check),
@@ -75,12 +81,8 @@ def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:
     }
 
 
-def _move(move: Move, closed: ClosedMold) -> Data:
-    """Which parts leave and how each is moved: by a vector in mm, or turned about an axis along x."""
-    return {"parts": {name: _way(closed.part(name), move) for name in move.parts}}
-
-
-def _way(part: Part, move: Move) -> Data:
+def way_out(part: Part, move: Move) -> Data:
+    """Return how a part is moved: by a vector in mm, or turned about an axis along x."""
     body = part.body
     if move.axis == "turn":
         if not isinstance(body, RevolvedBody):
@@ -104,7 +106,8 @@ def _load(design: Design, check: ContactCheck | None) -> Data | None:
     joined = _joined(rest)
     caps, first = [], 0
     for piece in check.deformed:
-        caps.append(joined[_cap([loop.rest for loop in piece]) + first])
+        # loops run as it wants them: counterclockwise outside, seen with x to the right and z up
+        caps.append(joined[np.asarray(triangulate([loop.rest for loop in piece])) + first])
         first += sum(len(loop.rest) for loop in piece)
     cap, wall = np.vstack(caps), _wall([len(loop.rest) for loop in loops], joined)
     return {
@@ -154,12 +157,6 @@ def _wall(lengths: Iterable[int], joined: Index) -> Index:
     return np.vstack([np.stack([a, b, b + far], 1), np.stack([a, b + far, a + far], 1)])
 
 
-def _cap(loops: list[Array]) -> Index:
-    """Faces of a section between its loops, which run as `triangulate` wants them: counterclockwise outside,
-    seen with x to the right and z up."""
-    return np.asarray(triangulate(loops))
-
-
 def _packed(values: Array | Index) -> str:
     """Numbers in one line of base64: single precision, or whole ones in 32 bits; little-endian."""
     kind = "<u4" if values.dtype.kind in "iu" else "<f4"
@@ -168,7 +165,9 @@ def _packed(values: Array | Index) -> str:
 
 def explosion_offset(part: Part, closed: ClosedMold) -> Array:
     """Return where a part is drawn, relative to the closed mold, `(3,)` mm."""
-    high, side, body = _height(closed), 1.1 * closed.length, part.body
+    blocks = [block.body for block in closed.of(*CAVITIES)]
+    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
+    high, side, body = max(levels) - min(levels), 1.1 * closed.length, part.body
     if part.end is not None:
         out = side * (1.0 if part.role in END_PLATES else 0.5) * (-1 if part.end == "a" else 1)
         lift = 0.25 * high if part.role is PartRole.KEEPER else 0.0
@@ -188,12 +187,6 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.RIGHT: (0.3 * high, 0.0, 0.0),
     }
     return np.array(places.get(part.role, (0.0, 0.0, 0.0)))
-
-
-def _height(closed: ClosedMold) -> float:
-    blocks = [part.body for part in closed.of(*CAVITIES)]
-    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
-    return max(levels) - min(levels)
 
 
 VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries

@@ -15,17 +15,6 @@ from pathlib import Path
 from threading import RLock
 from typing import Any
 
-from cycler import cycler
-from matplotlib import colormaps, rc_context, rcParamsDefault
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import ListedColormap, Normalize, to_rgb
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
-from matplotlib.tri import Triangulation
 from PIL import Image
 
 from skincad.base.errors import InputError
@@ -53,6 +42,17 @@ def _load() -> None:
 
 _load()
 
+from cycler import cycler  # noqa: E402
+from matplotlib import colormaps, rc_context, rcParamsDefault  # noqa: E402
+from matplotlib.axes import Axes  # noqa: E402
+from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
+from matplotlib.cm import ScalarMappable  # noqa: E402
+from matplotlib.collections import PolyCollection  # noqa: E402
+from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [
     "BLACK",
