@@ -78,7 +78,7 @@ class Words(NamedTuple):
         return (x - back, y - 0.3 * self.height, x - back + wide, y + self.height)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Dimension:
     """A dimension between two points: a diameter's opposite ones, or the two that a linear one measures along
     `turn`, degrees, its line through `line`. `measured` mm is the part's, `scale` paper by part."""
@@ -192,7 +192,16 @@ def _linear_dimension(
     way = math.radians(turn)
     at = middle[0] - lift * math.sin(way), middle[1] + lift * math.cos(way)
     text = Words(words, at, height, "DIMENSIONS", "middle", turn)
-    return Dimension("linear", ends, feet[0], turn, span / scale, scale, text, tuple(marks))
+    return Dimension(
+        kind="linear",
+        ends=ends,
+        line=feet[0],
+        turn=turn,
+        measured=span / scale,
+        scale=scale,
+        words=text,
+        drawn=tuple(marks),
+    )
 
 
 def diameter(centre: Place, radius: float, angle: float, scale: float, words: Words) -> Dimension:
@@ -208,7 +217,16 @@ def diameter(centre: Place, radius: float, angle: float, scale: float, words: Wo
         line(near, end, "DIMENSIONS"),
         line((box[0], end[1]), (box[2], end[1]), "DIMENSIONS"),
     )
-    return Dimension("diameter", (far, near), end, 0.0, 2 * radius / scale, scale, words, marks)
+    return Dimension(
+        kind="diameter",
+        ends=(far, near),
+        line=end,
+        turn=0.0,
+        measured=2 * radius / scale,
+        scale=scale,
+        words=words,
+        drawn=marks,
+    )
 
 
 class Layer(NamedTuple):

@@ -5,7 +5,7 @@ The card says what was simplified, what each number rests on, and where it holds
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,9 +22,17 @@ from skincad.base.strictjson import strict_json
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
-from skincad.outputs.delivery import text
-from skincad.outputs.simulators.links import Links, glb, links, obj
-from skincad.outputs.simulators.meshes import HeightMap, materials, msh, vtu
+from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.simulators.links import Links, carrier_part, collision, glb, links, obj, visual
+from skincad.outputs.simulators.meshes import (
+    HeightMap,
+    Tetrahedra,
+    height_map,
+    materials,
+    msh,
+    tetrahedra,
+    vtu,
+)
 from skincad.outputs.simulators.models import (
     FRICTION,
     STEP,
@@ -43,21 +51,21 @@ from skincad.outputs.simulators.taxels import (
     write_response,
     write_taxels,
 )
+from skincad.outputs.solid_files import write_step, write_stl
 from skincad.solids.layout import lid_process
 
 if TYPE_CHECKING:
-    import trimesh
-
     from skincad.mechanics.film.response import FilmResponse
-    from skincad.outputs.simulators.meshes import HeightMap, Tetrahedra
 
 
 KINDS = ("mujoco", "urdf", "taxels", "mesh")
 NO_FILM = "there is no film that is bonded: taxels are the crests, and there is no film response"
 DOUBLY_CURVED = "the films' response needs a skin that is straight along y: there is none"
+FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat back is at z = 0"
+LICENCE = "to be stated by the skin's owner"
 
 
-@dataclass(frozen=True, repr=False, eq=False)
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
 class Package(Result):
     """A design for these `kinds` of simulators; what a kind asks for is None where it is not among them.
 
@@ -65,7 +73,7 @@ class Package(Result):
     out and why.
     """
 
-    shown_by = "skincad.outputs.simulators.package"
+    shown_by = "skincad.outputs.simulators.package:PACKAGE"
     design: Design
     kinds: tuple[str, ...]
     weighs: Links
@@ -106,41 +114,34 @@ def package(
             raise InputError("kinds", "unknown simulator", kind, did_you_mean(kind, KINDS))
     chosen = tuple(kind for kind in KINDS if not names or kind in names)
     watch, notes = Stopwatch(progress), list[str]()
+    # the stages of springs, but not the time left of each of their checks
+    untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
     with watch.stage("springs"):
-        ridge_springs = springs(design, tier, _untimed(progress)) if "mujoco" in chosen else None
+        ridge_springs = springs(design, tier, untimed) if "mujoco" in chosen else None
     with watch.stage("response"):
         places = taxels(design) if "taxels" in chosen else None
         response = _response(design, notes, progress) if "taxels" in chosen else None
     with watch.stage("solids"):
         weighs = links(design)
     with watch.stage("surfaces"):
-        from skincad.outputs.simulators.links import collision, visual
-
         shapes = {**visual(design), **collision(design)} if {*chosen} != {"taxels"} else {}
     mesh, heights = None, None
     if "mesh" in chosen:
-        from skincad.outputs.simulators.meshes import height_map, tetrahedra
-
         with watch.stage("mesh"):
             mesh, heights = tetrahedra(design), height_map(design)
     return Package(
-        design,
-        chosen,
-        weighs,
-        shapes,
-        ridge_springs,
-        places,
-        response,
-        mesh,
-        heights,
-        tuple(notes),
-        watch.seconds(),
+        design=design,
+        kinds=chosen,
+        weighs=weighs,
+        surfaces=shapes,
+        springs=ridge_springs,
+        taxels=places,
+        response=response,
+        mesh=mesh,
+        heights=heights,
+        notes=tuple(notes),
+        seconds=watch.seconds(),
     )
-
-
-def _untimed(progress: Progress | None) -> Progress | None:
-    """Tell the stages of springs, but not the time left of each of their checks."""
-    return None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
 
 
 def _response(design: Design, notes: list[str], progress: Progress | None) -> FilmResponse | None:
@@ -154,10 +155,6 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
     from skincad.mechanics.film.response import film_response
 
     return film_response(design, progress)
-
-
-COMMAND = "package"
-SOLID_FILES = ("skin.step", "carrier.step")
 
 
 def lines(package: Package) -> list[str]:
@@ -178,19 +175,10 @@ def lines(package: Package) -> list[str]:
     return [*rows, *(f"  note           {note}" for note in package.notes)]
 
 
-def manifest(package: Package) -> dict[str, Any]:
-    """Return the model card, which the manifest is."""
-    return card(package)
-
-
-def figures(_: Package) -> dict[str, Callable[[], Any]]:
-    """Return none."""
-    return {}
-
-
 def files(package: Package) -> dict[str, Writer]:
     """Return the writer of each file."""
-    return {**dict(_files(package)), **dict(_solids(package.design))}
+    solids = {f"{name}.step": partial(_step, package.design, name) for name in ("skin", "carrier")}
+    return {**dict(_files(package)), **solids}
 
 
 def _files(package: Package) -> Iterator[tuple[str, Writer]]:
@@ -198,7 +186,7 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
     yield "package.md", text(partial(markdown, package))
     yield "design.toml", text(design.to_toml)
     if kinds & {"mujoco", "urdf", "mesh"}:
-        yield from ((f"{name}.stl", partial(_stl, shape)) for name, shape in package.surfaces.items())
+        yield from ((f"{name}.stl", partial(write_stl, shape)) for name, shape in package.surfaces.items())
     if package.springs:
         yield "skin.xml", text(partial(skin_xml, design, package.weighs, package.springs))
         yield "scene.xml", text(partial(scene_xml, design, package.springs))
@@ -208,7 +196,7 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
         mesh, heights = package.mesh, package.heights
         shapes = {name: package.surfaces[name] for name in ("skin", "carrier")}
         yield from ((f"{name}.obj", text(partial(obj, shape, name))) for name, shape in shapes.items())
-        yield "skin.glb", lambda path: _write(path, glb(shapes))
+        yield "skin.glb", partial(_glb, shapes)
         yield "skin.msh", text(partial(msh, mesh))
         yield "skin.vtu", text(partial(vtu, mesh))
         yield "materials.json", text(lambda: strict_json(materials(design, mesh), indent=1))
@@ -222,13 +210,8 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
         yield "response.npz", partial(write_response, design, package.response)
 
 
-def _solids(design: Design) -> Iterator[tuple[str, Writer]]:
-    yield "skin.step", partial(_skin_step, design)
-    yield "carrier.step", partial(_carrier_step, design)
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+def _glb(shapes: dict[str, trimesh.Trimesh], path: Path) -> None:
+    path.write_bytes(glb(shapes))
 
 
 def _png(heights: HeightMap, path: Path) -> None:
@@ -238,30 +221,16 @@ def _png(heights: HeightMap, path: Path) -> None:
     Image.fromarray(heights.levels()).save(path, format="PNG")
 
 
-def _stl(shape: trimesh.Trimesh, path: Path) -> None:
-    from skincad.outputs.solid_files import write_stl
-
-    write_stl(shape, path)
-
-
-def _skin_step(design: Design, path: Path) -> None:
-    from skincad.outputs.solid_files import write_step
+def _step(design: Design, name: str, path: Path) -> None:
+    """Skin or carrier in the design's frame: the carrier is the mold's, turned about x."""
+    from skincad.solids.occ import workplane
     from skincad.solids.skin import skin_solid
 
-    write_step(skin_solid(design), path)
-
-
-def _carrier_step(design: Design, path: Path) -> None:
-    """The carrier in the design's frame: the mold's, turned about x."""
-    from skincad.outputs.simulators.links import carrier_part
-    from skincad.outputs.solid_files import write_step
-    from skincad.solids.occ import workplane
-
-    write_step(workplane(carrier_part(design)).rotate((0, 0, 0), (1, 0, 0), 180), path)
-
-
-FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat back is at z = 0"
-LICENCE = "to be stated by the skin's owner"
+    carrier = name == "carrier"
+    write_step(
+        workplane(carrier_part(design)).rotate((0, 0, 0), (1, 0, 0), 180) if carrier else skin_solid(design),
+        path,
+    )
 
 
 def card(package: Package) -> dict[str, Any]:
@@ -274,7 +243,7 @@ def card(package: Package) -> dict[str, Any]:
         "mass_g": package.weighs.mass,
         "simplified": [*_simplified(package), *package.notes],
         "numbers": [dict(zip(("what", "rests_on", "holds"), row, strict=True)) for row in _numbers(package)],
-        "springs": None if package.springs is None else _springs(package.springs),
+        "springs": None if package.springs is None else package.springs.as_json(),
     }
 
 
@@ -373,33 +342,12 @@ def _of_response(response: FilmResponse) -> tuple[str, str, str]:
     )
 
 
-def _springs(springs: Springs) -> dict[str, Any]:
-    verdict = springs.verdict
-    return {
-        "force_N": verdict.force,
-        "tier": verdict.tier,
-        "approach_mm": verdict.approach.as_json(),
-        "ridge_force_N": [force.as_json() for force in verdict.ridge_force],
-        "gap_mm": springs.gap.tolist(),
-        "stiffness_N_per_mm": springs.stiffness.tolist(),
-        "coupled": springs.coupled,
-        "refused": list(springs.refused),
-        "elsewhere": [
-            {
-                "force_N": other.force,
-                "approach_mm": other.approach,
-                "check_approach_mm": other.check_approach,
-                "ridge_force_N": list(other.shares),
-                "check_ridge_force_N": list(other.check_shares),
-            }
-            for other in springs.elsewhere
-        ],
-    }
-
-
 def _table(springs: Springs) -> Iterator[str]:
     yield "| force, N | approach by springs, mm | by the check | forces on ridges differ, of the mean one |"
     yield "|---|---|---|---|"
     for e in springs.elsewhere:
         yield f"| {e.force:g} | {e.approach:.4f} | {e.check_approach:.4f} | {e.shares_off:.1%} |"
     yield from ("", *(f"- {markdown_text(text)}" for text in springs.refused))
+
+
+PACKAGE = Presentation(COMMAND="package", lines=lines, files=files, manifest=card)  # the manifest is the card

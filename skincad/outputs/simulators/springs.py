@@ -13,13 +13,15 @@ combination of ridges, are that same matrix in a simulator that knows no coupled
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy import linalg, optimize
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.record import Record, item, record, reported
 from skincad.base.stopwatch import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
@@ -32,15 +34,15 @@ SPANS = (0.5, 2.0)  # of the load, where the springs are held against another ch
 LEAST_SHARE = 1e-3  # of the mean share; a ridge that carries less has no secant of its own
 
 
-@dataclass(frozen=True)
-class LoadComparison:
-    """At `force` N, the springs' and a check's approach, mm, and the forces on the ridges, N."""
+@record()
+class LoadComparison(Record):
+    """The springs against a check at another load."""
 
-    force: float
-    approach: float
-    check_approach: float
-    shares: tuple[float, ...]
-    check_shares: tuple[float, ...]
+    force: float = item("N", "the plate's force")
+    approach: float = item("mm", "the springs' approach")
+    check_approach: float = item("mm", "the check's approach")
+    shares: tuple[float, ...] = item("N", "force on each ridge by the springs", key="ridge_force_N")
+    check_shares: tuple[float, ...] = item("N", "the same by the check", key="check_ridge_force_N")
 
     @property
     def approach_off(self) -> float:
@@ -54,20 +56,40 @@ class LoadComparison:
         return float(differs.max()) * len(self.shares) / self.force
 
 
-@dataclass(frozen=True, eq=False)
-class Springs:
-    """`gap` `(n,)` mm below the first crest that touches, `flexibility` `(n, n)` mm/N, which `coupled` ones
-    share, and the `verdict` that they are of; `elsewhere` holds them against checks at other loads, `refused`
-    says at which loads there is no check, and why."""
+@record(eq=False)
+class Springs(Record):
+    """Springs of the ridges: `gap` `(n,)` mm, `flexibility` `(n, n)` mm/N, and the `verdict` that they are of."""
 
-    gap: Array
+    gap: Array = item("mm", "of each ridge below the first crest that touches")
     flexibility: Array
-    coupled: bool
+    coupled: bool = item(meaning="whether springs share the flexibility")
     verdict: ContactCheck
-    elsewhere: tuple[LoadComparison, ...] = ()
-    refused: tuple[str, ...] = ()
+    elsewhere: tuple[LoadComparison, ...] = item(
+        meaning="the springs against checks at other loads", default=()
+    )
+    refused: tuple[str, ...] = item(meaning="at which loads there is no check, and why", default=())
 
-    @property
+    @reported("N", "the plate's force at which the springs are the check")
+    def force(self) -> float:
+        """Force of the check, N."""
+        return self.verdict.force
+
+    @reported(meaning="the check's model")
+    def tier(self) -> str:
+        """Name of the check's model."""
+        return self.verdict.tier
+
+    @reported("mm", "approach after the first touch")
+    def approach(self) -> Estimate:
+        """Approach of the check, mm."""
+        return self.verdict.approach
+
+    @reported("N", "force on each ridge")
+    def ridge_force(self) -> tuple[Estimate, ...]:
+        """Forces of the check, N."""
+        return tuple(self.verdict.ridge_force)
+
+    @reported("N/mm", "stiffness, `(n, n)`")
     def stiffness(self) -> Array:
         """Stiffness `(n, n)` N/mm."""
         inverse = np.linalg.inv(self.flexibility)
@@ -154,7 +176,7 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
         if model is not None:  # ridges that take each other's load: then each on a spring of its own
             return _fit(design, verdict, None)
         raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
-    return Springs(gap, flexibility, model is not None, verdict)
+    return Springs(gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict)
 
 
 def _secant(model: RidgeModel, forces: Array) -> Array:
@@ -171,9 +193,9 @@ def _compare_at(design: Design, model: Springs, force: float, progress: Progress
     approach, shares = plate_response(model, force)
     other = check(design, force=force, tier=model.verdict.tier, progress=progress)
     return LoadComparison(
-        force,
-        approach,
-        float(other.approach),
-        tuple(shares.tolist()),
-        tuple(float(share) for share in other.ridge_force),
+        force=force,
+        approach=approach,
+        check_approach=float(other.approach),
+        shares=tuple(shares.tolist()),
+        check_shares=tuple(float(share) for share in other.ridge_force),
     )

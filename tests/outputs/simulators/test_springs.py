@@ -12,7 +12,7 @@ from skincad.outputs.simulators.springs import Springs, plate_response, springs
 
 
 def plain(gap: list[float], flexibility: np.ndarray) -> Springs:
-    return Springs(np.array(gap), flexibility, True, None)
+    return Springs(gap=np.array(gap), flexibility=flexibility, coupled=True, verdict=None)
 
 
 def test_two_springs_of_their_own_close_one_after_the_other() -> None:
