@@ -30,6 +30,8 @@ from skincad.solids.skin import skin_part
 
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
 ON_A_CIRCLE = "geometry of the base circle"
+PIEZO = "IEEE Std 176-1987: D₃ = d₃₁T₁ + d₃₂T₂ + d₃₃T₃"
+MM3 = 1e-3  # cm3
 
 
 def contact_calculations(design: Design, share: float | None = None) -> list[Calculation]:
@@ -202,10 +204,6 @@ def _strain(design: Design, share: float) -> Calculation:
         "force over modulus and mean area",
         "Small strain holds up to about 0.1; beyond it a model of finite strain is needed.",
     )
-
-
-PIEZO = "IEEE Std 176-1987: D₃ = d₃₁T₁ + d₃₂T₂ + d₃₃T₃"
-MM3 = 1e-3  # cm3
 
 
 def casting_calculations(design: Design, closed: ClosedMold) -> list[Calculation]:

@@ -26,6 +26,7 @@ from skincad.solids.plan import Part
 
 COMMAND = "coupon"
 SHEET = "coupon-sheet.md"
+PRINTER = "printer.toml"
 
 
 def lines(kit: CouponKit) -> list[str]:
@@ -86,7 +87,6 @@ def _plate(kit: CouponKit, path: Path) -> None:
     write_3mf({part.name: (_oriented_mesh(kit, part), part.colour) for part in kit.parts}, path)
 
 
-PRINTER = "printer.toml"
 # a folder in which the same command left forms keeps them: this result has its own manifest
 
 

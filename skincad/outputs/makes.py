@@ -44,6 +44,7 @@ T = TypeVar("T")
 
 COMMAND = "make"
 PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
+JobWriter = Callable[[Job, Path], None]
 
 
 def lines(result: MakeResult) -> list[str]:
@@ -95,9 +96,6 @@ def files(result: MakeResult) -> dict[str, Writer]:
     job = result.built()
     job_writers = writers(job.design, job.closed, result.solids, result.preview)
     return {name: partial(write, job) for name, write in job_writers.items()}
-
-
-JobWriter = Callable[[Job, Path], None]
 
 
 def writers(

@@ -13,6 +13,19 @@ from markdown_it import MarkdownIt
 from skincad.base.formula import Calculation, Quantity, rounded
 
 HERE = files("skincad.outputs") / "web"
+MAX_TERMS = 12  # of a sum that are written out
+Cell = str | float | int | None
+GREEK = {
+    "delta": "δ",
+    "epsilon": "ε",
+    "nu": "\u03bd",
+    "phi": "φ",
+    "pi": "π",
+    "rho": "\u03c1",
+    "sigma": "\u03c3",
+}
+PRECEDENCE = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 4, ast.USub: 2, ast.Pow: 3}
+WHOLE = 5  # of what needs no brackets
 
 
 def document(title: str, body: str, *styles: str) -> str:
@@ -38,10 +51,6 @@ def markdown_html(markdown: str) -> str:
 def data_url(data: bytes, kind: str) -> str:
     """Return an address that holds the data itself; `kind` as `image/png`."""
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
-
-
-MAX_TERMS = 12  # of a sum that are written out
-Cell = str | float | int | None
 
 
 def heading(text: str, key: str, *, new_page: bool = False) -> str:
@@ -137,19 +146,6 @@ def _unit(unit: str, before: str = " ") -> str:
 
 def _minus(number: str) -> str:
     return number.replace("-", "−")  # noqa: RUF001
-
-
-GREEK = {
-    "delta": "δ",
-    "epsilon": "ε",
-    "nu": "\u03bd",
-    "phi": "φ",
-    "pi": "π",
-    "rho": "\u03c1",
-    "sigma": "\u03c3",
-}
-PRECEDENCE = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 4, ast.USub: 2, ast.Pow: 3}
-WHOLE = 5  # of what needs no brackets
 
 
 def formula(step: Calculation) -> str:

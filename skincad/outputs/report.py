@@ -50,6 +50,9 @@ if TYPE_CHECKING:
 
 
 SEVERITY = {"error": "fails the design", "warning": "fails it under --strict", "note": "for information"}
+SVG = "image/svg+xml"
+IN_A_ROW = 11  # crests, across a page
+SPRINGS = ("ridges' common base", "slots and films", "free ends", "finite strain", "friction")
 
 
 def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> str:
@@ -246,11 +249,6 @@ def _files(files: dict[str, str]) -> str:
             f'<pre class="file">{escape(text)}</pre>\n'
         )
     return "".join(parts)
-
-
-SVG = "image/svg+xml"
-IN_A_ROW = 11  # crests, across a page
-SPRINGS = ("ridges' common base", "slots and films", "free ends", "finite strain", "friction")
 
 
 def verdict_section(check: ContactCheck, command: str) -> str:

@@ -30,6 +30,10 @@ from skincad.outputs.pages import calculation, data_url, figure, heading, paragr
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation
 
+PLATES = "parallel plates, stray field left out"
+EPSILON_0 = 8.8541878128e-3  # pF/mm; source: CODATA 2018, as scipy.constants.epsilon_0
+KILO, GIGA = 1e3, 1e9
+
 
 @dataclass(frozen=True)
 class ScenePart:
@@ -132,11 +136,6 @@ def _own_toml(scene: Scene) -> str:
         for name, table in scene.effects.items()
     }
     return scene.with_(skin=scene.design, effects=effects).to_toml()
-
-
-PLATES = "parallel plates, stray field left out"
-EPSILON_0 = 8.8541878128e-3  # pF/mm; source: CODATA 2018, as scipy.constants.epsilon_0
-KILO, GIGA = 1e3, 1e9
 
 
 def scene_calculations(

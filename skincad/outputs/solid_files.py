@@ -26,6 +26,15 @@ if TYPE_CHECKING:
 
     from skincad.solids.mold import ClosedMold
 
+_TIME = re.compile(r"(FILE_NAME\('[^']*',')[^']*(')")
+_VERSION = re.compile(r"'(Open CASCADE(?: STEP processor)?) \d+\.\d+'")
+_NAMELESS = re.compile(r"'Open CASCADE STEP translator [\d. ]+'")
+_OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+('[^;]*;)")
+_WRAP = re.compile(r"\n *")
+_ENTITY = re.compile(r"#(\d+) = (.*)", re.DOTALL)
+_REFERENCE = re.compile(r"#(\d+)")
+_STYLE = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
+
 
 def write_step(solid: cq.Workplane, path: Path) -> None:
     """Write one exact solid as STEP (AP214), mm, its product named by the file."""
@@ -85,16 +94,6 @@ def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float
 
 def _uuid(name: str, kind: str) -> str:
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"skincad:{kind}:{name}"))
-
-
-_TIME = re.compile(r"(FILE_NAME\('[^']*',')[^']*(')")
-_VERSION = re.compile(r"'(Open CASCADE(?: STEP processor)?) \d+\.\d+'")
-_NAMELESS = re.compile(r"'Open CASCADE STEP translator [\d. ]+'")
-_OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+('[^;]*;)")
-_WRAP = re.compile(r"\n *")
-_ENTITY = re.compile(r"#(\d+) = (.*)", re.DOTALL)
-_REFERENCE = re.compile(r"#(\d+)")
-_STYLE = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
 
 
 def make_deterministic(path: Path, name: str) -> None:

@@ -37,6 +37,12 @@ if TYPE_CHECKING:
 
 
 MAX_SHOWN = 5  # solutions, in words
+PAGE = "study.html"
+MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
+NUMBER = re.compile(r"\d[\d.e+-]*")
+MAX_TIED_ROWS = 12  # rows of a tie that are listed by number
+FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
+SHOWN = 6  # members of the front, in words and as designs
 
 
 def solution_lines(solution: Solution) -> list[str]:
@@ -134,12 +140,6 @@ def write_solution(solution: Solution, path: Path, source: str) -> None:
     if any(owner(solution.subject, key)[0] is not solution.subject for key in values):
         comments = {}  # a skin's or a circuit's own tables come in place of its name
     write_copy(path, source, solution.solved, comments)
-
-
-PAGE = "study.html"
-MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
-NUMBER = re.compile(r"\d[\d.e+-]*")
-MAX_TIED_ROWS = 12  # rows of a tie that are listed by number
 
 
 def sweep_names() -> list[str]:
@@ -308,10 +308,6 @@ def sweep_files(sweep: SweepResult) -> dict[str, Writer]:
         writers["sweep.parquet"] = partial(_write_parquet, sweep)
     writers[PAGE] = text(lambda: sweep_page(sweep))
     return {**writers, **{name: picture(draw) for name, draw in sweep_figures(sweep).items()}}
-
-
-FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
-SHOWN = 6  # members of the front, in words and as designs
 
 
 def front_names() -> list[str]:

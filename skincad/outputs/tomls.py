@@ -59,6 +59,25 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 # A table named like a shipped process changes only the keys that it gives; any other name is a new process.
 # skincad templates processes lists what ships. The values in comments are sla's: measure your own.""",
 }
+STUDIES: Kind = "studies"
+LISTS = {
+    "designs": "design",
+    "scenes": "scene",
+    "circuits": "circuit",
+    "studies": "study",
+    "silicones": "silicone",
+    "processes": "process",
+}
+_COLUMNS = (  # of the table of silicones: key, head, unit
+    ("young_modulus", "modulus", "MPa"),
+    ("poisson_ratio", "Poisson", ""),
+    ("density", "density", "kg/m3"),
+    ("mix", "A:B", ""),
+    ("pot_life_min", "pot", "min"),
+    ("cure_h", "cure", "h"),
+    ("elongation_at_break", "breaks", "at %"),
+    ("viscosity", "visc.", "Pa s"),
+)
 
 
 def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
@@ -250,27 +269,6 @@ def _meaning(field: FieldInfo, provenance: str) -> list[str]:
     details = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
     first = f"# {field.description or ''}" + (f" [{', '.join(details)}]" if details else "")
     return [first, *([f"#   {provenance}"] if provenance else [])]
-
-
-STUDIES: Kind = "studies"
-LISTS = {
-    "designs": "design",
-    "scenes": "scene",
-    "circuits": "circuit",
-    "studies": "study",
-    "silicones": "silicone",
-    "processes": "process",
-}
-_COLUMNS = (  # of the table of silicones: key, head, unit
-    ("young_modulus", "modulus", "MPa"),
-    ("poisson_ratio", "Poisson", ""),
-    ("density", "density", "kg/m3"),
-    ("mix", "A:B", ""),
-    ("pot_life_min", "pot", "min"),
-    ("cure_h", "cure", "h"),
-    ("elongation_at_break", "breaks", "at %"),
-    ("viscosity", "visc.", "Pa s"),
-)
 
 
 def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:

@@ -29,6 +29,7 @@ from skincad.solids.roles import CAVITIES, END_PLATES, PartRole
 HERE = files("skincad.outputs") / "web"
 Data = dict[str, Any]
 SEAM = 1e-9  # mm, how near to x = 0 a half's points on its middle lie
+VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries
 
 
 def view_page(
@@ -187,9 +188,6 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.RIGHT: (0.3 * high, 0.0, 0.0),
     }
     return np.array(places.get(part.role, (0.0, 0.0, 0.0)))
-
-
-VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries
 
 
 def three_js() -> str:

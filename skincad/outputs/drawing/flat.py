@@ -34,6 +34,13 @@ if TYPE_CHECKING:
 SIZE = 2.0  # mm of paper, height of capitals
 SECTION_WIDTH = 110.0  # mm of paper
 ROOM_BESIDE, ROOM_OVER = 10.0, 14.0  # mm of paper, beside and over a section
+NOTES_Z, SEAL_NOTES_GAP = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
+MARGIN_ABOVE, MARGIN_BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
+FOOTPRINT_FORMAT = 20211014  # source: KiCad 6, file formats, footprint libraries; later ones read it
+PIN, DRILL = 1.7, 1.0  # mm, source: KiCad's own pin headers of 2.54 mm, for pins 0.64 square
+FOOTPRINT_ROOM = 1.8  # mm, source: the same, of the courtyard beyond a pin's centre
+FOOTPRINT_TEXT = 0.8  # mm, assumption: the smallest letters that boards' makers print
+FOOTPRINT = "strip-board"
 
 
 def section_margin(design: Design) -> tuple[float, float]:
@@ -172,10 +179,6 @@ def strip_dimensions(strips: list[StripPattern]) -> tuple[list[Dimension], float
 def _extent(outline: Loop) -> tuple[float, float, float, float]:
     x, z = zip(*(s.start for s in outline), strict=True)
     return min(x), min(z), max(x), max(z)
-
-
-NOTES_Z, SEAL_NOTES_GAP = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
-MARGIN_ABOVE, MARGIN_BESIDE = 13.0, 5.0  # mm over and beside the strips, for their dimensions
 
 
 def write_section_dxf(design: Design, path: Path) -> None:
@@ -317,13 +320,6 @@ def _svg_path(outline: Loop) -> str:
             large_arc, clockwise = int(abs(segment.sweep) > math.pi), int(segment.bulge < 0)
             steps.append(f"A{segment.radius:.9g} {segment.radius:.9g} 0 {large_arc} {clockwise} {end}")
     return " ".join([*steps, "Z"])
-
-
-FOOTPRINT_FORMAT = 20211014  # source: KiCad 6, file formats, footprint libraries; later ones read it
-PIN, DRILL = 1.7, 1.0  # mm, source: KiCad's own pin headers of 2.54 mm, for pins 0.64 square
-FOOTPRINT_ROOM = 1.8  # mm, source: the same, of the courtyard beyond a pin's centre
-FOOTPRINT_TEXT = 0.8  # mm, assumption: the smallest letters that boards' makers print
-FOOTPRINT = "strip-board"
 
 
 def write_strip_board(design: Design, path: Path) -> None:

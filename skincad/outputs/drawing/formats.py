@@ -50,6 +50,7 @@ _ANCHORS = {
     "end": TextEntityAlignment.RIGHT,
 }
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
+POINT = 72 / 25.4  # points in a millimetre
 
 
 def write_dxf(
@@ -253,9 +254,6 @@ def _svg_stroke(stroke: Stroke, tall: float) -> str:
     wide = int(stroke.sweep > math.pi)
     r = f"{stroke.radius:.3f}"
     return f'<path d="M{a:.3f} {tall - b:.3f} A{r} {r} 0 {wide} 0 {c:.3f} {tall - d:.3f}"/>'
-
-
-POINT = 72 / 25.4  # points in a millimetre
 
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:

@@ -41,6 +41,11 @@ _WIDTHS = {  # thousandths of the size of its type, source: Adobe's metrics of H
     1015: "@",
 }
 _SHARES = {character: share / 1000 for share, row in _WIDTHS.items() for character in row}
+LINES = {  # on paper, mm: total, then strokes and gaps
+    "CONTINUOUS": (),
+    "HIDDEN": (3.0, -1.0),
+    "CENTER": (6.0, -1.0, 1.0, -1.0),
+}
 
 
 class Ink(NamedTuple):
@@ -239,11 +244,6 @@ class Layer(NamedTuple):
     what: str
 
 
-LINES = {  # on paper, mm: total, then strokes and gaps
-    "CONTINUOUS": (),
-    "HIDDEN": (3.0, -1.0),
-    "CENTER": (6.0, -1.0, 1.0, -1.0),
-}
 LAYERS = {
     "OUTLINE": Layer(7, "CONTINUOUS", 0.35, "#000000", "visible edges; the skin's outline: not for cutting"),
     "SLOTS": Layer(30, "CONTINUOUS", 0.25, "#000000", "slots of the skin's section: not for cutting"),

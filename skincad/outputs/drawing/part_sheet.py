@@ -30,6 +30,18 @@ VIEW_GAP = 6.0  # mm, between views and column
 TAGS, CAPTION = 12.0, 8.0  # mm, between the view from above and a detail to its right; under the left view
 HOLE_SPACING = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
 MIN_VIEW_SIZE = 45.0  # mm, assumption: a view's larger side on paper is at least so long
+DETAIL_MARGIN = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
+WINDOW_FACTOR = (1.3, 1.4)  # assumption: a window's size by that of what it shows
+MIN_WINDOW = (42.0, 34.0)  # mm of paper, assumption: width and height of a window, at least
+SLACK = 1.05  # the shown extent may exceed the window by this factor: it has margins of its own
+DETAIL_SCALES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # source: ISO 5455
+LETTER, DETAIL_TEXT = "W", 2.0
+CHORD = 0.01  # mm of paper, of arcs that are cut at the window
+COLUMN = 180.0  # mm, source: ISO 7200, the title block's width
+TEXT, HEAD, LABEL = 1.8, 2.5, 1.3  # mm, height of capitals
+ROW, GAP = 3.9, 3.5  # mm, of a table's row, and between tables
+TITLE = 40.0  # mm, height of the title block
+SPACE = 1.2  # mm, beside a cell's text
 
 
 class Paper(NamedTuple):
@@ -170,15 +182,6 @@ def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arr
     return Arrangement(scale, beside, True), Arrangement(scale, under, False)
 
 
-DETAIL_MARGIN = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
-WINDOW_FACTOR = (1.3, 1.4)  # assumption: a window's size by that of what it shows
-MIN_WINDOW = (42.0, 34.0)  # mm of paper, assumption: width and height of a window, at least
-SLACK = 1.05  # the shown extent may exceed the window by this factor: it has margins of its own
-DETAIL_SCALES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # source: ISO 5455
-LETTER, DETAIL_TEXT = "W", 2.0
-CHORD = 0.01  # mm of paper, of arcs that are cut at the window
-
-
 class Focus(NamedTuple):
     """What a detail shows: its middle in the front view and its extent, mm, and what is dimensioned: two
     points, the line's distance from them (to the left of the way), all mm, and words."""
@@ -311,13 +314,6 @@ def _profile_in_window(drawing: PartDrawing, place: ViewPlacement, window: Box) 
 def _chords(arc: Arc) -> Array:
     count = math.ceil(arc.sweep / (2 * math.acos(1 - min(0.5, CHORD / arc.radius)))) + 1
     return np.array([arc.at(i / count) for i in range(count + 1)])
-
-
-COLUMN = 180.0  # mm, source: ISO 7200, the title block's width
-TEXT, HEAD, LABEL = 1.8, 2.5, 1.3  # mm, height of capitals
-ROW, GAP = 3.9, 3.5  # mm, of a table's row, and between tables
-TITLE = 40.0  # mm, height of the title block
-SPACE = 1.2  # mm, beside a cell's text
 
 
 class TitleBlock(NamedTuple):

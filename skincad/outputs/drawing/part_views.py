@@ -41,6 +41,14 @@ FOOT, RIGHT = 12.0, 8.0  # mm, under the lowest view, and right of the last
 DIMENSION_LINE_COST = 6.0  # assumption: cost of words on a dimension's line, by their cost on an edge
 TAG, SIZE = 1.8, 2.0  # mm, height of capitals
 RIM = 0.2  # mm, of a circle that no tag comes nearer to
+ANGLES = tuple(math.radians(a) for a in (45, 135, -45, -135, 20, 160, -20, -160, 70, 110, -70, -110))
+REACHES = (3.2, 4.5, 6.5, 9.0, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot: past the arrow
+LINE, FAR, WORD = 1.0, 0.25, 40.0  # assumption: cost of a crossed line, a millimetre further, a covered word
+CLEAR = 0.6  # mm, of a tag from lines and other words
+LEADER = 6  # points of a leader that are tested for collisions
+OVERSHOOT = 1.0  # mm of paper, of a centre line beyond the bore
+THREE_QUARTERS = math.radians(100.0), math.radians(270.0)  # start and sweep of a thread's circle
+MIN_SPACING = 0.6  # mm, assumption: parallel hidden edges nearer than this are one on paper
 
 
 def size_of(drawing: PartDrawing, scale: float) -> tuple[float, float]:
@@ -204,13 +212,6 @@ def _tag_text(group: HoleGroup, index: int, tag: str) -> str:
     return " ".join(t for t in (tag, count, group.size, group.thread) if t)
 
 
-ANGLES = tuple(math.radians(a) for a in (45, 135, -45, -135, 20, 160, -20, -160, 70, 110, -70, -110))
-REACHES = (3.2, 4.5, 6.5, 9.0, 12.0, 16.0)  # mm, from a circle's rim to its tag's foot: past the arrow
-LINE, FAR, WORD = 1.0, 0.25, 40.0  # assumption: cost of a crossed line, a millimetre further, a covered word
-CLEAR = 0.6  # mm, of a tag from lines and other words
-LEADER = 6  # points of a leader that are tested for collisions
-
-
 class Room:
     """Occupied places of a sheet: boxes of words and circles, and strokes; grows as words are placed."""
 
@@ -285,10 +286,6 @@ def tagged(
     return replace(diameter(centre, radius, angle, measured[1], words), measured=measured[0])
 
 
-OVERSHOOT = 1.0  # mm of paper, of a centre line beyond the bore
-THREE_QUARTERS = math.radians(100.0), math.radians(270.0)  # start and sweep of a thread's circle
-
-
 class ViewPlacement(NamedTuple):
     """A view on paper: `origin` mm is where its (0, 0) lies, `scale` paper by part."""
 
@@ -355,9 +352,6 @@ def _bore_side(
     if group.full is not None:
         marks.append(line(sides[0][0], sides[1][0], "HIDDEN"))
     return marks
-
-
-MIN_SPACING = 0.6  # mm, assumption: parallel hidden edges nearer than this are one on paper
 
 
 def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]:

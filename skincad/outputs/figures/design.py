@@ -24,6 +24,10 @@ from skincad.solids.roles import PartRole
 
 SKIN, STRIP = "#eebfa6", "#b5482a"
 _PIXELS = (640, 760)
+Colour = tuple[float, float, float]
+Image = Array
+_LIGHT = np.array([0.35, -0.55, 0.76])  # from the viewer's upper right, in the scene's frame
+_OVERSAMPLE = 2
 
 
 def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
@@ -97,12 +101,6 @@ def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
     """A point on the part's right upper edge, seen from in front."""
     low, high = shape.bounds
     return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
-
-
-Colour = tuple[float, float, float]
-Image = Array
-_LIGHT = np.array([0.35, -0.55, 0.76])  # from the viewer's upper right, in the scene's frame
-_OVERSAMPLE = 2
 
 
 @dataclass(frozen=True)

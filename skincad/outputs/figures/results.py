@@ -30,6 +30,23 @@ from skincad.outputs.figures.canvas import (
 )
 
 FORCES_SIZE, DPI = (7.5, 4.0), 100
+REPORT_SIZE, DPI = (7.0, 3.0), 100
+AXIS_ROOM = 3.0  # by which the axes reach beyond the points
+LABEL_OFFSETS = (
+    (7, 7),
+    (-7, -7),
+    (7, -7),
+    (-7, 7),
+    (7, 20),
+    (-7, -20),
+)  # points: where a point's name may begin
+LABEL_CLEARANCE = 4.0  # pixels, of a name from a point
+NARROW_RATIO = 20.0  # ratio of errors below which more than powers of ten are named
+Points = Sequence[tuple[str, float, float]]
+FIT_SIZE, DPI = (7.5, 4.4), 100
+PAPERS = ("yamada-2002", "yamada-2002-motional")  # the readings of the paper's circuit
+PAPER_DROP = 9000.0  # Hz; paper, section 3.2
+GAIN_SIZE, DPI = (9.0, 5.6), 100
 
 
 def ridge_force_figure(check: ContactCheck) -> Picture:
@@ -51,23 +68,6 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
             f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
         )
     return figure
-
-
-REPORT_SIZE, DPI = (7.0, 3.0), 100
-AXIS_ROOM = 3.0  # by which the axes reach beyond the points
-LABEL_OFFSETS = (
-    (7, 7),
-    (-7, -7),
-    (7, -7),
-    (-7, 7),
-    (7, 20),
-    (-7, -20),
-)  # points: where a point's name may begin
-LABEL_CLEARANCE = 4.0  # pixels, of a name from a point
-NARROW_RATIO = 20.0  # ratio of errors below which more than powers of ten are named
-
-
-Points = Sequence[tuple[str, float, float]]
 
 
 def models_figure(models: Points) -> Picture:
@@ -129,9 +129,6 @@ def sensitivity_figure(sensitivities: Sequence[Sensitivity]) -> Picture:
     return figure
 
 
-FIT_SIZE, DPI = (7.5, 4.4), 100
-
-
 def fit_figure(fit: MaterialFit) -> Picture:
     """Return a figure of the rows used and the fitted model: N against mm of a pad, MPa against strain."""
     deformation, load, modelled = fit.curve
@@ -145,11 +142,6 @@ def fit_figure(fit: MaterialFit) -> Picture:
         legend(axes)
         figure.suptitle(f"Young's modulus {fit.young_modulus}")
     return figure
-
-
-PAPERS = ("yamada-2002", "yamada-2002-motional")  # the readings of the paper's circuit
-PAPER_DROP = 9000.0  # Hz; paper, section 3.2
-GAIN_SIZE, DPI = (9.0, 5.6), 100
 
 
 def gain_figure(circuit_gain: CircuitGain) -> Picture:

@@ -43,6 +43,11 @@ DASHES = ("-", "-.", ":")  # of ridges that have the same colour
 MAX_ERRORS = 3  # ridges that are named with their errors
 NAMES_PER_ROW = 6  # names in one
 SLIPS: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (5, 3))}
+PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
+MIN_SAMPLES = 50  # samples that are worth a picture
+PAPERS_RIDGE = 3
+ROOM_ABOVE, ROOM_BELOW = 0.14, 0.4  # of the curves' height, for what is written beside them
+UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 def scene_figure(simulation: Simulation) -> Picture:
@@ -123,13 +128,6 @@ def _slip_map(axes: Axes, simulation: Simulation) -> None:
     names = ((OPEN, "clear"), (STICK, "sticks"), (SLIP, "slips"))
     handles = [Patch(facecolor=colour, edgecolor=GREY, label=name) for colour, name in names]
     legend(axes, handles=handles)
-
-
-PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
-MIN_SAMPLES = 50  # samples that are worth a picture
-PAPERS_RIDGE = 3
-ROOM_ABOVE, ROOM_BELOW = 0.14, 0.4  # of the curves' height, for what is written beside them
-UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,12 @@ SIZE, DPI = (9.0, 6.9), 100  # 900 pixels wide
 NOTED_RIDGE = (
     3  # or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
 )
+Frame = tuple[float, float, float, float]
+PLATE, AROUND = "#9a9a9a", "#d7e3d0"  # a tint that no stress has: unstressed skin is white
+WIDTH, DPI = 9.0, 100
+ABOVE, BESIDE = 0.12, 0.03  # margins in the section's height and width
+FRAME_WIDTH, COLOURS = 720, 48  # pixels; with 60 frames below 2 MB (measured on yamada-2002-slip: 1.0 MB)
+SECONDS = 6.0  # of an animation
 
 
 def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
@@ -168,14 +174,6 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
         )
         lines.append(f"(b) Full stick is an assumption, normal force first: {needs}.")
     return "\n".join(lines)
-
-
-Frame = tuple[float, float, float, float]
-PLATE, AROUND = "#9a9a9a", "#d7e3d0"  # a tint that no stress has: unstressed skin is white
-WIDTH, DPI = 9.0, 100
-ABOVE, BESIDE = 0.12, 0.03  # margins in the section's height and width
-FRAME_WIDTH, COLOURS = 720, 48  # pixels; with 60 frames below 2 MB (measured on yamada-2002-slip: 1.0 MB)
-SECONDS = 6.0  # of an animation
 
 
 @dataclass(frozen=True, eq=False)

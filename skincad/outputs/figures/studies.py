@@ -44,6 +44,23 @@ PANEL = 3.0  # inches, of one of several
 MAX_KEYS = 6  # that are drawn
 LOG_RATIO = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
 MAX_LOG_RATIO = 1e6  # beyond it the smallest is rounding
+STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
+    ("#000000", "o", "-"),
+    ("#0072b2", "s", (0, (6, 2))),
+    ("#b3470a", "^", (0, (2, 1.5))),
+    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
+    ("#8f4c86", "v", (0, (1, 1.5))),
+    ("#6f6000", "P", (0, (10, 3))),
+    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
+)
+FRONT, FLOOR = "#c9c9c9", "#ededed"
+PANELS = 2  # measures that are drawn: the first with two errors to show
+LADDER_SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
+# trials above the reference's own error, and the ratio of the longest of their times to the shortest
+LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
+MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
+HEADROOM = 0.3  # of the errors' decades
+TITLE_LETTERS, LABEL_LETTERS = 56, 52  # letters of a line: a title's, an error axis's
 
 
 def solution_figure(solution: Solution) -> Picture:
@@ -216,25 +233,6 @@ def _axis_label(key: str, rows: Sequence[Evaluation]) -> str:
 
 def _label(knob: Knob) -> str:
     return f"{knob.key}, {knob.unit}" if knob.unit else knob.key
-
-
-STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
-    ("#000000", "o", "-"),
-    ("#0072b2", "s", (0, (6, 2))),
-    ("#b3470a", "^", (0, (2, 1.5))),
-    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
-    ("#8f4c86", "v", (0, (1, 1.5))),
-    ("#6f6000", "P", (0, (10, 3))),
-    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
-)
-FRONT, FLOOR = "#c9c9c9", "#ededed"
-PANELS = 2  # measures that are drawn: the first with two errors to show
-LADDER_SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
-# trials above the reference's own error, and the ratio of the longest of their times to the shortest
-LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
-MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
-HEADROOM = 0.3  # of the errors' decades
-TITLE_LETTERS, LABEL_LETTERS = 56, 52  # letters of a line: a title's, an error axis's
 
 
 def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:

@@ -31,6 +31,8 @@ from skincad.solids.skin import along_skin, skin_part
 
 G_PER_MM3 = 1e-6  # of 1 kg/m3
 TO_DESIGN = np.diag([1.0, -1.0, -1.0])  # the mold's frame turned about x, ridges up
+CHORD = 1e-3  # of the pitch: visual
+CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,10 +152,6 @@ def _filling(design: Design, density: float) -> Weight | None:
             loop = slot.loop(film.thickness)
             weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, loop, ())), more))
     return combine(weights) if weights else None
-
-
-CHORD = 1e-3  # of the pitch: visual
-CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
 
 
 def visual(design: Design) -> dict[str, trimesh.Trimesh]:

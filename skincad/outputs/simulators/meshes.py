@@ -49,6 +49,14 @@ OUTER_LAYER, GROWTH = (
     1.6,
 )  # of the height, the outermost layer; of each layer against the one outside it
 
+TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's exactly of second-order elements
+GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # Gmsh has the middle of edge 23 before that of 13
+VTK_TETRAHEDRON = 24
+REGIONS = ("skin", "film")
+PIXELS_PER_PITCH, MAX_PIXELS = 50, 4096  # pixels: in a pitch, and of an image's longer side
+LEVELS = 65535  # of a pixel; 0 is where there is no skin
+CHORD = 1e-4  # of the pitch, of the polygon that heights are taken from
+
 
 @dataclass(frozen=True, eq=False)
 class Tetrahedra:
@@ -177,12 +185,6 @@ def _exact(design: Design, pad: Pad) -> tuple[float, float]:
     return skin, math.fsum(along_skin(design, strip, ()).volume for strip in strips)
 
 
-TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's exactly of second-order elements
-GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # Gmsh has the middle of edge 23 before that of 13
-VTK_TETRAHEDRON = 24
-REGIONS = ("skin", "film")
-
-
 def msh(mesh: Tetrahedra) -> str:
     """Return the mesh as MSH 4.1 text, mm: physical volumes skin and film, surfaces back and crest-1, ..."""
     return "\n".join([*_msh(mesh), ""])
@@ -277,11 +279,6 @@ def materials(design: Design, mesh: Tetrahedra) -> dict[str, Any]:
             "law": {"kind": "linear elastic"},
         }
     return data
-
-
-PIXELS_PER_PITCH, MAX_PIXELS = 50, 4096  # pixels: in a pitch, and of an image's longer side
-LEVELS = 65535  # of a pixel; 0 is where there is no skin
-CHORD = 1e-4  # of the pitch, of the polygon that heights are taken from
 
 
 @dataclass(frozen=True, eq=False)

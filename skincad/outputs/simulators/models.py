@@ -32,6 +32,7 @@ STICKS, SLIDES = 0.5, 1.2  # of what friction holds: the pulls of the keyframes
 SMALL = 1e-9  # of the largest; smaller coefficients of a spring are left out
 KG, KG_M2, M = 1e-3, 1e-9, 1e-3  # of a g, a g mm2, a mm
 N_PER_M = 1e3  # of a N/mm
+DIGITS = 12  # of a number; what is smaller by more than that than the largest beside it is rounding
 
 
 def slide_damping(springs: Springs) -> tuple[float, float]:
@@ -247,9 +248,6 @@ def _urdf_joint(parent: str, child: str) -> Iterator[str]:
     yield f'    <parent link="{parent}"/>'
     yield f'    <child link="{child}"/>'
     yield "  </joint>"
-
-
-DIGITS = 12  # of a number; what is smaller by more than that than the largest beside it is rounding
 
 
 def numbers(values: Iterable[float]) -> str:

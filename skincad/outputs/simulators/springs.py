@@ -58,7 +58,7 @@ class LoadComparison(Record):
 
 @record(eq=False)
 class Springs(Record):
-    """Springs of the ridges: `gap` `(n,)` mm, `flexibility` `(n, n)` mm/N, and the `verdict` that they are of."""
+    """Springs of the ridges: `gap` `(n,)` mm, `flexibility` `(n, n)` mm/N, and the `verdict` behind them."""
 
     gap: Array = item("mm", "of each ridge below the first crest that touches")
     flexibility: Array

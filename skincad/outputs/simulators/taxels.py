@@ -22,6 +22,11 @@ from skincad.mechanics.film.response import SPANS, FilmResponse
 from skincad.shape.curves import Point
 from skincad.shape.skin import section, skin_of
 
+FRAME = "frame of the design: x across the ridges, y along them, z out of the skin, flat back at z = 0"
+AXES = ("across", "along_y", "outward")
+PARTS = ("through_film", "along_film", "lengthwise")
+WAYS = ("normal", "tangential")
+
 
 @dataclass(frozen=True, eq=False)
 class Taxels:
@@ -85,12 +90,6 @@ def _pose(place: Point, outward: Point) -> Array:
     return np.array(
         [[outward.z, 0.0, outward.x, place.x], [0.0, 1.0, 0.0, 0.0], [-outward.x, 0.0, outward.z, place.z]]
     )
-
-
-FRAME = "frame of the design: x across the ridges, y along them, z out of the skin, flat back at z = 0"
-AXES = ("across", "along_y", "outward")
-PARTS = ("through_film", "along_film", "lengthwise")
-WAYS = ("normal", "tangential")
 
 
 def taxels_csv(places: Taxels) -> str:
