@@ -188,14 +188,11 @@ def stress_lines(stresses: FilmStresses) -> list[str]:
         pulled = f", pulled sideways by {state.tangential:g} N" if state.tangential else ""
         rows.append(f"  stress across the film at {state.force:g} N{pulled}")
         components = {"S1": state.s1, "S2": state.s2, "S1 - S2": state.differential}
-        rows += [_stress_row(name, values) for name, values in components.items()]
+        for name, values in components.items():
+            error = max((v.error or 0.0) for v in values)
+            numbers = "  ".join(f"{v.value:+.4f}" for v in values)
+            rows.append(f"    {name:8} {numbers} (± {error:.1g}) MPa")
     return [*rows, *(f"  note           {note}" for note in stresses.warnings)]
-
-
-def _stress_row(name: str, values: tuple[Estimate, ...]) -> str:
-    error = max((v.error or 0.0) for v in values)
-    numbers = "  ".join(f"{v.value:+.4f}" for v in values)
-    return f"    {name:8} {numbers} (± {error:.1g}) MPa"
 
 
 def stress_figures(stresses: FilmStresses) -> dict[str, Callable[[], Picture]]:

@@ -37,14 +37,6 @@ class Delivery:
         return f"{len(named)} files in {self.folder}{names}"
 
 
-def _no_figures(_: Any) -> dict[str, Callable[[], Any]]:
-    return {}
-
-
-def _everything(result: Result) -> dict[str, Any]:
-    return result.as_json()
-
-
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
     """How one kind of result is shown, where a module shows several kinds: see `skincad.base.result`."""
@@ -52,8 +44,8 @@ class Presentation:
     COMMAND: str
     lines: Callable[[Any], list[str]]
     files: Callable[[Any], dict[str, Writer]]
-    figures: Callable[[Any], dict[str, Callable[[], Any]]] = _no_figures
-    manifest: Callable[[Any], dict[str, Any]] = _everything
+    figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
+    manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
 
 
 def write(
@@ -115,7 +107,11 @@ def _ending(name: str) -> str:
 
 def text(of: Callable[[], str]) -> Writer:
     """Return the writer of a text, made when it is written."""
-    return lambda path: _write_text(path, of())
+
+    def writer(path: Path) -> None:
+        path.write_text(of(), encoding="utf-8")
+
+    return writer
 
 
 def picture(draw: Callable[[], Any]) -> Writer:
@@ -129,7 +125,3 @@ def picture(draw: Callable[[], Any]) -> Writer:
         save(figure, path)
 
     return writer
-
-
-def _write_text(path: Path, content: str) -> None:
-    path.write_text(content, encoding="utf-8")

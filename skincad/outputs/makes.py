@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.making import Job, MakeResult, PartReport, passes
+from skincad.fabrication.making import Job, MakeResult, passes
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.sheet import casting_sheet
@@ -50,21 +50,19 @@ JobWriter = Callable[[Job, Path], None]
 def lines(result: MakeResult) -> list[str]:
     """Return what `make` prints."""
     unchecked = PREVIEW_NOTE if result.preview else checks.UNCHECKED
+    parts = []
+    for part in result.parts:
+        more = "" if part.deviation is None else f"  mesh within {1000 * part.deviation:.2f} um"
+        faces = f"  {part.faces:4d} faces" if more else ""
+        parts.append(f"  {part.name:14} {part.volume:10.2f} mm3{faces}{more}")
     return [
         *(checks.verdict_lines(result.check) if result.check else [unchecked]),
         "Parts:",
-        *map(_part_line, result.parts),
+        *parts,
         *(str(finding) for finding in result.findings),
         f"{result.name}: {result.summary}",
         *(checks.advice_lines(result.check) if result.check else []),
     ]
-
-
-def _part_line(part: PartReport) -> str:
-    line = f"  {part.name:14} {part.volume:10.2f} mm3"
-    if part.deviation is None:
-        return line
-    return f"{line}  {part.faces:4d} faces  mesh within {1000 * part.deviation:.2f} um"
 
 
 def names(design: Design, solids: bool = True, preview: bool = False) -> list[str]:

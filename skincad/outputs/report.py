@@ -61,7 +61,11 @@ def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> 
     design = job.design
     source = retyped(design, "designs", load_design, file="design.toml")
     check_command = None if job.check is None else f"skincad check {source} --tier {job.check.tier}"
-    scenes = _scenes(job, source)
+    scenes: list[ScenePart] = []
+    if job.scenes:  # without any, nothing of a scene is imported
+        from skincad.outputs.report_scenes import scene_part
+
+        scenes = [scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", job.scenes)]
     make_command = f"skincad make {source}{'' if job.check else ' --no-check'}"
     make_command += "".join(f" --scene {scene.source}" for scene in scenes)
     pictures = figure(
@@ -76,7 +80,7 @@ def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> 
         _calculations(job, make_command),
         *([part.html for part in scenes] or [_no_scene(design, source)]),
         heading("Casting sheet", "sheet", new_page=True),
-        _lowered_headings(markdown_html(sheet.partition("\n")[2])),
+        markdown_html(sheet.partition("\n")[2]).replace("<h2>", "<h3>").replace("</h2>", "</h3>"),
         f"<h3>Drawing</h3>\n{drawing}",
         command_line(make_command),
     ]
@@ -85,15 +89,6 @@ def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> 
         files |= scene.files
     parts.append(_files(files))
     return document(f"skincad report: {design.name}", "".join(parts), "report.css")
-
-
-def _scenes(job: Job, source: str) -> list[ScenePart]:
-    """The scenes' parts; without any, nothing of a scene is imported."""
-    if not job.scenes:
-        return []
-    from skincad.outputs.report_scenes import scene_part
-
-    return [scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", job.scenes)]
 
 
 def suggested_scene(design: Design) -> str | None:
@@ -232,11 +227,6 @@ def _calculations(job: Job, make_command: str) -> str:
     if films := strip_calculations(job.design):
         parts += ["<h3>Films</h3>\n", *(calculation(step) for step in films)]
     return "".join(parts) + command_line(make_command)
-
-
-def _lowered_headings(html: str) -> str:
-    """Return the sheet with its headings one level lower."""
-    return html.replace("<h2>", "<h3>").replace("</h2>", "</h3>")
 
 
 def _files(files: dict[str, str]) -> str:

@@ -73,11 +73,13 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
     command, title = f"skincad simulate {words}", f"Scene {simulation.scene.name}"
     stopped = "" if simulation.march.stopped is None else f" It stopped: {simulation.march.stopped}."
     caption = f"Signals of {simulation.scene.name} with this skin.{stopped}"
+    # slip, lead times and errors as `simulate` prints them, without the run's time
+    results = [line for line in simulations.lines(simulation)[1:] if not line.startswith("  model")]
     body = [
         heading(title, title.lower().replace(" ", "-"), new_page=True),
         paragraph(f"Effects: {', '.join(simulation.scene.effects) or 'none'}."),
         figure(data_url(png(scene_figure(simulation)), "image/png"), caption, command),
-        _results(simulation),
+        table(("result", "value"), [(line[2:17].strip(), line[17:]) for line in results]),
         _left_out(simulation),
     ]
     for piezo in (part for part in simulation.scene.parts.values() if isinstance(part, Piezo)):
@@ -85,13 +87,6 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
         body.append(section)
         needed |= more
     return ScenePart(title, words.partition(" ")[0], "".join(body), needed)
-
-
-def _results(simulation: Simulation) -> str:
-    """Slip, lead times and errors as `simulate` prints them, without the run's time."""
-    lines = [line for line in simulations.lines(simulation)[1:] if not line.startswith("  model")]
-    rows = [(line[2:17].strip(), line[17:]) for line in lines]
-    return table(("result", "value"), rows)
 
 
 def _left_out(simulation: Simulation) -> str:

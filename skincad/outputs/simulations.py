@@ -141,33 +141,26 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
     leads = {ridge: lead for ridge, lead in simulation.lead.items() if lead.value is not None}
     errors = {r: error for r, error in simulation.stress_errors.items() if error.mesh is not None}
+
+    def words(ridge: int) -> str:
+        """How wrong a ridge's stress may be, and what that is made of."""
+        parts = ", ".join(_parts(errors[ridge], ""))
+        return f"{_known_sum(errors[ridge]):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
+
     if max(len(leads), len(errors)) <= MAX_RIDGE_LINES:
-        rows = [
-            line
-            for r, ahead in leads.items()
-            for line in (
-                f"  lead           ridge {r} slips {ahead} before all ridges do",
-                *_lead_error(simulation.slip_errors.leads[r - 1]),
-            )
-        ]
-        return rows + [f"  error          {_stress_error(error, r)}" for r, error in errors.items()]
+        rows = []
+        for r, ahead in leads.items():
+            rows.append(f"  lead           ridge {r} slips {ahead} before all ridges do")
+            error = simulation.slip_errors.leads[r - 1]
+            if error.total is not None:
+                rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
+        return rows + [f"  error          {words(r)}" for r in errors]
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
     rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
-        rows.append(f"  error          the largest is {_stress_error(errors[worst], worst)}")
+        rows.append(f"  error          the largest is {words(worst)}")
     return rows
-
-
-def _lead_error(error: BySource) -> list[str]:
-    """What a lead's error is made of; nothing where it is unknown."""
-    return [] if error.total is None else [f"  its error      {', '.join(_parts(error, ' ms'))}"]
-
-
-def _stress_error(error: BySource, ridge: int) -> str:
-    """How wrong a stress may be, and what that is made of."""
-    parts = ", ".join(_parts(error, ""))
-    return f"{_known_sum(error):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
 
 
 def _known_sum(error: BySource) -> float:
@@ -249,16 +242,13 @@ def write_table(simulation: Simulation, path: Path) -> None:
     finite.
     """
     ridges, more = list(simulation.signals), readout_columns(simulation)
-    names = [
-        name
-        for r in ridges
-        for name in (
-            f"ridge {r} raw differential stress [MPa]",
-            f"ridge {r} differential stress [MPa]",
-            f"ridge {r} stress-rate [MPa/s]",
-            f"ridge {r} stress-jerk [MPa/s2]",
-        )
-    ]
+    signals = {
+        "raw differential stress [MPa]": lambda r: simulation.raw[r],
+        "differential stress [MPa]": lambda r: simulation.signals[r].value,
+        "stress-rate [MPa/s]": lambda r: simulation.signals[r].rate,
+        "stress-jerk [MPa/s2]": lambda r: simulation.signals[r].jerk,
+    }
+    columns = {f"ridge {r} {name}": of(r) for r in ridges for name, of in signals.items()} | more
     head = [
         "step [1]",
         "time [s]",
@@ -267,20 +257,10 @@ def write_table(simulation: Simulation, path: Path) -> None:
         "approach [mm]",
         "travel [mm]",
     ]
-    rows: list[list[Cell]] = [[*head, *names, *more, "slipping ridges [1]"]]
+    rows: list[list[Cell]] = [[*head, *columns, "slipping ridges [1]"]]
     for i, (time, reading) in enumerate(zip(simulation.march.time, simulation.march.readings, strict=True)):
         plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
-        cells = [
-            value
-            for r in ridges
-            for value in (
-                simulation.raw[r][i],
-                simulation.signals[r].value[i],
-                simulation.signals[r].rate[i],
-                simulation.signals[r].jerk[i],
-            )
-        ]
-        cells += [column[i] for column in more.values()]
+        cells = [column[i] for column in columns.values()]
         slipping = " ".join(str(r + 1) for r in simulation.slipping[i].nonzero()[0])
         if not all(map(math.isfinite, (*plate, *cells))):
             raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")

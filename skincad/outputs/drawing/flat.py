@@ -354,7 +354,11 @@ def strip_board(design: Design) -> str:
     ]
     for label, x in places:
         rows.append(_footprint_text("user", label, (x, -high - 1.5), "F.SilkS", 90))
-        rows += [_footprint_pad(f"{label}{sign}", (x, y)) for sign, y in (("+", -row), ("-", row))]
+        rows += [
+            f'  (pad "{label}{sign}" thru_hole circle (at {x:.4f} {y:.4f}) (size {PIN:g} {PIN:g}) '
+            f'(drill {DRILL:g}) (layers "*.Cu" "*.Mask"))'
+            for sign, y in (("+", -row), ("-", row))
+        ]
     return "\n".join([*rows, ")"]) + "\n"
 
 
@@ -362,10 +366,3 @@ def _footprint_text(kind: str, text: str, at: tuple[float, float], layer: str, t
     size = f"(effects (font (size {FOOTPRINT_TEXT:g} {FOOTPRINT_TEXT:g}) (thickness 0.12)))"
     turned = f" {turn}" if turn else ""
     return f'  (fp_text {kind} "{text}" (at {at[0]:.4f} {at[1]:.4f}{turned}) (layer "{layer}") {size})'
-
-
-def _footprint_pad(name: str, at: tuple[float, float]) -> str:
-    return (
-        f'  (pad "{name}" thru_hole circle (at {at[0]:.4f} {at[1]:.4f}) (size {PIN:g} {PIN:g}) '
-        f'(drill {DRILL:g}) (layers "*.Cu" "*.Mask"))'
-    )

@@ -65,7 +65,7 @@ def write_dxf(
     program shows without drawing them."""
     with _no_clock():
         marks, outlines = list(marks), list(loops)
-        document = _dxf_document(scale, {name for name, _ in outlines} | set(_dxf_layers(marks)))
+        document = _dxf_document(scale, {name for name, _ in outlines} | {_layer(mark) for mark in marks})
         for number, note in enumerate(notes, 1):
             document.header.custom_vars.append(f"note {number}", note)
         space = document.modelspace()
@@ -92,9 +92,8 @@ def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
     write_dxf(path, [*sheet.marks, *texts], sheet.scale, sheet.loops, sheet.notes)
 
 
-def _dxf_layers(marks: Iterable[Mark]) -> Iterator[str]:
-    for mark in marks:
-        yield "DIMENSIONS" if isinstance(mark, Dimension) else mark.layer
+def _layer(mark: Mark) -> str:
+    return "DIMENSIONS" if isinstance(mark, Dimension) else mark.layer
 
 
 def _dxf_document(scale: float, used: set[str]) -> Drawing:

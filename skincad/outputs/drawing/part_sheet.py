@@ -133,6 +133,9 @@ def _area(drawing: PartDrawing, paper: Paper) -> Box:
 
 def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
     """The smallest paper on which views and holes are read well, or else the one of the largest scale."""
+    (left, low), (right, high) = drawing.views[FRONT].box()
+    # the part's size at 1:1 over the size at which it can be read
+    legibility = min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / HOLE_SPACING)
     best: tuple[Paper, Arrangement] | None = None
     for paper in PAPERS:
         if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
@@ -143,15 +146,9 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
             continue
         if best is None or arrangement.scale > best[1].scale:
             best = paper, arrangement
-        if arrangement.scale * _legibility(drawing) >= 1:
+        if arrangement.scale * legibility >= 1:
             break
     return best or (PAPERS[-1], _arrangements(drawing, PAPERS[-1], SCALES[-1])[-1])
-
-
-def _legibility(drawing: PartDrawing) -> float:
-    """The part's size at 1:1 over the size at which it can be read."""
-    (left, low), (right, high) = drawing.views[FRONT].box()
-    return min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / HOLE_SPACING)
 
 
 def _spacing(drawing: PartDrawing) -> float:

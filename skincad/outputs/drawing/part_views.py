@@ -86,8 +86,8 @@ def view_marks(
     room.block(blocked)
     for name, place in placements.items():
         marks += _strokes(drawing.views[name], place, room)
-        box = place.box(drawing.views[name])
-        marks.append(_caption(drawing.captions[name], box))
+        left, low, right, _ = place.box(drawing.views[name])
+        marks.append(Words(drawing.captions[name], ((left + right) / 2, low - 4.5), TAG, "TEXT", "middle"))
     marks += _datums(drawing, placements)
     marks += _lengths(drawing, placements)
     for mark in marks:
@@ -113,10 +113,6 @@ def places(drawing: PartDrawing, scale: float, area: Box) -> dict[str, ViewPlace
     above = ViewPlacement((front.origin[0], low - UNDER - scale * a1), scale)
     left_view = ViewPlacement((right + BETWEEN - scale * l0, front.origin[1]), scale)
     return {FRONT: front, ABOVE: above, LEFT: left_view}
-
-
-def _caption(text: str, box: Box) -> Words:
-    return Words(text, ((box[0] + box[2]) / 2, box[1] - 4.5), TAG, "TEXT", "middle")
 
 
 def _strokes(projection: Projection, place: ViewPlacement, room: Room) -> list[Mark]:
@@ -315,17 +311,14 @@ def bore_marks(holes: tuple[HoleGroup, ...], placements: dict[str, ViewPlacement
         place, wide = placements[group.view], major(group.thread)
         for hole in group.holes:
             centre = place.at(hole.at)
-            marks += _cross(centre, place.scale * max(group.diameter, group.far_diameter) / 2)
+            (x, y), out = centre, place.scale * max(group.diameter, group.far_diameter) / 2 + OVERSHOOT
+            marks.append(line((x - out, y), (x + out, y), "CENTRE"))
+            marks.append(line((x, y - out), (x, y + out), "CENTRE"))
             if wide is not None:
                 marks.append(Ink(Arc(centre, place.scale * wide / 2, *THREE_QUARTERS), "THREAD"))
         for side_view in group.side_views:
             marks += _bore_side(side_view, placements[side_view.view], wide and wide / 2, group)
     return marks
-
-
-def _cross(centre: Place, radius: float) -> list[Mark]:
-    out, (x, y) = radius + OVERSHOOT, centre
-    return [line((x - out, y), (x + out, y), "CENTRE"), line((x, y - out), (x, y + out), "CENTRE")]
 
 
 def _bore_side(
@@ -358,11 +351,11 @@ def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]
     """Return hidden edges without those that would run together on paper: nearer than `MIN_SPACING` mm to
     a parallel one that is drawn, all along."""
     strokes: list[Stroke] = []
-    lines: list[tuple[float, float, float, float, float]] = []  # direction, offset, from, to
+    lines: list[tuple[float, float, float, float]] = []  # direction, offset, from, to
 
     def covered(chain: Polyline) -> bool:
         angle, offset, low, high = _straight(chain)
-        for other, at, start, end in ((t[0], t[1], t[2], t[3]) for t in lines):
+        for other, at, start, end in lines:
             turn = abs((angle - other + math.pi / 2) % math.pi - math.pi / 2)
             if (
                 turn < 0.05
@@ -373,17 +366,14 @@ def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]
                 return True
         return False
 
-    def take(chain: Polyline) -> None:
-        lines.append((*_straight(chain), 0.0))
-
     for stroke in visible:
         if isinstance(stroke, Polyline) and len(stroke.points) == 2:
-            take(stroke)
+            lines.append(_straight(stroke))
     for stroke in sorted(hidden, key=_long, reverse=True):
         if isinstance(stroke, Polyline) and len(stroke.points) == 2:
             if covered(stroke):
                 continue
-            take(stroke)
+            lines.append(_straight(stroke))
         elif isinstance(stroke, Polyline) and _long(stroke) < MIN_SPACING:
             continue
         strokes.append(stroke)

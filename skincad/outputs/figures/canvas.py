@@ -99,6 +99,7 @@ BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK = (
     "#cc79a7",
     "#222222",
 )
+DPI = 100
 GREY, PALE, GRID = "#777777", "#c4c4c4", "#e0e0e0"
 STYLE: dict[str, Any] = {  # of every figure, on matplotlib's defaults
     "axes.axisbelow": True,
@@ -135,7 +136,7 @@ class Picture(Figure):
     colours: int | None = None
 
 
-def agg(size: tuple[float, float], dpi: float) -> Picture:
+def agg(size: tuple[float, float], dpi: float = DPI) -> Picture:
     """Return a figure of this size, inches, that Agg draws; to be used within `own_style`."""
     figure = Picture(figsize=size, dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
@@ -143,7 +144,7 @@ def agg(size: tuple[float, float], dpi: float) -> Picture:
 
 
 @contextmanager
-def sheet(size: tuple[float, float], dpi: float, colours: int | None = None) -> Iterator[Picture]:
+def sheet(size: tuple[float, float], colours: int | None = None, *, dpi: float = DPI) -> Iterator[Picture]:
     """Yield a figure of this size, inches, to be drawn on in the block."""
     with own_style():
         figure = agg(size, dpi)

@@ -32,7 +32,7 @@ _OVERSAMPLE = 2
 
 def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
     """Return skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
-    with sheet((13.2, 7.4), 110, 128) as figure:
+    with sheet((13.2, 7.4), 128, dpi=110) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
         _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
         _draw_ridge(figure.add_subplot(grid[1, 0]), design)
@@ -87,7 +87,11 @@ def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh
             labels.append((part.name, mesh))
     camera = view(exploded, 38.0, 30.0, _PIXELS)
     axes.imshow(shaded(exploded, colours, camera))
-    anchors = [(camera.pixel(_right_edge(shape)), name) for name, shape in labels]
+    anchors = []  # on each part's right upper edge, seen from in front
+    for name, shape in labels:
+        low, high = shape.bounds
+        edge = np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
+        anchors.append((camera.pixel(edge), name))
     free = 0.0
     for (x, y), name in sorted(anchors, key=lambda anchor: anchor[0][1]):
         free = max(free, y)
@@ -95,12 +99,6 @@ def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh
         axes.annotate(name, (x, y), (_PIXELS[0] + 10, free), fontsize=8, va="center", arrowprops=line)
         free += 0.028 * _PIXELS[1]
     _show(axes, "mold, taken apart (it is poured with the ridges down)")
-
-
-def _right_edge(shape: trimesh.Trimesh) -> np.ndarray:
-    """A point on the part's right upper edge, seen from in front."""
-    low, high = shape.bounds
-    return np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,8 @@ from skincad.outputs.figures.canvas import (
     sheet,
 )
 
-FORCES_SIZE, DPI = (7.5, 4.0), 100
-REPORT_SIZE, DPI = (7.0, 3.0), 100
+FORCES_SIZE = (7.5, 4.0)  # inches
+REPORT_SIZE = (7.0, 3.0)  # inches
 AXIS_ROOM = 3.0  # by which the axes reach beyond the points
 LABEL_OFFSETS = (
     (7, 7),
@@ -43,15 +43,15 @@ LABEL_OFFSETS = (
 LABEL_CLEARANCE = 4.0  # pixels, of a name from a point
 NARROW_RATIO = 20.0  # ratio of errors below which more than powers of ten are named
 Points = Sequence[tuple[str, float, float]]
-FIT_SIZE, DPI = (7.5, 4.4), 100
+FIT_SIZE = (7.5, 4.4)  # inches
 PAPERS = ("yamada-2002", "yamada-2002-motional")  # the readings of the paper's circuit
 PAPER_DROP = 9000.0  # Hz; paper, section 3.2
-GAIN_SIZE, DPI = (9.0, 5.6), 100
+GAIN_SIZE = (9.0, 5.6)  # inches
 
 
 def ridge_force_figure(check: ContactCheck) -> Picture:
     """Return a figure of each ridge's force, N, with its error bar."""
-    with sheet(FORCES_SIZE, DPI, 255) as figure:
+    with sheet(FORCES_SIZE, 255) as figure:
         axes = figure.add_subplot()
         ridges = np.arange(1, check.ridges + 1)
         forces = [force.value or 0.0 for force in check.ridge_force]
@@ -74,7 +74,7 @@ def models_figure(models: Points) -> Picture:
     """Return the relative error of the all-touch force against time, s: a point for each model tried, as
     `(name, seconds, error)`; the last one gave the verdict."""
     shown = [model for model in models if model[2] > 0]
-    with sheet(REPORT_SIZE, DPI) as figure:
+    with sheet(REPORT_SIZE) as figure:
         axes = figure.add_subplot()
         times, errors = [model[1] for model in shown], [model[2] for model in shown]
         axes.loglog(times, errors, color=GREY, linewidth=1.0, zorder=1)
@@ -115,7 +115,7 @@ def _label_points(figure: Figure, axes: Axes, shown: Points) -> None:
 
 def sensitivity_figure(sensitivities: Sequence[Sensitivity]) -> Picture:
     """Return a bar for each key: the change of the all-touch force by 1 % more of it, N, with its error."""
-    with sheet((REPORT_SIZE[0], 0.9 + 0.24 * len(sensitivities)), DPI) as figure:
+    with sheet((REPORT_SIZE[0], 0.9 + 0.24 * len(sensitivities))) as figure:
         axes = figure.add_subplot()
         places = np.arange(len(sensitivities))[::-1]
         values = [sensitivity.change.value or 0.0 for sensitivity in sensitivities]
@@ -132,7 +132,7 @@ def sensitivity_figure(sensitivities: Sequence[Sensitivity]) -> Picture:
 def fit_figure(fit: MaterialFit) -> Picture:
     """Return a figure of the rows used and the fitted model: N against mm of a pad, MPa against strain."""
     deformation, load, modelled = fit.curve
-    with sheet(FIT_SIZE, DPI, 255) as figure:
+    with sheet(FIT_SIZE, 255) as figure:
         axes = figure.add_subplot()
         axes.plot(deformation, load, ".", color=BLUE, markersize=4, label=f"{fit.rows_used} rows of the test")
         axes.plot(deformation, modelled, color=VERMILION, linewidth=1.2, label="model")
@@ -150,7 +150,7 @@ def gain_figure(circuit_gain: CircuitGain) -> Picture:
 
     The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
     """
-    with sheet(GAIN_SIZE, DPI, 255) as figure:
+    with sheet(GAIN_SIZE, 255) as figure:
         axes = figure.add_subplot()
         if circuit_gain.measured:
             measurement = circuit_gain.measured

@@ -32,7 +32,7 @@ from skincad.scenes.simulation import Simulation
 
 OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", VERMILION
 NORMAL, TANGENTIAL = BLUE, VERMILION
-WIDTH, PANEL, DPI = 9.0, 1.9, 100
+WIDTH, PANEL = 9.0, 1.9  # inches
 SIGNALS = (
     ("value", "differential stress\nS1 - S2, MPa"),
     ("rate", "stress-rate, MPa/s"),
@@ -58,9 +58,12 @@ def scene_figure(simulation: Simulation) -> Picture:
     colour stands where it begins to slip for good.
     """
     panels = 2 + len(SIGNALS) * bool(simulation.signals)
-    with sheet((WIDTH, PANEL * panels + 0.8), DPI) as figure:
+    with sheet((WIDTH, PANEL * panels + 0.8)) as figure:
         axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
-        _forces(axes[0], simulation)
+        axes[0].plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
+        axes[0].plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
+        axes[0].set_ylabel("force, N")
+        legend(axes[0])
         if simulation.signals:
             for place, (name, label) in zip(axes[1:-1], SIGNALS, strict=True):
                 _signals(place, simulation, name)
@@ -73,13 +76,6 @@ def scene_figure(simulation: Simulation) -> Picture:
         late = f"signals band-limited to {width:g} Hz, {1e3 * simulation.delay:.3g} ms late"
         figure.suptitle(f"{simulation.scene.name}" + (f": {late}" if simulation.signals else ""))
     return figure
-
-
-def _forces(axes: Axes, simulation: Simulation) -> None:
-    axes.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
-    axes.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
-    axes.set_ylabel("force, N")
-    legend(axes)
 
 
 def _signals(axes: Axes, simulation: Simulation, name: str) -> None:
@@ -170,7 +166,8 @@ def recording_figure(simulation: Simulation, record: RidgeRecording) -> Picture:
 
     P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
     """
-    with sheet((9.0, 6.4), 100) as figure:
+    with sheet((9.0, 6.4)) as figure:
+        rate = record.pair.rate
         strips, pair = figure.subplots(2, 1, sharex=True)
         largest = max(float(np.abs(part.values).max()) for part in (record.s1, record.s2, record.pair))
         unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
@@ -182,14 +179,15 @@ def recording_figure(simulation: Simulation, record: RidgeRecording) -> Picture:
         _make_room(strips, 0.0)
         _make_room(pair, ROOM_BELOW)
         for axes in (strips, pair):
-            _draw_phases(axes, simulation, record)
+            for name, (start, end) in phases(simulation, record.ridge).items():
+                axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
+                middle = (start + end) / 2 * rate
+                axes.annotate(name, (middle, 0.9), xycoords=("data", "axes fraction"), ha="center")
             axes.set_ylabel(f"output, {unit}")
             legend(axes)
         _name_slips(pair, simulation, record)
-        pair.set_xlabel(f"sample at {record.pair.rate:g} Hz\n\n{caption(simulation, record)}")
-        figure.suptitle(
-            f"{simulation.scene.name}: {simulation.read['circuit']} as recorded at {record.pair.rate:g} Hz"
-        )
+        pair.set_xlabel(f"sample at {rate:g} Hz\n\n{caption(simulation, record)}")
+        figure.suptitle(f"{simulation.scene.name}: {simulation.read['circuit']} as recorded at {rate:g} Hz")
     return figure
 
 
@@ -229,13 +227,6 @@ def phases(simulation: Simulation, ridge: int) -> dict[str, tuple[float, float]]
     end = simulation.gross_slip_step if simulation.gross_slip_step is not None else time.size - 1
     marks = [float(time[i]) for i in (start, slip, end)]
     return dict(zip(PHASES, pairwise(marks), strict=True))
-
-
-def _draw_phases(axes: Axes, simulation: Simulation, record: RidgeRecording) -> None:
-    for name, (start, end) in phases(simulation, record.ridge).items():
-        rate = record.pair.rate
-        axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
-        axes.annotate(name, ((start + end) / 2 * rate, 0.9), xycoords=("data", "axes fraction"), ha="center")
 
 
 def _name_slips(axes: Axes, simulation: Simulation, record: RidgeRecording) -> None:

@@ -40,13 +40,13 @@ AREA_IN_SCALE = 0.97  # share of the silicone's drawn area whose stress lies wit
 MAP = "RdBu_r"
 WINDOW = 0.27  # of the field's extent, each way from the films
 FILM = "#111111"
-SIZE, DPI = (9.0, 6.9), 100  # 900 pixels wide
+SIZE = (9.0, 6.9)  # 900 pixels wide
 NOTED_RIDGE = (
     3  # or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
 )
 Frame = tuple[float, float, float, float]
 PLATE, AROUND = "#9a9a9a", "#d7e3d0"  # a tint that no stress has: unstressed skin is white
-WIDTH, DPI = 9.0, 100
+WIDTH = 9.0  # inches
 ABOVE, BESIDE = 0.12, 0.03  # margins in the section's height and width
 FRAME_WIDTH, COLOURS = 720, 48  # pixels; with 60 frames below 2 MB (measured on yamada-2002-slip: 1.0 MB)
 SECONDS = 6.0  # of an animation
@@ -59,7 +59,7 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
     ridges that both carry as fields.
     """
     ridges = [r for r in (v.ridge for v in normal.fields) if r in {v.ridge for v in both.fields}][:2]
-    with sheet(SIZE if ridges else (SIZE[0], 4.0), DPI, 255) as figure:
+    with sheet(SIZE if ridges else (SIZE[0], 4.0), 255) as figure:
         columns = 2 * max(1, len(ridges))
         grid = figure.add_gridspec(2 if ridges else 1, columns, height_ratios=[1.0, 0.8] if ridges else None)
         left = figure.add_subplot(grid[0, : columns // 2])
@@ -84,15 +84,9 @@ def _draw_ridges(axes: Axes, stress: FilmStress, title: str) -> None:
     for (label, colour, marker, offset), estimates in zip(
         SERIES, (stress.s1, stress.s2, stress.differential), strict=True
     ):
-        values, errors = _numbers(estimates)
-        style: dict[str, Any] = {
-            "color": colour,
-            "marker": marker,
-            "markersize": 4.5,
-            "capsize": 3,
-            "linewidth": 1.0,
-        }
-        axes.errorbar(ridges + offset, values, errors, label=label, linestyle="none", **style)
+        values, errors = [e.value or 0.0 for e in estimates], [e.error or 0.0 for e in estimates]
+        style: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 4.5, "capsize": 3}
+        axes.errorbar(ridges + offset, values, errors, label=label, linestyle="none", linewidth=1.0, **style)
     axes.set_title(title)
     axes.set_xlabel("ridge")
     if stress.ridges <= 20:
@@ -100,35 +94,43 @@ def _draw_ridges(axes: Axes, stress: FilmStress, title: str) -> None:
     axes.grid(visible=False, axis="x")
 
 
-def _numbers(estimates: tuple[Estimate, ...]) -> tuple[list[float], list[float]]:
-    return [e.value or 0.0 for e in estimates], [e.error or 0.0 for e in estimates]
-
-
 def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeField]]) -> None:
     """Draw the fields of both states on one scale of colours, deformed as they are."""
     fields = [field for state in states for field in state]
     limit = max(colour_limit(field.place, field.triangles[~field.film], field.stress) for field in fields)
     for axes, field in zip(places, fields, strict=True):
-        points = field.place + field.shift
-        triangles = field.triangles
-        silicone = Triangulation(points[:, 0], points[:, 1], triangles[~field.film])
-        drawn = axes.tripcolor(silicone, field.stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
-        if field.film.any():
-            axes.add_collection(
-                PolyCollection(list(points[triangles[field.film]]), facecolor=FILM, edgecolor=FILM)
-            )
+        drawn = _draw_silicone(axes, field, field.stress, limit)
         nearest = np.hypot(*(field.place - field.middle).T).argmin()
-        middle, half = points[nearest], WINDOW * float(np.ptp(field.place, axis=0).max())
+        middle, half = (field.place + field.shift)[nearest], WINDOW * float(np.ptp(field.place, axis=0).max())
         axes.set_xlim(middle[0] - half, middle[0] + half)
         axes.set_ylim(middle[1] - half, middle[1] + half)
-        axes.set_aspect("equal")
         axes.set_title(f"ridge {field.ridge}", fontsize=9)
-        axes.tick_params(labelsize=7)
-        axes.set_xlabel("x, mm", fontsize=8)
-        axes.grid(visible=False)
     places[0].set_ylabel("z, mm", fontsize=8)
-    bar = figure.colorbar(drawn, ax=places, location="bottom", shrink=0.6, aspect=40, extend="both")
-    bar.set_label("stress across the ridge in the deformed section, MPa; films black", fontsize=8)
+    _name_colours(
+        figure, drawn, places, 40, "stress across the ridge in the deformed section, MPa; films black"
+    )
+
+
+def _draw_silicone(
+    axes: Axes, body: RidgeField | Shown, stress: Array, limit: float, **film: Any
+) -> ScalarMappable:
+    """Draw a deformed body in the colours of its stress, with its films; `film` is their edges' look."""
+    points = body.place + body.shift
+    silicone = Triangulation(points[:, 0], points[:, 1], body.triangles[~body.film])
+    drawn = axes.tripcolor(silicone, stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
+    if body.film.any():
+        strips = list(points[body.triangles[body.film]])
+        axes.add_collection(PolyCollection(strips, facecolor=FILM, edgecolor=FILM, **film))
+    axes.set_aspect("equal")
+    axes.tick_params(labelsize=7)
+    axes.set_xlabel("x, mm", fontsize=8)
+    axes.grid(visible=False)
+    return drawn
+
+
+def _name_colours(figure: Figure, scale: ScalarMappable, places: Any, aspect: float, words: str) -> None:
+    bar = figure.colorbar(scale, ax=places, location="bottom", shrink=0.6, aspect=aspect, extend="both")
+    bar.set_label(words, fontsize=8)
     bar.ax.tick_params(labelsize=7)
 
 
@@ -230,14 +232,6 @@ def _limit(moments: Sequence[Moment]) -> float:
     return max(colour_limit(s.place, s.triangles[~s.film], s.stress[:, 0]) for s in every) or 1e-6
 
 
-def _frame(moments: Sequence[Moment]) -> Frame:
-    """Limits in x and z, mm, that hold all of them and some plate."""
-    points = np.concatenate([m.shown.place + m.shown.shift for m in moments])
-    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    wide, tall = BESIDE * (right - left), ABOVE * (high - low)
-    return left - wide, right + wide, low - tall / 3, high + tall
-
-
 @dataclass(frozen=True, eq=False)
 class _Sheet:
     """A figure that is drawn on again and again, with one scale of colours and one frame."""
@@ -258,32 +252,24 @@ class _Sheet:
 
 
 def _sheet(moments: Sequence[Moment]) -> _Sheet:
-    left, right, low, high = frame = _frame(moments)
-    figure = agg((WIDTH, WIDTH * (high - low) / (right - left) + 1.2), DPI)
+    points = np.concatenate([m.shown.place + m.shown.shift for m in moments])
+    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+    wide, tall = BESIDE * (right - left), ABOVE * (high - low)
+    left, right, low, high = frame = left - wide, right + wide, low - tall / 3, high + tall  # and some plate
+    figure = agg((WIDTH, WIDTH * (high - low) / (right - left) + 1.2))
     axes, limit = figure.add_subplot(), _limit(moments)
     scale = ScalarMappable(Normalize(-limit, limit), MAP)
-    bar = figure.colorbar(scale, ax=axes, location="bottom", shrink=0.6, aspect=50, extend="both")
-    bar.set_label("stress along x, MPa; films black", fontsize=8)
-    bar.ax.tick_params(labelsize=7)
+    _name_colours(figure, scale, axes, 50, "stress along x, MPa; films black")
     return _Sheet(figure, axes, limit, frame)
 
 
 def _draw_section(axes: Axes, shown: Shown, limit: float, frame: Frame) -> None:
     left, right, low, high = frame
-    points, silicone = shown.place + shown.shift, shown.triangles[~shown.film]
-    skin = Triangulation(points[:, 0], points[:, 1], silicone)
-    axes.tripcolor(skin, shown.stress[:, 0], cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
-    if shown.film.any():
-        strips = list(points[shown.triangles[shown.film]])
-        axes.add_collection(PolyCollection(strips, facecolor=FILM, edgecolor=FILM, linewidth=0.4))
+    _draw_silicone(axes, shown, shown.stress[:, 0], limit, linewidth=0.4)
     ends = np.array([left, right])
     plate = shown.plate + math.tan(shown.angle) * ends
     axes.fill_between(ends, plate, high, color=PLATE, linewidth=0)
     axes.set_facecolor(AROUND)
-    axes.grid(visible=False)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
-    axes.set_aspect("equal")
-    axes.tick_params(labelsize=7)
     axes.set_ylabel("z, mm", fontsize=8)
-    axes.set_xlabel("x, mm", fontsize=8)

@@ -39,7 +39,7 @@ from skincad.studies.sweeping import SweepResult
 
 POINT, TARGET, HIGHLIGHT, REFUSED = BLUE, GREY, VERMILION, PALE
 COLOURS = "viridis_r"  # distinct in grey too
-SIZE, DPI = (7.0, 4.6), 100
+SIZE = (7.0, 4.6)  # inches
 PANEL = 3.0  # inches, of one of several
 MAX_KEYS = 6  # that are drawn
 LOG_RATIO = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
@@ -55,7 +55,7 @@ STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, af
 )
 FRONT, FLOOR = "#c9c9c9", "#ededed"
 PANELS = 2  # measures that are drawn: the first with two errors to show
-LADDER_SIZE, DPI = (9.0, 4.9), 100  # 900 pixels wide, as the README shows it
+LADDER_SIZE = (9.0, 4.9)  # 900 pixels wide, as the README shows it
 # trials above the reference's own error, and the ratio of the longest of their times to the shortest
 LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
 MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
@@ -71,7 +71,7 @@ def solution_figure(solution: Solution) -> Picture:
         for evaluation in solution.evaluations
         if not evaluation.refused and (estimate := evaluation.results[key]).value is not None
     )
-    with sheet(SIZE, DPI, 255) as figure:
+    with sheet(SIZE, 255) as figure:
         axes = figure.add_subplot()
         axes.axhline(wanted, color=TARGET, linewidth=1.0, linestyle="--", label=f"wanted: {wanted:g}")
         if points:
@@ -102,7 +102,7 @@ def effects_figure(sweep: SweepResult) -> Picture:
     rows, results = _ranked(sweep, ranking)
     column_count = min(3, len(keys))
     row_count = -(-len(keys) // column_count)
-    with sheet((max(PANEL * column_count, 4.0), PANEL * row_count), DPI, 255) as figure:
+    with sheet((max(PANEL * column_count, 4.0), PANEL * row_count), 255) as figure:
         places = figure.subplots(row_count, column_count, squeeze=False, sharey=True).ravel()
         for axes, knob in itertools.zip_longest(places, keys):
             if knob is None:
@@ -133,7 +133,7 @@ def pairs_figure(sweep: SweepResult) -> Picture:
     column_count = min(3, len(pairs))
     row_count = -(-len(pairs) // column_count)
     colours = Normalize(float(results.min()), float(results.max()))
-    with sheet((max(PANEL * column_count + 1.0, 5.0), PANEL * row_count), DPI, 255) as figure:
+    with sheet((max(PANEL * column_count + 1.0, 5.0), PANEL * row_count), 255) as figure:
         places = figure.subplots(row_count, column_count, squeeze=False).ravel()
         for axes, pair in itertools.zip_longest(places, pairs):
             if pair is None:
@@ -169,7 +169,7 @@ def front_figure(sweep: SweepResult) -> Picture:
     )
     front = pareto(np.column_stack([_less(x, first), _less(y, second)]))
     order = np.argsort(x[front])
-    with sheet(SIZE, DPI, 255) as figure:
+    with sheet(SIZE, 255) as figure:
         axes = figure.add_subplot()
         axes.plot(x, y, ".", color=POINT, alpha=0.5, label="rows")
         axes.plot(x[front][order], y[front][order], "o-", color=HIGHLIGHT, markersize=5, label="front")
@@ -240,7 +240,7 @@ def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1][
         :PANELS
     ]
-    with sheet(LADDER_SIZE, DPI, 255) as figure:
+    with sheet(LADDER_SIZE, 255) as figure:
         figure.suptitle(ladder.title)
         places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]
         models = list(dict.fromkeys(point.model for point in ladder.trials))

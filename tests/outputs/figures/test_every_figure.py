@@ -224,7 +224,7 @@ def test_no_legend_hides_a_curve(drawn: dict[str, Picture]) -> None:
 
 def test_what_is_looked_for_is_found() -> None:
     """A legend on a curve and a word beyond the edge: the looks above can fail."""
-    with sheet((4.0, 3.0), 100) as figure:
+    with sheet((4.0, 3.0)) as figure:
         axes = figure.add_subplot()
         axes.plot([0, 1], [0, 1], label="a curve")
         axes.legend(loc="center")
