@@ -25,7 +25,7 @@ from skincad.live.shapes import view
 from skincad.live.worker import preload
 from skincad.studies.subject import changed
 from tests.live.browser import looking
-from tests.pictures.browser import CHROMIUM
+from tests.outputs.browser import CHROMIUM
 
 HOST, BETWEEN = "127.0.0.1", 0.4  # s between two moves, as a hand clicks
 

@@ -14,7 +14,7 @@ import numpy as np
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.pictures.canvas import Axes, save, sheet
+from skincad.outputs.figures.canvas import Axes, save, sheet
 
 # gone
 from skincad.shape.curves import polygon
@@ -46,7 +46,7 @@ def shown() -> Design:
 def geometry_plot(path: Path) -> None:
     """Draw the whole section and its middle ridge, without and with slots, with their keys, into a PNG."""
     design = shown()
-    with sheet((11.0, 8.6), 100, colours=64) as figure:
+    with sheet((11.0, 8.6), colours=64) as figure:
         panels = figure.subplot_mosaic([["whole", "whole"], ["ridge", "slots"]], height_ratios=(1.0, 1.3))
         for name, draw in (("whole", _whole), ("ridge", _ridge), ("slots", _slots)):
             draw(panels[name], design)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stress import film_stress as _film_stress
     from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
-    from skincad.packages.packing import package as _package
+    from skincad.outputs.simulators.package import package as _package
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as _simulate
@@ -77,7 +77,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "load_study": "studies.study:load_study",
     "make": "fabrication.making:make",
     "mold_solids": "solids.mold:mold_solids",
-    "package": "packages.packing:package",
+    "package": "outputs.simulators.package:package",
     "optimise": "studies.optimising:optimise",
     "save_picture": "outputs.delivery:save_picture",
     "section": "shape.cross_section:section",

@@ -12,8 +12,8 @@ import pytest
 
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
-from skincad.pictures.canvas import save
-from skincad.pictures.circuit_figures import gain_figure
+from skincad.outputs.figures.canvas import save
+from skincad.outputs.figures.results import gain_figure
 
 FILES = {
     "matplotlibrc": "savefig.dpi: 30\ntext.usetex: True\nfont.size: 20\nbackend: nonsense\n",
@@ -25,9 +25,10 @@ from pathlib import Path
 import skincad
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
-from skincad.pictures.canvas import save
-from skincad.pictures.circuit_figures import gain_figure
-from skincad.outputs.export import write_section_dxf, write_step
+from skincad.outputs.figures.canvas import save
+from skincad.outputs.figures.results import gain_figure
+from skincad.outputs.drawing.flat import write_section_dxf
+from skincad.outputs.solid_files import write_step
 from skincad.solids.occ import workplane
 from skincad.solids.skin import skin_part
 design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})

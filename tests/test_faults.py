@@ -46,8 +46,12 @@ FIRST = {"make": (), "simulate": ("--set", "history.steps=8"), "circuit": ()}
 SLOW = ["circuit", *(pytest.param(job, marks=pytest.mark.slow) for job in ("make", "simulate"))]
 LOADED = {  # what a job imports and what takes long to import
     "make": ("skincad.solids.occ", "skincad.fabrication.measures", "skincad.mechanics.models.linear"),
-    "simulate": ("skincad.scenes.simulation", "skincad.mechanics.models.linear", "skincad.pictures.canvas"),
-    "circuit": ("skincad.circuit.bode", "skincad.pictures.circuit_figures"),
+    "simulate": (
+        "skincad.scenes.simulation",
+        "skincad.mechanics.models.linear",
+        "skincad.outputs.figures.canvas",
+    ),
+    "circuit": ("skincad.circuit.bode", "skincad.outputs.figures.results"),
 }
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 TIMED = {"simulate.json"}  # tells how long the run took

@@ -23,7 +23,7 @@ from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedE
 from skincad.cli import main
 from skincad.cli.process import TRACEBACK
 from skincad.outputs.delivery import ready
-from skincad.outputs.newfile import write_new
+from skincad.outputs.tomls import write_new
 from tests.processes import started
 
 # no library that takes long to load: advice is sought with scipy

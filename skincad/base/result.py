@@ -199,13 +199,13 @@ def _name_of(value: Any) -> str:
     return next((str(named[key]) for key in NAMES if key in named), "")
 
 
-Figure = Any  # matplotlib's, which pictures/ alone names
+Figure = Any  # matplotlib's, which outputs/ alone names
 Writer = Callable[[Path], None]
 LONGEST_REPR = 200  # letters: a line of a console, not a page
 
 
 class Presenter(Protocol):
-    """A module of outputs/ that shows one kind of result."""
+    """What shows one kind of result: a module of outputs/, or a `Presentation`."""
 
     COMMAND: str  # whose manifest lists the files
 
@@ -223,7 +223,8 @@ class Presenter(Protocol):
 
 
 class Result(ABC):
-    """A frozen answer. `shown_by` names the module of outputs/ that shows it, imported when it is asked."""
+    """A frozen answer. `shown_by` names what shows it, imported when it is asked: a module of outputs/, or
+    after a colon one of a module's `Presentation`s."""
 
     shown_by: ClassVar[str]
 
@@ -237,8 +238,10 @@ class Result(ABC):
         return 0
 
     def presenter(self) -> Presenter:
-        """Return the module that shows results of this kind."""
-        return cast(Presenter, import_module(self.shown_by))
+        """Return what shows results of this kind."""
+        module, _, name = self.shown_by.partition(":")
+        shown = import_module(module)
+        return cast(Presenter, getattr(shown, name) if name else shown)
 
     def files(self) -> dict[str, Writer]:
         """Return name -> writer; a writer takes the path to write to. `skincad.write` writes them all."""

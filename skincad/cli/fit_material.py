@@ -67,7 +67,7 @@ def fit_material(
         )
     written = ""
     if copy is not None and design is not None:
-        from skincad.outputs.designcopy import write_with_modulus
+        from skincad.outputs.tomls import write_with_modulus
 
         said = f"measured: {fit.kind} test {file.name}"
         write_with_modulus(copy, design, settings, fit.ranged, fit.law, said, silicones)

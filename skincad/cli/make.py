@@ -65,11 +65,12 @@ def make(
     them or none.
     """
     from skincad.fabrication.making import STAGES
-    from skincad.outputs import makes
     from skincad.outputs.delivery import of_formats
 
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
     check_opened(opened, formats)
+    from skincad.outputs import makes  # loads what draws: only for a design that is one
+
     solids = not preview or "step" in formats
     files = of_formats(makes.names(design, solids, preview), formats)
     target = out_folder(folder, design.name, makes.COMMAND, files)

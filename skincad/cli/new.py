@@ -12,7 +12,7 @@ from skincad.cli.options import completes, say
 
 
 def _starts() -> Iterable[str]:
-    from skincad.outputs.newfile import start_names
+    from skincad.outputs.tomls import start_names
 
     return start_names()
 
@@ -34,6 +34,6 @@ def new(
     It is a design, a scene or a circuit, or a table of silicones or processes. An editor that knows the
     schema completes and checks the file.
     """
-    from skincad.outputs.newfile import write_new
+    from skincad.outputs.tomls import write_new
 
     say("\n".join(map(str, write_new(file, template))))

@@ -35,10 +35,10 @@ def optimise(
     a better one judges. Designs, a table, pictures and a page appear in the output folder; after Ctrl-C the
     same command goes on where it was.
     """
-    from skincad.outputs import optimisations
+    from skincad.outputs.studies import front_names
 
     study = skincad.load_study(source, settings)
-    target = out_folder(folder, study.name, optimisations.COMMAND, optimisations.names())
+    target = out_folder(folder, study.name, "optimise", front_names())
     with step_bar(study.evaluations) as tick:
         result = skincad.optimise(study, folder=target, fresh=fresh, workers=workers, dask=dask, tick=tick)
     deliver(result, as_json, skincad.write(result, target))

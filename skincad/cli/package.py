@@ -48,10 +48,8 @@ def package(
     MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
     each number rests on appear in the output folder.
     """
-    from skincad.outputs.packages import COMMAND
-
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
-    target = out_folder(folder, Path(design.name, "package"), COMMAND, ())
+    target = out_folder(folder, Path(design.name, "package"), "package", ())
     with stage_bar(STAGES) as progress:
         result = skincad.package(design, kinds, tier=tier, progress=progress)
         written = skincad.write(result, target, progress=progress)

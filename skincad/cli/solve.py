@@ -99,7 +99,7 @@ def solve(
         )
     written = []
     if copy is not None and solution.solutions:
-        from skincad.outputs.solutions import write_solution
+        from skincad.outputs.studies import write_solution
 
         write_solution(solution, copy, source)
         written.append(f"\nwritten to {copy}")

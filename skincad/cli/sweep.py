@@ -71,14 +71,14 @@ def sweep(
     A table, pictures and a page appear in the output folder. Each finished evaluation goes into
     evaluations.jsonl there at once: after Ctrl-C the same command goes on where it was.
     """
-    from skincad.outputs import sweeps
+    from skincad.outputs.studies import sweep_names
     from skincad.studies.subject import load_subject, texts
     from skincad.studies.sweeping import points_of
 
     varied, ranks = texts(vary, "vary"), texts(rank, "rank")
     subject = load_subject(source, settings, printer=printer, silicones=silicones)
     count = len(points_of(subject, varied, sample))
-    target = out_folder(folder, subject.name, sweeps.COMMAND, sweeps.names())
+    target = out_folder(folder, subject.name, "sweep", sweep_names())
     with step_bar(count) as tick:
         result = skincad.sweep(
             subject,

@@ -11,7 +11,7 @@ from skincad.cli.options import JsonOption, completes, show
 
 
 def _kinds() -> Iterable[str]:
-    from skincad.outputs.lists import LISTS
+    from skincad.outputs.tomls import LISTS
 
     return LISTS
 
@@ -32,7 +32,7 @@ def templates(
     Templates are designs, scenes, circuits and studies. With KIND, silicones and processes come with their
     values, ranges and sources.
     """
-    from skincad.outputs.lists import listing
+    from skincad.outputs.tomls import listing
 
     data, lines = listing(kind)
     show(data, as_json, "\n".join(lines))

@@ -38,7 +38,7 @@ class CouponReading(Result):
     not there.
     """
 
-    shown_by = "skincad.outputs.coupon_readings"
+    shown_by = "skincad.outputs.coupons:READING"
     name: str
     folder: Path
     before: Process

@@ -128,7 +128,7 @@ class Desk:
 
     def save(self, name: str) -> str:
         """Write a TOML file into the working directory, its comments kept; return what to say of it."""
-        from skincad.outputs.designcopy import write_copy
+        from skincad.outputs.tomls import write_copy
 
         file = name.removesuffix(".toml") + ".toml"
         try:

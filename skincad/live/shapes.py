@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skincad.base.errors import InputError
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
-from skincad.pictures.exploded import explosion_offset
+from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import Loop, polygon
 from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.mold import ClosedMold, mold

@@ -13,7 +13,7 @@ from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.accuracy.ladder import LADDERS, Ladder
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
+    from skincad.outputs.figures.canvas import Picture
 
 COMMAND = "accuracy"
 TABLE = "accuracy.csv"
@@ -32,7 +32,7 @@ def manifest(accuracy: Accuracy) -> dict[str, Any]:
 
 def figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
     """Return the diagram of error against time of each ladder."""
-    from skincad.pictures.ladder_figures import diagram
+    from skincad.outputs.figures.studies import diagram
 
     return {
         f"accuracy-{ladder.name}.png": partial(diagram, ladder, accuracy.machine)

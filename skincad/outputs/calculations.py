@@ -1,4 +1,4 @@
-"""The closed forms behind a verdict, as a structural calculation report writes them down.
+"""The closed forms behind a verdict, of casting and of a film strip, as a calculation report has them.
 
 Each result comes from the function that the program itself uses; tests hold it against its formula and the
 numbers that are printed.
@@ -6,21 +6,32 @@ numbers that are printed.
 
 from __future__ import annotations
 
+import math
 from statistics import median
 
 import numpy as np
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.formula import Calculation, Quantity
+from skincad.circuit.network import PICO, charge, electrode
+from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.models import winkler
 from skincad.mechanics.models.winkler import compliances
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.validity import limits, plane_modulus
+from skincad.shape.curves import area
+from skincad.shape.skin import section, skin_of
+from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import PartRole
+from skincad.solids.shrinkage import shrinkage
+from skincad.solids.skin import skin_part
 
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
 ON_A_CIRCLE = "geometry of the base circle"
+PIEZO = "IEEE Std 176-1987: D₃ = d₃₁T₁ + d₃₂T₂ + d₃₃T₃"
+MM3 = 1e-3  # cm3
 
 
 def contact_calculations(design: Design, share: float | None = None) -> list[Calculation]:
@@ -70,16 +81,16 @@ def _stiffness(design: Design) -> list[Calculation]:
 
 
 def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
-    skin, ridge = design.skin, design.ridge
+    skin = skin_of(design)
     under = (
-        Quantity("n", "ridges", ridge.count, "1"),
-        Quantity("T", "skin.thickness", skin.thickness, "mm"),
-        Quantity("W", "skin.width", skin.width, "mm"),
+        Quantity("n", "ridges", skin.count, "1"),
+        Quantity("T", "skin.thickness", skin.base.thickness, "mm"),
+        Quantity("W", "skin.width", skin.base.width, "mm"),
     )
     itself = (
-        Quantity("h", "ridge height, the median one", median(design.heights), "mm"),
-        Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
-        Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+        Quantity("h", "ridge height, the median one", median(skin.heights), "mm"),
+        Quantity("b_r", "ridge.root_width", skin.profile.root_width, "mm"),
+        Quantity("b_t", "ridge.tip_width", skin.profile.tip_width, "mm"),
     )
     return [
         Calculation("A ridge's part of the base", base, "n * T / W", under, FOUNDATION),
@@ -89,22 +100,23 @@ def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -
 
 def _gap(design: Design) -> list[Calculation]:
     """The approach at which the last ridge touches."""
-    depths, ridge = winkler.crest_depths(design), design.ridge
+    skin = skin_of(design)
+    depths = winkler.crest_depths(design)
     last = int(np.argmax(depths))
-    lean = Quantity("phi", f"lean of ridge {last + 1}", abs(design.lean(last + 1)), "rad")
+    lean = Quantity("phi", f"lean of ridge {last + 1}", abs(skin.lean(last + 1)), "rad")
     radius = Quantity("R", "skin.curvature_radius", design.skin.curvature_radius, "mm")
     lean_calculation = Calculation(
         f"Lean of ridge {last + 1}, the last to touch",
         lean,
         "m * p / R",
         (
-            Quantity("m", "pitches from the middle", abs(last - (ridge.count - 1) / 2), "1"),
-            Quantity("p", "ridge.pitch", ridge.spacing, "mm"),
+            Quantity("m", "pitches from the middle", abs(last - (skin.count - 1) / 2), "1"),
+            Quantity("p", "ridge.pitch", skin.pitch, "mm"),
             radius,
         ),
         ON_A_CIRCLE,
     )
-    height = Quantity("h_l", f"height of ridge {last + 1}", design.heights[last], "mm")
+    height = Quantity("h_l", f"height of ridge {last + 1}", skin.heights[last], "mm")
     formula, more = _gap_corrections(design, depths, last)
     gap = float(winkler.crest_gaps(design)[last])
     gap_calculation = Calculation(
@@ -114,19 +126,20 @@ def _gap(design: Design) -> list[Calculation]:
         (radius, height, lean, *more),
         ON_A_CIRCLE,
     )
-    return [gap_calculation] if ridge.count == 1 else [lean_calculation, gap_calculation]
+    return [gap_calculation] if skin.count == 1 else [lean_calculation, gap_calculation]
 
 
 def _gap_corrections(design: Design, depths: Array, last: int) -> tuple[str, list[Quantity]]:
     """Terms of a gap besides the circle's fall: the plate's rise, different heights, the first touch."""
+    skin = skin_of(design)
     formula, quantities, first = "", list[Quantity](), int(np.argmin(depths))
     if design.contact.plate.shape != "flat":
         formula += " + z_p"
         rises = float(winkler.plate_rises(design)[last])
         quantities.append(Quantity("z_p", f"rise of the plate over ridge {last + 1}", rises, "mm"))
-    if design.uneven:
+    if skin.uneven:
         formula += " + (h_m - h_l)"
-        quantities.append(Quantity("h_m", "height of the highest ridge", max(design.heights), "mm"))
+        quantities.append(Quantity("h_m", "height of the highest ridge", max(skin.heights), "mm"))
     if depths[first]:
         formula += " - d_f"
         quantities.append(
@@ -176,7 +189,7 @@ def _approach(design: Design, answer: Answer) -> Calculation:
 
 
 def _strain(design: Design, share: float) -> Calculation:
-    ridge = design.ridge
+    profile = skin_of(design).profile
     return Calculation(
         "Nominal strain of the most loaded ridge",
         Quantity("epsilon", "nominal strain", limits(design).strain(share), "1"),
@@ -185,9 +198,105 @@ def _strain(design: Design, share: float) -> Calculation:
             Quantity("P_m", "force on it, by the verdict's model", share, "N"),
             Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
             Quantity("L", "skin.length", design.skin.length, "mm"),
-            Quantity("b_r", "ridge.root_width", ridge.root_width, "mm"),
-            Quantity("b_t", "ridge.tip_width", ridge.tip_width, "mm"),
+            Quantity("b_r", "ridge.root_width", profile.root_width, "mm"),
+            Quantity("b_t", "ridge.tip_width", profile.tip_width, "mm"),
         ),
         "force over modulus and mean area",
         "Small strain holds up to about 0.1; beyond it a model of finite strain is needed.",
     )
+
+
+def casting_calculations(design: Design, closed: ClosedMold) -> list[Calculation]:
+    """Return the cavity's volume by the shrinkage, and the silicone to weigh."""
+    cavity = [] if _bent_with_slots(design) else [_cavity(design, closed)]
+    return [*cavity, *_mass(design, closed)]
+
+
+def _bent_with_slots(design: Design) -> bool:
+    return skin_of(design).slot is not None and design.skin.curvature_radius_y is not None
+
+
+def _cavity(design: Design, closed: ClosedMold) -> Calculation:
+    skin, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
+    slots = math.fsum(area(slot.loop()) for slot in section(design).slots) * design.skin.length
+    quantities = [
+        Quantity("V", "skin as designed", MM3 * skin, "cm³"),
+        Quantity("s", "linear shrinkage", shrinkage(design), "1"),
+    ]
+    if slots:
+        quantities.append(Quantity("V_s", "slots in it, which shims keep as they are", MM3 * slots, "cm³"))
+    return Calculation(
+        "Cavity that cures to the skin",
+        Quantity("V_c", "skin in the mold", MM3 * cavity, "cm³"),
+        "(V + V_s) / (1 - s)**3 - V_s / (1 - s)" if slots else "V / (1 - s)**3",
+        tuple(quantities),
+        "the same shrinkage in all directions",
+    )
+
+
+def _mass(design: Design, closed: ClosedMold) -> list[Calculation]:
+    material, volume = silicone(design), poured_volume(design, closed)
+    grams = volume * material.density * 1e-6
+    mold_mass = Quantity("m", "silicone that the mold takes", grams, "g")
+    total = Quantity("m_t", "silicone to mix", grams + DEAD_VOLUME, "g")
+    calculations = [
+        Calculation(
+            "Silicone that the mold takes",
+            mold_mass,
+            "rho * V_p",
+            (
+                Quantity("rho", f"density of {material.name}", material.density * 1e-3, "g/cm³"),
+                Quantity("V_p", "skin, gate, vents, reservoir, bleeds", MM3 * volume, "cm³"),
+            ),
+            "mass is density times volume",
+        ),
+        Calculation(
+            "Silicone to mix",
+            total,
+            "m + m_0",
+            (mold_mass, Quantity("m_0", "stays in cup and syringe", DEAD_VOLUME, "g")),
+            "assumption of the casting sheet",
+        ),
+    ]
+    if material.mix:
+        a, b = material.mix
+        shares = Quantity("a", "parts of A", a, "1"), Quantity("b", "parts of B", b, "1")
+        part = Quantity("m_A", "component A to weigh", (grams + DEAD_VOLUME) * a / (a + b), "g")
+        calculations.append(
+            Calculation("Component A", part, "m_t * a / (a + b)", (total, *shares), "mix by mass, data sheet")
+        )
+    return calculations
+
+
+def strip_calculations(design: Design) -> list[Calculation]:
+    """Return a strip's electrode and its charge by the stress through it; none without films."""
+    film, slot = design.film, skin_of(design).slot
+    if film is None or slot is None:
+        return []
+    inside = Quantity("A", "electrode in the skin, of one strip", electrode(design), "mm²")
+    coefficients = (film.d31, film.d32, film.d33)
+    unit_charge = charge(1.0, 0.0, 0.0, area=inside.value, coefficients=coefficients)  # type: ignore[arg-type]
+    return [
+        Calculation(
+            "Electrode of a strip",
+            inside,
+            "(L - 2 * e) * (b - 2 * e)",
+            (
+                Quantity("L", "skin.length", design.skin.length, "mm"),
+                Quantity("b", "slot.depth", slot.depth, "mm"),
+                Quantity("e", "bare margin of the film", film.margin, "mm"),
+            ),
+            "the cutting pattern",
+        ),
+        Calculation(
+            "Charge of a strip by 1 MPa through it",
+            Quantity("Q", "charge", float(unit_charge) / PICO, "pC"),
+            "A * d_33 * sigma",
+            (
+                inside,
+                Quantity("d_33", "film.d33", film.d33, "pC/N"),
+                Quantity("sigma", "stress through the film, tension positive", 1.0, "MPa"),
+            ),
+            PIEZO,
+        ),
+    ]

@@ -1,4 +1,4 @@
-"""Output of a check: the verdict in one sentence, and the numbers behind it."""
+"""Output of a check and of the films' stress: the verdict in one sentence, and the numbers behind it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.base.result import Writer
 from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.delivery import Presentation, picture
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
+    from skincad.mechanics.film.stress import FilmStresses
+    from skincad.outputs.figures.canvas import Picture
+
 
 COMMAND = "check"
 NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
@@ -168,13 +171,40 @@ def manifest(check: ContactCheck) -> dict[str, Any]:
 
 def figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
     """Return the force on each ridge."""
-    from skincad.pictures.check_figures import ridge_force_figure
+    from skincad.outputs.figures.results import ridge_force_figure
 
     return {"ridge-forces.png": partial(ridge_force_figure, check)}
 
 
 def files(check: ContactCheck) -> dict[str, Writer]:
     """Return the writer of the picture; the manifest, check.json, has all numbers."""
-    from skincad.outputs.delivery import picture
-
     return {name: picture(draw) for name, draw in figures(check).items()}
+
+
+def stress_lines(stresses: FilmStresses) -> list[str]:
+    """Return what `check --stress` prints beneath the verdict."""
+    rows = []
+    for state in stresses.states:
+        pulled = f", pulled sideways by {state.tangential:g} N" if state.tangential else ""
+        rows.append(f"  stress across the film at {state.force:g} N{pulled}")
+        components = {"S1": state.s1, "S2": state.s2, "S1 - S2": state.differential}
+        for name, values in components.items():
+            error = max((v.error or 0.0) for v in values)
+            numbers = "  ".join(f"{v.value:+.4f}" for v in values)
+            rows.append(f"    {name:8} {numbers} (± {error:.1g}) MPa")
+    return [*rows, *(f"  note           {note}" for note in stresses.warnings)]
+
+
+def stress_figures(stresses: FilmStresses) -> dict[str, Callable[[], Picture]]:
+    """Return the stress under the normal force, and under both forces (Fig 8)."""
+    from skincad.outputs.figures.stress import film_stress_figure
+
+    return {"film-stress.png": partial(film_stress_figure, *stresses.states)}
+
+
+FILM_STRESS = Presentation(
+    COMMAND="film-stress",
+    lines=stress_lines,
+    figures=stress_figures,
+    files=lambda stresses: {name: picture(draw) for name, draw in stress_figures(stresses).items()},
+)

@@ -35,12 +35,19 @@ class Delivery:
         return f"{len(named)} files in {self.folder}{names}"
 
 
+@dataclass(frozen=True, kw_only=True)
+class Presentation:
+    """How one kind of result is shown, where a module shows several kinds: see `skincad.base.result`."""
+
+    COMMAND: str
+    lines: Callable[[Any], list[str]]
+    files: Callable[[Any], dict[str, Writer]]
+    figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
+    manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
+
+
 def write(
-    result: Result,
-    folder: Path | str,
-    *,
-    formats: Iterable[str] | str = (),
-    progress: Progress | None = None,
+    result: Result, folder: Path | str, *, formats: Iterable[str] | str = (), progress: Progress | None = None
 ) -> Delivery:
     """Write a result's files and its manifest into `folder`, whole or not at all.
 
@@ -98,21 +105,21 @@ def _ending(name: str) -> str:
 
 def text(of: Callable[[], str]) -> Writer:
     """Return the writer of a text, made when it is written."""
-    return lambda path: _write_text(path, of())
+
+    def writer(path: Path) -> None:
+        path.write_text(of(), encoding="utf-8")
+
+    return writer
 
 
 def picture(draw: Callable[[], Any]) -> Writer:
     """Return the writer of a figure as PNG, drawn when it is written."""
 
     def writer(path: Path) -> None:
-        from skincad.pictures.canvas import Picture, save
+        from skincad.outputs.figures.canvas import Picture, save
 
         figure = draw()
         assert isinstance(figure, Picture)
         save(figure, path)
 
     return writer
-
-
-def _write_text(path: Path, content: str) -> None:
-    path.write_text(content, encoding="utf-8")

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from skincad.base.result import Writer
-from skincad.base.tables import NumberWithRange
 from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import picture, text
+from skincad.outputs.tomls import aligned, ranged_toml
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
+    from skincad.outputs.figures.canvas import Picture
 
 COMMAND = "fit-material"
 
@@ -66,15 +66,7 @@ def law_lines(fit: MaterialFit) -> list[str]:
         )
         for row in fit.laws
     ]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "",
-        f"{head}. {how}",
-        *(
-            "  ".join([name.ljust(widths[0]), *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True))])
-            for name, *cells in rows
-        ),
-    ]
+    return ["", f"{head}. {how}", *aligned(rows)]
 
 
 def _rounded(value: Any) -> Any:
@@ -84,11 +76,6 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def ranged_toml(ranged: NumberWithRange) -> str:
-    """Return a number with its range as a TOML value."""
-    return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
-
-
 def manifest(fit: MaterialFit) -> dict[str, Any]:
     """Return what the manifest says of the result: all of it."""
     return fit.as_json()
@@ -96,7 +83,7 @@ def manifest(fit: MaterialFit) -> dict[str, Any]:
 
 def figures(fit: MaterialFit) -> dict[str, Callable[[], Picture]]:
     """Return the test's rows and what the model makes of them."""
-    from skincad.pictures.fit_figures import fit_figure
+    from skincad.outputs.figures.results import fit_figure
 
     return {"fit.png": partial(fit_figure, fit)}
 

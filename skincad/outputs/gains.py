@@ -16,7 +16,7 @@ from skincad.circuit.response import Slopes
 from skincad.outputs.delivery import picture, text
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
+    from skincad.outputs.figures.canvas import Picture
 
 COMMAND = "circuit"
 
@@ -79,7 +79,7 @@ def manifest(circuit_gain: CircuitGain) -> dict[str, Any]:
 
 def figures(circuit_gain: CircuitGain) -> dict[str, Callable[[], Picture]]:
     """Return the gain against frequency (Fig 7)."""
-    from skincad.pictures.circuit_figures import gain_figure
+    from skincad.outputs.figures.results import gain_figure
 
     return {"gain.png": partial(gain_figure, circuit_gain)}
 

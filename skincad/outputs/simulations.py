@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
@@ -19,8 +20,8 @@ from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 
 if TYPE_CHECKING:
-    from skincad.pictures.canvas import Picture
-    from skincad.pictures.section_figures import Moment
+    from skincad.outputs.figures.canvas import Picture
+    from skincad.outputs.figures.stress import Moment
 
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
@@ -140,33 +141,26 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
     leads = {ridge: lead for ridge, lead in simulation.lead.items() if lead.value is not None}
     errors = {r: error for r, error in simulation.stress_errors.items() if error.mesh is not None}
+
+    def words(ridge: int) -> str:
+        """How wrong a ridge's stress may be, and what that is made of."""
+        parts = ", ".join(_parts(errors[ridge], ""))
+        return f"{_known_sum(errors[ridge]):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
+
     if max(len(leads), len(errors)) <= MAX_RIDGE_LINES:
-        rows = [
-            line
-            for r, ahead in leads.items()
-            for line in (
-                f"  lead           ridge {r} slips {ahead} before all ridges do",
-                *_lead_error(simulation.slip_errors.leads[r - 1]),
-            )
-        ]
-        return rows + [f"  error          {_stress_error(error, r)}" for r, error in errors.items()]
+        rows = []
+        for r, ahead in leads.items():
+            rows.append(f"  lead           ridge {r} slips {ahead} before all ridges do")
+            error = simulation.slip_errors.leads[r - 1]
+            if error.total is not None:
+                rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
+        return rows + [f"  error          {words(r)}" for r in errors]
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
     rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
-        rows.append(f"  error          the largest is {_stress_error(errors[worst], worst)}")
+        rows.append(f"  error          the largest is {words(worst)}")
     return rows
-
-
-def _lead_error(error: BySource) -> list[str]:
-    """What a lead's error is made of; nothing where it is unknown."""
-    return [] if error.total is None else [f"  its error      {', '.join(_parts(error, ' ms'))}"]
-
-
-def _stress_error(error: BySource, ridge: int) -> str:
-    """How wrong a stress may be, and what that is made of."""
-    parts = ", ".join(_parts(error, ""))
-    return f"{_known_sum(error):.2g} MPa in ridge {ridge}'s differential stress: {parts}"
 
 
 def _known_sum(error: BySource) -> float:
@@ -195,9 +189,8 @@ def manifest(simulation: Simulation) -> dict[str, Any]:
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.pictures.recording_figures import recording, recording_figure
-    from skincad.pictures.scene_figures import scene_figure
-    from skincad.pictures.section_figures import section_figure
+    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure
+    from skincad.outputs.figures.stress import section_figure
 
     drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
     if record := recording(simulation):
@@ -209,7 +202,7 @@ def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
 
 def files(simulation: Simulation) -> dict[str, Writer]:
     """Return the writer of each file."""
-    from skincad.pictures.section_figures import section_animation, section_picture
+    from skincad.outputs.figures.stress import section_animation, section_picture
 
     drawings = figures(simulation)
     writers = {TABLE: partial(write_table, simulation)} | {
@@ -228,7 +221,7 @@ def _section_steps(simulation: Simulation) -> list[int]:
 
 
 def _moment(simulation: Simulation, step: int) -> Moment:
-    from skincad.pictures.section_figures import Moment
+    from skincad.outputs.figures.stress import Moment
 
     march = simulation.march
     assert isinstance(march.pad, SectionPad)  # the scene was checked for it
@@ -249,16 +242,13 @@ def write_table(simulation: Simulation, path: Path) -> None:
     finite.
     """
     ridges, more = list(simulation.signals), readout_columns(simulation)
-    names = [
-        name
-        for r in ridges
-        for name in (
-            f"ridge {r} raw differential stress [MPa]",
-            f"ridge {r} differential stress [MPa]",
-            f"ridge {r} stress-rate [MPa/s]",
-            f"ridge {r} stress-jerk [MPa/s2]",
-        )
-    ]
+    signals: dict[str, Callable[[int], Array]] = {
+        "raw differential stress [MPa]": lambda r: simulation.raw[r],
+        "differential stress [MPa]": lambda r: simulation.signals[r].value,
+        "stress-rate [MPa/s]": lambda r: simulation.signals[r].rate,
+        "stress-jerk [MPa/s2]": lambda r: simulation.signals[r].jerk,
+    }
+    columns = {f"ridge {r} {name}": of(r) for r in ridges for name, of in signals.items()} | more
     head = [
         "step [1]",
         "time [s]",
@@ -267,20 +257,10 @@ def write_table(simulation: Simulation, path: Path) -> None:
         "approach [mm]",
         "travel [mm]",
     ]
-    rows: list[list[Cell]] = [[*head, *names, *more, "slipping ridges [1]"]]
+    rows: list[list[Cell]] = [[*head, *columns, "slipping ridges [1]"]]
     for i, (time, reading) in enumerate(zip(simulation.march.time, simulation.march.readings, strict=True)):
         plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
-        cells = [
-            value
-            for r in ridges
-            for value in (
-                simulation.raw[r][i],
-                simulation.signals[r].value[i],
-                simulation.signals[r].rate[i],
-                simulation.signals[r].jerk[i],
-            )
-        ]
-        cells += [column[i] for column in more.values()]
+        cells = [column[i] for column in columns.values()]
         slipping = " ".join(str(r + 1) for r in simulation.slipping[i].nonzero()[0])
         if not all(map(math.isfinite, (*plate, *cells))):
             raise RefusedError(f"step {i} has numbers that are not finite: nothing is written")

@@ -82,7 +82,7 @@ class Solution(Result):
     `notes` what else is to be known of the search, `seconds` its wall time.
     """
 
-    shown_by = "skincad.outputs.solutions"
+    shown_by = "skincad.outputs.studies:SOLUTION"
     subject: Subject
     question: Query
     target: Mapping[str, float]

@@ -306,7 +306,7 @@ class Optimisation(Result):
     `untried` is how many combinations were not tried; None if a key has a continuous range.
     """
 
-    shown_by = "skincad.outputs.optimisations"
+    shown_by = "skincad.outputs.studies:OPTIMISATION"
     study: Study
     subject: Subject
     front: tuple[Member, ...]

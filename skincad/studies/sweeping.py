@@ -139,7 +139,7 @@ class SweepResult(Result):
     model that may tell the first tie apart, and its seconds; `seconds` the wall time of this run.
     """
 
-    shown_by = "skincad.outputs.sweeps"
+    shown_by = "skincad.outputs.studies:SWEEP"
     subject: Subject
     question: Query
     knobs: tuple[DesignVariable, ...]

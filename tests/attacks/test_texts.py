@@ -25,10 +25,9 @@ from skincad.fabrication.making import Job
 from skincad.inputs.design import Design
 from skincad.outputs import makes
 from skincad.outputs.report import report
-from skincad.outputs.sweeps import sweep_csv, sweep_page
-from skincad.packages.card import markdown
-from skincad.packages.links import links
-from skincad.packages.packing import Package
+from skincad.outputs.simulators.links import links
+from skincad.outputs.simulators.package import Package, markdown
+from skincad.outputs.studies import sweep_csv, sweep_page
 from skincad.solids.mold import mold
 
 PIECES = (
@@ -155,7 +154,15 @@ def test_a_silicones_name_stays_text_in_every_file(name: str, job: Job, tmp_path
 
     sheet = written["casting-sheet.md"].read_text("utf-8")
     kit = coupon("sla", "own", silicones={"own": {"based_on": "ecoflex-00-30", "name": name}})
-    card = Package(design, ("urdf",), links(design), {}, None, None, None, None, None, (name,), {})
+    card = Package(
+        design=design,
+        kinds=("urdf",),
+        weighs=links(design),
+        surfaces={},
+        **dict.fromkeys(("springs", "taxels", "response", "mesh", "heights")),
+        notes=(name,),
+        seconds={},
+    )
     for text in (sheet, coupon_sheet(kit), markdown(card)):
         page, usual = (Text(READER.render(t)) for t in (text, text.replace(markdown_text(name), "own")))
         assert page.tags == usual.tags

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from bench.campaign.random_designs import drawn
-from skincad.outputs.export import assembly, write_assembly
+from skincad.outputs.solid_files import assembly, write_assembly
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.occ import workplane
 from skincad.solids.plan import PartRole

@@ -12,7 +12,7 @@ import pytest
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.outputs import export
+from skincad.outputs.solid_files import write_step
 from skincad.shape.skin import skin_of
 
 # gone
@@ -95,6 +95,6 @@ def test_gmsh_reads_the_levelled_heights_back(levelled: tuple[Design, Made], tmp
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 def test_heights_one_a_ridge_are_read_back_by_both(yamada: Design, tmp_path: Path) -> None:
     design = yamada.with_(ridge={"heights": UNLIKE})
-    export.write_step(skin_solid(design), tmp_path / "skin.step")
+    write_step(skin_solid(design), tmp_path / "skin.step")
     assert heights_by_kernel(tmp_path / "skin.step", design) == pytest.approx(UNLIKE, abs=CLOSE)
     assert heights_by_gmsh(tmp_path / "skin.step", design, tmp_path) == pytest.approx(UNLIKE, abs=CLOSE)

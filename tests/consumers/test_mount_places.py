@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from skincad.fabrication.mounting import mount_of
-from skincad.outputs.export import write_step
+from skincad.outputs.solid_files import write_step
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
 from tests.consumers import gmsh

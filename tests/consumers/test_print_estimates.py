@@ -18,7 +18,7 @@ from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.outputs.export import write_stl
+from skincad.outputs.solid_files import write_stl
 from skincad.solids.mold import mold
 from tests.consumers import prusaslicer
 from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin

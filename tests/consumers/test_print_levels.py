@@ -14,7 +14,7 @@ from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.printed_heights import snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.outputs.export import write_stl
+from skincad.outputs.solid_files import write_stl
 from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage

@@ -13,7 +13,7 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.outputs.export import write_stl
+from skincad.outputs.solid_files import write_stl
 from skincad.shape.curves import polygon
 from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole

@@ -22,7 +22,7 @@ from skincad.fabrication.pattern import pattern_notes, strip_patterns
 from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
-from skincad.pictures.drawing import PAGE, drawing
+from skincad.outputs.drawing.overview import PAGE, drawing
 from skincad.shape.curves import rectangle
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import (

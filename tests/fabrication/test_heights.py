@@ -13,7 +13,7 @@ from skincad.fabrication.inspection import inspection
 from skincad.fabrication.rules import Case, grooves, teeth
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
-from skincad.pictures.drawing import drawing
+from skincad.outputs.drawing.overview import drawing
 from skincad.shape.skin import skin_of
 from skincad.solids.cavity import safe_strain, split_ridges
 from skincad.solids.mold import mold

@@ -15,8 +15,8 @@ from skincad.fabrication.inspection_form import inspection_lines
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.pictures.drawing import PAGE, drawing
-from skincad.pictures.page import page
+from skincad.outputs.drawing.overview import PAGE, drawing
+from skincad.outputs.pages import page
 from skincad.shape.curves import polygon
 from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import mold

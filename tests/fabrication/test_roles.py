@@ -13,8 +13,8 @@ from skincad.fabrication.measures import interference
 from skincad.fabrication.rules_of_layers import laid_on_end
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
-from skincad.pictures.drawing import drawing
-from skincad.pictures.exploded import explosion_offset
+from skincad.outputs.drawing.overview import drawing
+from skincad.outputs.view import explosion_offset
 from skincad.solids.fasteners import TAP_RADIUS
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import CutRole, bores

@@ -13,7 +13,7 @@ import shapely
 import skincad
 from skincad.fabrication.shim_pattern import shim_patterns
 from skincad.inputs.catalog import template_names
-from skincad.outputs.export import write_shims_dxf
+from skincad.outputs.drawing.flat import write_shims_dxf
 from skincad.shape.curves import area, polygon
 from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole

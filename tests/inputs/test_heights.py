@@ -12,7 +12,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
-from skincad.outputs.newfile import schema_of
+from skincad.outputs.tomls import schema_of
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]

@@ -16,7 +16,7 @@ from skincad.laws import LAWS
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.ogden import Ogden
 from skincad.mechanics.problem import pad_of
-from skincad.outputs.newfile import schema_of
+from skincad.outputs.tomls import schema_of
 from tests.mechanics.designs import reference
 
 OGDEN: dict[str, Any] = {"kind": "ogden", "mu": [0.1, 0.2], "alpha": [3.0, -1.5]}

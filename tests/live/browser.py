@@ -10,8 +10,8 @@ from typing import Any
 
 from playwright.sync_api import BrowserContext, Locator, Page, sync_playwright
 
-from tests.pictures.browser import ARGUMENTS as ALONE
-from tests.pictures.browser import CHROMIUM
+from tests.outputs.browser import ARGUMENTS as ALONE
+from tests.outputs.browser import CHROMIUM
 
 ARGUMENTS = [*ALONE[:-1], f"{ALONE[-1]} , EXCLUDE 127.0.0.1"]  # no other host is ever found
 PATIENCE = 120_000  # ms, for a page on a machine with much else to do

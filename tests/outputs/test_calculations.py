@@ -12,8 +12,7 @@ import pytest
 import skincad
 from skincad.base.formula import Calculation, Quantity, rounded
 from skincad.inputs.design import Design
-from skincad.outputs.calculations import contact_calculations
-from skincad.outputs.calculations_of_casting import casting_calculations, strip_calculations
+from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
 from skincad.solids.mold import mold
 
 VARIANTS: dict[str, dict[str, object]] = {

@@ -22,7 +22,8 @@ from skincad.fabrication.electrodes import SHOULDER
 from skincad.fabrication.pattern import GLUED_LENGTH, HOLE
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.outputs import export
+from skincad.outputs.drawing import flat
+from skincad.outputs.solid_files import write_step
 from skincad.shape.curves import Point, Segment, area, polygon
 from skincad.shape.skin import section
 from skincad.solids.inserts import STUB
@@ -143,7 +144,7 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
 
 
 def pattern(design: Design, folder: Path) -> dict[str, list[tuple[Segment, ...]]]:
-    export.write_strips_dxf(design, folder / "strips.dxf")
+    flat.write_strips_dxf(design, folder / "strips.dxf")
     lines = ezdxf.readfile(folder / "strips.dxf").modelspace().query("LWPOLYLINE")
     assert all(line.closed for line in lines)
     return dxf_loops(folder / "strips.dxf")
@@ -252,11 +253,11 @@ def test_step_time_is_source_date_epoch(made: Made, tmp_path: Path, monkeypatch:
 
     cover = workplane(mold_cover())
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    export.write_step(cover, tmp_path / "cover.step")
+    write_step(cover, tmp_path / "cover.step")
     assert "'1970-01-02T00:00:00'" in (tmp_path / "cover.step").read_text()
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "tomorrow")
     with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH: must be whole seconds"):
-        export.write_step(cover, tmp_path / "again.step")
+        write_step(cover, tmp_path / "again.step")
 
 
 def mold_cover():
@@ -264,7 +265,7 @@ def mold_cover():
 
 
 def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> None:
-    from skincad.outputs.stepfile import make_deterministic
+    from skincad.outputs.solid_files import make_deterministic
 
     (tmp_path / "half.step").write_text("ISO-10303-21;\nHEADER;\n")
     with pytest.raises(OSError, match="No space"):
@@ -273,7 +274,7 @@ def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> No
 
 def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
     """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
-    export.write_strips_svg(yamada, tmp_path / "strips.svg")
+    flat.write_strips_svg(yamada, tmp_path / "strips.svg")
     root = ET.parse(tmp_path / "strips.svg").getroot()
     left, _, wide, _ = map(float, root.attrib["viewBox"].split())
     texts = root.findall("{http://www.w3.org/2000/svg}text")

@@ -19,7 +19,7 @@ from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.inputs.silicone import silicones
-from skincad.outputs.newfile import schema_of, write_new
+from skincad.outputs.tomls import schema_of, write_new
 from skincad.scenes.scene import Scene, load_scene
 from tests.conftest import run_skincad
 
@@ -230,7 +230,7 @@ def test_a_file_that_would_be_no_design_never_takes_its_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "skincad.outputs.newfile.commented_toml", lambda *_: "name = 'x'\n[ridge]\nheight = -1\n"
+        "skincad.outputs.tomls.commented_toml", lambda *_: "name = 'x'\n[ridge]\nheight = -1\n"
     )
     with pytest.raises(InputError):
         write_new(tmp_path / "mine.toml")

@@ -40,7 +40,7 @@ def job_of(design: Design, check: ContactCheck | None, scenes: tuple[Simulation,
 
 
 def page_of(job: Job) -> str:
-    return report(job, lambda: PNG, makes._sheet(job), makes._drawing(job))
+    return report(job, lambda: PNG, makes._casting_sheet(job), makes._drawing(job))
 
 
 class Page(HTMLParser):
@@ -296,7 +296,7 @@ def test_the_command_runs_a_scene_for_the_report(felt: Simulation, tmp_path: Pat
 @pytest.mark.xdist_group("browser")
 @pytest.mark.parametrize("name", ["yamada-2002", "steep-fingertip", "gripper-pad"])
 def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
-    from tests.pictures.browser import shown
+    from tests.outputs.browser import shown
 
     skincad.write(skincad.make(skincad.load(name), tier="winkler"), tmp_path / "made", formats="html")
     file = tmp_path / "made" / "report.html"

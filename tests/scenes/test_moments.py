@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from skincad.mechanics.film.fields import DeformedSection
-from skincad.pictures.section_figures import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
+from skincad.outputs.figures.stress import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
 from skincad.scenes.march import LEVELS, frames, kept_steps
 from skincad.scenes.simulation import Simulation, at_level
 from tests.small_scene import small_scene
@@ -79,7 +79,7 @@ def test_an_animation_has_its_frames_and_few_colours(simulation: Simulation, tmp
 
 
 def test_colours_are_one_scale_for_all_frames() -> None:
-    from skincad.pictures.section_figures import _limit
+    from skincad.outputs.figures.stress import _limit
 
     place = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 

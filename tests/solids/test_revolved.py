@@ -15,7 +15,7 @@ import skincad
 from skincad.fabrication.measures import measure
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
-from skincad.outputs import export
+from skincad.outputs.solid_files import write_step
 from skincad.shape import curves
 from skincad.shape.curves import Point
 from skincad.shape.skin import section
@@ -175,7 +175,7 @@ def test_step_file_reads_back_with_the_same_volume(yamada: Design, tmp_path: Pat
     import cadquery as cq
 
     design = bent(yamada, 30.0)
-    export.write_step(skin_solid(design), tmp_path / "skin.step")
+    write_step(skin_solid(design), tmp_path / "skin.step")
     again = cq.importers.importStep(str(tmp_path / "skin.step")).val()
     assert again.Volume() == pytest.approx(skin_part(design).volume, rel=1e-9)
     kinds = {face.geomType() for face in skin_solid(design).faces().vals()}

@@ -71,7 +71,7 @@ def test_solve_prints_one_object(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A scene's own keys, and those of its skin, which then stands in it."""
-    from skincad.outputs.solutions import write_solution
+    from skincad.outputs.studies import write_solution
     from skincad.studies.query import Evaluation, Query
     from skincad.studies.solving import Solution, SolutionPoint
 

@@ -13,8 +13,8 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.outputs.sweeps import names, sweep_csv, sweep_page
-from skincad.pictures.study_figures import pareto
+from skincad.outputs.figures.studies import pareto
+from skincad.outputs.studies import sweep_csv, sweep_names, sweep_page
 from skincad.studies.sweeping import SweepResult, points_of, sweep
 
 DESIGN = skincad.load_design("yamada-2002")
@@ -126,7 +126,7 @@ def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     found = sweep(DESIGN, VARY, tier="winkler", folder=folder)
     written = skincad.write(found, folder)
     there = {path.name for path in folder.iterdir()}
-    assert there == {*names(), "sweep.json", "evaluations.jsonl", ".skincad-claims"} - {"front.png"}
+    assert there == {*sweep_names(), "sweep.json", "evaluations.jsonl", ".skincad-claims"} - {"front.png"}
     assert {name for name, _ in written.files} <= there
     again = sweep(DESIGN, VARY, tier="winkler", folder=folder)
     assert (again.evaluations, again.reused) == (0, 8)

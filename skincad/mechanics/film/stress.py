@@ -104,7 +104,7 @@ class FilmStress:
 class FilmStresses(Result):
     """The films' stress under the normal force alone, and under it and a tangential force."""
 
-    shown_by = "skincad.outputs.films"
+    shown_by = "skincad.outputs.checks:FILM_STRESS"
     name: str
     states: tuple[FilmStress, FilmStress]
 

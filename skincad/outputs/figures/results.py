@@ -1,0 +1,212 @@
+"""Figures of a check and its report, of a material test, and of a circuit's gain (Fig 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+
+from skincad.circuit.bode import CircuitGain
+from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
+from skincad.circuit.model import constants, load_circuit
+from skincad.material.modulus import MaterialFit
+from skincad.mechanics.manufacture import Sensitivity
+from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.figures.canvas import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    Axes,
+    Figure,
+    LogLocator,
+    NullLocator,
+    Picture,
+    legend,
+    sheet,
+)
+
+FORCES_SIZE = (7.5, 4.0)  # inches
+REPORT_SIZE = (7.0, 3.0)  # inches
+AXIS_ROOM = 3.0  # by which the axes reach beyond the points
+LABEL_OFFSETS = (
+    (7, 7),
+    (-7, -7),
+    (7, -7),
+    (-7, 7),
+    (7, 20),
+    (-7, -20),
+)  # points: where a point's name may begin
+LABEL_CLEARANCE = 4.0  # pixels, of a name from a point
+NARROW_RATIO = 20.0  # ratio of errors below which more than powers of ten are named
+Points = Sequence[tuple[str, float, float]]
+FIT_SIZE = (7.5, 4.4)  # inches
+PAPERS = ("yamada-2002", "yamada-2002-motional")  # the readings of the paper's circuit
+PAPER_DROP = 9000.0  # Hz; paper, section 3.2
+GAIN_SIZE = (9.0, 5.6)  # inches
+
+
+def ridge_force_figure(check: ContactCheck) -> Picture:
+    """Return a figure of each ridge's force, N, with its error bar."""
+    with sheet(FORCES_SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        ridges = np.arange(1, check.ridges + 1)
+        forces = [force.value or 0.0 for force in check.ridge_force]
+        errors = [force.error or 0.0 for force in check.ridge_force]
+        axes.bar(ridges, forces, yerr=errors, color=BLUE, ecolor=BLACK, capsize=3, label="force ± error")
+        axes.axhline(check.force / check.ridges, color=VERMILION, linewidth=1.2, linestyle="--", label="mean")
+        axes.set_xlabel("ridge")
+        axes.set_ylabel("force, N")
+        axes.set_xticks(ridges[:: 1 + (check.ridges - 1) // 20])  # from ridge 1 on, 20 at most
+        axes.grid(visible=False, axis="x")
+        legend(axes)
+        needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
+        figure.suptitle(
+            f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
+        )
+    return figure
+
+
+def models_figure(models: Points) -> Picture:
+    """Return the relative error of the all-touch force against time, s: a point for each model tried, as
+    `(name, seconds, error)`; the last one gave the verdict."""
+    shown = [model for model in models if model[2] > 0]
+    with sheet(REPORT_SIZE) as figure:
+        axes = figure.add_subplot()
+        times, errors = [model[1] for model in shown], [model[2] for model in shown]
+        axes.loglog(times, errors, color=GREY, linewidth=1.0, zorder=1)
+        axes.scatter(times[:-1], errors[:-1], color=BLUE, s=36, zorder=2)
+        axes.scatter(times[-1:], errors[-1:], color=VERMILION, marker="D", s=44, zorder=2)
+        axes.set_xlim(min(times) / AXIS_ROOM, max(times) * AXIS_ROOM)
+        axes.set_ylim(min(errors) / AXIS_ROOM, max(errors) * AXIS_ROOM)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter("{x:g}")
+        if max(errors) < NARROW_RATIO * min(errors):  # with its room: no two powers of ten need lie within
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.set_xlabel("predicted time, s")
+        axes.set_ylabel("error of the all-touch\nforce, relative")
+        _label_points(figure, axes, shown)
+    return figure
+
+
+def _label_points(figure: Figure, axes: Axes, shown: Points) -> None:
+    """Put each point's name beside it: within the axes, on no other name, point or line."""
+    figure.draw_without_rendering()  # else nothing has its place yet
+    at = axes.transData.transform([(time, error) for _, time, error in shown])
+    obstacles = [shapely.Point(place).buffer(LABEL_CLEARANCE) for place in at]
+    obstacles += [shapely.LineString(at)] if len(at) > 1 else []
+    whole = shapely.box(*axes.bbox.extents)
+    for name, time, error in shown:
+        for x, y in LABEL_OFFSETS:
+            side: dict[str, Any] = {"ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
+            label = axes.annotate(name, (time, error), (x, y), textcoords="offset points", fontsize=8, **side)
+            box = shapely.box(*label.get_window_extent().extents)
+            if (whole.contains(box) and not any(map(box.intersects, obstacles))) or (x, y) == LABEL_OFFSETS[
+                -1
+            ]:
+                break
+            label.remove()
+        obstacles.append(box)
+
+
+def sensitivity_figure(sensitivities: Sequence[Sensitivity]) -> Picture:
+    """Return a bar for each key: the change of the all-touch force by 1 % more of it, N, with its error."""
+    with sheet((REPORT_SIZE[0], 0.9 + 0.24 * len(sensitivities))) as figure:
+        axes = figure.add_subplot()
+        places = np.arange(len(sensitivities))[::-1]
+        values = [sensitivity.change.value or 0.0 for sensitivity in sensitivities]
+        errors = [sensitivity.change.error or 0.0 for sensitivity in sensitivities]
+        colours = [BLUE if value > 0 else VERMILION for value in values]
+        axes.barh(places, values, xerr=errors, color=colours, capsize=2.5, error_kw={"linewidth": 1.0})
+        axes.axvline(0.0, color=GREY, linewidth=0.8)
+        axes.set_yticks(places, [sensitivity.key for sensitivity in sensitivities])
+        axes.set_xlabel("change of the all-touch force for 1 % more of it, N")
+        axes.grid(visible=False, axis="y")
+    return figure
+
+
+def fit_figure(fit: MaterialFit) -> Picture:
+    """Return a figure of the rows used and the fitted model: N against mm of a pad, MPa against strain."""
+    deformation, load, modelled = fit.curve
+    with sheet(FIT_SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        axes.plot(deformation, load, ".", color=BLUE, markersize=4, label=f"{fit.rows_used} rows of the test")
+        axes.plot(deformation, modelled, color=VERMILION, linewidth=1.2, label="model")
+        pad = fit.kind == "pad"
+        axes.set_xlabel("approach, mm" if pad else "strain, mm/mm")
+        axes.set_ylabel("force, N" if pad else "stress, MPa")
+        legend(axes)
+        figure.suptitle(f"Young's modulus {fit.young_modulus}")
+    return figure
+
+
+def gain_figure(circuit_gain: CircuitGain) -> Picture:
+    """Return a figure of the gain in dB re 1 V/N, its fitted lines, the paper's statements and measured data;
+    of a circuit with a rig also the film's own gain.
+
+    The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
+    """
+    with sheet(GAIN_SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        if circuit_gain.measured:
+            measurement = circuit_gain.measured
+            shifted = measurement.gain - measurement.calibration.offset
+            label = f"measured, {-measurement.calibration.offset:+.4g} dB"
+            axes.semilogx(measurement.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
+        name = "network and rig, by the measured load" if circuit_gain.own else "network"
+        axes.semilogx(circuit_gain.frequency, circuit_gain.gain, color=BLUE, linewidth=1.6, label=name)
+        if circuit_gain.own:
+            label = "network alone: the film's signal in use"
+            axes.semilogx(
+                circuit_gain.frequency, circuit_gain.own.gain, color=GREEN, linewidth=1.2, label=label
+            )
+        _draw_fit(axes, circuit_gain)
+        if constants(circuit_gain.circuit) in [constants(load_circuit(name)) for name in PAPERS]:
+            _draw_paper(axes, circuit_gain)
+        axes.set_xlabel("frequency, Hz")
+        axes.set_ylabel("gain, dB re 1 V/N")
+        axes.grid(which="both")
+        legend(axes, 2)
+        figure.suptitle(f"{circuit_gain.name}: gain of film and amplifier")
+    return figure
+
+
+def _draw_fit(axes: Axes, circuit_gain: CircuitGain) -> None:
+    slopes = circuit_gain.slopes
+    if slopes.cutoff.value is None:
+        label = f"fitted: {slopes.below}, no cut-off"
+    else:
+        label = f"fitted: {slopes.below}, {slopes.above}, cut-off {slopes.cutoff}"
+    ends = np.array([circuit_gain.frequency[0], _corner(circuit_gain), circuit_gain.circuit.sweep.fit_high])
+    values = _lines(
+        ends, _corner(circuit_gain), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0
+    )
+    axes.semilogx(ends, values, color=VERMILION, linewidth=1.0, linestyle="--", label=label)
+
+
+def _draw_paper(axes: Axes, circuit_gain: CircuitGain) -> None:
+    """The paper's statements: two slopes that meet at 1.2 kHz, and the drop at 9 kHz."""
+    ends = np.array([PAPER_LOW, PAPER_CUTOFF, PAPER_HIGH])
+    inside = circuit_gain.frequency <= PAPER_HIGH
+    shape = _lines(circuit_gain.frequency[inside], PAPER_CUTOFF, 0.0, PAPER_BELOW, PAPER_ABOVE)
+    level = float(np.mean(circuit_gain.gain[inside] - shape))
+    values = _lines(ends, PAPER_CUTOFF, level, PAPER_BELOW, PAPER_ABOVE)
+    label = "paper: 20 dB/dec up to 1.2 kHz, 60 above; any level"
+    axes.semilogx(ends, values, color=GREY, linewidth=2.4, alpha=0.45, label=label)
+    axes.axvline(PAPER_CUTOFF, color=GREY, linewidth=0.8, linestyle=":")
+    axes.axvline(PAPER_DROP, color=GREY, linewidth=0.8, linestyle="-.", label="paper: drop at 9 kHz")
+
+
+def _corner(circuit_gain: CircuitGain) -> float:
+    """The fitted cut-off, or the fitted range's middle where there is none, Hz."""
+    sweep = circuit_gain.circuit.sweep
+    return circuit_gain.slopes.cutoff.value or float(np.sqrt(sweep.low * sweep.fit_high))
+
+
+def _lines(frequency: np.ndarray, corner: float, level: float, below: float, above: float) -> np.ndarray:
+    decades = np.log10(frequency / corner)
+    return np.asarray(level + below * np.minimum(decades, 0.0) + above * np.maximum(decades, 0.0))

@@ -1,0 +1,321 @@
+"""Figures of studies: a result against what is varied, and a ladder's error against time, both logarithmic.
+
+The ladder's is read in grey too: methods differ by marker and by dashes; trials that no other beats are
+filled.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from statistics import median
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.outputs.figures.canvas import (
+    BLUE,
+    GREY,
+    PALE,
+    VERMILION,
+    Axes,
+    Normalize,
+    NullFormatter,
+    Picture,
+    ScalarMappable,
+    legend,
+    sheet,
+)
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, slope
+from skincad.studies.query import Evaluation
+from skincad.studies.solving import Solution
+from skincad.studies.subject import DesignVariable
+from skincad.studies.sweeping import Ranking, SweepResult
+
+POINT, TARGET, HIGHLIGHT, REFUSED = BLUE, GREY, VERMILION, PALE
+COLOURS = "viridis_r"  # distinct in grey too
+SIZE = (7.0, 4.6)  # inches
+PANEL = 3.0  # inches, of one of several
+MAX_KEYS = 6  # that are drawn
+LOG_RATIO = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
+MAX_LOG_RATIO = 1e6  # beyond it the smallest is rounding
+STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
+    ("#000000", "o", "-"),
+    ("#0072b2", "s", (0, (6, 2))),
+    ("#b3470a", "^", (0, (2, 1.5))),
+    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
+    ("#8f4c86", "v", (0, (1, 1.5))),
+    ("#6f6000", "P", (0, (10, 3))),
+    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
+)
+FRONT, FLOOR = "#c9c9c9", "#ededed"
+PANELS = 2  # measures that are drawn: the first with two errors to show
+LADDER_SIZE = (9.0, 4.9)  # 900 pixels wide, as the README shows it
+# trials above the reference's own error, and the ratio of the longest of their times to the shortest
+LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
+MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
+HEADROOM = 0.3  # of the errors' decades
+TITLE_LETTERS, LABEL_LETTERS = 56, 52  # letters of a line: a title's, an error axis's
+
+
+def solution_figure(solution: Solution) -> Picture:
+    """Return a figure of the wanted result at each value that was tried, with its error."""
+    (key, wanted), (knob,) = next(iter(solution.target.items())), solution.knobs
+    points = sorted(
+        (float(evaluation.values[knob.key]), estimate.value, estimate.error or 0.0)
+        for evaluation in solution.evaluations
+        if not evaluation.refused and (estimate := evaluation.results[key]).value is not None
+    )
+    with sheet(SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        axes.axhline(wanted, color=TARGET, linewidth=1.0, linestyle="--", label=f"wanted: {wanted:g}")
+        if points:
+            at, value, error = zip(*points, strict=True)
+            axes.errorbar(at, value, error, fmt=".-", color=POINT, linewidth=1.0, capsize=3, label="tried")
+        for number, solved in enumerate(solution.solutions):
+            place = float(solved.values[knob.key]), float(solved.reached[key])
+            axes.plot(*place, "o", color=HIGHLIGHT, markersize=8, label="" if number else "solution")
+        if knob.by_ratio:
+            axes.set_xscale("log")
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter("{x:g}")
+        if points and 0 < LOG_RATIO / 10 * min(value) < max(value) < MAX_LOG_RATIO * min(value):
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter("{x:g}")
+        axes.set_xlabel(_label(knob))
+        axes.set_ylabel(_axis_label(key, solution.evaluations))
+        legend(axes)
+        figure.suptitle(
+            f"{solution.name}: {_axis_label(key, solution.evaluations).partition(',')[0]} against {knob.key}"
+        )
+    return figure
+
+
+def effects_figure(sweep: SweepResult) -> Picture:
+    """Return a figure of the first ranking's result against each key: all rows, and means."""
+    ranking, keys = sweep.rankings[0], sweep.knobs[:MAX_KEYS]
+    rows, results = _ranked(sweep, ranking)
+    column_count = min(3, len(keys))
+    row_count = -(-len(keys) // column_count)
+    with sheet((max(PANEL * column_count, 4.0), PANEL * row_count), 255) as figure:
+        places = figure.subplots(row_count, column_count, squeeze=False, sharey=True).ravel()
+        for axes, knob in itertools.zip_longest(places, keys):
+            if knob is None:
+                axes.set_axis_off()
+                continue
+            at = _places(sweep, knob, rows)
+            axes.plot(at, results, ".", color=POINT, alpha=0.5, markersize=5)
+            for value in _levels(at):
+                axes.plot(value, np.mean(results[at == value]), "_", color=HIGHLIGHT, markersize=16, mew=2)
+            _name_ticks(axes, knob)
+            axes.set_xlabel(_label(knob))
+            if np.all(results > 0) and results.max() > LOG_RATIO * results.min():
+                axes.set_yscale("log")
+        for axes in places[::column_count]:
+            axes.set_ylabel(_axis_label(ranking.key, sweep.rows))
+        bars = "; bars: means" if any(len(_levels(_places(sweep, k, rows))) for k in keys) else ""
+        figure.suptitle(f"{sweep.name}: {ranking.key} of {len(rows)} rows{bars}")
+    return figure
+
+
+def pairs_figure(sweep: SweepResult) -> Picture:
+    """Return a figure of all pairs of keys, each row a point whose colour is the first ranking's result;
+    refused rows are crosses."""
+    ranking, keys = sweep.rankings[0], sweep.knobs[:MAX_KEYS]
+    rows, results = _ranked(sweep, ranking)
+    others = [i for i in range(len(sweep.rows)) if i not in set(rows)]
+    pairs = list(itertools.combinations(keys, 2))
+    column_count = min(3, len(pairs))
+    row_count = -(-len(pairs) // column_count)
+    colours = Normalize(float(results.min()), float(results.max()))
+    with sheet((max(PANEL * column_count + 1.0, 5.0), PANEL * row_count), 255) as figure:
+        places = figure.subplots(row_count, column_count, squeeze=False).ravel()
+        for axes, pair in itertools.zip_longest(places, pairs):
+            if pair is None:
+                axes.set_axis_off()
+                continue
+            x, y = (_places(sweep, knob, rows) for knob in pair)
+            axes.scatter(
+                *(_places(sweep, knob, others) for knob in pair),
+                marker="x",
+                s=14,
+                color=REFUSED,
+                linewidths=0.8,
+            )
+            order = np.argsort(results if ranking.goal == "max" else -results)  # the best on top
+            axes.scatter(x[order], y[order], c=results[order], cmap=COLOURS, norm=colours, s=22)
+            for knob, side in zip(pair, "xy", strict=True):
+                _name_ticks(axes, knob, side)
+            axes.set_xlabel(_label(pair[0]))
+            axes.set_ylabel(_label(pair[1]))
+        figure.colorbar(
+            ScalarMappable(colours, COLOURS), ax=list(places), label=_axis_label(ranking.key, sweep.rows)
+        )
+        figure.suptitle(f"{sweep.name}: {ranking.key}; crosses: refused, or without it")
+    return figure
+
+
+def front_figure(sweep: SweepResult) -> Picture:
+    """Return a figure of the first two rankings' results; no row beats one of the front in both."""
+    first, second = sweep.rankings[:2]
+    rows = [row for row in _ranked(sweep, first)[0] if row in set(_ranked(sweep, second)[0])]
+    x, y = (
+        np.array([float(sweep.rows[i].results[ranking.key]) for i in rows]) for ranking in (first, second)
+    )
+    front = pareto(np.column_stack([_less(x, first), _less(y, second)]))
+    order = np.argsort(x[front])
+    with sheet(SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        axes.plot(x, y, ".", color=POINT, alpha=0.5, label="rows")
+        axes.plot(x[front][order], y[front][order], "o-", color=HIGHLIGHT, markersize=5, label="front")
+        for i in np.flatnonzero(front):
+            axes.annotate(
+                str(rows[i] + 1), (x[i], y[i]), fontsize=7, xytext=(4, 4), textcoords="offset points"
+            )
+        axes.set_xlabel(f"{_axis_label(first.key, sweep.rows)} ({first.goal})")
+        axes.set_ylabel(f"{_axis_label(second.key, sweep.rows)} ({second.goal})")
+        legend(axes)
+        figure.suptitle(f"{sweep.name}: {first.key} and {second.key}")
+    return figure
+
+
+def pareto(points: Array) -> Array:
+    """Return which of points `(n, m)`, smaller is better, no other one beats: `(n,)` bool."""
+    undominated = np.ones(len(points), dtype=bool)
+    for i, point in enumerate(points):
+        undominated[i] = not np.any(np.all(points <= point, axis=1) & np.any(points < point, axis=1))
+    return undominated
+
+
+def _less(values: Array, ranking: Ranking) -> Array:
+    return values if ranking.goal == "min" else -values
+
+
+def _ranked(sweep: SweepResult, ranking: Ranking) -> tuple[list[int], Array]:
+    """Rows with the ranking's result, by index, and their results."""
+    rows = sorted(rank.row - 1 for rank in ranking.ranks)
+    return rows, np.array([float(sweep.rows[i].results[ranking.key]) for i in rows])
+
+
+def _places(sweep: SweepResult, knob: DesignVariable, rows: Sequence[int]) -> Array:
+    """A key's values of some rows, choices by their number."""
+    values = [sweep.rows[i].values[knob.key] for i in rows]
+    if knob.choices:
+        values = [knob.choices.index(value) for value in values]
+    return np.array(values, dtype=float)
+
+
+def _levels(at: Array) -> Array:
+    """The values that several rows share: of a grid, not of a sample."""
+    values, counts = np.unique(at, return_counts=True)
+    return values[counts > 1]
+
+
+def _name_ticks(axes: Axes, knob: DesignVariable, side: str = "x") -> None:
+    axis = axes.xaxis if side == "x" else axes.yaxis
+    if any(isinstance(choice, str) for choice in knob.choices):
+        axis.set_ticks(range(len(knob.choices)), [str(choice) for choice in knob.choices], fontsize=7)
+        if side == "x":
+            for label in axis.get_ticklabels():
+                label.set(rotation=60, horizontalalignment="right")
+
+
+def _axis_label(key: str, rows: Sequence[Evaluation]) -> str:
+    """A result's key with its unit, which stands behind a comma, whether or not it ends the key."""
+    unit = next((row.results[key].unit for row in rows if key in row.results), "1")
+    return key if unit == "1" else f"{key.removesuffix(f'_{unit}')}, {unit}"
+
+
+def _label(knob: DesignVariable) -> str:
+    return f"{knob.key}, {knob.unit}" if knob.unit else knob.key
+
+
+def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
+    """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
+    measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1][
+        :PANELS
+    ]
+    with sheet(LADDER_SIZE, 255) as figure:
+        figure.suptitle(ladder.title)
+        places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]
+        models = list(dict.fromkeys(point.model for point in ladder.trials))
+        style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
+        for axes, measure in zip(places, measures, strict=False):
+            _ladder_panel(axes, ladder, measure, style)
+        if not measures:
+            places[0].text(0.5, 0.5, "no trial can be judged on this design", ha="center")
+            places[0].set_axis_off()
+        filled = "; filled: none is both faster and more exact" if ladder.lines and measures else ""
+        where = f"{machine['processor']}, {machine['cores']} cores; medians"
+        words = f"{where}, bars from the shortest to the longest run{filled}"
+        figure.supxlabel(words, fontsize=8, color="#555555")
+    return figure
+
+
+def _drawable(ladder: Ladder, measure: ErrorMeasure) -> list[Measurement]:
+    return [point for point in ladder.trials if point.errors.get(measure.name, 0.0) > 0]
+
+
+def _ladder_panel(
+    axes: Axes, ladder: Ladder, measure: ErrorMeasure, style: dict[str, tuple[str, str, Any]]
+) -> None:
+    trials = _drawable(ladder, measure)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    best = [point for point in ladder.best(measure) if point in trials]
+    if measure.compares and best:
+        x, y = [r.seconds for r in best], [r.errors[measure.name] for r in best]
+        band: dict[str, Any] = {"color": FRONT, "linewidth": 5.0, "zorder": 0.5}
+        axes.plot(x, y, drawstyle="steps-post", label="Pareto front", **band)
+    for model, (colour, marker, dashes) in style.items():
+        model_points = [point for point in trials if point.model == model]
+        if not model_points:
+            continue
+        if ladder.lines:
+            path = sorted((r.seconds, r.errors[measure.name]) for r in model_points)
+            axes.plot(*zip(*path, strict=True), color=colour, linestyle=dashes, linewidth=1.3)
+        for point in model_points:
+            error = point.errors[measure.name]
+            runs = point.instead or point.runs
+            axes.hlines(error, min(runs), max(runs), color=colour, linewidth=0.8)
+            look: dict[str, Any] = {"marker": marker, "color": colour, "markersize": 6, "linestyle": ""}
+            filled = point in best or not ladder.lines
+            axes.plot(median(runs), error, markerfacecolor=colour if filled else "white", **look)
+        label = model + (_ladder_slope(model_points, measure) if ladder.lines else "")
+        axes.plot([], [], color=colour, marker=marker, linestyle=dashes if ladder.lines else "", label=label)
+    _ladder_words(axes, measure, "time, s" if ladder.lines else "time of the scene with the effect, s")
+
+
+def _ladder_slope(trials: list[Measurement], measure: ErrorMeasure) -> str:
+    """The exponent of error against time in words, of the trials above the reference's own error."""
+    points = [point for point in trials if point.errors[measure.name] > measure.floor]
+    exponent = slope([r.seconds for r in points], [r.errors[measure.name] for r in points])
+    times = [r.seconds for r in points]
+    if exponent is None or len(points) < LEAST_FOR_SLOPE or max(times) < SPREAD_FOR_SLOPE * min(times):
+        return ""
+    return f", slope {round(exponent, 1) + 0.0:g}"
+
+
+def _ladder_words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
+    if measure.floor:
+        low, high = axes.get_ylim()
+        low = min(low, measure.floor / 3)
+        axes.axhspan(low, measure.floor, color=FLOOR, zorder=0, label="reference's own error")
+        axes.set_ylim(low, high)
+    for ends, set_ends in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
+        if ends[1] < MIN_AXIS_RATIO * ends[0]:  # no power of ten may lie within: room for one
+            middle = math.sqrt(ends[0] * ends[1])
+            set_ends(middle / math.sqrt(MIN_AXIS_RATIO), middle * math.sqrt(MIN_AXIS_RATIO))
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** HEADROOM)  # for the legend
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel(time)
+    unit = ", relative" if measure.unit == "1" else f", {measure.unit}"
+    axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, LABEL_LETTERS))
+    against = measure.reference.partition(":")[0].partition(",")[0]
+    axes.set_title(fill(f"against {against}", TITLE_LETTERS), fontsize=9)
+    axes.legend(fontsize=7.5, loc="best", framealpha=0.9)

@@ -1,0 +1,185 @@
+"""The links of a skin: its solids in the design's frame, their masses and inertias, and their surfaces.
+
+Carrier and skin weigh what their STEP files hold times a density; what fills the slots is a link of its own,
+so that neither differs from its file. Left out: leads outside the skin, screws, and the silicone in the
+carrier's holes.
+
+A simulator's contact wants convex pieces: each ridge, the base under them and the carrier are the convex
+hulls of their meshes. A hull fills a ridge's root fillets; crests, which touch, are convex themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import trimesh
+
+from skincad.base.arrays import Array
+from skincad.fabrication.meshes import mesh, upright
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.problem import PVDF_DENSITY
+from skincad.shape.curves import Loop, Segment
+from skincad.shape.skin import section, skin_of
+from skincad.solids.layout import lid_process
+from skincad.solids.mold import mold
+from skincad.solids.plan import Part, PartRole
+from skincad.solids.skin import along_skin, skin_part
+
+G_PER_MM3 = 1e-6  # of 1 kg/m3
+TO_DESIGN = np.diag([1.0, -1.0, -1.0])  # the mold's frame turned about x, ridges up
+CHORD = 1e-3  # of the pitch: visual
+CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
+
+
+@dataclass(frozen=True, eq=False)
+class Weight:
+    """A rigid body's `mass` g, `centre` `(3,)` mm and `inertia` `(3, 3)` g mm2 about it, in the design's
+    frame."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+    def turned(self, turn: Array) -> Weight:
+        """Return the weight in a frame turned about the same origin."""
+        return Weight(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
+
+
+def combine(weights: Iterable[Weight]) -> Weight:
+    """Return bodies as one; of a negative mass what is taken away (Steiner's theorem)."""
+    bodies = list(weights)
+    mass = float(sum(body.mass for body in bodies))
+    centre = np.asarray(sum(body.mass * body.centre for body in bodies)) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        away = body.centre - centre
+        inertia += body.inertia + body.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return Weight(mass, centre, inertia)
+
+
+def without(whole: Weight, parts: Iterable[Weight]) -> Weight:
+    """Return what is left of a body when parts of it are bodies of their own."""
+    return combine([whole, *(Weight(-part.mass, part.centre, -part.inertia) for part in parts)])
+
+
+@dataclass(frozen=True)
+class Links:
+    """What a skin's simulated links weigh: the `carrier`, the whole `skin`, of that each of its `ridges`
+    above the base, and the `filling` of its slots, None where they are empty or there are none."""
+
+    carrier: Weight
+    skin: Weight
+    ridges: tuple[Weight, ...]
+    filling: Weight | None
+
+    @property
+    def base(self) -> Weight:
+        """The skin without its ridges."""
+        return without(self.skin, self.ridges)
+
+    @property
+    def mass(self) -> float:
+        """Mass of all links, g."""
+        return self.carrier.mass + self.skin.mass + (self.filling.mass if self.filling else 0.0)
+
+
+def links(design: Design) -> Links:
+    """Return the weight of each link. Raises InputError where the design has no carrier that can be made."""
+    density = silicone(design).density * G_PER_MM3
+    carrier = _weight(carrier_part(design), 1e3 * lid_process(design).density * G_PER_MM3)
+    ridges = tuple(_weight(part, density) for part in ridge_parts(design))
+    return Links(
+        carrier.turned(TO_DESIGN), _weight(skin_part(design), density), ridges, _filling(design, density)
+    )
+
+
+def carrier_part(design: Design) -> Part:
+    """Return the carrier as it lies in a mold of one skin, in the mold's frame: `TO_DESIGN` turns it."""
+    return mold(design.with_(mold={"cavities": 1})).first(PartRole.CARRIER)
+
+
+def ridge_loop(design: Design, ridge: int) -> Loop:
+    """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
+    segments = tuple(s for s in section(design).outline if s.feature == ridge)
+    return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
+
+
+def ridge_parts(design: Design) -> list[Part]:
+    """Return each ridge above the base; slots are not taken off it, they are of the base."""
+    return [
+        Part(f"ridge-{i}", PartRole.SKIN, along_skin(design, ridge_loop(design, i), ()))
+        for i in range(1, skin_of(design).count + 1)
+    ]
+
+
+def base_loop(design: Design) -> Loop:
+    """Return the skin's outline with each ridge cut off by the chord between its feet, mm."""
+    segments: list[Segment] = []
+    for segment in section(design).outline:
+        if segment.feature is None:
+            segments.append(segment)
+        elif segments[-1].kind == "flank" and segments[-1].feature == segment.feature:
+            segments[-1] = replace(segments[-1], end=segment.end)
+        else:
+            segments.append(Segment(segment.start, segment.end, 0.0, "flank", segment.feature))
+    return tuple(segments)
+
+
+def _weight(part: Part, density: float) -> Weight:
+    """Weight of a solid of a density in g/mm3, from the CAD kernel's moments."""
+    from skincad.solids.occ import moments, solid, volume
+
+    shape = solid(part)
+    centre, inertia = moments(part, shape)
+    return Weight(density * volume(part, shape), centre, density * inertia)
+
+
+def _filling(design: Design, density: float) -> Weight | None:
+    """Film strips, and the silicone round them, in all slots."""
+    film, slots, state = design.film, section(design).slots, design.film_state
+    strip = PVDF_DENSITY * G_PER_MM3
+    weights = []
+    for slot in slots:
+        name = f"slot-{slot.feature}-{slot.side}"
+        if state != "loose":
+            weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, slot.loop(), ())), density))
+        if film and state != "ignored":
+            more = strip - (density if state == "bonded" else 0.0)
+            loop = slot.loop(film.thickness)
+            weights.append(_weight(Part(name, PartRole.STRIP, along_skin(design, loop, ())), more))
+    return combine(weights) if weights else None
+
+
+def visual(design: Design) -> dict[str, trimesh.Trimesh]:
+    """Return skin and carrier, within CHORD of a pitch of their solids."""
+    chord = CHORD * skin_of(design).pitch
+    return {"skin": mesh(skin_part(design), chord), "carrier": upright(mesh(carrier_part(design), chord))}
+
+
+def collision(design: Design) -> dict[str, trimesh.Trimesh]:
+    """Return the convex hulls of each ridge, the base and the carrier; ridges within FINE of a pitch."""
+    skin = skin_of(design)
+    chord, fine = CHORD * skin.pitch, CONTACT_CHORD * skin.pitch
+    base = Part("base-hull", PartRole.SKIN, along_skin(design, base_loop(design), ()))
+    hulls = {part.name: mesh(part, fine).convex_hull for part in ridge_parts(design)}
+    hulls["base-hull"] = mesh(base, chord).convex_hull
+    hulls["carrier-hull"] = upright(mesh(carrier_part(design), chord)).convex_hull
+    return hulls
+
+
+def obj(shape: trimesh.Trimesh, name: str) -> str:
+    """Return a mesh as OBJ, mm, in the design's frame."""
+    return str(trimesh.exchange.obj.export_obj(shape, header=f"{name}, mm, z out of the skin", digits=9))
+
+
+def glb(shapes: dict[str, trimesh.Trimesh]) -> bytes:
+    """Return meshes as GLB: metres and y up, as glTF wants it, so the skin's z is y and its y is -z."""
+    scene = trimesh.Scene()
+    for name, shape in shapes.items():
+        placed = shape.copy()
+        placed.vertices = 1e-3 * placed.vertices[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
+        scene.add_geometry(placed, node_name=name, geom_name=name)
+    return bytes(scene.export(file_type="glb"))

@@ -1,0 +1,352 @@
+"""A design as a package for simulators: what each kind needs, its words, its files, and the model card.
+
+The card says what was simplified, what each number rests on, and where it holds. Licence: the owner's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.progress import Progress, Stopwatch
+from skincad.base.reading import markdown_text, strict_json
+from skincad.base.result import Result, Writer
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
+from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.simulators.links import Links, carrier_part, collision, glb, links, obj, visual
+from skincad.outputs.simulators.meshes import (
+    HeightMap,
+    Tetrahedra,
+    height_map,
+    materials,
+    msh,
+    tetrahedra,
+    vtu,
+)
+from skincad.outputs.simulators.models import (
+    FRICTION,
+    STEP,
+    friction,
+    scene_xml,
+    skin_urdf,
+    skin_xml,
+    slide_damping,
+)
+from skincad.outputs.simulators.springs import Springs, springs
+from skincad.outputs.simulators.taxels import (
+    Taxels,
+    response_csv,
+    taxels,
+    taxels_csv,
+    write_response,
+    write_taxels,
+)
+from skincad.outputs.solid_files import write_step, write_stl
+from skincad.solids.layout import lid_process
+
+if TYPE_CHECKING:
+    from skincad.mechanics.film.response import FilmResponse
+
+
+KINDS = ("mujoco", "urdf", "taxels", "mesh")
+NO_FILM = "there is no film that is bonded: taxels are the crests, and there is no film response"
+DOUBLY_CURVED = "the films' response needs a skin that is straight along y: there is none"
+FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat back is at z = 0"
+LICENCE = "to be stated by the skin's owner"
+
+
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
+class Package(Result):
+    """A design for these `kinds` of simulators; what a kind asks for is None where it is not among them.
+
+    `surfaces` are triangle meshes by their file's name, mm, in the design's frame; `notes` say what was left
+    out and why.
+    """
+
+    shown_by = "skincad.outputs.simulators.package:PACKAGE"
+    design: Design
+    kinds: tuple[str, ...]
+    weighs: Links
+    surfaces: dict[str, trimesh.Trimesh]
+    springs: Springs | None
+    taxels: Taxels | None
+    response: FilmResponse | None
+    mesh: Tetrahedra | None
+    heights: HeightMap | None
+    notes: tuple[str, ...]
+    seconds: dict[str, float]
+
+    @property
+    def name(self) -> str:
+        """The design's name."""
+        return self.design.name
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object of `--json`: the model card, and how many taxels there are."""
+        count = None if self.taxels is None else len(self.taxels.names)
+        return {**self.presenter().manifest(self), "taxels": count, "seconds": dict(self.seconds)}
+
+
+def package(
+    design: Design, kinds: Iterable[str] | str = (), *, tier: str = "auto", progress: Progress | None = None
+) -> Package:
+    """Return a design as a package for `kinds` of simulators, all of KINDS if there are none.
+
+    `tier` is the model of the check that MuJoCo's springs follow. Raises InputError for an unknown kind, for
+    a plate that is not flat where MuJoCo is asked for, or for a carrier that cannot be made; RefusedError
+    where a check or a response is beyond its model's range.
+    """
+    if not isinstance(design, Design):
+        raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
+    names = [kinds] if isinstance(kinds, str) else list(kinds)
+    for kind in names:
+        if kind not in KINDS:
+            raise InputError("kinds", "unknown simulator", kind, did_you_mean(kind, KINDS))
+    chosen = tuple(kind for kind in KINDS if not names or kind in names)
+    watch, notes = Stopwatch(progress), list[str]()
+    # the stages of springs, but not the time left of each of their checks
+    untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
+    with watch.stage("springs"):
+        ridge_springs = springs(design, tier, untimed) if "mujoco" in chosen else None
+    with watch.stage("response"):
+        places = taxels(design) if "taxels" in chosen else None
+        response = _response(design, notes, progress) if "taxels" in chosen else None
+    with watch.stage("solids"):
+        weighs = links(design)
+    with watch.stage("surfaces"):
+        shapes = {**visual(design), **collision(design)} if {*chosen} != {"taxels"} else {}
+    mesh, heights = None, None
+    if "mesh" in chosen:
+        with watch.stage("mesh"):
+            mesh, heights = tetrahedra(design), height_map(design)
+    return Package(
+        design=design,
+        kinds=chosen,
+        weighs=weighs,
+        surfaces=shapes,
+        springs=ridge_springs,
+        taxels=places,
+        response=response,
+        mesh=mesh,
+        heights=heights,
+        notes=tuple(notes),
+        seconds=watch.seconds(),
+    )
+
+
+def _response(design: Design, notes: list[str], progress: Progress | None) -> FilmResponse | None:
+    """The films' response, or a note of why there is none."""
+    if design.film is None or design.film_state != "bonded":
+        notes.append(NO_FILM)
+        return None
+    if design.skin.curvature_radius_y is not None:
+        notes.append(DOUBLY_CURVED)
+        return None
+    from skincad.mechanics.film.response import film_response
+
+    return film_response(design, progress)
+
+
+def lines(package: Package) -> list[str]:
+    """Return what `package` prints."""
+    rows = [f"{package.name} for {', '.join(package.kinds)}: {package.weighs.mass:.4g} g on its carrier"]
+    if springs := package.springs:
+        verdict = springs.verdict
+        rows.append(f"  springs        approach {verdict.approach} at {verdict.force:g} N, as in the check")
+        for other in springs.elsewhere:
+            off = f"{other.approach_off:.1%} off the check, ridge forces {other.shares_off:.1%} of the mean"
+            rows.append(f"  at {f'{other.force:g} N':11} approach {off}")
+    if package.mesh:
+        count = sum(len(elements) for elements in package.mesh.elements.values())
+        rows.append(f"  mesh           {count} tetrahedra, volume off by {package.mesh.deviation:.1e} of it")
+    if package.taxels:
+        films = package.taxels.kinds.count("film")
+        rows.append(f"  taxels         {films} film strips, {len(package.taxels.names) - films} crests")
+    return [*rows, *(f"  note           {note}" for note in package.notes)]
+
+
+def files(package: Package) -> dict[str, Writer]:
+    """Return the writer of each file."""
+    solids = {f"{name}.step": partial(_step, package.design, name) for name in ("skin", "carrier")}
+    return {**dict(_files(package)), **solids}
+
+
+def _files(package: Package) -> Iterator[tuple[str, Writer]]:
+    design, kinds = package.design, {*package.kinds}
+    yield "package.md", text(partial(markdown, package))
+    yield "design.toml", text(design.to_toml)
+    if kinds & {"mujoco", "urdf", "mesh"}:
+        yield from ((f"{name}.stl", partial(write_stl, shape)) for name, shape in package.surfaces.items())
+    if package.springs:
+        yield "skin.xml", text(partial(skin_xml, design, package.weighs, package.springs))
+        yield "scene.xml", text(partial(scene_xml, design, package.springs))
+    if "urdf" in kinds:
+        yield "skin.urdf", text(partial(skin_urdf, design, package.weighs))
+    if package.mesh and package.heights:
+        mesh, heights = package.mesh, package.heights
+        shapes = {name: package.surfaces[name] for name in ("skin", "carrier")}
+        yield from ((f"{name}.obj", text(partial(obj, shape, name))) for name, shape in shapes.items())
+        yield "skin.glb", partial(_glb, shapes)
+        yield "skin.msh", text(partial(msh, mesh))
+        yield "skin.vtu", text(partial(vtu, mesh))
+        yield "materials.json", text(lambda: strict_json(materials(design, mesh), indent=1))
+        yield "heights.png", partial(_png, heights)
+        yield "heights.json", text(lambda: strict_json(heights.about(), indent=1))
+    if package.taxels:
+        yield "taxels.csv", text(partial(taxels_csv, package.taxels))
+        yield "taxels.npz", partial(write_taxels, package.taxels)
+    if package.response:
+        yield "response.csv", text(partial(response_csv, design, package.response))
+        yield "response.npz", partial(write_response, design, package.response)
+
+
+def _glb(shapes: dict[str, trimesh.Trimesh], path: Path) -> None:
+    path.write_bytes(glb(shapes))
+
+
+def _png(heights: HeightMap, path: Path) -> None:
+    """As an image of one channel of 16 bits."""
+    from PIL import Image
+
+    Image.fromarray(heights.levels()).save(path, format="PNG")
+
+
+def _step(design: Design, name: str, path: Path) -> None:
+    """Skin or carrier in the design's frame: the carrier is the mold's, turned about x."""
+    from skincad.solids.occ import workplane
+    from skincad.solids.skin import skin_solid
+
+    carrier = name == "carrier"
+    write_step(
+        workplane(carrier_part(design)).rotate((0, 0, 0), (1, 0, 0), 180) if carrier else skin_solid(design),
+        path,
+    )
+
+
+def card(package: Package) -> dict[str, Any]:
+    """Return the card as JSON: `simplified` in words, `numbers` with what each rests on and its range."""
+    return {
+        "name": package.name,
+        "for": list(package.kinds),
+        "frame": FRAME,
+        "licence": None,
+        "mass_g": package.weighs.mass,
+        "simplified": [*_simplified(package), *package.notes],
+        "numbers": [dict(zip(("what", "rests_on", "holds"), row, strict=True)) for row in _numbers(package)],
+        "springs": None if package.springs is None else package.springs.as_json(),
+    }
+
+
+def markdown(package: Package) -> str:
+    """Return the card as Markdown."""
+    lines = [f"# {package.name}: model card", "", f"For {', '.join(package.kinds)}. Frame: {FRAME}.", ""]
+    lines += [f"Licence: {LICENCE}.", "", "## What was simplified", ""]
+    lines += [f"- {markdown_text(text)}" for text in [*_simplified(package), *package.notes]]
+    lines += ["", "## What each number rests on, and where it holds", ""]
+    lines += ["| number | rests on | holds |", "|---|---|---|"]
+    lines += [f"| {' | '.join(map(markdown_text, row))} |" for row in _numbers(package)]
+    if package.springs:
+        lines += ["", "## Springs against checks", "", *_table(package.springs)]
+    return "\n".join([*lines, ""])
+
+
+def _simplified(package: Package) -> Iterator[str]:
+    yield "carrier, skin and what fills its slots are rigid links"
+    yield "leads, screws and the silicone in the carrier's holes are left out"
+    if package.surfaces:
+        yield "convex hulls are what touches: they fill the root fillets; crests are within 1e-4 of the pitch"
+    if package.springs:
+        linked = "coupled springs" if package.springs.coupled else "a spring of its own, neighbours apart"
+        yield f"each ridge slides along z on {linked}; sideways it is rigid"
+        yield "MuJoCo's friction acts on a whole ridge, so incipient slip inside a contact is not in it"
+    if "urdf" in package.kinds:
+        yield "in URDF the ridges are fixed: the format knows no springs"
+    if package.response:
+        yield "the films' response is that of a long pad in small strain, its contact that of one load"
+
+
+def _numbers(package: Package) -> Iterator[tuple[str, str, str]]:
+    design, material = package.design, silicone(package.design)
+    yield (
+        f"mass {package.weighs.mass:.6g} g, centres and inertias",
+        f"the exact solids of skin.step and carrier.step; {material.density / 1e3:g} g/cm3 of "
+        f"{material.name}, {lid_process(design).density:g} g/cm3 of the carrier",
+        "as designed; parts weigh what their silicone's batch weighs",
+    )
+    if package.springs:
+        yield from _of_springs(package, package.springs)
+    if package.taxels:
+        yield (
+            f"{len(package.taxels.names)} taxels",
+            "the exact section, in the middle of the length",
+            "unloaded",
+        )
+    if package.mesh:
+        yield (
+            f"{sum(map(len, package.mesh.elements.values()))} tetrahedra of second order",
+            "the exact section, swept along y; materials.json has moduli, densities and laws",
+            f"edges are straight: the volume is off by {package.mesh.deviation:.1e} of it",
+        )
+    if package.heights:
+        yield (
+            f"height map, {package.heights.pixel:.4g} mm a pixel",
+            "the exact section's highest points",
+            f"levels of {package.heights.scale:.3g} mm, unloaded; undercut flanks are hidden",
+        )
+    if package.response:
+        yield _of_response(package.response)
+
+
+def _of_springs(package: Package, springs: Springs) -> Iterator[tuple[str, str, str]]:
+    verdict, (armature, damping) = springs.verdict, slide_damping(springs)
+    yield (
+        f"springs: approach {verdict.approach} and ridge forces at {verdict.force:g} N",
+        f"the check, {verdict.tier} tier",
+        f"exactly there; at other loads see the table; flat plate, timestep up to {STEP:g} s",
+    )
+    yield (
+        f"armature {armature:.3g} kg and damping {damping:.3g} N s/m of each slide",
+        "what MuJoCo's step needs",
+        "numbers of the method: they say nothing of how fast the silicone gives way",
+    )
+    stated = package.design.contact.friction is not None
+    yield (
+        f"friction {friction(package.design):g}",
+        "contact.friction" if stated else f"assumption: {FRICTION:g} where contact.friction is not given",
+        "dry, Coulomb; a plate that is held creeps by up to 2 % of the approach a second, one that slides is "
+        "lifted by about step x friction x speed",
+    )
+
+
+def _of_response(response: FilmResponse) -> tuple[str, str, str]:
+    largest = max(float(np.abs(stress[..., 0]).max()) for stress in (response.normal, response.tangential))
+    error = float(response.error[..., 0].max())
+    change = response.at_other_forces[..., 0].max(axis=(1, 2))
+    spans = " and ".join(
+        f"{c:.2g} MPa/N at {s * response.force:g} N" for c, s in zip(change, RESPONSE_SPANS, strict=True)
+    )
+    return (
+        f"response: stress through a film, up to {largest:.3g} ± {error:.2g} MPa/N",
+        f"condensed compliance, plane strain, {response.unknowns} unknowns",
+        f"contact of {response.force:g} N, full stick; it differs by up to {spans}",
+    )
+
+
+def _table(springs: Springs) -> Iterator[str]:
+    yield "| force, N | approach by springs, mm | by the check | forces on ridges differ, of the mean one |"
+    yield "|---|---|---|---|"
+    for e in springs.elsewhere:
+        yield f"| {e.force:g} | {e.approach:.4f} | {e.check_approach:.4f} | {e.shares_off:.1%} |"
+    yield from ("", *(f"- {markdown_text(text)}" for text in springs.refused))
+
+
+PACKAGE = Presentation(COMMAND="package", lines=lines, files=files, manifest=card)  # the manifest is the card

@@ -1,0 +1,178 @@
+"""Where a skin feels: the pose of every film strip and of every ridge's crest; they and responses as files.
+
+A pose `(3, 4)` in the design's frame has the axes as columns, then the place in mm. The third axis points out
+of the skin: along a strip's depth, or off a crest; the second is y, along the ridge; the first is across,
+towards +x. A strip's place is its slot's centre, a crest's its summit, both in the middle of the length. CSV
+and NPZ say frame, unit and meaning themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.reading import Cell, csv_text
+from skincad.circuit.network import charge, electrode
+from skincad.inputs.design import Design
+from skincad.mechanics.film.response import SPANS, FilmResponse
+from skincad.shape.curves import Point
+from skincad.shape.skin import section, skin_of
+
+FRAME = "frame of the design: x across the ridges, y along them, z out of the skin, flat back at z = 0"
+AXES = ("across", "along_y", "outward")
+PARTS = ("through_film", "along_film", "lengthwise")
+WAYS = ("normal", "tangential")
+
+
+@dataclass(frozen=True, eq=False)
+class Taxels:
+    """Places that feel: their `names`, `kinds` ("film" or "crest"), `ridges`, `sides` ("S1", "S2" or ""),
+    `poses` `(n, 3, 4)` mm, and `sizes` `(n, 2)` mm: across or along the strip's depth, and along y."""
+
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    ridges: tuple[int, ...]
+    sides: tuple[str, ...]
+    poses: Array
+    sizes: Array
+
+
+def taxels(design: Design) -> Taxels:
+    """Return all film strips, ridge by ridge, then all crests; without a film there are no strips."""
+    strips, tops = films(design), crests(design)
+    return Taxels(
+        strips.names + tops.names,
+        strips.kinds + tops.kinds,
+        strips.ridges + tops.ridges,
+        strips.sides + tops.sides,
+        np.concatenate([strips.poses, tops.poses]),
+        np.concatenate([strips.sizes, tops.sizes]),
+    )
+
+
+def films(design: Design) -> Taxels:
+    """Return the film strips; none without slots, without a film, or where it is ignored."""
+    slots = section(design).slots if design.film and design.film_state != "ignored" else ()
+    poses = [_pose(slot.centre, slot.direction) for slot in slots]
+    return Taxels(
+        tuple(f"ridge-{slot.feature}-{slot.side}" for slot in slots),
+        ("film",) * len(slots),
+        tuple(slot.feature for slot in slots),
+        tuple(slot.side for slot in slots),
+        np.array(poses).reshape(-1, 3, 4),
+        np.array([(slot.depth, design.skin.length) for slot in slots]).reshape(-1, 2),
+    )
+
+
+def crests(design: Design) -> Taxels:
+    """Return the summits of all ridges."""
+    skin = skin_of(design)
+    count = skin.count
+    frames = [skin.placed[ridge - 1].frame for ridge in range(1, count + 1)]
+    places = [at.at(0.0, height) for at, height in zip(frames, skin.heights, strict=True)]
+    poses = [_pose(place, at.normal) for place, at in zip(places, frames, strict=True)]
+    return Taxels(
+        tuple(f"ridge-{ridge}-crest" for ridge in range(1, count + 1)),
+        ("crest",) * count,
+        tuple(range(1, count + 1)),
+        ("",) * count,
+        np.array(poses),
+        np.array([(skin.profile.tip_width, design.skin.length)] * count),
+    )
+
+
+def _pose(place: Point, outward: Point) -> Array:
+    """Pose of a place in the section, its third axis along a unit vector of the section."""
+    return np.array(
+        [[outward.z, 0.0, outward.x, place.x], [0.0, 1.0, 0.0, 0.0], [-outward.x, 0.0, outward.z, place.z]]
+    )
+
+
+def taxels_csv(places: Taxels) -> str:
+    """Return a taxel a row: its place and its three axes, the third outward."""
+    columns = ["name", "kind", "ridge", "side", "x_mm", "y_mm", "z_mm"]
+    columns += [f"{axis}_{x}" for axis in AXES for x in "xyz"] + ["size_mm", "length_mm"]
+    rows: list[list[Cell]] = [[*columns]]
+    for i, name in enumerate(places.names):
+        pose = places.poses[i]
+        values = [*pose[:, 3], *pose[:, :3].T.ravel(), *places.sizes[i]]
+        words = [name, places.kinds[i], str(places.ridges[i]), places.sides[i]]
+        rows.append([*words, *(repr(float(v) + 0.0) for v in values)])
+    return csv_text(rows, [FRAME, "mm; axes are unit vectors, the third points out of the skin"])
+
+
+def write_taxels(places: Taxels, path: Path) -> None:
+    """Write the same as NPZ: `poses` (n, 3, 4), `names`, `kinds`, `ridges`, `sides`, `sizes` and `about`."""
+    np.savez(
+        path,
+        poses=places.poses,
+        names=np.array(places.names),
+        kinds=np.array(places.kinds),
+        ridges=np.array(places.ridges),
+        sides=np.array(places.sides),
+        sizes=places.sizes,
+        about=np.array(f"poses (n, 3, 4): axes as columns, then the place in mm; {FRAME}"),
+    )
+
+
+def charges(design: Design, response: FilmResponse) -> tuple[Array, Array]:
+    """Return charge per N `(2, ridges, strips)` pC/N and its error `(2, ridges)`, of normal and tangential
+    force; the film's draw axis lies along y."""
+    film = design.film
+    assert film is not None
+    both = np.stack([response.normal, response.tangential])
+    coefficients, area = (film.d31, film.d32, film.d33), electrode(design)
+    values = charge(both[..., 0], both[..., 2], both[..., 1], area=area, coefficients=coefficients) * 1e12
+    size = np.abs([film.d33, film.d32, film.d31])
+    return values, area * response.error @ size
+
+
+def response_csv(design: Design, response: FilmResponse) -> str:
+    """Return a row for each force on a ridge and strip: stress and charge per N, error and range."""
+    stress = [f"{part}_MPa_per_N" for part in PARTS]
+    columns = ["force_on_ridge", "direction", "strip", *stress, *(f"{name}_error" for name in stress)]
+    columns += [f"{name}_change_at_{span:g}_of_force" for span in SPANS for name in stress]
+    columns += ["charge_pC_per_N", "charge_error_pC_per_N"]
+    comments = [
+        "mean stress in a strip, tension positive, and its charge, per N of force on one ridge alone;",
+        "normal: in compression; tangential: what the plate does to the skin, to +x; add up ridges",
+        f"contact as at {response.force:g} N on the skin; change: how much differs where it is that of "
+        "another",
+    ]
+    return csv_text([columns, *_rows(design, response)], comments)
+
+
+def _rows(design: Design, response: FilmResponse) -> Iterator[list[Cell]]:
+    strip_charge, charge_error = charges(design, response)
+    for w, (way, stress) in enumerate(zip(WAYS, (response.normal, response.tangential), strict=True)):
+        for r in range(len(stress)):
+            errors = [*response.error[w, r], *response.at_other_forces[:, w, r].ravel()]
+            for s, (ridge, side) in enumerate(response.strips):
+                values = [*stress[r, s], *errors, strip_charge[w, r, s], charge_error[w, r]]
+                yield [str(r + 1), way, f"ridge-{ridge}-{side}", *(f"{v:.9g}" for v in values)]
+
+
+def write_response(design: Design, response: FilmResponse, path: Path) -> None:
+    """Write the same as NPZ: `stress` (2, ridges, strips, 3) MPa/N, `charge` (2, ridges, strips) pC/N, their
+    errors, and the ridges' forces `pressed` (ridges,) N and `pulled` (2, ridges) of 1 N."""
+    strip_charge, charge_error = charges(design, response)
+    about = "axis 0: normal, tangential; last of stress: through the film, along it in the section, along y"
+    np.savez(
+        path,
+        stress=np.stack([response.normal, response.tangential]),
+        stress_error=response.error,
+        change=response.at_other_forces,
+        spans=np.array(SPANS),
+        charge=strip_charge,
+        charge_error=charge_error,
+        strips=np.array([f"ridge-{ridge}-{side}" for ridge, side in response.strips]),
+        force=np.array(response.force),
+        contact=response.contact,
+        pressed=response.ridge_force,
+        pulled=response.ridge_force_per_pull,
+        about=np.array(about),
+    )

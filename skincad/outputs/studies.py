@@ -1,0 +1,397 @@
+"""Output of studies: of `solve` what reaches the target, of `sweep` the best rows, of `optimise` the front.
+
+All that was tried is a table, pictures and a page.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from html import escape
+from importlib.util import find_spec
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+from skincad.base.errors import InputError
+from skincad.base.reading import csv_text
+from skincad.base.result import Writer
+from skincad.outputs.delivery import Presentation, picture, text
+from skincad.outputs.tomls import write_copy
+from skincad.studies.query import Evaluation, short, worded
+from skincad.studies.searches import combinations
+from skincad.studies.solving import Solution, SolutionPoint
+from skincad.studies.study import Member, Optimisation
+from skincad.studies.subject import DesignVariable, changed, owner
+from skincad.studies.sweeping import Ranking, SweepResult
+
+if TYPE_CHECKING:
+    from skincad.outputs.figures.canvas import Picture
+
+
+MAX_SHOWN = 5  # solutions, in words
+PAGE = "study.html"
+MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
+NUMBER = re.compile(r"\d[\d.e+-]*")
+MAX_TIED_ROWS = 12  # rows of a tie that are listed by number
+FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
+SHOWN = 6  # members of the front, in words and as designs
+
+
+def solution_lines(solution: Solution) -> list[str]:
+    """Return what `solve` prints."""
+    count, model = len(solution.evaluations), solution.question.tier
+    effort = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
+    refused = [evaluation.refused for evaluation in solution.evaluations if evaluation.refused]
+    return [
+        *(_solution_lines(solution) if solution.solutions else [_none(solution)]),
+        f"  tried          {effort}, {solution.seconds:.3g} s",
+        *([f"  refused        {len(refused)}; the first: {refused[0]}"] if refused else []),
+        *(f"  note           {note}" for note in solution.notes),
+    ]
+
+
+def _solution_lines(solution: Solution) -> list[str]:
+    first, *others = solution.solutions
+    # with choices alone, a solution only has the target within its error
+    gives = "may give" if all(knob.choices or knob.whole for knob in solution.knobs) else "gives"
+    rows = [f"{solution.name}: {_solved_values(solution, first)} {gives} {_targets(solution)}."]
+    for candidate in (first, *others[: MAX_SHOWN - 1]):
+        if candidate is not first:
+            rows.append(f"  also           {_solved_values(solution, candidate)}")
+        rows += [f"  reached        {worded(key, value)}" for key, value in candidate.reached.items()]
+        for key, (low, high) in candidate.interval.items():
+            knob = next(knob for knob in solution.knobs if knob.key == key)
+            ends = f"{short(low)} to {short(high)}{_unit(knob)}"
+            rows.append(f"  may be         {key} anywhere from {ends}, since the result has that error")
+        rows += [
+            f"  nearest        {key} = {name}"
+            for key, name in candidate.nearest.items()
+            if key not in candidate.values
+        ]
+    if len(others) >= MAX_SHOWN:
+        rows.append(f"  and            {len(others) + 1 - MAX_SHOWN} more")
+    return rows
+
+
+def _solved_values(solution: Solution, solved: SolutionPoint) -> str:
+    units = {knob.key: _unit(knob) for knob in solution.knobs}
+    return ", ".join(f"{key} {short(value)}{units[key]}" for key, value in solved.values.items())
+
+
+def _unit(knob: DesignVariable) -> str:
+    return f" {knob.unit}" if knob.unit else ""
+
+
+def _none(solution: Solution) -> str:
+    ranges, count = ", ".join(_range(knob) for knob in solution.knobs), len(solution.evaluations)
+    sentence = f"{solution.name}: no {ranges} gives {_targets(solution)}"
+    if not solution.complete:
+        many = f"{count} evaluation{'s' if count != 1 else ''}"
+        sentence = f"{solution.name}: none found in {many} of {ranges} that gives {_targets(solution)}"
+    if solution.closest is None:
+        return f"{sentence}."
+    reached = ", ".join(worded(key, value) for key, value in solution.closest.reached.items())
+    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}."
+
+
+def _targets(solution: Solution) -> str:
+    return ", ".join(worded(key, wanted) for key, wanted in solution.target.items())
+
+
+def _range(knob: DesignVariable) -> str:
+    if knob.choices:
+        many = len(knob.choices) > MAX_SHOWN
+        return f"{knob.key} among {len(knob.choices) if many else ' and '.join(map(str, knob.choices))}"
+    return f"{knob.key} from {knob.low:g} to {knob.high:g}{_unit(knob)}"
+
+
+def solution_figures(solution: Solution) -> dict[str, Callable[[], Picture]]:
+    """Return the result against the one number that is varied; nothing for several."""
+    if len(solution.knobs) != 1 or solution.knobs[0].choices:
+        return {}
+    from skincad.outputs.figures.studies import solution_figure
+
+    return {"solve.png": partial(solution_figure, solution)}
+
+
+def solution_files(solution: Solution) -> dict[str, Writer]:
+    """Return the writers of the first solution's design, and of the figure."""
+    designs = {"solved.toml": text(solution.solved.to_toml)} if solution.solutions else {}
+    return {**designs, **{name: picture(draw) for name, draw in solution_figures(solution).items()}}
+
+
+def write_solution(solution: Solution, path: Path, source: str) -> None:
+    """Write the first solution as a copy of the file it began from, its comments kept.
+
+    Raises InputError for a file that is there already or cannot be written.
+    """
+    values = solution.solutions[0].values
+    comments = {
+        key: f"solved for {_targets(solution)}" for key in values if not key.rpartition(".")[2].isdigit()
+    }
+    if any(owner(solution.subject, key)[0] is not solution.subject for key in values):
+        comments = {}  # a skin's or a circuit's own tables come in place of its name
+    write_copy(path, source, solution.solved, comments)
+
+
+def sweep_names() -> list[str]:
+    """Return the names of what may be written."""
+    return ["sweep.csv", "sweep.parquet", "effects.png", "pairs.png", "front.png", PAGE]
+
+
+def sweep_lines(sweep: SweepResult) -> list[str]:
+    """Return what `sweep` prints."""
+    count, model = len(sweep.rows), sweep.question.tier
+    rows = [f"{sweep.name}: {count} rows{f' by {model}' if model else ''}, {_verdicts(sweep)}."]
+    for ranking in sweep.rankings:
+        rows += _ranking_lines(sweep, ranking)
+    if sweep.next_tier:
+        tier, seconds = sweep.next_tier
+        cost = f"its {len(sweep.rankings[0].ties[0])} rows take about {seconds:.2g} s"
+        rows.append(f"  finer          --tier {tier} may settle the first tie: {cost}")
+    rows += _refusals([row for row in sweep.rows if row.refused])
+    rows.append(
+        f"  tried          {sweep.evaluations} evaluations, {sweep.reused} reused, {sweep.seconds:.3g} s"
+    )
+    return rows
+
+
+def _verdicts(sweep: SweepResult) -> str:
+    parts = [f"{sum(bool(row.passed) for row in sweep.rows if not row.refused)} pass"]
+    if all(row.passed is None for row in sweep.rows):
+        parts = [f"{len(sweep.rows) - sweep.refused} answered"]
+    return ", ".join([*parts, f"{sweep.refused} refused"])
+
+
+def _ranking_lines(sweep: SweepResult, ranking: Ranking) -> list[str]:
+    word = "smallest" if ranking.goal == "min" else "largest"
+    if not ranking.ranks:
+        return [f"  best           no row has {ranking.key}"]
+    rows = []
+    for place, rank in enumerate(ranking.ranks[:MAX_BEST_ROWS], 1):
+        row = sweep.rows[rank.row - 1]
+        values = ", ".join(f"{key} {short(value)}" for key, value in row.values.items())
+        head = f"{word} {place}".ljust(14)
+        rows.append(
+            f"  {head} {worded(ranking.key, row.results[ranking.key])}: {values} (row {rank.row}, "
+            f"surely better than {rank.wins})"
+        )
+    if ranking.ties and ranking.ranks[0].row in ranking.ties[0]:
+        tie = ranking.ties[0]
+        others = (
+            f"rows {', '.join(map(str, tie[1:]))}"
+            if len(tie) <= MAX_TIED_ROWS
+            else f"the next {len(tie) - 1}"
+        )
+        others = f"row {tie[1]}" if len(tie) == 2 else others
+        rows.append(f"  tie            row {tie[0]} is not surely better than {others}")
+    return rows
+
+
+def _refusals(refused: list[Evaluation]) -> list[str]:
+    """Return the most frequent reasons, in the words of their first row: others' numbers may differ."""
+    first: dict[str, str] = {}
+    kinds = [NUMBER.sub("", row.refused.partition(", got ")[0]) for row in refused]
+    for kind, row in zip(kinds, refused, strict=True):
+        first.setdefault(kind, row.refused)
+    return [
+        f"  refused        {count}{'; the first' if count > 1 else ''}: {first[kind]}"
+        for kind, count in Counter(kinds).most_common(MAX_REASONS)
+    ]
+
+
+def table(sweep: SweepResult) -> tuple[list[str], list[list[Any]]]:
+    """Return the head and rows of the table: number, values, verdict, results with their errors."""
+    head = ["row", *(knob.key for knob in sweep.knobs), "passed", "refused", "tier"]
+    errors = {key for key in sweep.keys if any(_error(row, key) is not None for row in sweep.rows)}
+    columns = [name for key in sweep.keys for name in ([key, f"{key}.error"] if key in errors else [key])]
+    rows = []
+    for number, row in enumerate(sweep.rows, 1):
+        cells = {key: row.results[key].value for key in sweep.keys if key in row.results}
+        cells |= {f"{key}.error": _error(row, key) for key in errors}
+        values = [row.values[knob.key] for knob in sweep.knobs]
+        rows.append([number, *values, row.passed, row.refused or None, row.tier, *map(cells.get, columns)])
+    return [*head, *columns], rows
+
+
+def _error(row: Evaluation, key: str) -> float | None:
+    estimate = row.results.get(key)
+    return None if estimate is None else estimate.error
+
+
+def sweep_csv(sweep: SweepResult) -> str:
+    """Return the table as CSV; a missing value is empty."""
+    head, rows = table(sweep)
+    return csv_text([head, *rows])
+
+
+def _write_parquet(sweep: SweepResult, path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    head, rows = table(sweep)
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(head)}
+    parquet.write_table(pyarrow.table(columns), path)
+
+
+def sweep_page(
+    sweep: SweepResult, words: list[str] | None = None, *, title: str = "", aims: Sequence[str] = ()
+) -> str:
+    """Return the page of all rows, with each one's design to copy, under `words`, the sweep's if None.
+
+    Columns of what is varied come first, then of `aims`, of a sweep what it is ranked by; columns without
+    anything are left out.
+    """
+    from skincad.outputs.pages import HERE, document
+
+    head, rows = table(sweep)
+    first = [
+        "row",
+        *(knob.key for knob in sweep.knobs),
+        *(aims or [ranking.key for ranking in sweep.rankings]),
+    ]
+    shown = [name for name in dict.fromkeys([*first, *head]) if name in head and not name.endswith(".error")]
+    shown = [name for name in shown if any(row[head.index(name)] not in (None, "") for row in rows)]
+    plotted = [name for name in first[1:] if name in shown]
+    data = {
+        "head": shown,
+        "rows": [[row[head.index(name)] for name in shown] for row in rows],
+        "refused": [bool(row.refused) for row in sweep.rows],
+        "designs": [_row_toml(sweep, row) for row in sweep.rows],
+        "x": shown.index(sweep.knobs[0].key),
+        "y": shown.index(plotted[min(len(sweep.knobs), len(plotted) - 1)]),
+    }
+    title = f"{title or sweep.name}: {len(sweep.rows)} rows"
+    body = Template((HERE / "study_body.html").read_text("utf-8")).substitute(
+        title=escape(title),
+        words=escape("\n".join(words or sweep_lines(sweep))),
+        data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
+        script=(HERE / "study.js").read_text("utf-8"),
+    )
+    return document(title, body, "study.css")
+
+
+def _row_toml(sweep: SweepResult, row: Evaluation) -> str:
+    """A row's design as TOML, or why there is none."""
+    try:
+        return changed(sweep.subject, row.values).to_toml()
+    except InputError as refused:
+        return f"# {refused}"
+
+
+def sweep_figures(sweep: SweepResult) -> dict[str, Callable[[], Picture]]:
+    """Return main effects and pairs of the first ranking's result, and the front of the first two."""
+    if not sweep.rankings or len(sweep.rankings[0].ranks) < 2:
+        return {}
+    from skincad.outputs.figures.studies import effects_figure, front_figure, pairs_figure
+
+    drawings: dict[str, Callable[[], Picture]] = {"effects.png": partial(effects_figure, sweep)}
+    if len(sweep.knobs) > 1:
+        drawings["pairs.png"] = partial(pairs_figure, sweep)
+    if len(sweep.rankings) > 1:
+        drawings["front.png"] = partial(front_figure, sweep)
+    return drawings
+
+
+def sweep_files(sweep: SweepResult) -> dict[str, Writer]:
+    """Return the writer of each file; Parquet where pyarrow is installed."""
+    writers: dict[str, Writer] = {"sweep.csv": text(lambda: sweep_csv(sweep))}
+    if find_spec("pyarrow") is not None:
+        writers["sweep.parquet"] = partial(_write_parquet, sweep)
+    writers[PAGE] = text(lambda: sweep_page(sweep))
+    return {**writers, **{name: picture(draw) for name, draw in sweep_figures(sweep).items()}}
+
+
+def front_names() -> list[str]:
+    """Return the names of what may be written."""
+    designs = [f"front-{number}.toml" for number in range(1, SHOWN + 1)]
+    return [*designs, FRONT_TABLE, FRONT_PAGE, "effects.png", "pairs.png", "front.png"]
+
+
+def front_lines(optimisation: Optimisation) -> list[str]:
+    """Return what `optimise` prints."""
+    rows = [_first(optimisation)]
+    for number, member in enumerate(optimisation.front[:SHOWN], 1):
+        rows.append(f"  {f'front {number}':14} {_values(member)}")
+        rows += _member_lines(member)
+    if len(optimisation.front) > SHOWN:
+        rows.append(f"  {'more':14} {len(optimisation.front) - SHOWN} designs of the front, in optimise.json")
+    if optimisation.closest is not None:
+        rows += [f"  {'nearest':14} {_values(optimisation.closest)}", *_member_lines(optimisation.closest)]
+    if optimisation.start is not None:
+        rows += [
+            f"  {'start':14} {', '.join(worded(k, e) for k, e in optimisation.start.objectives.items())}"
+        ]
+    tier = optimisation.rows.question.tier
+    by = f"{len(optimisation.rows.rows)} designs{f' by {tier}' if tier else ''}, {optimisation.judged} judged"
+    spent = (
+        f"{optimisation.evaluations} evaluations, {optimisation.reused} reused, {optimisation.seconds:.3g} s"
+    )
+    rows.append(f"  tried          {by}; {spent}")
+    if optimisation.untried:
+        count = combinations(optimisation.rows.knobs)
+        untried = f"{optimisation.untried} of {count} combinations"
+        rows.append(f"  not tried      {untried}; `evaluations = {count}` tries all")
+    return rows
+
+
+def _first(optimisation: Optimisation) -> str:
+    goals = ", ".join(
+        f"{o.key} {'small' if o.goal == 'min' else 'large'}" for o in optimisation.study.objectives
+    )
+    if not optimisation.front:
+        return f"{optimisation.name}: no design that was judged keeps all constraints ({goals})."
+    several = len(optimisation.study.objectives) > 1
+    what = f"a front of {len(optimisation.front)} designs" if several else "the best design that was found"
+    return f"{optimisation.name}: {what} for {goals}."
+
+
+def _values(member: Member) -> str:
+    return ", ".join(f"{key} {short(value)}" for key, value in member.values.items())
+
+
+def _member_lines(member: Member) -> list[str]:
+    by = f" ({member.tier})" if member.tier else ""
+    rows = [f"    {'objective':12} {worded(key, value)}{by}" for key, value in member.objectives.items()]
+    return rows + [
+        f"    {'constraint' if satisfied else 'BROKEN':12} {worded(key, value)}"
+        for key, (value, satisfied) in member.constraints.items()
+    ]
+
+
+def front_figures(optimisation: Optimisation) -> dict[str, Callable[[], Picture]]:
+    """Return the pictures of all that was tried."""
+    return dict(sweep_figures(optimisation.rows))
+
+
+def front_files(optimisation: Optimisation) -> dict[str, Writer]:
+    """Return the writers of the front's designs, the table, the page and the pictures."""
+    count = min(SHOWN, len(optimisation.front))
+    designs = {f"front-{n}.toml": text(optimisation.design(n).to_toml) for n in range(1, count + 1)}
+    aims = optimisation.aims
+    page = text(
+        lambda: sweep_page(optimisation.rows, front_lines(optimisation), title=optimisation.name, aims=aims)
+    )
+    pictures = {name: picture(draw) for name, draw in front_figures(optimisation).items()}
+    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page, **pictures}
+
+
+SOLUTION = Presentation(
+    COMMAND="solve",
+    lines=solution_lines,
+    files=solution_files,
+    figures=solution_figures,
+    manifest=lambda solution: {"name": solution.name, "target": dict(solution.target)},
+)
+SWEEP = Presentation(
+    COMMAND="sweep",
+    lines=sweep_lines,
+    files=sweep_files,
+    figures=sweep_figures,
+    manifest=lambda sweep: {key: value for key, value in sweep.as_json().items() if key != "rows"},
+)
+OPTIMISATION = Presentation(COMMAND="optimise", lines=front_lines, files=front_files, figures=front_figures)

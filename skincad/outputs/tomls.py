@@ -1,0 +1,475 @@
+"""TOML files that people edit: what ships (`templates`), a new one (`new`), and a copy with other values.
+
+A new file is a design, a scene or a circuit after a template, or a table of one's own silicones or processes:
+every key with its meaning, unit, range and default, and its JSON schema beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from pydantic import BaseModel, TypeAdapter
+from pydantic.fields import FieldInfo
+
+from skincad.base.errors import InputError, RefusedError, did_you_mean, shown
+from skincad.base.outfolder import checked_fresh, fresh
+from skincad.base.reading import tables_of, text_of
+from skincad.base.tables import Document, NumberWithRange, Table, table_of, unit_of
+from skincad.inputs import shipped
+from skincad.inputs.catalog import (
+    KINDS,
+    LARGEST_FILE,
+    Kind,
+    design_tables,
+    kind_of,
+    kinds_of,
+    load,
+    template_names,
+    template_text,
+)
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process
+from skincad.inputs.shipped import table_text
+from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone, silicones
+from skincad.laws.rubber import Rubber
+
+_LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
+_LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
+# one's own tables: the design's table that they go into, a row's model, and the shipped row that shows it
+_OWN: dict[shipped.Table, tuple[str, type[Table], str]] = {
+    "silicones": ("silicones", Silicone, "dragon-skin-30"),
+    "processes": ("printer", Process, "sla"),
+}
+_OWN_HEAD: dict[shipped.Table, str] = {
+    "silicones": """\
+# Silicones of your own: pass this file with --silicones, and give a table's name as material.name
+# A table named like a shipped silicone changes only the keys that it gives; any other name is a new silicone.
+# skincad templates silicones lists what ships. The values here are dragon-skin-30's: write those of your
+# data sheet, and the modulus that skincad fit-material finds.""",
+    "processes": """\
+# Processes of your own: pass this file with --printer, and give a table's name as mold.process
+# A table named like a shipped process changes only the keys that it gives; any other name is a new process.
+# skincad templates processes lists what ships. The values in comments are sla's: measure your own.""",
+}
+STUDIES: Kind = "studies"
+LISTS = {
+    "designs": "design",
+    "scenes": "scene",
+    "circuits": "circuit",
+    "studies": "study",
+    "silicones": "silicone",
+    "processes": "process",
+}
+_COLUMNS = (  # of the table of silicones: key, head, unit
+    ("young_modulus", "modulus", "MPa"),
+    ("poisson_ratio", "Poisson", ""),
+    ("density", "density", "kg/m3"),
+    ("mix", "A:B", ""),
+    ("pot_life_min", "pot", "min"),
+    ("cure_h", "cure", "h"),
+    ("elongation_at_break", "breaks", "at %"),
+    ("viscosity", "visc.", "Pa s"),
+)
+
+
+def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
+    """Write a commented file after a template, and its schema beside it; return both paths.
+
+    `template` is a design's, a scene's or a circuit's name, with its kind before it where two kinds have that
+    name; or `silicones` or `processes`, for a table of one's own. Raises InputError for an unknown template,
+    a file that is there already or cannot be written, and a name that a TOML comment can't hold.
+    """
+    kind, name = _kind_and_name(template)
+    schema = path.with_suffix(".schema.json")
+    for target, suffix in ((path, ".toml"), (schema, ".json")):
+        checked_fresh(target, suffix, "FILE")
+    try:
+        link = os.fsencode(schema.name).decode("utf-8")  # a poor locale leaves what it cannot read escaped
+    except UnicodeDecodeError:
+        raise InputError("FILE", "must be UTF-8", path.name, "name another file") from None
+    if not link.isprintable():
+        raise InputError("FILE", "must have a name of printable characters", path.name)
+    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
+        first.write_text(schema_of(kind), encoding="utf-8")
+        second.write_text(commented_toml(kind, name, path.stem, link), encoding="utf-8")
+        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
+    return [path, schema]
+
+
+def _kind_and_name(template: str) -> tuple[Kind | shipped.Table, str]:
+    """The kind and the name that a template's name means."""
+    for table in shipped.TABLES:
+        if template == table:
+            return table, ""
+    before, _, name = template.rpartition("/")
+    kinds = [kind for kind in kinds_of(name) if before in ("", kind)]
+    if len(kinds) == 1:
+        return kinds[0], name
+    if kinds:
+        remedy = f"say {' or '.join(f'{kind}/{name}' for kind in kinds)}"
+        raise InputError("template", f"is a name of {' and '.join(kinds)}", template, remedy)
+    raise InputError("template", "no such template", template, did_you_mean(name, start_names()))
+
+
+def start_names() -> list[str]:
+    """Return what `write_new` takes as its template; the kind comes before a name that two kinds have."""
+    names = [(kind, name) for kind in KINDS for name in template_names(kind)]
+    return [*shipped.TABLES, *(n if len(kinds_of(n)) == 1 else f"{kind}/{n}" for kind, n in names)]
+
+
+def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable[[Path], object]]:
+    """The model of a kind's file, or of a row of one's own tables, and what loads the file."""
+    if kind == "scenes":
+        from skincad.scenes.scene import Scene, load_scene
+
+        return Scene, load_scene
+    if kind == "circuits":
+        from skincad.circuit.model import Circuit, load_circuit
+
+        return Circuit, load_circuit
+    if kind == "designs":
+        return Design, load
+    if kind == "studies":
+        raise InputError("template", "is a study, which new does not write", remedy="copy its TOML")
+    table, model, _ = _OWN[kind]
+    return model, lambda path: load("yamada-2002", **{table: path})
+
+
+@cache
+def schema_of(kind: Kind | shipped.Table) -> str:
+    """Return the JSON schema of a kind of file, for an editor that completes and checks TOML."""
+    model = _model_and_loader(kind)[0]
+    rows = TypeAdapter(dict[str, model])  # type: ignore[valid-type]
+    schema = rows.json_schema() if kind in _OWN else model.model_json_schema()
+    if kind == "scenes":
+        from skincad.effects import EFFECTS, effect
+
+        tables = {name: effect(name).model_json_schema() for name in EFFECTS}
+        for table in tables.values():
+            schema["$defs"] |= table.pop("$defs", {})  # where their references look
+        schema["properties"]["effects"] = {
+            "type": "object",
+            "properties": tables,
+            "additionalProperties": False,
+        }
+    if ranged := schema.get("$defs", {}).get("NumberWithRange"):  # all of them are moduli
+        limits = {"minimum": SOFTEST, "maximum": STIFFEST}
+        numbers = {key: {**number, **limits} for key, number in ranged["properties"].items()}
+        either = [{"type": "number", **limits}, {**ranged, "properties": numbers}]
+        schema["$defs"]["NumberWithRange"] = {"anyOf": either}
+    return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
+
+
+def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema: str) -> str:
+    """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
+    lines = [f"#:schema ./{schema}", ""]
+    if kind == "silicones" or kind == "processes":  # noqa: PLR1714  # so that mypy knows
+        lines += [_OWN_HEAD[kind], *_own_lines(kind)]
+        return "\n".join(lines) + "\n"
+    model, text = _model_and_loader(kind)[0], template_text(template, kind)
+    document: Any = tomlkit.parse(text)
+    document["name"] = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or kind[:-1]
+    lines += [line for line in text.splitlines() if line.startswith("#")]
+    lines += ["", *_key_lines(model, document)]
+    for key, field in model.model_fields.items():
+        if key == "effects":
+            lines += _effect_lines(document.get(key, {}))
+        elif own_tables := [table for table, (place, *_) in _OWN.items() if place == key]:
+            lines += [
+                "",
+                f"# {field.description}; skincad new FILE --template {own_tables[0]} explains its keys",
+            ]
+        elif inner := _table(model, key):
+            lines += _section(key, inner, document.get(key), field.is_required())
+    return "\n".join(lines) + "\n"
+
+
+def _table(model: type[BaseModel], key: str) -> type[Table] | None:
+    """The model of a table behind a key; None for a value, a modulus too."""
+    inner = table_of(model, key)
+    return None if inner is NumberWithRange else inner
+
+
+def _section(path: str, model: type[Table], values: Any, required: bool = False) -> list[str]:
+    """A table with its keys and the tables within; all in comments where the template has none."""
+    mark, note = "" if values is not None else "# ", "" if required else "  # optional"
+    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, values or {})]
+    for key, field in model.model_fields.items():
+        if inner := _table(model, key):
+            lines += _section(f"{path}.{key}", inner, (values or {}).get(key), field.is_required())
+    return lines
+
+
+def _effect_lines(values: Any) -> list[str]:
+    """The effects that the template names, and as comments those that it leaves out."""
+    from skincad.effects import EFFECTS, effect
+
+    lines: list[str] = []
+    for name in [*values, *(name for name in EFFECTS if name not in values)]:
+        kind = effect(name)
+        needs = f" Needs {' and '.join(kind.needs)}." if kind.needs else ""
+        head, *rest = _section(f"effects.{name}", kind, values.get(name))
+        lines += [head, f"# {(kind.__doc__ or '').splitlines()[0]}{needs}", *rest]
+    return lines
+
+
+def _own_lines(table: shipped.Table) -> list[str]:
+    """A row of one's own, after a shipped one: a silicone's own values, or in comments those of a process."""
+    _, model, base = _OWN[table]
+    row: Any = tomlkit.parse(shipped.table_text(table))[base]
+    if table == "silicones":
+        row.pop("source")  # one's own values are from elsewhere
+        return ["", "[my-silicone]", *_key_lines(model, row)]
+    row["based_on"] = base
+    prefixes = ("#", "based_on")
+    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(model, row)]
+    return ["", "[my-printer]", *lines]
+
+
+def _key_lines(model: type[BaseModel], values: Any) -> list[str]:
+    """Each plain key of a table: its meaning, then its value, or in a comment its default."""
+    lines = []
+    for key, field in model.model_fields.items():
+        if key == "effects" or _table(model, key):
+            continue
+        if key in values:
+            item = values.item(key)
+            provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
+            lines += [*_meaning(field, provenance), f"{key} = {item.as_string()}"]
+        else:
+            lines += [*_meaning(field, ""), f"# {key} = {_default(field)}"]
+    return lines
+
+
+def _default(field: FieldInfo) -> str:
+    if field.default is None or field.is_required():
+        return "..."
+    return str(tomlkit.item(field.default).as_string())
+
+
+def _meaning(field: FieldInfo, provenance: str) -> list[str]:
+    """Comment lines: meaning, unit and range; then where this template's value is from."""
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    unit = str(extra.get("unit", ""))
+    limits, lengths = [], []
+    for rule in field.metadata:
+        if limit := _LIMITS.get(type(rule).__name__):
+            limits.append(f"{limit[0]} {getattr(rule, limit[1]):.8g}")
+        elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
+            lengths.append(f"{length[0]} {getattr(rule, length[1])}")
+    values = " ".join(lengths) + " values" if lengths else ""
+    details = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
+    first = f"# {field.description or ''}" + (f" [{', '.join(details)}]" if details else "")
+    return [first, *([f"#   {provenance}"] if provenance else [])]
+
+
+def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
+    """Return what ships of a kind, or of all, as plain data and as lines to read.
+
+    The data are the names by kind; of one kind `entries` by name, with `units` of their keys and, of
+    processes, the `sources` of their values. Raises InputError for an unknown kind.
+    """
+    if kind is None:
+        return {k: list(_about(k)) for k in LISTS}, [row for k in LISTS for row in _list_rows(k)]
+    if kind not in LISTS:
+        raise InputError("kind", "no such kind", kind, did_you_mean(kind, LISTS))
+    if kind == "silicones":
+        return _silicones()
+    if kind == "processes":
+        return _processes()
+    return {
+        "kind": kind,
+        "entries": {name: {"about": text} for name, text in _about(kind).items()},
+    }, _list_rows(kind)
+
+
+def _about(kind: str) -> dict[str, str]:
+    """Every name of a kind with its description in one line."""
+    for file_kind in (*KINDS, STUDIES):
+        if kind == file_kind:
+            return {name: _first(template_text(name, file_kind)) for name in template_names(file_kind)}
+    if kind == "silicones":
+        return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
+    return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
+
+
+def _list_rows(kind: str) -> list[str]:
+    return [f"{LISTS[kind]:8} {name:26} {text}" for name, text in _about(kind).items()]
+
+
+def _first(text: str) -> str:
+    return text.splitlines()[0].lstrip("# ")
+
+
+def _comment(item: Any) -> str:
+    """What a TOML says behind a value or a table's name."""
+    return str(item.trivia.comment).lstrip("# ")
+
+
+def _modulus(modulus: NumberWithRange) -> str:
+    return f"{modulus.value:g} ({modulus.low:g} to {modulus.high:g})"
+
+
+def _silicones() -> tuple[dict[str, Any], list[str]]:
+    """A row a silicone, its source beneath."""
+    known = silicones()
+    rows = [("", *(head for _, head, _ in _COLUMNS)), ("", *(unit for *_, unit in _COLUMNS))]
+    rows += [(name, *(_silicone_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
+    head, units, *lines = aligned(rows)
+    sources = [[f"  {entry.source}", *_silicone_sources(entry)] for entry in known.values()]
+    cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
+    notes = [
+        "",
+        "modulus: Young's at small strain, most likely (lowest to highest); pot: its life there; A:B by mass",
+        cured[all(entry.platinum_cure for entry in known.values())],
+        "Your own: skincad new FILE --template silicones, then --silicones FILE",
+    ]
+    body = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
+    entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
+    return {"kind": "silicones", "entries": entries, "units": _units(Silicone)}, [head, units, *body, *notes]
+
+
+def _silicone_sources(entry: Silicone) -> list[str]:
+    """A silicone's stiffness by each source, a line each."""
+    lines = []
+    for source in entry.sources:
+        law = ""
+        if source.law:
+            constants = source.law.model_dump(mode="json", exclude={"kind"})
+            law = f", {source.law.kind}, " + ", ".join(f"{key} {_plain(v)}" for key, v in constants.items())
+        lines.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
+    return lines
+
+
+def _plain(value: float | list[float]) -> str:
+    return " ".join(f"{number:g}" for number in value) if isinstance(value, list) else f"{value:g}"
+
+
+def _silicone_cell(entry: Silicone, key: str) -> str:
+    value = getattr(entry, key)
+    if isinstance(value, NumberWithRange):
+        return _modulus(value)
+    if isinstance(value, list):
+        return ":".join(f"{part:g}" for part in value)
+    return f"{100 * value:g}" if key == "elongation_at_break" else f"{value:g}"
+
+
+def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return rows as lines with columns of the same width, the first to the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
+        for row in rows
+    ]
+
+
+def _processes() -> tuple[dict[str, Any], list[str]]:
+    """A block a key: its meaning, and each process's value with its source."""
+    tables: dict[str, Any] = dict(tomlkit.parse(table_text("processes")).items())
+    lines, units = [], _units(Process)
+    for key, field in Process.model_fields.items():
+        values = {name: table.item(key) for name, table in tables.items() if key in table}
+        if values:
+            unit = f", {units[key]}" if key in units else ""
+            lines.append(f"{key}: {field.description}{unit}")
+            lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in values.items()]
+    about = [f"{name}: {text}" for name, text in _about("processes").items()]
+    note = "Your own: skincad new FILE --template processes, then --printer FILE"
+    entries = {name: dict(table.unwrap()) for name, table in tables.items()}
+    sources = {name: {key: _comment(table.item(key)) for key in table} for name, table in tables.items()}
+    data = {"kind": "processes", "entries": entries, "sources": sources, "units": units}
+    return data, [*about, "", *lines, "", note]
+
+
+def _units(model: type[Table]) -> dict[str, str]:
+    return {key: unit for key in model.model_fields if (unit := unit_of(model, (key,)))}
+
+
+def write_copy(path: Path, source: str, wanted: Document, comments: Mapping[str, str]) -> None:
+    """Write `wanted` as a copy of the template or file `source`, with only the changed values replaced.
+
+    `comments` are by key, with dots: the comment that its line gets. The file appears whole or not at all.
+    Raises InputError for one that is there already or cannot be written.
+    """
+    document = tomlkit.parse(_source_text(source))
+    try:
+        before = type(wanted)(**tables_of(_source_text(source), source)).model_dump(exclude_none=True)
+    except InputError:  # the source is valid only with the changes
+        before = {}
+    _follow(document, before, wanted.model_dump(exclude_none=True))
+    for key, words in comments.items():
+        *tables, last = key.split(".")
+        table: Any = document
+        for name in tables:
+            table = table[name]
+        value = tomlkit.item(table[last])
+        value.comment(shown(words))
+        table[last] = value
+    text = tomlkit.dumps(document)
+    if type(wanted)(**tomllib.loads(text)) != wanted:
+        raise RefusedError(f"the copy of {source} does not hold the wanted values")
+    with fresh(path, "copy") as staging:
+        staging.write_text(text, encoding="utf-8")
+
+
+def write_with_modulus(
+    path: Path,
+    source: str,
+    overrides: list[str],
+    modulus: NumberWithRange,
+    law: Rubber | None,
+    provenance: str,
+    silicones: Path | None = None,
+) -> None:
+    """Write the design of a template's name or a file, overrides applied, with this `modulus` and `law`.
+
+    `silicones` is a file of the user's own silicones; they go into the design as in `load_design`. The line's
+    comment says `provenance`. Raises InputError as `write_copy` does.
+    """
+    data = design_tables(source, overrides, silicones=silicones)
+    material = {key: value for key, value in data.get("material", {}).items() if key != "law"}
+    law_table = {"law": tomllib.loads(tomlkit.dumps(law.model_dump()))} if law else {}
+    modulus_value = tomllib.loads(f"modulus = {ranged_toml(modulus)}")["modulus"]
+    data["material"] = {**material, "young_modulus": modulus_value, **law_table}
+    write_copy(path, source, Design(**data), {"material.young_modulus": provenance})
+
+
+def ranged_toml(ranged: NumberWithRange) -> str:
+    """Return a number with its range as a TOML value."""
+    return f"{{ value = {ranged.value}, low = {ranged.low}, high = {ranged.high} }}"
+
+
+def _source_text(source: str) -> str:
+    kind = kind_of(source)
+    if source in template_names(kind):
+        return template_text(source, kind)
+    return text_of(Path(source), source, LARGEST_FILE, "TOML")
+
+
+def _follow(table: Any, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
+    """Change in a TOML table what differs between two of its meanings, and nothing else."""
+    for key in [key for key in table if key not in after]:
+        del table[key]
+    for key, value in after.items():
+        if isinstance(value, dict) and isinstance(table.get(key), dict):
+            earlier = before.get(key)
+            _follow(table[key], earlier if isinstance(earlier, dict) else {}, value)
+        elif key not in before or before[key] != value:
+            table[key] = _inline(value)
+
+
+def _inline(value: Any) -> Any:
+    """A value as a file has it: a modulus's range in one line."""
+    if isinstance(value, dict) and set(value) == {"value", "low", "high"}:
+        table = tomlkit.inline_table()
+        table.update(value)
+        return table
+    return list(value) if isinstance(value, tuple) else value

@@ -1,1 +1,0 @@
-"""A designed skin for other people's simulators: rigid links, springs, taxels, meshes and a card."""

@@ -1,0 +1,300 @@
+"""Every figure that a result offers: nothing cut off, no legend on a curve, a unit on every axis."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.transforms import Bbox
+
+import skincad
+from skincad.base.result import Result
+from skincad.fabrication.meshes import mesh
+from skincad.mechanics.manufacture import sensitivities
+from skincad.outputs.figures.canvas import Axes, Picture, own_style, sheet
+from skincad.outputs.figures.design import design_figure
+from skincad.outputs.figures.results import gain_figure, models_figure, sensitivity_figure
+from skincad.outputs.figures.scenes import scene_figure
+from skincad.outputs.figures.studies import diagram
+from skincad.solids.mold import mold
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
+from tests.small_scene import THIRD, small_scene
+
+UNITS = (
+    *("mm", "N", "MPa", "MPa/s", "MPa/s$^2$", "mm/mm", "Hz", "dB", "dB re 1 V/N", "s", "V", "mV", "uV", "um"),
+    *("mm3", "pC/N", "rad", "deg", "%", "ohm", "F", "1"),
+)
+NUMBERED = ("ridge", "step", "sample at")  # what is counted has none
+EDGE = 1.0  # pixel; where a letter's own smoothing ends
+
+
+def small(name: str, folder: Path, *more: str) -> Result:
+    few = ("history.steps=24", THIRD, *more)
+    return skincad.simulate(small_scene(folder, name, *few), tol=0.5)
+
+
+def pad_test(folder: Path) -> Result:
+    strain = np.linspace(0.01, 0.5, 30)
+    with (folder / "bar.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["strain", "stress_MPa"])
+        writer.writerows(zip(strain, 0.27 * (1 + strain - (1 + strain) ** -2), strict=True))
+    return skincad.fit_material(folder / "bar.csv")
+
+
+SWEPT = {"ridge.levelling": (0, 1), "ridge.pitch": (0.9, 1.2), "mold.process": "all"}
+RANKS: dict[str, Any] = {"all_touch_force_N": "min", "approach_mm": "min"}
+FEW = "history.time_s=[0.0, 0.02]", "history.tangential_force_N=[0.0, 0.1]"
+
+
+def yamada(**changes: Any) -> Any:
+    return skincad.load("yamada-2002").with_(**changes)
+
+
+RESULTS: dict[str, Callable[[Path], Result]] = {
+    "check": lambda _: skincad.check(yamada(), tier="winkler"),
+    "check of many ridges": lambda _: skincad.check(skincad.load("gripper-pad"), tier="winkler"),
+    "check of one ridge": lambda _: skincad.check(yamada(ridge={"count": 1}), tier="winkler"),
+    "film stress": lambda _: skincad.film_stress(skincad.load("steep-fingertip")),
+    "fit": pad_test,
+    "press": lambda f: small(
+        "yamada-2002-press", f, "history.time_s=[0.0, 0.02]", "readout.ridges=[1, 2, 3]"
+    ),
+    "pull": lambda f: small("steady-pull", f, *FEW, "readout.ridges=[1, 2, 3]"),
+    "section": lambda f: small(
+        "hold", f, *FEW, "readout.ridges=[2]", "readout.steps=[20]", "history.rotation_deg=none"
+    ),
+    "recorder": lambda f: small(
+        "steady-pull", f, *FEW, "readout.ridges=[2]", "history.steps=200", "effects.piezo.sampling_Hz=5000.0"
+    ),
+    "solve": lambda _: skincad.solve(
+        yamada(), {"all_touch_force_N": 1.5}, {"ridge.levelling": (0, 1)}, tier="winkler"
+    ),
+    "sweep": lambda _: skincad.sweep(yamada(), SWEPT, sample=24, rank=RANKS, tier="winkler"),
+    **{
+        f"circuit {name}": lambda _, name=name: skincad.gain(skincad.load_circuit(name))
+        for name in skincad.template_names("circuits")
+    },
+}
+
+
+@cache
+def result(name: str, folder: Path) -> Result:
+    return RESULTS[name](folder)
+
+
+@cache
+def figures_of(name: str, folder: Path) -> dict[str, Picture]:
+    """The figures of a result, laid out and drawn."""
+    figures = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name]()}
+    with own_style():
+        for figure in figures.values():
+            figure.canvas.draw()
+    return figures
+
+
+def design(name: str) -> Picture:
+    subject = skincad.load(name)
+    closed = mold(subject)
+    return design_figure(subject, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
+
+
+def ladder() -> Picture:
+    measure = ErrorMeasure(
+        "force", "error of the all-touch force, relative", "1", "the finest: a solid", "", floor=1e-4
+    )
+    models = {"winkler": 0.6, "linear": 0.02, "corrected": 0.004, "solid": 0.001}
+    trials = tuple(
+        Measurement(model, f"{k}", 10, (0.01 * 3**k / error, 0.02 * 3**k / error), {"force": error / 2**k})
+        for model, error in models.items()
+        for k in range(3)
+    )
+    return diagram(
+        Ladder("contact", "contact: error against time", trials, (measure,)), {"processor": "x", "cores": 2}
+    )
+
+
+def many_signals() -> Picture:
+    """All of nine ridges told, each with an error, and each slips."""
+    with TemporaryDirectory() as folder:
+        simulation = small("steady-pull", Path(folder), *FEW, "readout.ridges=[1, 2, 3]")
+    one = simulation.signals[3]  # type: ignore[attr-defined]
+    signals = {"signals": dict.fromkeys(range(1, 10), one), "error": dict.fromkeys(range(1, 10), 2.5e-4)}
+    return scene_figure(replace(simulation, **signals, slip_steps=[2 * i for i in range(1, 10)]))  # type: ignore[type-var]
+
+
+def measured_gain() -> Picture:
+    circuit_gain = skincad.gain(skincad.load_circuit("yamada-2002"))
+    calibration = SimpleNamespace(offset=-12.5)
+    points = SimpleNamespace(
+        frequency=circuit_gain.frequency[::9], gain=circuit_gain.gain[::9] - 12.0, calibration=calibration
+    )
+    return gain_figure(type(circuit_gain)(**{**vars(circuit_gain), "measured": points}))
+
+
+DESIGNS = ("yamada-2002", "plain-ridges", "steep-fingertip")
+OTHERS: dict[str, Callable[[], Picture]] = {
+    **{
+        f"design {name}": lambda name=name: design(name)
+        for name in ("yamada-2002", "plain-ridges", "steep-fingertip")
+    },
+    "signals of many ridges": many_signals,
+    "ladder": ladder,
+    "gain with data": measured_gain,
+    "models": lambda: models_figure(
+        [("winkler", 4e-4, 0.8), ("linear", 0.7, 0.45), ("corrected", 2.8, 0.14)]
+    ),
+    "one model": lambda: models_figure([("corrected-finite-strain", 2.8, 0.14)]),
+    "sensitivities": lambda: sensitivity_figure(sensitivities(skincad.load("yamada-2002"), 2.64)),
+}
+EVERY = [*RESULTS, *OTHERS]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("figures")
+
+
+@pytest.fixture(params=EVERY)
+def drawn(request: pytest.FixtureRequest, folder: Path) -> dict[str, Picture]:
+    figures = figures_of(request.param, folder)
+    assert figures
+    return figures
+
+
+def points(axes: Axes) -> Iterator[np.ndarray]:
+    """What is drawn of data in the axes, `(n, 2)` pixels: curves between their points too, markers, bars."""
+    for line in axes.lines:
+        if line.get_transform() != axes.transData:  # lines across all of the axes mark a place
+            continue
+        at = axes.transData.transform(np.column_stack([np.asarray(d, float) for d in line.get_data()]))
+        if len(at) and line.get_linestyle() != "None":
+            between = (a + (b - a) * np.linspace(0, 1, 9)[1:, None] for a, b in pairwise(at))
+            yield np.vstack([at[:1], *between])
+        yield at
+    for collection in axes.collections:
+        yield axes.transData.transform(np.asarray(collection.get_offsets(), float).reshape(-1, 2))
+    for patch in axes.patches:
+        box = patch.get_window_extent()
+        yield np.array([[x, y] for x in (box.x0, box.x1) for y in (box.y0, box.y1)])
+
+
+def inside(box: Bbox | None, at: np.ndarray) -> bool:
+    if box is None:
+        return False
+    at = at[np.isfinite(at).all(axis=1)]
+    return bool(np.any((box.x0 < at[:, 0]) & (at[:, 0] < box.x1) & (box.y0 < at[:, 1]) & (at[:, 1] < box.y1)))
+
+
+def cut(figure: Picture) -> bool:
+    """Whether anything that is drawn, letters too, reaches out of the figure."""
+    box = figure.get_tightbbox(figure.canvas.get_renderer()).padded(-EDGE / figure.dpi)
+    wide, high = figure.get_size_inches()
+    return bool(min(box.x0, box.y0) < 0 or box.x1 > wide or box.y1 > high)
+
+
+def hidden(figure: Picture) -> bool:
+    """Whether a legend lies over what is drawn of data, as far as its axes show it."""
+    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
+    return any(
+        inside(Bbox.intersection(legend.get_window_extent(), axes.get_window_extent()), at)
+        for legend in legends
+        for axes in figure.axes
+        for at in points(axes)
+    )
+
+
+def test_nothing_is_cut_off(drawn: dict[str, Picture]) -> None:
+    assert [name for name, figure in drawn.items() if cut(figure)] == []
+
+
+def test_no_legend_hides_a_curve(drawn: dict[str, Picture]) -> None:
+    assert [name for name, figure in drawn.items() if hidden(figure)] == []
+
+
+def test_what_is_looked_for_is_found() -> None:
+    """A legend on a curve and a word beyond the edge: the looks above can fail."""
+    with sheet((4.0, 3.0)) as figure:
+        axes = figure.add_subplot()
+        axes.plot([0, 1], [0, 1], label="a curve")
+        axes.legend(loc="center")
+        figure.canvas.draw()
+        assert hidden(figure)
+        assert not cut(figure)
+        figure.text(0.9, 0.5, "a word that is too long")
+        assert cut(figure)
+
+
+def test_titles_and_legends_lie_clear_of_each_other(drawn: dict[str, Picture]) -> None:
+    for name, figure in drawn.items():
+        boxes = [legend.get_window_extent() for legend in figure.legends]
+        boxes += [axes.get_legend().get_window_extent() for axes in figure.axes if axes.get_legend()]
+        titles = [axes.title for axes in figure.axes if axes.title.get_text()]
+        titles += [text for text in figure.texts if text.get_text() == figure.get_suptitle() != ""]
+        for box in boxes:
+            assert not any(box.overlaps(title.get_window_extent()) for title in titles), name
+
+
+def test_every_axis_names_its_unit(drawn: dict[str, Picture]) -> None:
+    for name, figure in drawn.items():
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
+                label = axis.label.get_text()
+                if label and axis.get_visible():
+                    assert named(label), f"{name}: {label!r}"
+
+
+def named(label: str) -> bool:
+    """Whether a label ends in a unit, is counted, or a key whose suffix is one, or has none by its field."""
+    words = re.sub(r"\s*\((?:min|max|tension positive)\)", "", " ".join(label.split()))
+    words = words.removesuffix("; films black")
+    if words.startswith(NUMBERED) or words.endswith(", relative") or "relative," in words:
+        return True
+    if re.fullmatch(r"[a-z_]+(\.[a-z_0-9]+)+", words):  # a key without a unit, of a share or of names
+        return True
+    return any(words.endswith((f", {unit}", f"_{unit}")) for unit in UNITS)
+
+
+def test_figures_are_there_of_each_kind_of_result() -> None:
+    """A new presenter with figures is listed here, or this fails."""
+    shown = {
+        (path.stem, name)
+        for path in (Path(skincad.__file__).parent / "outputs").rglob("*.py")
+        for name in re.findall(r"^def (?!_)(\w*figures)\(", path.read_text("utf-8"), re.MULTILINE)
+    }
+    without = {("coupons", "figures")}  # parts, forms and tables
+    assert shown - without == {
+        *((name, "figures") for name in ("accuracies", "checks", "fits", "gains", "makes", "simulations")),
+        *(("studies", f"{name}_figures") for name in ("front", "solution", "sweep")),
+        ("checks", "stress_figures"),
+    }
+
+
+def test_dashed_lines_mark_the_slip_of_many_ridges(folder: Path) -> None:
+    """Three told ridges: it was left out from three on."""
+    simulation = result("pull", folder)
+    figure = figures_of("pull", folder)["signals.png"]
+    slips = [step for step in simulation.slip_steps if step is not None]  # type: ignore[attr-defined]
+    (value, *_) = figure.axes[1:-1]
+    marks = [line.get_xdata()[0] for line in value.lines if line.get_transform() != value.transData]
+    assert marks == slips
+
+
+def test_the_differential_stress_is_drawn_with_its_error(folder: Path) -> None:
+    simulation = result("pull", folder)
+    axes = figures_of("pull", folder)["signals.png"].axes[1]
+    assert "differential stress" in axes.get_ylabel()
+    for line, signal in zip(axes.lines, simulation.signals.values(), strict=False):  # type: ignore[attr-defined]
+        assert np.array_equal(line.get_ydata(), signal.value)
+        break
+    assert all("±" in line.get_label() for line in axes.lines if str(line.get_label()).startswith("ridge"))

@@ -1,0 +1,32 @@
+"""Packages that several tests read: written once, without a film's response where nobody asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.outputs.simulators.package import Package
+
+DESIGNS = {
+    "straight": skincad.load_design("yamada-2002"),
+    "tilted": skincad.load_design("yamada-2002-tilted"),
+    "doubly curved": skincad.load_design("yamada-2002").with_(skin={"curvature_radius_y": 100.0}),
+    "few and steep": skincad.load_design("steep-fingertip"),
+}
+
+
+class PackageFolder:
+    """A package and the folder that it was written to."""
+
+    def __init__(self, package: Package, folder: Path) -> None:
+        self.package, self.folder = package, folder
+        skincad.write(package, folder)
+
+
+@pytest.fixture(scope="session", params=DESIGNS)
+def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> PackageFolder:
+    """Each design for MuJoCo and URDF."""
+    package = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
+    return PackageFolder(package, tmp_path_factory.mktemp("package") / "p")

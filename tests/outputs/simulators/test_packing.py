@@ -1,0 +1,192 @@
+"""The command and its files: all kinds, one kind, the same bytes again, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+import skincad
+from skincad.outputs.simulators.meshes import height_map
+from tests.conftest import run_skincad
+
+FAST = ("steep-fingertip", "--tier", "winkler")
+pytestmark = pytest.mark.xdist_group("package command")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
+    """A whole package by the command, in its usual folder, and what `--json` says of it."""
+    folder = tmp_path_factory.mktemp("work")
+    process = run_skincad("package", *FAST, "--json", cwd=folder)
+    assert process.returncode == 0, process.stderr
+    return folder / "out" / "steep-fingertip" / "package", json.loads(process.stdout)
+
+
+def test_json_and_card_say_what_is_there(made: tuple[Path, dict]) -> None:
+    folder, answer = made
+    card = json.loads((folder / "package.json").read_text())
+    assert answer["taxels"] == 9
+    assert answer["mass_g"] == pytest.approx(card["mass_g"])
+    assert {row["path"].rpartition("/")[2] for row in answer["files"]} == {
+        p.name for p in folder.iterdir()
+    } - {"package.json"}
+    assert card["licence"] is None
+    assert {*card["numbers"][0]} == {"what", "rests_on", "holds"}
+    text = (folder / "package.md").read_text()
+    for words in ("Licence: to be stated by the skin's owner", "What was simplified", "rests on", "ridge"):
+        assert words in text
+
+
+def test_taxels_and_response_read_alike_from_csv_and_npz(made: tuple[Path, dict]) -> None:
+    folder, _ = made
+    for name, key in (("taxels", "poses"), ("response", "stress")):
+        lines = (folder / f"{name}.csv").read_text().splitlines()
+        assert "mm" in " ".join(lines[:3]) or "MPa" in " ".join(lines)
+        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+        arrays = np.load(folder / f"{name}.npz")
+        if name == "taxels":
+            assert "frame of the design" in lines[0]
+            assert [row["name"] for row in rows] == arrays["names"].tolist()
+            place = [[float(row[f"{c}_mm"]) for c in "xyz"] for row in rows]
+            assert (arrays[key][:, :, 3] == place).all()
+            out = [[float(row[f"outward_{c}"]) for c in "xyz"] for row in rows]
+            assert (arrays[key][:, :, 2] == out).all()
+        else:
+            assert arrays[key].shape == (2, 3, 6, 3)
+            stress = np.array([float(row["through_film_MPa_per_N"]) for row in rows]).reshape(2, 3, 6)
+            assert stress == pytest.approx(arrays[key][..., 0], rel=1e-8)
+            charge = np.array([float(row["charge_pC_per_N"]) for row in rows]).reshape(2, 3, 6)
+            assert charge == pytest.approx(arrays["charge"], rel=1e-8)
+
+
+def test_charge_is_the_films_constants_times_stress_and_area(made: tuple[Path, dict]) -> None:
+    """d33 through the film, d31 along y, d32 along it in the section; MPa mm2 is N, pC/N times N is pC."""
+    folder, _ = made
+    design, arrays = skincad.load_design("steep-fingertip"), np.load(folder / "response.npz")
+    film, slot = design.film, design.slot
+    area = (design.skin.length - 2 * film.margin) * (slot.depth - 2 * film.margin)
+    by_part = np.array([film.d33, film.d32, film.d31])
+    assert arrays["charge"] == pytest.approx(area * arrays["stress"] @ by_part)
+
+
+def test_meshes_are_closed_and_each_in_its_unit(made: tuple[Path, dict]) -> None:
+    folder, _ = made
+    exact = skincad.skin_solid(skincad.load_design("steep-fingertip")).val().Volume()
+    skin = trimesh.load_mesh(folder / "skin.obj")
+    assert skin.is_watertight
+    assert skin.volume == pytest.approx(exact, rel=2e-3)
+    scene = trimesh.load_scene(folder / "skin.glb")
+    assert {*scene.geometry} == {"skin", "carrier"}
+    metres = scene.geometry["skin"]
+    assert metres.volume * 1e9 == pytest.approx(exact, rel=2e-3)
+    assert metres.bounds[1, 1] * 1e3 == pytest.approx(skin.bounds[1, 2], rel=1e-5)  # y is up
+    for i in (1, 2, 3):
+        assert trimesh.load_mesh(folder / f"ridge-{i}.stl").is_convex
+
+
+@pytest.mark.parametrize("bent", [None, 20.0])
+def test_heights_are_those_of_rays_on_the_mesh(bent: float | None) -> None:
+    """Rays from above on a mesh within 1e-4 mm; not within a pixel of an end or a side."""
+    from skincad.fabrication.meshes import mesh
+    from skincad.solids.skin import skin_part
+
+    plain = skincad.load_design("steep-fingertip")
+    heights = [plain.ridge.height * share for share in (0.8, 1.0, 0.9)]  # left is not right
+    design = plain.with_(skin={"curvature_radius_y": bent}, ridge={"heights": heights})
+    image, shape = height_map(design), mesh(skin_part(design), 1e-4)
+    rng = np.random.default_rng(7)
+    rows, columns = image.height.shape
+    at = np.column_stack([rng.integers(2, rows - 2, 200), rng.integers(2, columns - 2, 200)])
+    x = image.corner[0] + at[:, 1] * image.pixel
+    y = image.corner[1] - at[:, 0] * image.pixel
+    above = np.column_stack([x, y, np.full(200, 100.0)])
+    places, ray, _ = shape.ray.intersects_location(above, np.tile([0.0, 0.0, -1.0], (200, 1)))
+    top = np.full(200, np.nan)
+    np.fmax.at(top, ray, places[:, 2])
+    mine = image.height[at[:, 0], at[:, 1]]
+    both = ~np.isnan(mine) & ~np.isnan(top)
+    assert both.sum() > 150
+    assert np.quantile(np.abs(mine - top)[both], 0.98) < 1e-3  # a steep flank within a chord's width
+
+
+def test_the_image_of_heights_reads_back(made: tuple[Path, dict]) -> None:
+    folder, _ = made
+    about = json.loads((folder / "heights.json").read_text())
+    with Image.open(folder / "heights.png") as image:
+        levels = np.asarray(image)
+    heights = height_map(skincad.load_design("steep-fingertip"))
+    assert levels.dtype == np.uint16
+    assert levels * about["scale_mm"] == pytest.approx(heights.height, abs=0.51 * about["scale_mm"])
+    assert levels.max() == 65535
+
+
+def test_the_same_again_is_the_same_bytes(made: tuple[Path, dict], tmp_path: Path) -> None:
+    folder, _ = made
+    assert run_skincad("package", *FAST, "-o", "again", cwd=tmp_path).returncode == 0
+    again = tmp_path / "again"
+    assert {p.name for p in again.iterdir()} == {p.name for p in folder.iterdir()}
+    assert [p.name for p in again.iterdir() if p.read_bytes() != (folder / p.name).read_bytes()] == []
+
+
+def test_make_takes_a_folder_that_holds_a_package(made: tuple[Path, dict]) -> None:
+    """Either may come first; each leaves the other's files alone."""
+    folder, _ = made
+    work = folder.parents[2]
+    process = run_skincad("make", "steep-fingertip", "--preview", "--format", "stl", cwd=work)
+    assert (folder.parent / "make.json").is_file(), process.stderr
+    assert (folder / "scene.xml").is_file()
+    assert run_skincad("package", *FAST, "--for", "urdf", cwd=work).returncode == 0
+    assert not (folder / "scene.xml").exists()
+    assert (folder / "skin.urdf").is_file()
+
+
+def test_one_kind_alone_has_its_files() -> None:
+    names = {*skincad.package(skincad.load_design("plain-ridges"), "taxels").files()}
+    assert names == {"package.md", "design.toml", "taxels.csv", "taxels.npz", "skin.step", "carrier.step"}
+
+
+def test_a_skin_without_slots_says_that_its_films_do_not_feel() -> None:
+    package = skincad.package(skincad.load_design("plain-ridges"), ["taxels"])
+    assert package.response is None
+    assert "taxels         0 film strips, 9 crests" in str(package)
+    assert "no film that is bonded" in str(package)
+    bent = skincad.load_design("yamada-2002").with_(skin={"curvature_radius_y": 100.0})
+    assert "straight along y" in str(skincad.package(bent, ["taxels"]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--for", "mujocco"), "--for: unknown simulator, got 'mujocco'; did you mean 'mujoco'?"),
+        (
+            ("--set", "contact.plate.shape=tilted", "--set", "contact.plate.tilt=1"),
+            "contact.plate.shape: must be 'flat' for mujoco",
+        ),
+        (("--tier", "sold"), "--tier: unknown tier"),
+    ],
+)
+def test_what_cannot_be_exported_is_refused_in_one_line(
+    arguments: tuple[str, ...], words: str, tmp_path: Path
+) -> None:
+    process = run_skincad("package", "yamada-2002", *arguments, cwd=tmp_path)
+    assert process.returncode == 2
+    assert process.stderr.startswith(f"skincad: {words}")
+    assert process.stderr.count("\n") == 1
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_progress_tells_each_check_of_the_springs() -> None:
+    stages: list[tuple[str, float | None]] = []
+    design = skincad.load("steep-fingertip")
+    skincad.package(
+        design, "mujoco", tier="winkler", progress=lambda stage, left=None, /: stages.append((stage, left))
+    )
+    assert stages[0] == ("springs", None)
+    assert sum(stage.startswith("springs: winkler tier") for stage, _ in stages) == 3  # at half and twice too
+    assert {left for _, left in stages} == {None}  # of one check, not of the package

@@ -1,0 +1,172 @@
+"""`skincad accuracy` from the outside: its JSON, its files, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from PIL import Image
+
+from skincad.base.machine import machine
+from skincad.base.outfolder import replaced
+from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
+from skincad.outputs.accuracies import lines
+from skincad.outputs.figures.canvas import save
+from skincad.outputs.figures.studies import SIZE, STYLES, diagram
+from skincad.studies.accuracy import circuit
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
+from tests.conftest import run_skincad
+
+NUMBER, TEXT = {"type": "number"}, {"type": "string"}
+SCHEMA = {
+    "type": "object",
+    "required": ["name", "rows", "reference", "time_laws", "machine", "repeats", "seconds", "files"],
+    "properties": {
+        "rows": {
+            "type": "array",
+            "minItems": 1,
+            "items": {
+                "type": "object",
+                "required": ["ladder", "model", "setting", "unknowns", "seconds", "error"],
+                "properties": {
+                    "ladder": TEXT,
+                    "model": TEXT,
+                    "setting": TEXT,
+                    "unknowns": {"type": "integer"},
+                    "seconds": {"type": "number", "exclusiveMinimum": 0},
+                    "error": {"type": ["number", "null"]},
+                    "errors": {"type": "object", "additionalProperties": NUMBER},
+                },
+            },
+        },
+        "reference": {"type": "object", "minProperties": 1},
+        "machine": {"type": "object", "required": ["processor", "cores", "versions", "load"]},
+        "seconds": {"type": "object", "required": ["total"]},
+    },
+}
+
+
+@pytest.fixture
+def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short ladder: what is told of it does not hang on its length."""
+    monkeypatch.setattr(circuit, "PER_PERIOD", (16, 64))
+
+
+@pytest.mark.usefixtures("_few_samples")
+def test_json_files_and_manifest(tmp_path: Path) -> None:
+    done = run_skincad(
+        "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "--json", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    jsonschema.validate(found, SCHEMA)
+    assert done.stderr == ""
+    folder = tmp_path / "out" / "plain-ridges"
+    assert {Path(file["path"]).name for file in found["files"]} == {"accuracy.csv", "accuracy-circuit.png"}
+    assert {path.name for path in folder.iterdir()} == {
+        "accuracy.csv",
+        "accuracy-circuit.png",
+        "accuracy.json",
+    }
+    rows = list(csv.DictReader((folder / "accuracy.csv").open()))
+    assert [row["setting"] for row in rows] == [row["setting"] for row in found["rows"]]
+    first = float(rows[0]["circuit: output"])
+    assert first == pytest.approx(found["rows"][0]["error"], rel=1e-3)  # four digits
+    with Image.open(folder / "accuracy-circuit.png") as picture:
+        assert picture.size == (round(100 * SIZE[0]), round(100 * SIZE[1]))
+
+
+def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
+    measure = ErrorMeasure("all", "error", "1", "the truth", "")
+    ladder = Ladder(
+        "contact", "contact", (), (measure,), timings={"linear": TierTiming(size=20_000.0, seconds=4.0)}
+    )
+    found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
+    assert found.as_json()["cost_law"] == {
+        "taken": {"linear": {"size": 20_000.0, "seconds": 4.0}}, "kept": ""
+    }  # fmt: skip
+    assert not any(tmp_path.iterdir())  # nobody asked for it
+    told = found.keep()
+    assert (
+        told.cache_note == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
+    )
+    assert lines(told)[-1] == told.cache_note == told.as_json()["cost_law"]["kept"]
+    assert timing_cache().timings["linear"]["a"] == ladder.timings["linear"]
+    busy = replace(found, machine={**found.machine, "load": 1.6}).keep().cache_note
+    assert busy == f"{told.cache_note}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
+    empty = replace(found, ladders=())
+    assert empty.keep() is empty
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "below"))
+    refused = found.keep()
+    assert refused.cache_note.startswith("the cost law is not kept: ")
+    assert str(tmp_path) not in refused.cache_note
+
+
+def test_no_host_and_no_user_is_told() -> None:
+    import platform
+
+    told = json.dumps(machine())
+    assert platform.node() not in told or not platform.node()
+    assert machine()["cores"] >= 1
+
+
+@pytest.mark.usefixtures("_few_samples")
+def test_another_jobs_files_stay(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    with replaced(folder, "make") as staging:
+        (staging / "skin.step").write_text("solid")
+    done = run_skincad(
+        "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "-o", "out", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert (folder / "skin.step").read_text() == "solid"
+    assert (folder / "accuracy.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--ladder", "contcat"), "--ladder: unknown ladder, got 'contcat'; did you mean 'contact'?"),
+        (("--repeats", "0"), "--repeats: must be from 1 to 100, got 0"),
+        (("--set", "ridge.hight=1"), "ridge.hight: unknown key; did you mean 'height'?"),
+    ],
+)
+def test_bad_input_is_one_line_and_touches_nothing(
+    arguments: tuple[str, ...], said: str, tmp_path: Path
+) -> None:
+    done = run_skincad("accuracy", "plain-ridges", *arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert said in done.stderr
+    assert not any(tmp_path.iterdir())
+
+
+def test_methods_differ_without_colour() -> None:
+    assert len({marker for _, marker, _ in STYLES}) == len(STYLES)
+    assert len({str(dashes) for _, _, dashes in STYLES}) == len(STYLES)
+
+
+def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
+    """A trial more is ink more, in grey; a ladder without any is a picture that says so."""
+    measure = ErrorMeasure("all", "error", "1", "the truth", "")
+    trials = tuple(
+        Measurement("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4)
+    )
+    other = tuple(Measurement("b", f"{i}", i, (2.0**-i,), {"all": 10.0 ** (i - 4)}) for i in range(4))
+    ink = []
+    for name, these in (("none", ()), ("one", trials), ("two", trials + other)):
+        path = tmp_path / f"{name}.png"
+        save(diagram(Ladder("x", "x", these, (measure,)), machine()), path)
+        with Image.open(path) as picture:
+            ink.append(int((np.asarray(picture.convert("L")) < 160).sum()))
+    assert ink[0] < ink[1] < ink[2]
