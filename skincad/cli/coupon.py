@@ -57,8 +57,8 @@ def coupon(
     filled-in forms become a printer.toml: how much material grows, the narrowest gap, the crests' scatter.
     """
     if measured is None:
-        from skincad.fabrication.coupon_kit import SILICONE
-        from skincad.fabrication.coupon_kit import coupon as kit_of
+        from skincad.fabrication.coupon import SILICONE
+        from skincad.fabrication.coupon import coupon as kit_of
         from skincad.outputs.coupons import COMMAND, files
 
         kit = kit_of(process, silicone or SILICONE, printer=printer, silicones=silicones)

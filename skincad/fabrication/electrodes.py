@@ -1,5 +1,4 @@
-"""The metal on a strip's two faces: electrodes over each other in the skin, leads side by side outside it,
-and a contact pad for each face.
+"""The electrodes on a strip, its capacitance, and how the leads fan out to a board.
 
 Film feels wherever metal lies on both of its faces. So the leads of the faces are offset, as is usual for
 small film (Measurement Specialties, piezo film technical manual, offset lead-attach tabs): the front's runs
@@ -7,12 +6,16 @@ along the strip's edge away from the ridge, the back's along the other, and they
 on a tab. A tab may be wider than the slot: of a strip that is drawn in, the other end goes through the slot.
 
 In a strip's own frame: x along it, 0 in the skin's middle, its wiring side at +x; z across, the ridge below.
+
+At its slots a tab may stand nearer to the next than a contact is thick, and tabs of leaning slots cross.
+Leads are thin across and bend aside by an S of two arcs: that needs lead.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import shapely
@@ -22,7 +25,9 @@ from skincad.fabrication.finding import Finding
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, loop, rectangle
-from skincad.shape.skin import skin_of
+from skincad.shape.feature import SensorPlace
+from skincad.shape.skin import section, skin_of
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 PITCH = 2.54  # mm, source: 0.1 inch, crimps and clinchers for flat cable (TE 108-9024, FCI BUS-12-022)
 PAD = (3.0, 1.5)  # mm, length and width; assumption: those crimps' conductors are 1.27 wide (TE 108-9024)
@@ -177,3 +182,79 @@ def _tab(design: Design, film: Film) -> Iterator[Finding]:
         where = f"lead between end plate {film.wiring_side} and the tab with the pads"
         remedy = f"film.lead of {film.lead + thick - free:g} mm or more, for the plate to slide off its pins"
         yield Finding("strip tab", where, free, thick, "mm", "warning", remedy)
+
+
+MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
+BEND = 50.0  # thicknesses of film, assumption: radius of a bend, 1 % of strain; it yields at 1.5 (strips.py)
+
+
+class FanOut(NamedTuple):
+    """Strips by x, the least distance of two neighbours' tabs as their slots hold them and between slots, how
+    far the outermost is bent aside, and the lead that takes, mm."""
+
+    strips: tuple[SensorPlace, ...]
+    tab_gap: float
+    spacing: float
+    offset: float
+    lead: float
+
+
+def fan_out(design: Design) -> FanOut | None:
+    """Return how the strips of one skin spread to a board's grid of `PITCH`; None without film."""
+    film, slot = design.film, skin_of(design).slot
+    if film is None or slot is None:
+        return None
+    cast = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
+    strips = tuple(sorted(section(cast).slots, key=lambda place: place.centre.x))
+    half = half_tab(film, slot.depth)
+    tabs = [shapely.LineString([s.at(0.0, -half), s.at(0.0, half)]) for s in strips]
+    middle = (len(strips) - 1) / 2
+    offset = max(abs(PITCH * (i - middle) - s.centre.x) for i, s in enumerate(strips))
+    return FanOut(
+        strips,
+        min(a.distance(b) for a, b in pairwise(tabs)) - film.thickness,
+        min(b.centre.x - a.centre.x for a, b in pairwise(strips)),
+        offset,
+        _fan_lead(offset, BEND * film.thickness),
+    )
+
+
+def _fan_lead(offset: float, radius: float) -> float:
+    """Length of an S of two arcs and a straight, which moves a lead aside by `offset`, mm."""
+    by_arcs = 2 * radius * (1 - math.cos(MOST_TURN))
+    if offset <= by_arcs:
+        return 2 * radius * math.acos(1 - offset / 2 / radius)
+    return 2 * radius * MOST_TURN + (offset - by_arcs) / math.sin(MOST_TURN)
+
+
+def fan_out_steps(design: Design) -> list[str]:
+    """Return how tabs are brought to a board, for the casting sheet; nothing without film."""
+    spread, film = fan_out(design), design.film
+    if spread is None or film is None:
+        return []
+    first, *_, last = spread.strips
+    crossed = " Tabs cross as the slots hold them." if spread.tab_gap <= 0 else ""
+    room = (
+        f"the lead of {film.lead:g} mm is long enough"
+        if film.lead >= spread.lead
+        else f"film.lead is {film.lead:g} mm, so give the outer ones single plugs on wires"
+    )
+    return [
+        f"Bring the tabs to a board (strip-board.kicad_mod), strip by strip from {first.feature} "
+        f"{first.side} to {last.feature} {last.side}.{crossed} Turn each tab upright, its cut corner to the "
+        "ridges, crimp a "
+        f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "
+        "mm. "
+        f"The outermost ones go {spread.offset:.1f} mm aside, in a lead of {spread.lead:.1f} mm at least; "
+        f"{room}. Don't pull: what bends is the lead, not what is in the skin."
+    ]
+
+
+def fan_out_findings(design: Design) -> Iterator[Finding]:
+    """A note where tabs cross. That contacts side by side need a longer lead, the casting sheet says."""
+    spread, film = fan_out(design), design.film
+    if spread is None or film is None or spread.tab_gap > 0:
+        return
+    where = "tabs of neighbouring strips, which cross as their slots hold them"
+    remedy = "turn each tab upright on its lead before the next one is laid in; or a smaller slot.tilt"
+    yield Finding("strip tabs", where, spread.tab_gap, 0.0, "mm", "note", remedy)

@@ -1,7 +1,7 @@
-"""Measurements on the cast skin, and the limits within which it is as good as its process allows.
+"""What to measure of a cast part, and the form for it.
 
 Limits hold what good parts of the process do: all rows together reject ODDS of them. What they mean for the
-verdict is said beside them (crest_limits.py).
+verdict is said beside them (crests.py).
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from skincad.fabrication.crest_limits import (
+from skincad.fabrication.crests import (
+    GAUGE_SIGMA,
     SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
@@ -171,3 +172,49 @@ def _films(design: Design) -> tuple[float, float]:
     glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
     trimmed = math.fsum(area(strip.trimmed) for strip in strip_patterns(design))
     return film.thickness * trimmed * PVDF_DENSITY * 1e-6, glue
+
+
+def inspection_lines(inspected: Inspection) -> list[str]:
+    """Return the form as Markdown."""
+    limits = [f"±{limit:.3f}" for limit in inspected.crests.beside] or ["-"] * len(inspected.crests.heights)
+    crests = [
+        f"| {ridge} | {height:.3f} | | | | {limit} |"
+        for ridge, (height, limit) in enumerate(zip(inspected.crests.heights, limits, strict=True), 1)
+    ]
+    rows = [
+        f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | | {m.unit} | {m.how} |"
+        for m in inspected.measures
+    ]
+    return [
+        "## Inspection",
+        "",
+        "Measure the finished skin on its carrier, a day after the last cure. Crests first: each over "
+        "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
+        f"that repeats to {GAUGE_SIGMA:g} mm; a dial gauge does it if it presses all crests alike.",
+        "",
+        "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
+        "|---|---|---|---|---|---|",
+        *crests,
+        "",
+        *_by_hand(len(inspected.crests.heights)),
+        "| what | nominal | limits | measured | unit | with |",
+        "|---|---|---|---|---|---|",
+        *rows,
+        "",
+        *(line for remark in inspected.said for line in (remark, "")),
+    ]
+
+
+def _by_hand(count: int) -> list[str]:
+    """How a person comes by what lies beside the line: columns A to F are the table's."""
+    if count == 1:
+        return []
+    last = count + 1
+    over = f"D$2:D${last},A$2:A${last}"
+    beside = f"column E is `=D2-FORECAST(A2,{over})`, " if count > 2 else ""
+    return [
+        "A line through the fourth column over the first takes out how the part lay under the gauge. In a "
+        f"spreadsheet with this table from A1 on, {beside}the tilt `={count - 1}*SLOPE({over})`. A crest "
+        "beyond its limit is a fault of its own: look for a bubble, a blocked groove or flash.",
+        "",
+    ]

@@ -102,7 +102,7 @@ class Job:
     def laid(self) -> dict[str, Any]:
         """Meshes of what is printed, laid on the bed, by part name."""
         from skincad.fabrication.meshes import laid
-        from skincad.fabrication.rules_of_layers import laid_on_end
+        from skincad.fabrication.rules import laid_on_end
 
         printed = {part.name: part for part in self.closed.parts if part.made == "made"}
         return {n: laid(self.meshes[n], laid_on_end(self.design, p), p) for n, p in printed.items()}

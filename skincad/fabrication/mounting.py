@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from skincad.fabrication.bore_fits import mount_thread
+from skincad.fabrication.bores import mount_thread
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.fasteners import METRIC

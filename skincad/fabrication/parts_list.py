@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from skincad.base.reading import csv_text
 from skincad.base.version import __version__
+from skincad.fabrication.bores import Screws, cover_screws, dowels, end_screws, pin_length
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
-from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, pin_length
 from skincad.fabrication.mounting import mount_of
-from skincad.fabrication.rules_of_machines import extent
+from skincad.fabrication.part_drawing import material_words, process_words
+from skincad.fabrication.rules import extent
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.fabrication.strip_steps import shim_length
-from skincad.fabrication.tolerances import material_words, process_words
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone

@@ -1,38 +1,260 @@
-"""The casting sheet: what to buy, what to mix, in which order to close, pour, wait and open."""
+"""The casting sheet: the steps from the printed parts to the cast skin."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from typing import NamedTuple
 
 from skincad.base.reading import markdown_text
 from skincad.base.version import __version__
-from skincad.fabrication.bent_steps import DEGAS, arcs_to_buy, bent_screws, close_steps, under_heads
-from skincad.fabrication.bond_steps import bonding_kit, preparation_steps, release_agent_places
-from skincad.fabrication.drawing_in import lap
+from skincad.fabrication.bores import (
+    PINNED,
+    THREADED,
+    cover_screws,
+    dowels,
+    end_screws,
+    is_pressed,
+    process_of,
+    thread,
+)
+from skincad.fabrication.electrodes import fan_out_steps, past_tabs
 from skincad.fabrication.estimates import ProcessEstimate, lines
-from skincad.fabrication.fasteners import cover_screws, dowels, end_screws
+from skincad.fabrication.filling import perforated, single_skin_mold, void
 from skincad.fabrication.finding import Finding, counted
-from skincad.fabrication.first_steps import preparation
-from skincad.fabrication.inspection import Inspection
-from skincad.fabrication.inspection_form import inspection_lines
+from skincad.fabrication.inspection import Inspection, inspection_lines
 from skincad.fabrication.mounting import cleanliness_steps, screws_to_buy
-from skincad.fabrication.opening import opening_steps
-from skincad.fabrication.strip_steps import comb_step, filling_time_words, to_buy
-from skincad.fabrication.tolerances import process_words
-from skincad.fabrication.void import perforated, single_skin_mold, void
+from skincad.fabrication.part_drawing import process_words
+from skincad.fabrication.rules import coating
+from skincad.fabrication.strip_rules import lap
+from skincad.fabrication.strip_steps import (
+    DEGAS,
+    arcs_to_buy,
+    bent_screws,
+    bonding_kit,
+    close_steps,
+    comb_step,
+    curing_steps,
+    drawing_step,
+    filling_time_words,
+    gluing_steps,
+    leave_steps,
+    preparation_steps,
+    pull_test_steps,
+    release_agent_places,
+    release_steps,
+    to_buy,
+    under_heads,
+)
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
-from skincad.shape.skin import skin_of
+from skincad.shape.skin import section, skin_of
+from skincad.solids.cavity import split_ridges
 from skincad.solids.ends import gate
-from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
+from skincad.solids.fasteners import BEARING, TAP_RADIUS, WASHER, run_out_room, torque
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import SQUEEZED_SHARE, cavity_process, end_process, fits, is_clamped, lid_process
-from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism, bores
+from skincad.solids.layout import (
+    MOST_BOW,
+    SEAL_PLAY,
+    SHEETS,
+    SQUEEZED_SHARE,
+    STOCK,
+    bow,
+    cavity_process,
+    end_process,
+    fits,
+    is_clamped,
+    layout,
+    lid_process,
+    stack_error,
+    thick_enough,
+)
+from skincad.solids.mold import ClosedMold, Move, mold
+from skincad.solids.plan import END_PLATES, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
+
+
+def preparation(design: Design, closed: ClosedMold) -> str:
+    """Return how the made parts become a mold: degreased, sealed, threaded, pinned, tried, the carrier
+    weighed."""
+    parts = [part for part in closed.parts if part.made == "made"]
+    steps = [*_sealing(design, parts), *_threading(design, parts), *_pinning(parts), _dry_fit(design)]
+    last = "Weigh the carrier and write it down: the inspection takes it off the skin's mass."
+    return " ".join([*steps, "Degrease all parts and let them dry.", last])
+
+
+def _sealing(design: Design, parts: list[Part]) -> Iterator[str]:
+    """What keeps a resin from stopping the silicone's cure."""
+    if not silicone(design).platinum_cure:
+        return
+    names = [part.name for part in parts if process_of(design, part).inhibits_platinum]
+    coats = {coating(design, process_of(design, part)) for part in parts} - {0.0}
+    if names:
+        which = "all parts" if len(names) == len(parts) else _listed(names)
+        seal = "".join(f", then seal with a coat of {coat:g} mm" for coat in sorted(coats))
+        yield f"Wash, post-cure and bake {which} by the resin's data sheet{seal}."
+
+
+def _threading(design: Design, parts: list[Part]) -> Iterator[str]:
+    """Threads by what brings them: the tap, or an insert."""
+    where: dict[str, list[str]] = {}
+    for part in parts:
+        for role in sorted(THREADED, key=lambda role: role.name):
+            if bores(part, role):
+                names = where.setdefault(thread(design, part, role), [])
+                names += [part.name] * (part.name not in names)
+    for what, names in where.items():
+        kind, _, how = what.partition(" insert, ")
+        if how:
+            yield f"Set the {kind} inserts ({how}) into {_listed(names)}."
+            continue
+        name, _, deep = what.partition(" x ")
+        yield f"Tap the {name} threads of {_listed(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
+
+
+def _pinning(parts: list[Part]) -> Iterator[str]:
+    """Where the pins are pressed in."""
+    roles = sorted(PINNED, key=lambda role: role.name)
+    names = [p.name for p in parts if any(is_pressed(p, role) and bores(p, role) for role in roles)]
+    if names:
+        yield f"Press the dowel pins into {_listed(names)}."
+
+
+def _dry_fit(design: Design) -> str:
+    """What must fit before silicone is mixed."""
+    slot = skin_of(design).slot
+    fits = ["end plates and cover slide onto their pins", "the carrier drops onto its ledge"]
+    if slot is not None and design.mold.method == "shim":
+        fits.append("each shim drops into its notches by itself")
+    elif slot is not None and design.film is not None:
+        fits.append("a spare strip drops into each notch by itself")
+    return f"Try, dry: {_listed(fits)}."
+
+
+def _listed(words: list[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
+
+
+class OpeningStep(NamedTuple):
+    """A step of opening: the sheet's words, and the moves that it makes; none where nothing leaves yet."""
+
+    words: str
+    moves: tuple[Move, ...]
+
+
+def opening_steps(design: Design, closed: ClosedMold) -> list[OpeningStep]:
+    """Return the steps by which a cured skin comes out of its mold, in order; together they make each move of
+    `closed.opening` once."""
+    by: dict[str, list[Move]] = {"shims": [], "ends": [], "lid": [], "skin": []}
+    for move in closed.opening:
+        role = closed.part(move.parts[0]).role
+        known = {PartRole.SHIM: "shims", PartRole.COVER: "lid", **dict.fromkeys(END_PLATES, "ends")}
+        by[known.get(role, "skin")].append(move)
+    shims, straight = tuple(by["shims"]), design.skin.curvature_radius_y is None
+    first = _without_moves(release_steps(design) if lap(design) is None else preparation_steps(design))
+    drawn_in = (
+        [*_without_moves(gluing_steps(design)), OpeningStep(drawing_step(design), shims)] if shims else []
+    )
+    drawn_in += _without_moves(curing_steps(design))
+    out, proof = (
+        OpeningStep(_skin_removal_words(design, closed), tuple(by["skin"])),
+        _without_moves(pull_test_steps(design)),
+    )
+    led = _without_moves(fan_out_steps(design))
+    if not straight:
+        removal = map(OpeningStep, leave_steps(closed), (tuple(by["lid"]), tuple(by["ends"])))
+        return [*first, *drawn_in, *removal, out, *proof, *led]
+    ends, lid = map(OpeningStep, _removal_words(design), (tuple(by["ends"]), tuple(by["lid"])))
+    if lap(design) is None:  # cast in, or no film
+        return [*first, ends, *drawn_in, lid, out, *proof, *led]
+    return [*first, ends, *drawn_in, *proof, lid, out, *led]
+
+
+def _without_moves(lines: list[str]) -> list[OpeningStep]:
+    """Steps in which no part leaves the mold."""
+    return [OpeningStep(words, ()) for words in lines]
+
+
+def _removal_words(design: Design) -> list[str]:
+    """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
+    slides, tabs = "along y,", ""
+    if skin_of(design).slot is not None:
+        cast_in = design.mold.method == "cast-in" and design.film
+        tabs = f" {past_tabs(design)}" if cast_in else ""
+        slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"
+    fasteners = "clamps" if is_clamped(scaled_for_shrinkage(design)) else "bolts"
+    return [
+        "Take the end plates' bolts out; the cover stays on. "
+        + ("Cut the sprue at the gate, and slide" if gate(design) else "Slide")
+        + f" the end plates off {slides} with a screwdriver in the notches at their sides.{tabs}",
+        f"Take the cover's {fasteners} off and lift it where it overhung the end plates, with the foam; the "
+        "silicone in the reservoir and the bleeds tears off, or is cut flush.",
+    ]
+
+
+def _skin_removal_words(design: Design, closed: ClosedMold) -> str:
+    """How the skin and its cavity part."""
+    carrier = closed.first(PartRole.CARRIER)
+    pulls, mount = bores(carrier, CutRole.PULL), bores(carrier, CutRole.MOUNT)
+    other = "by two screws in its mount's threads" if mount else "from its two ends"
+    how = "by two M3 screws in its blind holes" if pulls else other
+    if not split_ridges(design):
+        return f"Pull the carrier up {how}; the skin comes out of the cavity with it. Cut the flash there."
+    return (
+        f"Hold the carrier {how} and draw the base plate off downward. Tilt the two outer pieces of the "
+        "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
+        "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
+        "don't cut into a crown."
+    )
+
+
+def closing_findings(design: Design, closed: ClosedMold | None = None) -> Iterator[Finding]:
+    """Yield the warnings `cover bow` and `closing stack`, and the note `thread run-out`.
+
+    A cover of a given thickness bows by more than `MOST_BOW` mm under 10 kPa. Carrier and keepers may stand
+    so high or low that no seal both lets the cover lie on the cavity's walls and holds them down. A doubly
+    curved mold may have too narrow a top for a seal, or too little thread. `closed` saves its planning.
+    """
+    cast = scaled_for_shrinkage(design)
+    place, _ = layout(cast, section(cast))
+    modulus = lid_process(design).part_modulus
+    measured = bow(place.spans, place.lid, modulus)
+    if measured > MOST_BOW * (1 + 1e-9):
+        remedy = (
+            f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
+        )
+        yield Finding("cover bow", "cover, under 10 kPa", measured, MOST_BOW, "mm", "warning", remedy)
+    off, most, where = (
+        stack_error(cast, place.spans, place.lid),
+        SEAL_PLAY * SHEETS[-1],
+        "carrier and keepers, under the ",
+    )
+    bent = design.skin.curvature_radius_y is not None
+    closed = (closed or mold(design)) if bent else closed
+    if closed and bent and not closed.of(PartRole.SEAL):
+        remedy = "lap the carrier's top until the cover lies on the cavity, or make the skin longer, or its "
+        remedy += "curvature_radius_y larger, so that the narrow top has room for a seal"
+        yield Finding("closing stack", where + "cover, without a seal", off, 0.0, "mm", "warning", remedy)
+    elif off > most:
+        remedy = "finer processes, or a thicker mold.cover"
+        yield Finding("closing stack", where + "seal", off, most, "mm", "warning", remedy)
+    if closed and bent:
+        yield from _run_outs(design, closed)
+
+
+def _run_outs(design: Design, closed: ClosedMold) -> Iterator[Finding]:
+    """A note where the holes of both ends meet before a tap's lead has room: no screw is short enough."""
+    screws, process = end_screws(design, closed), cavity_process(design)
+    deep = min(bore.length for bore in bores(closed.first(PartRole.CAVITY), CutRole.END_THREAD))
+    left = deep + design.mold.end_plate + screws.washers * WASHER - screws.length
+    if screws.bottoming and left < run_out_room(process) - 1e-9:
+        remedy = "finish these threads by a bottoming tap, as the casting sheet says, or make the skin longer"
+        where = "screws of the end plates, from tip to the hole's end"
+        yield Finding("thread run-out", where, left, run_out_room(process), "mm", "note", remedy)
+
 
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
 TIPS = {10: 3.40, 12: 2.77, 14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72, 25: 0.51}

@@ -1,20 +1,21 @@
-"""The cutting pattern of the shims that keep a skin's slots free, flat, mm: bars, or arcs in a bent mold."""
+"""The patterns by which shims and the seal are cut."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-from skincad.fabrication.bent_steps import arc_radius
-from skincad.fabrication.drawing_in import lap
-from skincad.fabrication.pattern import ROW_GAP
-from skincad.fabrication.strip_steps import shim_length
+from skincad.fabrication.pattern import ROW_GAP, cut_profile
+from skincad.fabrication.strip_rules import lap
+from skincad.fabrication.strip_steps import arc_radius, shim_length
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, rectangle
 from skincad.shape.skin import section, skin_of
 from skincad.solids.inserts import GRIP
+from skincad.solids.layout import SQUEEZED_SHARE
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import PartRole, RevolvedBody
+from skincad.solids.plan import PartRole, Prism, RevolvedBody
+from skincad.solids.projection import Place
 
 LABEL_DISTANCE = 5.0  # mm, of a label beside its shim
 
@@ -77,3 +78,31 @@ def _sector(inner: float, outer: float, half: float, centre: float) -> Loop:
     c, d = _at(inner, -half, centre), _at(inner, half, centre)
     bulge = math.tan(half / 2)
     return Segment(a, b, bulge), Segment(b, c), Segment(c, d, -bulge), Segment(d, a)
+
+
+class SealPattern(NamedTuple):
+    """A seal's outline and then its holes, seen from above with end b up, mm, and what is said of it."""
+
+    loops: tuple[Loop, ...]
+    notes: list[str]
+
+    @property
+    def box(self) -> tuple[Place, Place]:
+        """Lower left and upper right corner, mm: its outline has straight sides."""
+        x, y = zip(*(s.start for s in self.loops[0]), strict=True)
+        return (min(x), min(y)), (max(x), max(y))
+
+
+def seal_pattern(closed: ClosedMold) -> SealPattern:
+    """Return the pattern of a mold's seal. Raises ValueError where it has none."""
+    seal = closed.first(PartRole.SEAL)
+    profile = cut_profile(seal)
+    if profile is None or not isinstance(seal.body, Prism):
+        raise ValueError("a seal is cut from a sheet")
+    high = seal.body.high - seal.body.low
+    notes = [
+        f"closed-cell EVA foam, sheet of {high / SQUEEZED_SHARE:.3g} mm, squeezed to {high:.3g} mm by the "
+        "closed cover",
+        "seen from above, end b up; CUT at nominal size, kerf not compensated; foam does not shrink: 1:1",
+    ]
+    return SealPattern(profile.loops, notes)

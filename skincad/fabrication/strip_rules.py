@@ -1,14 +1,22 @@
-"""Rules for strips and shims: do they stay where the section has them, before, in and after the pour."""
+"""What may go wrong with film strips: drawn in, cast in, and in place.
+
+Film and shim overlap, glued, and are thicker there than a comb's notch (0.088 mm in 0.060 for `yamada-2002`).
+So a straight mold's end plates slide off over the shims first. What is left on the lap's way is the slot,
+which is soft: it opens as far as the silicone stretches. Nothing has to be thinned or widened, and the notch
+stays the shim's datum; no thread or hook fits a slot of 0.05 mm. The end plates of a doubly curved mold can't
+slide over arcs, so there the shim's tail is thinned until the lap passes the notches of both combs.
+
+The film's unwired end goes first, so that its contact never touches wet silicone.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from skincad.fabrication.drawing_in import drawing_findings
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.rules import slit_play
+from skincad.fabrication.rules import slit_play, walls_close
 from skincad.fabrication.strips import (
     MOST_PULL,
     PVDF_YIELD,
@@ -24,7 +32,159 @@ from skincad.fabrication.strips import (
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.skin import skin_of
+from skincad.solids.cavity import SAFE_SHARE
 from skincad.solids.layout import end_process
+
+GLUE_THICKNESS = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
+LEAST_TAIL = 0.015  # mm, assumption: the thinnest that can be handled; shim steel is sold from 0.01 mm
+LEAST_CONTACT = 2.0  # mm, assumption: of a lead that stays out of a notch and clean, to be contacted
+HANDLING_SECONDS = 7.0  # a strip, assumption: to coat it and wipe its ends
+DRAWING_SECONDS = 7.0  # a strip, assumption: to draw it in at best
+POT_SHARE = 0.5  # assumption: of the pot life, after which a silicone wets badly
+THICKENING = 2.0  # assumption: a mix's viscosity when it is drawn in last, by that of a fresh one
+COAT_THICKNESS = 0.01  # mm, assumption: of silicone on each face, to which a soft slot opens at least
+# C, source: piezo film technical manual (Measurement Specialties), use of PVDF: -40 to 80
+HIGHEST_FILM_TEMPERATURE = 80.0
+# MPa, assumption: shear of a primed film; cohesive failure of a silicone is near 1, bare film 0
+BOND_STRENGTH = 0.1
+
+
+class Lap(NamedTuple):
+    """Film on its shim's tail: mm, and strain."""
+
+    tail: float  # thickness of the shim there
+    stack: float  # shim, glue and film
+    notch: float | None  # the narrowest on its way; None where the end plates are off
+    stretch: float  # of the slot's girth round it
+
+
+def lap(design: Design) -> Lap | None:
+    """Return the lap by which a film is drawn in; None where none is: without film, or cast in.
+
+    A notch may come out narrower by its process's growth and tolerance, but is lapped until its shim goes in.
+    """
+    slot, film = skin_of(design).slot, design.film
+    if slot is None or film is None or design.mold.method != "shim":
+        return None
+    tail, notch = slot.thickness, None
+    if design.skin.curvature_radius_y is not None:
+        maker, drawn = end_process(design), slot.thickness + 2 * design.mold.slit_clearance
+        notch = max(slot.thickness, drawn - 2 * walls_close(design, maker) - maker.tolerance)
+        room = notch - film.thickness - GLUE_THICKNESS
+        passing = math.floor(1e6 * room + 1e-3) / 1e6  # a nanometre is rounding
+        tail = min(slot.thickness, max(LEAST_TAIL, passing))
+    stack = tail + GLUE_THICKNESS + film.thickness
+    girth = slot.depth + slot.thickness
+    return Lap(tail, stack, notch, max(0.0, (stack - slot.thickness) / girth))
+
+
+def drawing_time(design: Design) -> float:
+    """Return the seconds in which a strip is drawn in: `DRAWING_SECONDS`, or more where its drag asks for it.
+
+    Call it where there is a lap.
+
+    Couette flow in the coats on both faces, over the whole length, drags with 2 mu b l^2 / (coat t); that may
+    be `MOST_PULL` of the film's yield force. The lap's own friction is the shim's to bear, not the film's.
+    """
+    slot, film = skin_of(design).slot, design.film
+    if slot is None or film is None:
+        raise ValueError("without a film nothing is drawn in")
+    coat = max((slot.thickness - film.thickness) / 2, COAT_THICKNESS)
+    thick = THICKENING * silicone(design).viscosity * 1e-6
+    slow = 2 * thick * design.skin.length**2 / (coat * MOST_PULL * PVDF_YIELD * film.thickness)
+    return max(DRAWING_SECONDS, slow)
+
+
+def strips_per_mix(design: Design) -> int | None:
+    """Return how many strips are drawn in with one mix of silicone; None where its pot life isn't known."""
+    minutes = silicone(design).pot_life_min
+    return (
+        None if minutes is None else int(60 * minutes * POT_SHARE / (HANDLING_SECONDS + drawing_time(design)))
+    )
+
+
+class Pull(NamedTuple):
+    """A test that a strip in the skin holds, by its lead."""
+
+    force: float  # N
+    by_film: bool  # whether the film is what limits it, not the bond
+    shear: float  # MPa, that it puts on the bond's both faces
+
+
+def pull_test(design: Design) -> Pull | None:
+    """Return the pull that shows that a strip holds: `MOST_PULL` of the film's yield force, or of what the
+    least bond worth having would take in shear, if that is less. None without film."""
+    slot, film = skin_of(design).slot, design.film
+    if slot is None or film is None:
+        return None
+    faces = 2 * slot.depth * design.skin.length
+    by_film, by_bond = PVDF_YIELD * slot.depth * film.thickness, BOND_STRENGTH * faces
+    force = MOST_PULL * min(by_film, by_bond)
+    return Pull(force, by_film <= by_bond, force / faces)
+
+
+def drawing_findings(design: Design) -> list[Finding]:
+    """Return the rules `strip lap`, `strip lead`, `strip batch` and `film heat`; none without film."""
+    if design.film is None:
+        return []
+    joint = lap(design)
+    if joint is None:
+        return list(_heat(design))
+    return [*_notches(design, joint), *_slot(design, joint), *_batch(design)]
+
+
+def _notches(design: Design, joint: Lap) -> Iterator[Finding]:
+    """The lap against the combs' notches, where they are on its way; and the contact that stays out."""
+    slot, film, choice = skin_of(design).slot, design.film, design.mold
+    if joint.notch is None or slot is None or film is None:
+        return
+    if joint.stack > joint.notch + 1e-6:  # mm; a nanometre is rounding
+        need = LEAST_TAIL + GLUE_THICKNESS + film.thickness
+        maker = end_process(design)
+        least = (need - slot.thickness + maker.tolerance) / 2 + walls_close(design, maker)
+        wide = math.ceil(1e3 * least - 1e-6) / 1e3  # whole micrometres
+        remedy = (
+            f"mold.slit_clearance of {wide:g} mm or more, a thinner film or a thicker slot, or a skin that "
+            f"is straight along y; its shim's tail is thinned to {LEAST_TAIL:g} mm already"
+        )
+        where = "lap of film and shim, in the combs' notches"
+        yield Finding("strip lap", where, joint.stack, joint.notch, "mm", "error", remedy)
+    if (out := film.lead - choice.end_plate) < LEAST_CONTACT:
+        remedy = f"film.lead of {choice.end_plate + LEAST_CONTACT:g} mm or more"
+        where = "lead beyond its end plate, in which it meets wet silicone"
+        yield Finding("strip lead", where, out, LEAST_CONTACT, "mm", "warning", remedy)
+
+
+def _slot(design: Design, joint: Lap) -> Iterator[Finding]:
+    """The lap against the slot's soft walls, which must not tear round it."""
+    slot = skin_of(design).slot
+    limit = SAFE_SHARE * silicone(design).elongation_at_break
+    if joint.stretch <= limit or slot is None:
+        return
+    deeper = (joint.stack - slot.thickness) / limit - slot.thickness
+    remedy = f"slot.depth of {math.ceil(1e3 * deeper) / 1e3:g} mm or more, a thinner film"
+    remedy += ', a silicone that stretches further, or mold.method = "cast-in"'
+    where = "lap of film and shim, stretching the slot's walls"
+    yield Finding("strip lap", where, joint.stretch, limit, "", "error", remedy)
+
+
+def _batch(design: Design) -> Iterator[Finding]:
+    """A pot life in which not one strip is drawn in."""
+    minutes = silicone(design).pot_life_min
+    if minutes is not None and strips_per_mix(design) == 0:
+        where, needs = "one strip, drawn in behind its shim", HANDLING_SECONDS + drawing_time(design)
+        remedy = "a thinner silicone or one with a longer pot life, a shorter skin, or a thicker slot"
+        yield Finding("strip batch", where, needs, 60 * minutes * POT_SHARE, "s", "error", remedy)
+
+
+def _heat(design: Design) -> Iterator[Finding]:
+    """A cure that is too hot for a film that is cast in; a film that is drawn in has its own, cooler cure."""
+    warm = silicone(design).cure_c
+    if warm is not None and warm > HIGHEST_FILM_TEMPERATURE:
+        remedy = f"a silicone, or a longer cure by its data sheet, at {HIGHEST_FILM_TEMPERATURE:g} °C or less"
+        where = "film in the mold while it cures: it loses its charge"
+        yield Finding("film heat", where, warm, HIGHEST_FILM_TEMPERATURE, "°C", "warning", remedy)
+
 
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures

@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.result import Writer
-from skincad.fabrication.coupon_kit import CouponKit
-from skincad.fabrication.coupon_reading import CouponReading, no_growth_words
-from skincad.fabrication.coupon_sheet import (
+from skincad.fabrication.coupon import (
     BAR_FORM,
     PAD_DESIGN,
     PAD_FORM,
+    CouponKit,
     coupon_forms,
     coupon_sheet,
     fit_bar_command,
     fit_pad_command,
     read_command,
 )
-from skincad.fabrication.rules_of_layers import on_end
+from skincad.fabrication.coupon_reading import CouponReading, no_growth_words
+from skincad.fabrication.rules import on_end
 from skincad.outputs.delivery import Presentation, text
 from skincad.solids.plan import Part
 

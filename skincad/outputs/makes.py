@@ -12,10 +12,9 @@ from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.making import Job, MakeResult, passes
-from skincad.fabrication.part_drawing import part_drawing
+from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.sheet import casting_sheet
-from skincad.fabrication.tolerances import CrestAllowance
 from skincad.inputs.design import Design
 from skincad.outputs import checks
 from skincad.outputs.delivery import text

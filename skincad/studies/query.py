@@ -138,7 +138,7 @@ class Query:
 class Evaluation:
     """What a question's result said, or why it was refused; `seconds` of wall time, `when` it began (UTC).
 
-    `results` holds every number of the result's JSON by its key (`measures.py`). What lies beyond the range
+    `results` holds every number of the result's JSON by its key (`query.py`). What lies beyond the range
     of its model is refused too, with its numbers.
     """
 

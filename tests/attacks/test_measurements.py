@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from skincad import load
 from skincad.base.columns import LARGEST_FILE, read_columns
 from skincad.base.errors import InputError
-from skincad.base.tables import told
 from skincad.circuit.bode import COLUMNS
 from skincad.inputs.measurements import material_test
 from skincad.shape.crests import crest_drops
+from tests.attacks.test_tables import refusal_words
 
 DESIGN = load("plain-ridges")
 READERS: dict[str, Callable[[Path], object]] = {
@@ -55,7 +55,7 @@ def attacked(kind: str, data: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "evil.csv"
         file.write_bytes(data)
-        assert "\n" not in told(lambda: READERS[kind](file))
+        assert "\n" not in refusal_words(lambda: READERS[kind](file))
 
 
 @readers

@@ -18,8 +18,7 @@ from markdown_it import MarkdownIt
 import skincad
 from skincad.base.errors import shown
 from skincad.base.reading import csv_text, markdown_text
-from skincad.fabrication.coupon_kit import coupon
-from skincad.fabrication.coupon_sheet import coupon_sheet
+from skincad.fabrication.coupon import coupon, coupon_sheet
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.making import Job
 from skincad.inputs.design import Design

@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 
 from skincad import cli
 from skincad.base.errors import InputError, did_you_mean, shown
-from skincad.base.tables import told
 from skincad.inputs.catalog import read_table
 from tests.attacks.test_measurements import READERS
-from tests.attacks.test_tables import LOADERS, OWN, kinds, paths
+from tests.attacks.test_tables import LOADERS, OWN, kinds, paths, refusal_words
 
 STEERING = ("Cc", "Cf", "Zl", "Zp")
 EVERY = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if unicodedata.category(c) in STEERING)
@@ -83,10 +82,10 @@ def test_no_key_and_no_value_of_a_file_is_printed_raw(kind: str, how: str, tmp_p
     table = OWN.get(kind, table)
     file = tmp_path / "evil.toml"
     file.write_text(written(table))
-    assert told(lambda: read(file)) == ""  # as written here it is good
+    assert refusal_words(lambda: read(file)) == ""  # as written here it is good
     for path in paths(table):
         file.write_text(written(spoilt(table, path, how)))
-        words = told(lambda: read(file))
+        words = refusal_words(lambda: read(file))
         assert plain(words), path
         assert words or how == "value", path  # a material's name, say, may be any text to the model
 
@@ -101,7 +100,7 @@ def test_no_column_and_no_cell_is_printed_raw(kind: str, separator: str, tmp_pat
     file = tmp_path / f"{evil}.csv".replace("/", "")
     for text in rows:
         file.write_text(text.replace(",", separator), encoding="utf-8")
-        words = told(lambda: READERS[kind](file))
+        words = refusal_words(lambda: READERS[kind](file))
         assert words
         assert plain(words)
 
@@ -110,7 +109,7 @@ def test_no_column_and_no_cell_is_printed_raw(kind: str, separator: str, tmp_pat
 def test_no_path_is_printed_raw(kind: str, tmp_path: Path) -> None:
     read, *_ = LOADERS[kind]
     for name in (f"{EVIL}.toml", EVIL, f"{EVIL}\0", "\udcff.toml"):
-        words = told(lambda name=name: read(tmp_path / name))  # type: ignore[misc]
+        words = refusal_words(lambda name=name: read(tmp_path / name))  # type: ignore[misc]
         assert words
         assert plain(words)
 

@@ -12,8 +12,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from skincad.fabrication.reach import left_standing
-from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules import laid_on_end, left_standing
 from skincad.inputs.process import processes
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.mold import mold

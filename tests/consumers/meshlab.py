@@ -14,7 +14,7 @@ import trimesh
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
 from skincad.fabrication.meshes import laid
-from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules import laid_on_end
 from skincad.solids.mold import mold
 from tests.consumers import Job
 

@@ -14,7 +14,7 @@ import pytest
 import skincad
 from skincad.fabrication.estimates import by_part, estimates
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules import laid_on_end
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes

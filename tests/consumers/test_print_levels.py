@@ -9,9 +9,9 @@ import pytest
 
 import skincad
 from skincad.base.arrays import Array
+from skincad.fabrication.crests import snapped_to_layers, uncertain_ridges
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.printed_heights import snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.solid_files import write_stl

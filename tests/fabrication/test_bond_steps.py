@@ -7,9 +7,8 @@ import pytest
 
 import skincad
 from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.bond_steps import bonding_kit, release_agent_places
-from skincad.fabrication.opening import opening_steps
-from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.sheet import casting_sheet, opening_steps
+from skincad.fabrication.strip_steps import bonding_kit, release_agent_places
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold

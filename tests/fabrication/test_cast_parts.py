@@ -16,7 +16,7 @@ import pytest
 
 import skincad
 from skincad.base.arrays import Array, Mask
-from skincad.fabrication.crest_limits import READINGS, READINGS_NEAR_EDGE, undecided_margin
+from skincad.fabrication.crests import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design

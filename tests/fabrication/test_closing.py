@@ -7,8 +7,7 @@ from itertools import product
 import pytest
 
 import skincad
-from skincad.fabrication.closing import closing_findings
-from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.sheet import casting_sheet, closing_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.process import processes
 from skincad.solids.layout import SHEETS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.fabrication.coupon_fit import crest_result, notch_result
+from skincad.fabrication.coupon_reading import crest_result, notch_result
 from skincad.inputs.measurements import CrestForm, NotchForm
 from skincad.solids.coupon import HEIGHTS, NOTCH_PITCH, NOTCHES, drawn_steps
 

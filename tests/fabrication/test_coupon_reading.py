@@ -13,9 +13,8 @@ import pytest
 import shapely
 
 from skincad.base.errors import InputError
-from skincad.fabrication.coupon_kit import coupon
+from skincad.fabrication.coupon import coupon, coupon_forms
 from skincad.fabrication.coupon_reading import read_coupon
-from skincad.fabrication.coupon_sheet import coupon_forms
 from skincad.inputs.catalog import load_design
 from skincad.inputs.measurements import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
 from skincad.inputs.process import processes

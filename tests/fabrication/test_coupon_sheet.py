@@ -9,12 +9,12 @@ import pytest
 
 import skincad
 from skincad.base.progress import Stopwatch
-from skincad.fabrication.coupon_kit import coupon
-from skincad.fabrication.coupon_sheet import (
+from skincad.fabrication.coupon import (
     APPROACHES,
     BAR_FORM,
     EXTENSIONS,
     PAD_FORM,
+    coupon,
     coupon_forms,
     coupon_sheet,
     fit_bar_command,

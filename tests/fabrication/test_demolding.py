@@ -3,8 +3,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import freeing_widths
-from skincad.fabrication.findings import design_findings
+from skincad.fabrication.findings import design_findings, freeing_widths
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, OpType
 
-from skincad.fabrication.bent_steps import arc_radius
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings
@@ -21,6 +20,7 @@ from skincad.fabrication.meshes import laid, manifold, mesh
 from skincad.fabrication.pattern import pattern_notes, strip_patterns
 from skincad.fabrication.rules import shim_bend
 from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.strip_steps import arc_radius
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import PAGE, drawing
 from skincad.shape.curves import rectangle

@@ -7,9 +7,15 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.drawing_in import drawing_findings, drawing_time, lap, pull_test, strips_per_mix
 from skincad.fabrication.finding import Finding
-from skincad.fabrication.strip_rules import strip_findings
+from skincad.fabrication.strip_rules import (
+    drawing_findings,
+    drawing_time,
+    lap,
+    pull_test,
+    strip_findings,
+    strips_per_mix,
+)
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone

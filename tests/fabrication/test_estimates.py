@@ -9,11 +9,10 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, lines
+from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, exposure_time, lines
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
-from skincad.fabrication.resin import exposure_time
-from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules import laid_on_end
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design

@@ -8,8 +8,15 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import PITCH, half_tab
-from skincad.fabrication.fan_out import BEND, MOST_TURN, fan_out, fan_out_findings, fan_out_steps
+from skincad.fabrication.electrodes import (
+    BEND,
+    MOST_TURN,
+    PITCH,
+    fan_out,
+    fan_out_findings,
+    fan_out_steps,
+    half_tab,
+)
 from skincad.fabrication.findings import design_findings
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design

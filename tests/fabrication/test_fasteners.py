@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.fasteners import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
+from skincad.fabrication.bores import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
 from skincad.inputs.catalog import template_names
 from skincad.solids.fasteners import LENGTHS
 from skincad.solids.mold import mold

@@ -7,8 +7,7 @@ import math
 import pytest
 import trimesh
 
-from skincad.fabrication.filament import OVERLAP, filament, spacing
-from skincad.fabrication.strokes import DIAGONAL, JERK, moves
+from skincad.fabrication.estimates import DIAGONAL, JERK, OVERLAP, filament, moves, spacing
 from skincad.inputs.process import Process, processes
 
 FDM = processes()["fdm"]

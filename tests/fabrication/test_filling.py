@@ -11,11 +11,19 @@ from manifold3d import Manifold, OpType
 
 import skincad
 from skincad.fabrication import filling
-from skincad.fabrication.filling import best_tilt, filling_findings, pockets
-from skincad.fabrication.levels import cells, trapped, vertical
+from skincad.fabrication.filling import (
+    Space,
+    Void,
+    best_tilt,
+    cells,
+    filling_findings,
+    pockets,
+    trapped,
+    vertical,
+    void,
+)
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import casting_sheet, poured_volume
-from skincad.fabrication.void import Space, Void, void
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.mold import ClosedMold, mold

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.first_steps import preparation
+from skincad.fabrication.sheet import preparation
 from skincad.solids.mold import mold
 
 

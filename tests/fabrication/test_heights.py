@@ -7,8 +7,12 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.demolding import freeing_widths, least_drafted_ridge, undercut_findings
-from skincad.fabrication.findings import design_findings
+from skincad.fabrication.findings import (
+    design_findings,
+    freeing_widths,
+    least_drafted_ridge,
+    undercut_findings,
+)
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.rules import Case, grooves, teeth
 from skincad.inputs.design import Design

@@ -9,9 +9,8 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.crest_limits import undecided_margin
-from skincad.fabrication.inspection import Measure, inspection
-from skincad.fabrication.inspection_form import inspection_lines
+from skincad.fabrication.crests import undecided_margin
+from skincad.fabrication.inspection import Measure, inspection, inspection_lines
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone

@@ -4,7 +4,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.findings import design_findings
-from skincad.fabrication.knife_edges import LEAST_ANGLE, edges
+from skincad.fabrication.rules import LEAST_ANGLE, edges
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, loop, rectangle
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.machining import machining
+from skincad.fabrication.estimates import machining
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
 from skincad.solids.mold import mold

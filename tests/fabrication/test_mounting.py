@@ -9,13 +9,11 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.bore_fits import full_thread, limits, major, purpose, thread
-from skincad.fabrication.first_steps import preparation
+from skincad.fabrication.bores import full_thread, limits, major, purpose, thread
 from skincad.fabrication.mounting import cleanliness_steps, mount_of, screws_to_buy
-from skincad.fabrication.opening import opening_steps
+from skincad.fabrication.part_drawing import what_matters
 from skincad.fabrication.parts_list import parts_csv
-from skincad.fabrication.sheet import casting_sheet
-from skincad.fabrication.tolerances import what_matters
+from skincad.fabrication.sheet import casting_sheet, opening_steps, preparation
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import CutRole, bores

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import skincad
+from skincad.fabrication.crests import printed_crests, snapped_to_layers, uncertain_ridges
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.printed_heights import printed_crests, snapped_to_layers, uncertain_ridges
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.skin import skin_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.fabrication.resin import exposure_time
+from skincad.fabrication.estimates import exposure_time
 from skincad.inputs.process import processes
 
 SLA = processes()["sla"]

@@ -10,7 +10,7 @@ import skincad
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.measures import interference
-from skincad.fabrication.rules_of_layers import laid_on_end
+from skincad.fabrication.rules import laid_on_end
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import drawing

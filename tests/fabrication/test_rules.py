@@ -11,9 +11,7 @@ from bench.table_processes import by
 from skincad.fabrication import meshes
 from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings, part_findings
-from skincad.fabrication.reach import ERROR
-from skincad.fabrication.rules import Case, shim_sag, teeth
-from skincad.fabrication.rules_of_layers import laid_on_end, overhang
+from skincad.fabrication.rules import ERROR, Case, laid_on_end, overhang, shim_sag, teeth
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop

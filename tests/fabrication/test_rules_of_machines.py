@@ -11,8 +11,7 @@ import skincad
 from bench.table_processes import by
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.meshes import laid, mesh
-from skincad.fabrication.rules_of_layers import laid_on_end
-from skincad.fabrication.rules_of_machines import extent, passage
+from skincad.fabrication.rules import extent, laid_on_end, passage
 from skincad.fabrication.strip_rules import strip_findings
 from skincad.inputs.design import Design
 from skincad.shape.skin import section

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from manifold3d import CrossSection
 
-from skincad.fabrication.strokes import DIAGONAL, JERK, contour_moves, fill_moves, moves
+from skincad.fabrication.estimates import DIAGONAL, JERK, contour_moves, fill_moves, moves
 
 FIRM = 1000.0  # mm/s2
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.tolerances import notes, surface_words, what_matters
+from skincad.fabrication.part_drawing import notes, surface_words, what_matters
 from skincad.inputs.process import processes
 from skincad.solids.mold import mold
 

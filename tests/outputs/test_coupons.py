@@ -10,7 +10,7 @@ import cadquery
 import pytest
 import trimesh
 
-from skincad.fabrication.coupon_kit import coupon
+from skincad.fabrication.coupon import coupon
 from skincad.inputs.measurements import NOTCH_FORM
 from tests.conftest import run_skincad
 from tests.fabrication.test_coupon_reading import fill

@@ -15,7 +15,7 @@ import pytest
 
 import skincad
 from skincad.base.errors import RefusedError
-from skincad.fabrication.opening import opening_steps
+from skincad.fabrication.sheet import opening_steps
 from skincad.outputs import view
 from skincad.outputs.view import three_js, way_out
 from skincad.solids.mold import mold

@@ -5,9 +5,9 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.fabrication.filling import perforated
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
-from skincad.fabrication.void import perforated
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area, polygon, rectangle

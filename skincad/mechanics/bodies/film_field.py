@@ -261,7 +261,7 @@ def strip_stress(
 
     sigma = G / J (F F^T - 1) + (q - 2 G / 3 (J - 1)) 1: neo_hooke.strain_energy's own, with lambda (J - 1)
     lengthwise, where plane strain has a stretch of 1. A law of `laws` adds P F^T / J of what its energy has
-    more (law_energy.py), and nothing lengthwise: there each power of the stretch, 1, balances ln J.
+    more (plane_body.py), and nothing lengthwise: there each power of the stretch, 1, balances ln J.
     """
     mesh = body.mesh
     elements, strip = strips_of(mesh, slots, thickness, unit)

@@ -1,6 +1,6 @@
 """The rubber body of finite length, which Newton presses like the plane one (elastic.Elastic).
 
-Functions are the products of prisms.py, laws are those of neo_hooke.py, in three dimensions in solid_law.py.
+Functions are the products of prisms.py, laws are those of plane_body.py, in three dimensions in solid_law.py.
 Lengths in the pad's unit, stresses in E.
 """
 
@@ -28,7 +28,7 @@ class SolidBody:
 
     A state `(n,)` lists displacements (component x, z, y; section function; function along y), then pressures
     (element; function); `free` `(n,)` marks those not held. `of_element` `(e, 3 b)` numbers an element's
-    displacements, `of_triangle` `(t, prisms)` the elements above a triangle. For dissect.py are `even` and,
+    displacements, `of_triangle` `(t, prisms)` the elements above a triangle. For condense.py are `even` and,
     of a half, `odd`: for movements that are their own image, and that the mirror turns round. `along`
     `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows are the solid's, all else
     the section's.

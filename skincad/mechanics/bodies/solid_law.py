@@ -4,9 +4,9 @@ With C = F^T F of eigenvalues L and x = xi(C) - p ln J (laws/rubber.py), xi's sl
 f(L) = sum of m_k (2 / a_k) L^(a_k / 2 - 1), and p = f(1). Second derivatives of f(C) are its divided
 differences in C's eigenvectors: Ogden, Non-linear Elastic Deformations, 1984, sec. 6.1.4.
 
-Neo-Hooke's, and where elements have another what that has more (solid_excess.py).
+Neo-Hooke's, and where elements have another what that has more (solid_law.py).
 
-Pressures of order - 2 along y (layers.py) leave waves along y whose swelling they do not see. Under a
+Pressures of order - 2 along y (prisms.py) leave waves along y whose swelling they do not see. Under a
 pressure of about G such waves grow without resistance (plain-ridges: from 1.5 N on, ends clamped or free; in
 plane strain not up to 6 N). So a part `unseen` of the bulk modulus acts on the swelling itself, point by
 point, and the rest by the pressure: the same law, and with functions fine enough the same solution.

@@ -3,7 +3,7 @@
 Unknown are the points' normal forces p >= 0 and tangential forces t, the plate's approach d and travel s.
 With the compliance C, gaps g, and anchors a (where a point sits on the plate): w = g - d - u_z >= 0, w p = 0,
 and |t| <= mu p; a point sticks, u_x - s = a, or slips with t = mu p against its motion. Where friction
-follows another law, mu p stands for what that bears (friction_law.py). The plate has a given normal force,
+follows another law, mu p stands for what that bears (state.py). The plate has a given normal force,
 and a given tangential force or travel. Sticking points keep their anchor from step to step, so a held load
 does not creep. Implicit in time: Klarbring, Ing.-Arch. 56 (1986) 529; the sets are found by a semi-smooth
 Newton, Alart and Curnier, CMAME 92 (1991) 353.

@@ -6,7 +6,7 @@ contact problem with *total* forces is then solved exactly (frictional.py), agai
 beginning. A tangent is kept while the residual falls quickly, from one step to the next too.
 
 Accepted is what balances to RESIDUAL of the contact forces. A tangent that is not positive definite is no
-reason to stop: what a free ridge could not bear, one held by its plate may (creasing.py).
+reason to stop: what a free ridge could not bear, one held by its plate may (press_path.py).
 
 Under a force a skin that softens has several equilibria, and Newton jumps between them; under a travel it has
 one. So a pull that does not converge is walked in strides of the travel until its force is passed.

@@ -1,13 +1,13 @@
 """A pad that keeps the tangent of a chosen step: linear about it, with what it missed made up for later.
 
-At a chosen step the equilibrium is found as dragged.py does, and the body linearised there. In the steps
-between, the pad is a constant compliance, as in small strain, but about the state that it is in: it knows
-how far ridges are pressed, bent and turned, and that a normal force bends them further (P-delta). What the
-linear pad has missed by the next chosen step, its drift, is made up for over the stride that follows, so that
-nothing jumps; its size is the error. Drift grows with the square of a stride. A step is chosen once a point
-that touches has moved by a stride since the last one.
+At a chosen step the equilibrium is found as frictional_pad.py does, and the body linearised there. In the
+steps between, the pad is a constant compliance, as in small strain, but about the state that it is in: it
+knows how far ridges are pressed, bent and turned, and that a normal force bends them further (P-delta). What
+the linear pad has missed by the next chosen step, its drift, is made up for over the stride that follows, so
+that nothing jumps; its size is the error. Drift grows with the square of a stride. A step is chosen once a
+point that touches has moved by a stride since the last one.
 
-Where no equilibrium is found at finite strain, as where the surface folds (creasing.py), the tangent held
+Where no equilibrium is found at finite strain, as where the surface folds (press_path.py), the tangent held
 last is held on, and the error grows with the square of what has moved since. Range: quasi-static, a plate
 that keeps its angle.
 """

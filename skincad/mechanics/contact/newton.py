@@ -8,7 +8,7 @@ mirrored half there are two kinds: those that are their own image, and those tha
 Under these the plate, which does not turn, stays where it is.
 
 The body is plane (neo_hooke.py) or solid (solid_body.py); what is asked of it is `Elastic`. Stable is what
-stands while the plate holds it (stability.py).
+stands while the plate holds it (newton.py).
 
 The plate is flat and without friction, so the contact condition is linear in the vertical displacement:
 the step's contact problem has the true gaps and *total* nodal forces, and only the body is linearised.
@@ -366,7 +366,7 @@ def press_until_all_touch(
 ) -> PressedState:
     """Return the state at the smallest force at which every ridge touches, found from a state nearby.
 
-    In each step that force is the linearised contact's own (threshold.py), so that the force converges
+    In each step that force is the linearised contact's own (frictionless.py), so that the force converges
     together with the state, quadratically; at the end the minimum of the last ridge's gap is zero and every
     other ridge touches. Where the way from the state nearby does not lead there, the one from rest does.
     Raises DivergedError where there is no such state.

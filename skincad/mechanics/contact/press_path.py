@@ -14,7 +14,7 @@ it is 0.5 still. The forces hardly feel it: 0.6 % between four meshes at 0.68. A
 Small strain, plane strain. The plate comes down from the first touch on, its normal force growing from step
 to step; sideways it is free, as in a scene's press. Each step is solved exactly (frictional.py). F9 is where
 the last ridge's finely sampled gap closes: that ridge taken out of contact, by root finding on the force
-within the step in which it begins to touch, as without friction (threshold.py).
+within the step in which it begins to touch, as without friction (frictionless.py).
 """
 
 from __future__ import annotations
@@ -226,7 +226,7 @@ class _Path:
         return np.asarray(self.pad.ridges.fine_gap - state.approach - risen)
 
     def _least(self, ridge: int, gaps: Array) -> float:
-        """Smallest of a ridge's gaps `(p,)`, by a parabola through three of an edge (threshold.py)."""
+        """Smallest of a ridge's gaps `(p,)`, by a parabola through three of an edge (frictionless.py)."""
         points = self.pad.ridges.fine_of_point == ridge
         gaps, edge = gaps[points], self.pad.ridges.fine_edge[points]
         i = int(np.argmin(gaps))

@@ -13,12 +13,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from skincad.fabrication.bore_table import number
-from skincad.fabrication.electrodes import PITCH
-from skincad.fabrication.fan_out import fan_out
+from skincad.fabrication.drawn_features import number
+from skincad.fabrication.electrodes import PITCH, fan_out
 from skincad.fabrication.pattern import StripPattern, pattern_notes, strip_patterns
-from skincad.fabrication.seal_pattern import SealPattern, seal_pattern
-from skincad.fabrication.shim_pattern import shim_notes, shim_patterns
+from skincad.fabrication.shim_pattern import SealPattern, seal_pattern, shim_notes, shim_patterns
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, write_dxf
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear

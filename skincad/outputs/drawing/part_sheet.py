@@ -13,9 +13,7 @@ import numpy as np
 import shapely
 
 from skincad.base.arrays import Array
-from skincad.fabrication.bore_table import number
-from skincad.fabrication.drawing_views import FRONT
-from skincad.fabrication.drawn_features import Groove, Slit
+from skincad.fabrication.drawn_features import FRONT, Groove, Slit, number
 from skincad.fabrication.part_drawing import DrawingTable, PartDrawing
 from skincad.outputs.drawing.marks import Box, Ink, Mark, Sheet, Words, aligned, line, rectangle, width
 from skincad.outputs.drawing.part_views import ViewPlacement, corner_of, places, size_of, view_marks

@@ -14,11 +14,8 @@ import pypdf
 import pytest
 
 import skincad
-from skincad.fabrication.bore_table import hole_groups, number
-from skincad.fabrication.drawing_views import ABOVE, FRONT, views
-from skincad.fabrication.drawn_features import notches
-from skincad.fabrication.part_drawing import part_drawing
-from skincad.fabrication.tolerances import CrestAllowance
+from skincad.fabrication.drawn_features import ABOVE, FRONT, hole_groups, notches, number, views
+from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
