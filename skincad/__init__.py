@@ -80,7 +80,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "package": "outputs.simulators.package:package",
     "optimise": "studies.optimising:optimise",
     "save_picture": "outputs.delivery:save_picture",
-    "section": "shape.cross_section:section",
+    "section": "shape.skin:section",
     "simulate": "scenes.simulation:simulate",
     "skin_solid": "solids.skin:skin_solid",
     "solve": "studies.solving:solve",

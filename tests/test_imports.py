@@ -62,8 +62,7 @@ PROCESSES: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     ],
     "solids": [
         (
-            "from skincad.shape.cross_section import section; import skincad; "
-            "section(skincad.load('yamada-2002'))",
+            "from skincad.shape.skin import section; import skincad; section(skincad.load('yamada-2002'))",
             (*CAD, *FE),
         ),
         (f"skincad.skin_solid(skincad.load('yamada-2002', {ONE_RIDGE[1::2]}))", FE),

@@ -509,7 +509,7 @@ def _surfaces(closed: ClosedMold) -> list[_Surface]:
         if isinstance(part.body, Prism):
             edge = shapely.LinearRing(polygon(part.body.outline, CHORD))
             surfaces.append(
-                _Surface(part.name, f"{part.role.label} of ridge {part.body.outline[0].ridge}", True, edge)
+                _Surface(part.name, f"{part.role.label} of ridge {part.body.outline[0].feature}", True, edge)
             )
     segments = [*body.outline, *(s for hole in body.holes for s in hole)]
     for segment in sorted(segments, key=lambda s: (s.feature is None, s.kind != "back")):

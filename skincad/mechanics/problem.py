@@ -72,7 +72,7 @@ class LateError(RefusedError):
 class Pad:
     """An elastic section of `length` mm along y, clamped at its `back` segments.
 
-    Segments of CONTACT_KINDS may touch the plate. `strips` are loops filled with the film's material
+    Segments that touch may meet the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
     mm/N is the compliance that free ends add, if requested.
     `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None.

@@ -50,13 +50,3 @@ def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:
         f"the median crest lies {abs(shift):.3g} mm {side} than designed: the gauge's zero, or a back of "
         f"another thickness than the {design.skin.thickness:g} mm that the model assumes",
     )
-
-
-def summits(design: Design) -> tuple[float, ...]:
-    """Return each crest's height."""
-    return skin_of(design).crests
-
-
-def full_height(design: Design) -> float:
-    """Return how high skin and ridges are."""
-    return skin_of(design).height

@@ -42,11 +42,6 @@ class Segment:
     touches: bool = False
 
     @property
-    def ridge(self) -> int | None:
-        """Return the feature's number."""
-        return self.feature
-
-    @property
     def sweep(self) -> float:
         """Angle turned through from start to end, rad, positive counterclockwise."""
         return 4 * math.atan(self.bulge)

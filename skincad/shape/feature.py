@@ -45,16 +45,6 @@ class SensorPlace:
     thickness: float
 
     @property
-    def ridge(self) -> int:
-        """Return the feature's number."""
-        return self.feature
-
-    @property
-    def across(self) -> Point:
-        """Return the normal."""
-        return self.normal
-
-    @property
     def normal(self) -> Point:
         """Unit vector across the slot, which is the film's normal, towards +x for an upright slot."""
         return Point(self.direction.z, -self.direction.x)

@@ -26,7 +26,6 @@ from skincad.mechanics.manufacture import all_touch
 from skincad.mechanics.models.linear import level
 from skincad.mechanics.problem import pad_of
 from skincad.outputs.checks import allowance
-from skincad.shape.crests import summits
 from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from tests.fabrication.cast_parts import Parts, drawn, sliced
@@ -154,7 +153,7 @@ def allowed_least(case: JudgedDesign) -> float:
     """By how much the crest that counts most may lie lower alone, mm, by bisection of the verdict itself."""
     count = case.design.ridge.count
     depths = np.linspace(0.0, case.design.ridge.height, 201)
-    out = np.array(summits(case.design)) - depths[:, None] * (np.arange(count) == 0)
+    out = np.array(skin_of(case.design).crests) - depths[:, None] * (np.arange(count) == 0)
     return float(depths[int(case.passes(out).argmin())])
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.crests import crest_drops, full_height
+from skincad.shape.crests import crest_drops
 from skincad.shape.curves import Segment
 from skincad.shape.skin import section, skin_of
 
@@ -102,5 +102,5 @@ def test_a_measured_crest_is_held_against_its_own_ridge(yamada: Design, tmp_path
 
 def test_the_skin_is_as_high_as_at_its_highest_crest(yamada: Design) -> None:
     assert skin_of(yamada).height == 4.5
-    assert full_height(yamada.with_(ridge={"levelling": 0.9})) == 4.5  # outer ridges are higher, and lower
-    assert full_height(yamada.with_(ridge={"heights": [*UNLIKE[:8], 0.8]})) == 4.8
+    assert skin_of(yamada.with_(ridge={"levelling": 0.9})).height == 4.5  # outer ridges are higher, and lower
+    assert skin_of(yamada.with_(ridge={"heights": [*UNLIKE[:8], 0.8]})).height == 4.8

@@ -99,7 +99,7 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
         notches, sorted(shape.slots, key=lambda s: s.at(0.0, -s.depth / 2).x), strict=True
     ):
         points = np.array(notch.exterior.coords) - slot.centre
-        side, along = points @ slot.across, points @ slot.direction
+        side, along = points @ slot.normal, points @ slot.direction
         cast_in = design.mold.method == "cast-in"  # a strip stands on the notch's bottom
         assert along.max() == pytest.approx(slot.depth / 2 + (0.0 if cast_in else gap), abs=1e-6)
         shift = rise(design, slot) * slot.direction.x  # what rises straight goes aside in a leaning slot

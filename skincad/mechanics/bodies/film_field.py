@@ -147,7 +147,7 @@ def strips_of(mesh: Any, slots: Sequence[SensorPlace], thickness: float, unit: f
 def nearest(points: Array, slots: Sequence[SensorPlace], thickness: float) -> Index:
     """Number of the strip that each point, mm, lies in."""
     centre = np.array([s.centre for s in slots])
-    along, normal = np.array([s.direction for s in slots]), np.array([s.across for s in slots])
+    along, normal = np.array([s.direction for s in slots]), np.array([s.normal for s in slots])
     away = points[:, None] - centre
     depth = np.array([s.depth for s in slots])
     parts = np.abs((away * along).sum(2)) / depth, np.abs((away * normal).sum(2)) / thickness

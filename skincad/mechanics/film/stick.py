@@ -243,7 +243,7 @@ def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, pari
 def in_strip_axes(stress: Array, slots: Sequence[SensorPlace]) -> Array:
     """Stresses xx, xz, zz, yy `(strips, 4, ...)` as across, along the strip in the section, along y."""
     turn = np.zeros((len(slots), 3, 4))
-    for i, axes in enumerate((np.array([s.across for s in slots]), np.array([s.direction for s in slots]))):
+    for i, axes in enumerate((np.array([s.normal for s in slots]), np.array([s.direction for s in slots]))):
         x, z = axes.T
         turn[:, i, :3] = np.column_stack([x * x, 2 * x * z, z * z])
     turn[:, 2, 3] = 1.0

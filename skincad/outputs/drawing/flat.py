@@ -333,7 +333,7 @@ def strip_board(design: Design) -> str:
         raise ValueError("a design without film has no contacts")
     strips = fan.strips if film.wiring_side == "b" else fan.strips[::-1]  # seen from the skin
     middle, row = (len(strips) - 1) / 2, PITCH / 2
-    places = [(f"{s.ridge}{s.side}", PITCH * (i - middle)) for i, s in enumerate(strips)]
+    places = [(f"{s.feature}{s.side}", PITCH * (i - middle)) for i, s in enumerate(strips)]
     side, high = PITCH * middle + FOOTPRINT_ROOM, row + FOOTPRINT_ROOM
     description = (
         f"Strips of {design.name}, revision {design.revision}: seen from the skin, pins towards it, + above"

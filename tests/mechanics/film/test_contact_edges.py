@@ -32,7 +32,7 @@ def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
     assert sum(piece.length for piece in pieces) == pytest.approx(whole.length, rel=1e-12)
     assert sum(piece.sweep for piece in pieces) == pytest.approx(whole.sweep, rel=1e-12)
     for piece in pieces:
-        assert (piece.kind, piece.ridge) == ("crown", 3)
+        assert (piece.kind, piece.feature) == ("crown", 3)
         assert degrees == 0.0 or piece.radius == pytest.approx(whole.radius, rel=1e-9)
 
 

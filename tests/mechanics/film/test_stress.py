@@ -222,7 +222,7 @@ def test_ignored_film_is_the_silicone_without_any_strip() -> None:
     ):
         points = np.array([slot.at(a * 0.014, b * 0.125) for a in at for b in at])
         xx, xz, zz = stress_at(body, points, unit_of(pad)).T * pad.young_modulus
-        n = slot.across
+        n = slot.normal
         mean = (xx * n.x**2 + 2 * xz * n.x * n.z + zz * n.z**2) @ np.outer(share, share).ravel() / 4
         # its error, and 0.2 % for a product rule across the triangles' edges
         assert estimate.value == pytest.approx(mean, abs=estimate.error + 2e-3 * abs(mean))
@@ -249,7 +249,7 @@ def contour_mean(body: film_field.StripBody, pad: Pad, slot: SensorPlace, thickn
 
     All is cut in line with the film's corners, where stress has no bound, and sampled densely towards them.
     """
-    off, n, d = OFF * thickness, slot.across, slot.direction
+    off, n, d = OFF * thickness, slot.normal, slot.direction
     a, b = thickness / 2 + off, slot.depth / 2 + off
     normal_offsets, along = (np.array([-h, -h + off, h - off, h]) for h in (a, b))
 
