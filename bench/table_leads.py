@@ -4,7 +4,7 @@
 to seven ridges, a nominal strain of 0.02 to 0.13, friction 0.15 to 0.6, pulled to gross slip, half of
 them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as
 fine. Errors are those that `simulate --tol` tells, without what else the scene leaves out, which the judge
-leaves out too. Half a minute to two a scene. The one constant, STAYS of held.py, was found on seed 1.
+leaves out too. Half a minute to two a scene. The one constant, STAYS of frozen_tangent.py, was found on seed 1.
 """
 
 from __future__ import annotations

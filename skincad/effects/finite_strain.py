@@ -2,11 +2,11 @@
 
 Range: the design's [material.law], or neo-Hooke, as silicones are up to strains of about 0.5; quasi-static,
 under a flat plate that keeps its angle. Where the skin's surface folds the march stops and says so
-(mechanics/creasing.py). A step linearises the body several times, so it costs some hundred times one of small
-strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is meshed: mirrored
-loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it then lies
-(mechanics/film/large_field.py). Reference: the finite-strain tier without friction, simple shear with, and
-small strain at small loads (tests/mechanics/contact/test_dragged.py).
+(mechanics/contact/press_path.py). A step linearises the body several times, so it costs some hundred times
+one of small strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is
+meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it
+then lies (mechanics/bodies/film_field.py). Reference: the finite-strain tier without friction, simple shear
+with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from skincad.base.errors import InputError
 from skincad.laws.rubber import Candidate, Rubber
 
 MOST_TERMS = 6  # assumption: CalculiX has four, and no fit of a bar knows more than three
-# Powers between which the plane body's series (bodies/law_energy.py) is exact to rounding; assumption: fits
+# Powers between which the plane body's series (bodies/plane_body.py) is exact to rounding; assumption: fits
 # of rubber lie within
 LEAST_POWER, LARGEST_POWER = 0.1, 14.0
 

@@ -7,8 +7,8 @@ nu^2 / E times T over the length L, and decays with the distance of the ridges o
     A_ij = reach nu^2 T / (E L^2) exp(-fall |x_i - x_j| / T).
 
 Bonded strips run along y and hold the ridges there, so that less than half is left. The four constants were
-read off mechanics/models/ends.py's solids of six random pads, three and five ridges, T 0.32 to 0.9 of the
-width, 1.2 to 3 times as long as wide: the middle ridge to 15 % with strips, to 25 % without.
+read off mechanics/models/corrected.py's solids of six random pads, three and five ridges, T 0.32 to 0.9 of
+the width, 1.2 to 3 times as long as wide: the middle ridge to 15 % with strips, to 25 % without.
 
 A ridge under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both
 grow by 1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere,

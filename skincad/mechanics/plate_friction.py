@@ -1,7 +1,7 @@
 """Friction between skin and plate in a check: bounded, or computed once for all tiers.
 
 Tiers press without friction. Without `contact.friction`, a bound for friction is part of the error. With it,
-each tier's answer gets the change that friction makes on a coarse mesh (tiers/friction.py). The closed form
+each tier's answer gets the change that friction makes on a coarse mesh (models/friction.py). The closed form
 keeps the bound, since a mesh costs a thousand times as much. At 0 nothing is left out.
 """
 

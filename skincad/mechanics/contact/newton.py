@@ -1,6 +1,6 @@
 """Newton's method for a pressed body at finite strain, loaded step by step, and the state's stability.
 
-Plane bodies are in bodies/neo_hooke.py, solid ones in bodies/solid_body.py.
+Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py.
 
 A body that would buckle if its contact were free may well stand under its plate. What counts is the tangent
 for all movements in which touching points stay on the plate, which rests on them with a dead load. Of a

@@ -10,7 +10,7 @@ Branches that relax are integrated exactly for strains straight in time: Taylor,
 (1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3.
 
 Contact and friction hold exactly at each step's end, as at rest. Points that touch should have no mass
-(dynamics_pad.py): then the force grows from 0 when the plate strikes, and the order stays 2. The energy of
+(pad.py): then the force grows from 0 when the plate strikes, and the order stays 2. The energy of
 every step is kept to show it.
 """
 

@@ -4,8 +4,8 @@ Levels and rungs are the linear tier's, and so is the error: two orders on one m
 clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
 The pad's free ends are still left out.
 
-Range: to where a ridge tips over under the plate or its tip folds (stability.py), 13 N in all on
-docs/facts.md's section, or to where parts meet that the model does not know (folding.py).
+Range: to where a ridge tips over under the plate or its tip folds (newton.py), 13 N in all on
+docs/facts.md's section, or to where parts meet that the model does not know (plane_body.py).
 Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound (newton.ROUNDING).
 """
 

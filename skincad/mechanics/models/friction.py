@@ -30,7 +30,7 @@ STEPS = 50
 # Errors of the change: a constant, and a part of the change. Set on yamada-2002, plain-ridges
 # (also 2 mm thick) and fingertip-soft at friction 0.2 and 1. With all fillets, on twice as fine a mesh of
 # order 3 and in 200 steps, the change differs by up to 0.42 % (of F), 0.23 % (approach) and 0.67 % (of the
-# mean share); in finite strain (contact/dragged.py) by up to 3.3, 1.8 and 2.7 %: a third of it is not there.
+# mean share); in finite strain by up to 3.3, 1.8 and 2.7 %: a third of it is not there.
 # Judged on milled-pad, where these are 0.2, 0.1 and 0.8 %, and 1.9, 1.6 and 2.5 %
 BASE_ERRORS, ERRORS_BY_CHANGE = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.3, 0.3)
 

@@ -1,6 +1,6 @@
 """Small strain in the plane, on ever finer meshes.
 
-A level is one mesh and one order (plane_level.py). A rung is two successive orders on one mesh: the higher
+A level is one mesh and one order (`level`). A rung is two successive orders on one mesh: the higher
 gives the values, the difference the error. Rungs are tried in order until the tolerance is met.
 """
 

@@ -6,7 +6,7 @@ ignored with a warning.
 
 The tiers' laws stand in table.py, those of the yield and of friction here. They were fitted to the templates
 (`skincad accuracy`, ladder contact) on one core of an idle AMD EPYC. Measurements on this machine
-(measured.py) scale them. A check also scales them by the time of its linear tier.
+scale them. A check also scales them by the time of its linear tier.
 """
 
 from __future__ import annotations
