@@ -1,10 +1,10 @@
 """Whether leads hold within their errors, small strain's and chosen steps': against finite strain throughout.
 
 `python -m bench.table_leads 3 20`: 20 random scenes of seed 3, drawn as bench/table_swaying.py draws: three
-to seven ridges, a nominal strain of 0.02 to 0.13, friction 0.15 to 0.6, pulled to gross slip, half of
-them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as
-fine. Errors are those that `simulate --tol` tells, without what else the scene leaves out, which the judge
-leaves out too. Half a minute to two a scene. The one constant, STAYS of frozen_tangent.py, was found on seed 1.
+to seven ridges, a nominal strain of 0.02 to 0.13, friction 0.15 to 0.6, pulled to gross slip, half of them
+eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as fine.
+Errors are those that `simulate --tol` tells, without what else the scene leaves out, which the judge leaves
+out too. Half a minute to two a scene. The one constant, STAYS of frozen_tangent.py, was found on seed 1.
 """
 
 from __future__ import annotations
