@@ -60,7 +60,7 @@ def test_what_changes_no_result_is_left_alone(text: str) -> None:
 
 
 def test_every_change_of_a_file_of_ours_is_another_program() -> None:
-    text = (HERE / "skincad" / "pictures" / "render.py").read_text("utf-8")
+    text = (HERE / "skincad" / "outputs" / "figures" / "design.py").read_text("utf-8")
     found = [mutated(text, site, after) for site in sites(text) for after in site.after]
     assert len(found) > 100
     programs = {ast.dump(ast.parse(each)) for each in [text, *found]}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -12,7 +12,6 @@ from skincad.circuit.bode import CircuitGain
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.model import constants, load_circuit
 from skincad.material.modulus import MaterialFit
-from skincad.mechanics.manufacture import Sensitivity
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.figures.canvas import (
     BLACK,
@@ -28,6 +27,9 @@ from skincad.outputs.figures.canvas import (
     legend,
     sheet,
 )
+
+if TYPE_CHECKING:
+    from skincad.mechanics.manufacture import Sensitivity
 
 FORCES_SIZE = (7.5, 4.0)  # inches
 REPORT_SIZE = (7.0, 3.0)  # inches

@@ -17,7 +17,7 @@ from skincad.base.outfolder import replaced
 from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
 from skincad.outputs.accuracies import lines
 from skincad.outputs.figures.canvas import save
-from skincad.outputs.figures.studies import SIZE, STYLES, diagram
+from skincad.outputs.figures.studies import LADDER_SIZE, STYLES, diagram
 from skincad.studies.accuracy import circuit
 from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
@@ -79,7 +79,7 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
     first = float(rows[0]["circuit: output"])
     assert first == pytest.approx(found["rows"][0]["error"], rel=1e-3)  # four digits
     with Image.open(folder / "accuracy-circuit.png") as picture:
-        assert picture.size == (round(100 * SIZE[0]), round(100 * SIZE[1]))
+        assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
 
 def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
