@@ -172,7 +172,15 @@ def gain(
             own_signal = OwnSignal(alone, fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
     warnings = tuple(_warnings(circuit, c, slopes))
     return CircuitGain(
-        circuit, c, frequency, level, slopes, measurement, own_signal, warnings, watch.seconds()
+        circuit=circuit,
+        constants=c,
+        frequency=frequency,
+        gain=level,
+        slopes=slopes,
+        measured=measurement,
+        own=own_signal,
+        warnings=warnings,
+        seconds=watch.seconds(),
     )
 
 

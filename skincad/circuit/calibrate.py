@@ -132,13 +132,13 @@ def calibrate(
     constants = _constants(best.x, d33)
     rest = decibels(response(network(constants), frequency)) - gain
     return Calibration(
-        constants,
-        _rms(best.fun),
-        float(-rest.mean()),
-        tuple(name for name, at in zip(FITTED, at_bound, strict=True) if at),
-        combinations(best.jac),
-        sum(_rms(run.fun) <= 1.01 * _rms(best.fun) for run in good),
-        starts,
+        constants=constants,
+        rms=_rms(best.fun),
+        offset=float(-rest.mean()),
+        at_bounds=tuple(name for name, at in zip(FITTED, at_bound, strict=True) if at),
+        combinations=combinations(best.jac),
+        agreeing=sum(_rms(run.fun) <= 1.01 * _rms(best.fun) for run in good),
+        starts=starts,
     )
 
 

@@ -177,13 +177,13 @@ def stepper(network: Network, rate: float) -> Stepper:
         raise RefusedError(f"the network's step at {rate:g} Hz grows: its constants are too far apart")
     back, slope = basis.conj().T, powers[:order, order + 1]
     return Stepper(
-        rate,
-        triangle,
-        back @ (powers[:order, order] - slope),
-        back @ slope,
-        (system.c * size) @ basis,
-        system.d,
-        back @ (system.rest / size),
+        rate=rate,
+        step=triangle,
+        now=back @ (powers[:order, order] - slope),
+        then=back @ slope,
+        out=(system.c * size) @ basis,
+        through=system.d,
+        rest=back @ (system.rest / size),
     )
 
 

@@ -258,7 +258,15 @@ def read_coupon(
     with clock.stage("fit"):
         ladder = notch_result(notches) if notches else None
         steps = crest_result(crests) if crests else None
-    return CouponReading(process, folder, known[process], printer_text, ladder, steps, clock.seconds())
+    return CouponReading(
+        name=process,
+        folder=folder,
+        before=known[process],
+        printer_text=printer_text,
+        notches=ladder,
+        crests=steps,
+        seconds=clock.seconds(),
+    )
 
 
 def no_growth_words() -> str:

@@ -71,14 +71,14 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     deviation_parts = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE_SIGMA, batch
     gauges = GAUGE_SIGMA * math.sqrt(2 + 2 / count)  # part and mold: each one's datum and crests
     return Crests(
-        heights,
-        tuple(deviations * read * share for share in beside),
-        deviations * rise,
-        deviations * math.hypot(*deviation_parts),
-        deviations * math.hypot(gauges, batch),
-        deviations,
-        sigma,
-        printed is not None,
+        heights=heights,
+        beside=tuple(deviations * read * share for share in beside),
+        rise=deviations * rise,
+        mean=deviations * math.hypot(*deviation_parts),
+        beside_mold=deviations * math.hypot(gauges, batch),
+        deviations=deviations,
+        sigma=sigma,
+        layers_known=printed is not None,
     )
 
 

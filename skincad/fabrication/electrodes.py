@@ -160,7 +160,15 @@ def _lead(film: Film, depth: float) -> Iterator[Finding]:
             "leads lie side by side in a strip"
         )
         where = "leads of both faces, side by side in a strip"
-        yield Finding("lead width", where, narrowest, LEAST_LEAD, "mm", "error", remedy)
+        yield Finding(
+            rule="lead width",
+            where=where,
+            measured=narrowest,
+            limit=LEAST_LEAD,
+            unit="mm",
+            severity="error",
+            remedy=remedy,
+        )
 
 
 def _margin(film: Film) -> Iterator[Finding]:
@@ -168,7 +176,15 @@ def _margin(film: Film) -> Iterator[Finding]:
     if film.margin < needs - 1e-9:
         where = "electrodes, bare at a cut edge: a cut through both shorts them"
         remedy = f"leave film.electrode_margin out, or {needs:g} mm; or a finer cutter and registration"
-        yield Finding("electrode margin", where, film.margin, needs, "mm", "warning", remedy)
+        yield Finding(
+            rule="electrode margin",
+            where=where,
+            measured=film.margin,
+            limit=needs,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 def _tab(design: Design, film: Film) -> Iterator[Finding]:
@@ -181,7 +197,15 @@ def _tab(design: Design, film: Film) -> Iterator[Finding]:
     if free < thick:
         where = f"lead between end plate {film.wiring_side} and the tab with the pads"
         remedy = f"film.lead of {film.lead + thick - free:g} mm or more, for the plate to slide off its pins"
-        yield Finding("strip tab", where, free, thick, "mm", "warning", remedy)
+        yield Finding(
+            rule="strip tab",
+            where=where,
+            measured=free,
+            limit=thick,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
@@ -257,4 +281,12 @@ def fan_out_findings(design: Design) -> Iterator[Finding]:
         return
     where = "tabs of neighbouring strips, which cross as their slots hold them"
     remedy = "turn each tab upright on its lead before the next one is laid in; or a smaller slot.tilt"
-    yield Finding("strip tabs", where, spread.tab_gap, 0.0, "mm", "note", remedy)
+    yield Finding(
+        rule="strip tabs",
+        where=where,
+        measured=spread.tab_gap,
+        limit=0.0,
+        unit="mm",
+        severity="note",
+        remedy=remedy,
+    )

@@ -443,7 +443,17 @@ def _bent_findings(design: Design) -> list[Finding]:
     if tilt <= rise:
         where = "end a, which stays high unless mold.pour_tilt exceeds the angle by which it leans"
         leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air escapes round the carrier"
-        findings.append(Finding("trapped air", where, tilt, rise, "deg", "note", leave))
+        findings.append(
+            Finding(
+                rule="trapped air",
+                where=where,
+                measured=tilt,
+                limit=rise,
+                unit="deg",
+                severity="note",
+                remedy=leave,
+            )
+        )
     for end, slope in (("b", rise + tilt), ("a", rise - tilt)):
         if slope <= 0:
             continue
@@ -459,7 +469,17 @@ def _level(design: Design) -> list[Finding]:
     if tilt >= least:
         return []
     where, remedy = "carrier, too level to lead a bubble along", f"mold.pour_tilt of {least:g} or more"
-    return [Finding("trapped air", where, tilt, least, "deg", "note", remedy)]
+    return [
+        Finding(
+            rule="trapped air",
+            where=where,
+            measured=tilt,
+            limit=least,
+            unit="deg",
+            severity="note",
+            remedy=remedy,
+        )
+    ]
 
 
 def _grouped_findings(design: Design, air: Iterable[Pocket], remedy: str) -> list[Finding]:
@@ -477,7 +497,15 @@ def _finding(design: Design, group: list[Pocket], remedy: str) -> Finding:
     x, y, z = (round(length, 2) + 0.0 for length in largest.place)  # no minus before a zero
     more = f" and {len(group) - 1} more like it" if len(group) > 1 else ""
     where = f"{largest.where} at ({x:g}, {y:g}, {z:g}), {largest.height:.2g} mm high{more}"
-    return Finding("trapped air", where, volume, limit, "mm3", "warning" if harms else "note", remedy)
+    return Finding(
+        rule="trapped air",
+        where=where,
+        measured=volume,
+        limit=limit,
+        unit="mm3",
+        severity="warning" if harms else "note",
+        remedy=remedy,
+    )
 
 
 def _remedy(design: Design, closed: ClosedMold, now: float) -> str:

@@ -154,13 +154,13 @@ def undercut_findings(design: Design) -> list[Finding]:
     cure = _cure(design)
     return [
         Finding(
-            "undercut",
-            f"ridge {ridge}, {undercut.width:.4f} mm wide",
-            undercut.strain,
-            limit,
-            "squeezed",
-            "error" if undercut.strain > limit else "note",
-            f"{cure} (limit: {breaks})",
+            rule="undercut",
+            where=f"ridge {ridge}, {undercut.width:.4f} mm wide",
+            measured=undercut.strain,
+            limit=limit,
+            unit="squeezed",
+            severity="error" if undercut.strain > limit else "note",
+            remedy=f"{cure} (limit: {breaks})",
         )
         for ridge, undercut in caught.items()
     ]

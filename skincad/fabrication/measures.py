@@ -233,4 +233,12 @@ def _region(body: RevolvedBody, tolerance: float) -> shapely.Polygon:
 
 def _finding(where: str, volume: float) -> Finding:
     remedy = "enlarge mold.clearance or change the parts"
-    return Finding("interference", where, volume, LEAST_COMMON_VOLUME, "mm3", "error", remedy)
+    return Finding(
+        rule="interference",
+        where=where,
+        measured=volume,
+        limit=LEAST_COMMON_VOLUME,
+        unit="mm3",
+        severity="error",
+        remedy=remedy,
+    )

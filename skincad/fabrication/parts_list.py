@@ -113,7 +113,15 @@ def _bought_items(design: Design, closed: ClosedMold) -> Iterator[Item]:
         yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
     material = silicone(design)
     grams = poured_volume(design, closed) * material.density * 1e-6 + DEAD_VOLUME
-    yield Item(f"{grams:.4g} g", "silicone", material.name, "bought", "", "", "skin, cup and syringe")
+    yield Item(
+        quantity=f"{grams:.4g} g",
+        what="silicone",
+        designation=material.name,
+        made_by="bought",
+        material="",
+        volume="",
+        place="skin, cup and syringe",
+    )
 
 
 def _screws(screws: Screws, place: str) -> Iterator[Item]:
@@ -143,4 +151,12 @@ def _mount(design: Design, closed: ClosedMold) -> Iterator[Item]:
 
 
 def _item(quantity: int, what: str, designation: str, material: str, place: str) -> Item:
-    return Item(f"{quantity}", what, designation, "bought", material, "", place)
+    return Item(
+        quantity=f"{quantity}",
+        what=what,
+        designation=designation,
+        made_by="bought",
+        material=material,
+        volume="",
+        place=place,
+    )

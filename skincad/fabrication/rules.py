@@ -80,7 +80,15 @@ def _knife_edge(case: Case) -> Iterator[Finding]:
     if angle < LEAST_ANGLE:
         where = f"{case.part.role.label}, x {place.x:.3g}, z {place.z:.3g} mm"
         remedy = "a slot or flank that meets its parting line at a larger angle, or a larger curvature_radius"
-        yield Finding("knife edge", where, angle, LEAST_ANGLE, "deg", "warning", remedy)
+        yield Finding(
+            rule="knife edge",
+            where=where,
+            measured=angle,
+            limit=LEAST_ANGLE,
+            unit="deg",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 EDGE_RULES: tuple[Rule, ...] = (_knife_edge,)
@@ -166,7 +174,15 @@ class Case:
     ) -> Finding:
         """Return a rule that something of the part breaks: a warning, or a note where it is not grave."""
         where = f"{self.part.role.label}, {what}, by {self.name}"
-        return Finding(rule, where, measured, limit, unit, "warning" if grave else "note", remedy)
+        return Finding(
+            rule=rule,
+            where=where,
+            measured=measured,
+            limit=limit,
+            unit=unit,
+            severity="warning" if grave else "note",
+            remedy=remedy,
+        )
 
 
 Rule = Callable[[Case], Iterator[Finding]]
@@ -283,7 +299,13 @@ def _clearance(case: Case) -> Iterator[Finding]:
     if clearance < least - _ROUNDING:
         place = f"sliding parts, by {case.name}"
         yield Finding(
-            "clearance", place, clearance, least, "mm", "warning", f"mold.clearance of {least:g} mm"
+            rule="clearance",
+            where=place,
+            measured=clearance,
+            limit=least,
+            unit="mm",
+            severity="warning",
+            remedy=f"mold.clearance of {least:g} mm",
         )
 
 
@@ -303,7 +325,15 @@ def _notch_room(case: Case) -> Iterator[Finding]:
     if room > gap:
         place = f"{case.part.role.label}, straight notches round shims that rise in them"
         remedy = "cut the fins off the skin's ends; a thinner mold.end_plate leaves shorter ones"
-        yield Finding("notch room", place, room, gap, "mm", "note", remedy)
+        yield Finding(
+            rule="notch room",
+            where=place,
+            measured=room,
+            limit=gap,
+            unit="mm",
+            severity="note",
+            remedy=remedy,
+        )
 
 
 def _cure(case: Case) -> Iterator[Finding]:
@@ -311,7 +341,15 @@ def _cure(case: Case) -> Iterator[Finding]:
     if case.process.inhibits_platinum and material.platinum_cure:
         place = f"{case.name} parts may keep {material.name}, a platinum-cured silicone, from curing"
         remedy = "wash, post-cure and bake the parts, seal them, and cast a trial first"
-        yield Finding("cure inhibition", place, 1.0, 0.0, "", "note", remedy)
+        yield Finding(
+            rule="cure inhibition",
+            where=place,
+            measured=1.0,
+            limit=0.0,
+            unit="",
+            severity="note",
+            remedy=remedy,
+        )
 
 
 RULES: tuple[Rule, ...] = (_gap, _wall, _slender, _hole, _clearance, _slit_fit, _notch_room, _cure)
@@ -324,7 +362,15 @@ def material_findings(design: Design) -> Iterator[Finding]:
         named_range, value = named.young_modulus, modulus.value
         where = f"material.young_modulus, which is not that of {named.name}"
         limit = named_range.high if value > named_range.high else named_range.low
-        yield Finding("silicone", where, value, limit, "MPa", "warning", remedy)
+        yield Finding(
+            rule="silicone",
+            where=where,
+            measured=value,
+            limit=limit,
+            unit="MPa",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 def shim_sag(design: Design) -> float:
@@ -349,7 +395,18 @@ def shim_findings(design: Design) -> list[Finding]:
     most = design.skin.length * (limit / sag) ** 0.25
     remedy = f"a skin.length of at most {most:.3g} mm, or a thicker slot; pull shims straight"
     where = "shims, sagging between their combs"
-    return [*bend_findings, Finding("slender", where, sag, limit, "mm", "warning", remedy)]
+    return [
+        *bend_findings,
+        Finding(
+            rule="slender",
+            where=where,
+            measured=sag,
+            limit=limit,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        ),
+    ]
 
 
 def shim_bend(design: Design) -> float:
@@ -369,7 +426,17 @@ def _shim_bend(design: Design) -> list[Finding]:
     if strain <= SHIM_ELASTIC:
         return []
     where, remedy = "shims, if bent on edge from straight stock", "cut them as arcs, as the sheet says"
-    return [Finding("shim bend", where, strain, SHIM_ELASTIC, "", "note", remedy)]
+    return [
+        Finding(
+            rule="shim bend",
+            where=where,
+            measured=strain,
+            limit=SHIM_ELASTIC,
+            unit="",
+            severity="note",
+            remedy=remedy,
+        )
+    ]
 
 
 CREST_TOLERANCE = 0.02  # mm, asked: of a crest, to what the casting sheet says of it
@@ -438,7 +505,15 @@ def crest_findings(design: Design, closed: ClosedMold) -> Iterator[Finding]:
     if which and layer > CREST_TOLERANCE:
         remedy = "; ".join(snapping_remarks(design, closed)) or "another mold.floor"
         where = f"crest {', '.join(map(str, which))} may come out a layer lower or higher than the sheet says"
-        yield Finding("crest layer", where, layer, CREST_TOLERANCE, "mm", "note", remedy)
+        yield Finding(
+            rule="crest layer",
+            where=where,
+            measured=layer,
+            limit=CREST_TOLERANCE,
+            unit="mm",
+            severity="note",
+            remedy=remedy,
+        )
 
 
 def overhang(part: Part, process: Process, end: bool) -> tuple[float, float]:

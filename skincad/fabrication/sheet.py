@@ -226,7 +226,15 @@ def closing_findings(design: Design, closed: ClosedMold | None = None) -> Iterat
         remedy = (
             f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
         )
-        yield Finding("cover bow", "cover, under 10 kPa", measured, MOST_BOW, "mm", "warning", remedy)
+        yield Finding(
+            rule="cover bow",
+            where="cover, under 10 kPa",
+            measured=measured,
+            limit=MOST_BOW,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
     off, most, where = (
         stack_error(cast, place.spans, place.lid),
         SEAL_PLAY * SHEETS[-1],
@@ -237,10 +245,26 @@ def closing_findings(design: Design, closed: ClosedMold | None = None) -> Iterat
     if closed and bent and not closed.of(PartRole.SEAL):
         remedy = "lap the carrier's top until the cover lies on the cavity, or make the skin longer, or its "
         remedy += "curvature_radius_y larger, so that the narrow top has room for a seal"
-        yield Finding("closing stack", where + "cover, without a seal", off, 0.0, "mm", "warning", remedy)
+        yield Finding(
+            rule="closing stack",
+            where=where + "cover, without a seal",
+            measured=off,
+            limit=0.0,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
     elif off > most:
         remedy = "finer processes, or a thicker mold.cover"
-        yield Finding("closing stack", where + "seal", off, most, "mm", "warning", remedy)
+        yield Finding(
+            rule="closing stack",
+            where=where + "seal",
+            measured=off,
+            limit=most,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
     if closed and bent:
         yield from _run_outs(design, closed)
 
@@ -253,7 +277,15 @@ def _run_outs(design: Design, closed: ClosedMold) -> Iterator[Finding]:
     if screws.bottoming and left < run_out_room(process) - 1e-9:
         remedy = "finish these threads by a bottoming tap, as the casting sheet says, or make the skin longer"
         where = "screws of the end plates, from tip to the hole's end"
-        yield Finding("thread run-out", where, left, run_out_room(process), "mm", "note", remedy)
+        yield Finding(
+            rule="thread run-out",
+            where=where,
+            measured=left,
+            limit=run_out_room(process),
+            unit="mm",
+            severity="note",
+            remedy=remedy,
+        )
 
 
 # mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)

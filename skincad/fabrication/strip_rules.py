@@ -148,11 +148,27 @@ def _notches(design: Design, joint: Lap) -> Iterator[Finding]:
             f"is straight along y; its shim's tail is thinned to {LEAST_TAIL:g} mm already"
         )
         where = "lap of film and shim, in the combs' notches"
-        yield Finding("strip lap", where, joint.stack, joint.notch, "mm", "error", remedy)
+        yield Finding(
+            rule="strip lap",
+            where=where,
+            measured=joint.stack,
+            limit=joint.notch,
+            unit="mm",
+            severity="error",
+            remedy=remedy,
+        )
     if (out := film.lead - choice.end_plate) < LEAST_CONTACT:
         remedy = f"film.lead of {choice.end_plate + LEAST_CONTACT:g} mm or more"
         where = "lead beyond its end plate, in which it meets wet silicone"
-        yield Finding("strip lead", where, out, LEAST_CONTACT, "mm", "warning", remedy)
+        yield Finding(
+            rule="strip lead",
+            where=where,
+            measured=out,
+            limit=LEAST_CONTACT,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 def _slot(design: Design, joint: Lap) -> Iterator[Finding]:
@@ -165,7 +181,15 @@ def _slot(design: Design, joint: Lap) -> Iterator[Finding]:
     remedy = f"slot.depth of {math.ceil(1e3 * deeper) / 1e3:g} mm or more, a thinner film"
     remedy += ', a silicone that stretches further, or mold.method = "cast-in"'
     where = "lap of film and shim, stretching the slot's walls"
-    yield Finding("strip lap", where, joint.stretch, limit, "", "error", remedy)
+    yield Finding(
+        rule="strip lap",
+        where=where,
+        measured=joint.stretch,
+        limit=limit,
+        unit="",
+        severity="error",
+        remedy=remedy,
+    )
 
 
 def _batch(design: Design) -> Iterator[Finding]:
@@ -174,7 +198,15 @@ def _batch(design: Design) -> Iterator[Finding]:
     if minutes is not None and strips_per_mix(design) == 0:
         where, needs = "one strip, drawn in behind its shim", HANDLING_SECONDS + drawing_time(design)
         remedy = "a thinner silicone or one with a longer pot life, a shorter skin, or a thicker slot"
-        yield Finding("strip batch", where, needs, 60 * minutes * POT_SHARE, "s", "error", remedy)
+        yield Finding(
+            rule="strip batch",
+            where=where,
+            measured=needs,
+            limit=60 * minutes * POT_SHARE,
+            unit="s",
+            severity="error",
+            remedy=remedy,
+        )
 
 
 def _heat(design: Design) -> Iterator[Finding]:
@@ -183,7 +215,15 @@ def _heat(design: Design) -> Iterator[Finding]:
     if warm is not None and warm > HIGHEST_FILM_TEMPERATURE:
         remedy = f"a silicone, or a longer cure by its data sheet, at {HIGHEST_FILM_TEMPERATURE:g} °C or less"
         where = "film in the mold while it cures: it loses its charge"
-        yield Finding("film heat", where, warm, HIGHEST_FILM_TEMPERATURE, "°C", "warning", remedy)
+        yield Finding(
+            rule="film heat",
+            where=where,
+            measured=warm,
+            limit=HIGHEST_FILM_TEMPERATURE,
+            unit="°C",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
@@ -224,7 +264,15 @@ def _sag(design: Design, rod: Strip) -> Iterator[Finding]:
     if sag > limit:
         remedy = f"film.tension of {straightening_tension(rod, load, limit):.2g} N or more, or a shorter skin"
         where = "strips, under their weight in silicone"
-        yield Finding("strip sag", where, sag, limit, "mm", "warning", remedy)
+        yield Finding(
+            rule="strip sag",
+            where=where,
+            measured=sag,
+            limit=limit,
+            unit="mm",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 def _stress(rod: Strip, flow: Pour) -> list[Finding]:
@@ -234,7 +282,17 @@ def _stress(rod: Strip, flow: Pour) -> list[Finding]:
     least = max(limit * rod.section - flow.pull, 0.0)
     remedy = f"film.tension of at most {least:.2g} N, or a thicker film; it yields at {PVDF_YIELD:g} MPa"
     severity: Literal["error", "warning"] = "error" if stress > PVDF_YIELD else "warning"
-    return [Finding("strip stress", "strips, under their tension", stress, limit, "MPa", severity, remedy)]
+    return [
+        Finding(
+            rule="strip stress",
+            where="strips, under their tension",
+            measured=stress,
+            limit=limit,
+            unit="MPa",
+            severity=severity,
+            remedy=remedy,
+        )
+    ]
 
 
 def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
@@ -245,12 +303,28 @@ def _drift(design: Design, rod: Strip, flow: Pour) -> Iterator[Finding]:
     stronger = ", more tension or a thicker film" if rod.tension else ", or a thicker slot"
     if flow.drift > limit:
         where = f"{name}, while silicone is poured round them"
-        yield Finding("strip drift", where, flow.drift, limit, "mm", "warning", slower + stronger)
+        yield Finding(
+            rule="strip drift",
+            where=where,
+            measured=flow.drift,
+            limit=limit,
+            unit="mm",
+            severity="warning",
+            remedy=slower + stronger,
+        )
     pot_life = silicone(design).pot_life_min
     if pot_life is not None and flow.settling > SETTLING_SHARE * 60 * pot_life:
         where, remedy = f"{name}, coming back after the pour", "a thinner silicone" + stronger
         limit = SETTLING_SHARE * 60 * pot_life
-        yield Finding("strip drift", where, flow.settling, limit, "s", "warning", remedy)
+        yield Finding(
+            rule="strip drift",
+            where=where,
+            measured=flow.settling,
+            limit=limit,
+            unit="s",
+            severity="warning",
+            remedy=remedy,
+        )
 
 
 def _release(design: Design, rod: Strip) -> Iterator[Finding]:
@@ -258,7 +332,15 @@ def _release(design: Design, rod: Strip) -> Iterator[Finding]:
     strain = release_strain(design)
     if strain > MOST_RELEASE:
         where, remedy = "skin, shortened by its strips", f"{rod.tension * MOST_RELEASE / strain:.2g} N"
-        yield Finding("strip release", where, strain, MOST_RELEASE, "", "note", f"film.tension of {remedy}")
+        yield Finding(
+            rule="strip release",
+            where=where,
+            measured=strain,
+            limit=MOST_RELEASE,
+            unit="",
+            severity="note",
+            remedy=f"film.tension of {remedy}",
+        )
 
 
 def _place(design: Design) -> list[Finding]:
@@ -276,4 +358,14 @@ def _place(design: Design) -> list[Finding]:
         "slit_clearance, a finer process for the combs, or a larger design"
     )
     grave: Literal["note", "warning"] = "warning" if 2 * off / offset > MOST_UNBALANCE + 1e-9 else "note"
-    return [Finding("strip place", "strips in their slits", off, PLACE_SHARE * offset, "mm", grave, remedy)]
+    return [
+        Finding(
+            rule="strip place",
+            where="strips in their slits",
+            measured=off,
+            limit=PLACE_SHARE * offset,
+            unit="mm",
+            severity=grave,
+            remedy=remedy,
+        )
+    ]

@@ -73,10 +73,26 @@ def strip(design: Design) -> Strip | None:
     if slot is None:
         return None
     if design.mold.method == "shim" or film is None:
-        return Strip(length, slot.depth, slot.thickness, STEEL_MODULUS, STEEL_DENSITY, 0.0, "built in")
+        return Strip(
+            length=length,
+            depth=slot.depth,
+            thickness=slot.thickness,
+            modulus=STEEL_MODULUS,
+            density=STEEL_DENSITY,
+            tension=0.0,
+            ends="built in",
+        )
     usual = USUAL_PULL * PVDF_YIELD * slot.depth * film.thickness
     tension = film.tension if film.tension is not None else usual
-    return Strip(length, slot.depth, film.thickness, film.young_modulus, PVDF_DENSITY, tension, "hinged")
+    return Strip(
+        length=length,
+        depth=slot.depth,
+        thickness=film.thickness,
+        modulus=film.young_modulus,
+        density=PVDF_DENSITY,
+        tension=tension,
+        ends="hinged",
+    )
 
 
 def deflection(rod: Strip, load: float) -> float:

@@ -120,9 +120,17 @@ def _of_list(model: type[BaseModel], field: FieldInfo, key: str, values: Any) ->
     for place, value in enumerate(numbers, 1):
         if place > 1 or table != HISTORY:
             label = _label(f"{name.removesuffix(f'_{unit}')} {place}", unit)
-            span = low, 2 * largest, _step(low, 2 * largest)
-            hint = f"{key}.{place}: {field.description}"
-            yield Control(f"{key}.{place}", table, label, hint, "slider", value, None, *span)
+            yield Control(
+                key=f"{key}.{place}",
+                table=table,
+                label=label,
+                hint=f"{key}.{place}: {field.description}",
+                kind="slider",
+                value=value,
+                low=low,
+                high=2 * largest,
+                step=_step(low, 2 * largest),
+            )
 
 
 def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -> Iterator[Control]:
@@ -148,10 +156,18 @@ def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -
     ends = reach(start, low, high, unit)
     if whole:
         ends = float(math.floor(ends[0])), float(math.ceil(ends[1]))
-    span = *ends, 1.0 if whole else _step(*ends)
-    label = _label(name, unit)
     yield Control(
-        key, table, label, _hint_with_range(hint, low, high), "slider", shown, initial, *span, whole
+        key=key,
+        table=table,
+        label=_label(name, unit),
+        hint=_hint_with_range(hint, low, high),
+        kind="slider",
+        value=shown,
+        initial=initial,
+        low=ends[0],
+        high=ends[1],
+        step=1.0 if whole else _step(*ends),
+        whole=whole,
     )
 
 

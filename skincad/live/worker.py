@@ -98,13 +98,13 @@ def preload() -> None:
 def _signals(simulation: Simulation, *, rough: bool) -> Signals:
     march = simulation.march
     return Signals(
-        march.time,
-        march.column("normal"),
-        march.column("tangential"),
-        {ridge: signal.value for ridge, signal in simulation.signals.items()},
-        tuple(simulation.slip_steps),
-        rough,
-        tuple(str(simulation).split("\n")),
+        time=march.time,
+        normal=march.column("normal"),
+        tangential=march.column("tangential"),
+        stress={ridge: signal.value for ridge, signal in simulation.signals.items()},
+        slip_steps=tuple(simulation.slip_steps),
+        rough=rough,
+        lines=tuple(str(simulation).split("\n")),
     )
 
 

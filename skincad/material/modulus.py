@@ -209,21 +209,21 @@ def material_fit(
             f"the modulus {modulus:.3g} MPa is outside what a design takes, {SOFTEST:g} to {STIFFEST:g}"
         )
     return MaterialFit(
-        test.kind,
-        test.rows,
-        test.load.size,
-        Estimate(modulus, error, "MPa"),
-        scatter,
-        model,
-        misfit,
-        parts,
-        None,
-        whole.rms,
-        largest,
-        whole.correlation,
-        {},
-        (),
-        (test.deformation, test.load, test.load + whole.residual),
+        kind=test.kind,
+        rows=test.rows,
+        rows_used=test.load.size,
+        young_modulus=Estimate(modulus, error, "MPa"),
+        scatter=scatter,
+        model=model,
+        misfit=misfit,
+        parts=parts,
+        offset=None,
+        rms=whole.rms,
+        largest_load=largest,
+        correlation=whole.correlation,
+        seconds={},
+        warnings=(),
+        curve=(test.deformation, test.load, test.load + whole.residual),
     )
 
 

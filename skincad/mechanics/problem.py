@@ -270,16 +270,22 @@ def pad_of(design: Design) -> Pad:
         raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
-    if state == "bonded" and film is not None:
-        strips = tuple(slot.loop(film.thickness) for slot in shape.slots)
-        moduli = film.young_modulus, film.poisson_ratio
-    else:
-        strips, moduli = (), (0.0, 0.0)
-    voids = tuple(slot.loop() for slot in shape.slots) if state == "loose" else ()
-    modulus, ratio, length = material.young_modulus.value, material.poisson_ratio, design.skin.length
-    densities = material.density, PVDF_DENSITY if strips else 0.0
-    plate = design.contact.plate
-    return Pad(shape, length, modulus, ratio, strips, voids, *moduli, plate, *densities, law=material.law)
+    bonded = film if state == "bonded" else None
+    strips = tuple(slot.loop(bonded.thickness) for slot in shape.slots) if bonded else ()
+    return Pad(
+        section=shape,
+        length=design.skin.length,
+        young_modulus=material.young_modulus.value,
+        poisson_ratio=material.poisson_ratio,
+        strips=strips,
+        voids=tuple(slot.loop() for slot in shape.slots) if state == "loose" else (),
+        film_modulus=bonded.young_modulus if bonded else 0.0,
+        film_ratio=bonded.poisson_ratio if bonded else 0.0,
+        plate=design.contact.plate,
+        density=material.density,
+        film_density=PVDF_DENSITY if strips else 0.0,
+        law=material.law,
+    )
 
 
 def one_ridge(pad: Pad) -> Pad:

@@ -57,8 +57,24 @@ class OperatingPoint:
 SURE, EARLY = "sure", "early"
 # Of thresholds on the design set these cost least where a slip missed is as bad as 5 and as 20 false alarms.
 POINTS = {
-    SURE: OperatingPoint("slip_weights.toml", 1.5, 2.0, 0.56, (0.46, 0.66), 115.0, 17.0),
-    EARLY: OperatingPoint("slip_weights_early.toml", 1.25, 1.0, 0.80, (0.71, 0.87), 213.0, 33.0),
+    SURE: OperatingPoint(
+        file="slip_weights.toml",
+        threshold=1.5,
+        back=2.0,
+        warned=0.56,
+        between=(0.46, 0.66),
+        false=115.0,
+        idle=17.0,
+    ),
+    EARLY: OperatingPoint(
+        file="slip_weights_early.toml",
+        threshold=1.25,
+        back=1.0,
+        warned=0.80,
+        between=(0.71, 0.87),
+        false=213.0,
+        idle=33.0,
+    ),
 }
 
 

@@ -146,7 +146,16 @@ def march(
     times_done, states = np.asarray(times[: len(path.readings)]), path.states
     spent, loads, ridge = perf_counter() - began, np.array(path.loads), pad.ridge
     return March(
-        times_done, tuple(path.readings), ridge, pad.unknowns, stopped, failed, spent, loads, states, pad
+        time=times_done,
+        readings=tuple(path.readings),
+        ridge=ridge,
+        unknowns=pad.unknowns,
+        stopped=stopped,
+        failed=failed,
+        seconds=spent,
+        loads=loads,
+        states=states,
+        pad=pad,
     )
 
 

@@ -231,13 +231,13 @@ def path_of(march: March) -> PlatePath:
     normal_loads, pulled, _ = np.moveaxis(march.loads, 1, 0)
     films = march.column("films")[:, :, 0]
     return PlatePath(
-        march.time,
-        march.column("approach"),
-        march.column("travel"),
-        normal_loads,
-        pulled,
-        _slipping(march, normal_loads.shape[1]),
-        films[:, ::2] - films[:, 1::2],
+        time=march.time,
+        approach=march.column("approach"),
+        travel=march.column("travel"),
+        pressed=normal_loads,
+        pulled=pulled,
+        slips=_slipping(march, normal_loads.shape[1]),
+        felt=films[:, ::2] - films[:, 1::2],
     )
 
 

@@ -158,7 +158,16 @@ class TensileBar(NamedTuple):
 
 
 # source: ISO 37, dumb-bells, type 2, which is DIN 53504's S2
-BAR = TensileBar(75.0, 12.5, 25.0, 4.0, 8.0, 12.5, 2.0, 20.0)
+BAR = TensileBar(
+    length=75.0,
+    end_width=12.5,
+    narrow_length=25.0,
+    width=4.0,
+    outer_radius=8.0,
+    inner_radius=12.5,
+    thickness=2.0,
+    gauge_length=20.0,
+)
 BARS = 3  # source: ISO 37 asks for at least three test pieces
 
 

@@ -81,7 +81,17 @@ def optimise(
     )
     seconds = perf_counter() - began
     return Optimisation(
-        study, subject, best_members, closest, start, rows, len(members), untried, evaluated, reused, seconds
+        study=study,
+        subject=subject,
+        front=best_members,
+        closest=closest,
+        start=start,
+        rows=rows,
+        judged=len(members),
+        untried=untried,
+        evaluations=evaluated,
+        reused=reused,
+        seconds=seconds,
     )
 
 
@@ -243,7 +253,17 @@ class _Hunt:
         known = {key for row in rows for key in row.results}
         wanted = [(objective, _known(objective.key, known)) for objective in self.study.objectives]
         ranked = tuple(ranking(rows, key, objective.goal) for objective, key in wanted if key)
-        return SweepResult(self.subject, self.question, self.knobs, rows, ranked, None, 0, 0, 0.0)
+        return SweepResult(
+            subject=self.subject,
+            question=self.question,
+            knobs=self.knobs,
+            rows=rows,
+            rankings=ranked,
+            next_tier=None,
+            evaluations=0,
+            reused=0,
+            seconds=0.0,
+        )
 
     def _search(self, start: Array, budget: int) -> Optimiser:
         study, known = self.study, self._evaluations()

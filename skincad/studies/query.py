@@ -208,7 +208,16 @@ def told_by(
     refused = refused or data.get("beyond_range") or ""
     tier = data.get("tier", "")
     results = {name: estimate for name, estimate in measures(data).items() if name not in ECHOED}
-    return Evaluation(key, dict(values), results, data.get("passed"), refused, tier, seconds, when)
+    return Evaluation(
+        key=key,
+        values=dict(values),
+        results=results,
+        passed=data.get("passed"),
+        refused=refused,
+        tier=tier,
+        seconds=seconds,
+        when=when,
+    )
 
 
 def key_of(subject: Subject, values: Mapping[str, Value], question: Query) -> str:

@@ -376,16 +376,16 @@ def _told(
     if closest is not None and not solved and evaluator.off(closest) < math.inf:
         near = _solved(evaluator, closest, {})
     return Solution(
-        evaluator.subject,
-        evaluator.question,
-        evaluator.target or dict(evaluator.wished),
-        varied,
-        tuple(sorted(solved, key=lambda evaluation: _order(evaluator, varied, evaluation))),
-        near,
-        evaluations,
-        tuple(dict.fromkeys(notes)),
-        seconds,
-        complete,
+        subject=evaluator.subject,
+        question=evaluator.question,
+        target=evaluator.target or dict(evaluator.wished),
+        knobs=varied,
+        solutions=tuple(sorted(solved, key=lambda evaluation: _order(evaluator, varied, evaluation))),
+        closest=near,
+        evaluations=evaluations,
+        notes=tuple(dict.fromkeys(notes)),
+        seconds=seconds,
+        complete=complete,
     )
 
 

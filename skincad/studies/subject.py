@@ -346,7 +346,13 @@ def knob(subject: Subject, key: str, choices_told: RangeText) -> DesignVariable:
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(key, "must be a range of whole numbers", str(choices_told))
     return DesignVariable(
-        key, unit, start, low, high, whole, _count(key, numbers[2]) if len(parts) == 3 else None
+        key=key,
+        unit=unit,
+        start=start,
+        low=low,
+        high=high,
+        whole=whole,
+        count=_count(key, numbers[2]) if len(parts) == 3 else None,
     )
 
 

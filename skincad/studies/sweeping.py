@@ -293,7 +293,15 @@ def sweep(
     following = _next_tier(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
     return SweepResult(
-        subject, question, varied, tuple(rows), rankings, following, run.evaluated, run.reused, seconds
+        subject=subject,
+        question=question,
+        knobs=varied,
+        rows=tuple(rows),
+        rankings=rankings,
+        next_tier=following,
+        evaluations=run.evaluated,
+        reused=run.reused,
+        seconds=seconds,
     )
 
 

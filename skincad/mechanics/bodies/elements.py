@@ -119,14 +119,14 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
     inside[contact] = False
     even = np.linspace(0.0, 1.0, FINE + 1)
     return ContactStiffness(
-        matrix,
-        np.flatnonzero(inside),
-        contact,
-        _lift(mesh, space, both.ndof),
-        _merged(_sample(mesh, edges, contact, *lobatto(order))),
-        _sample(mesh, edges, contact, even, np.full(FINE + 1, 1 / FINE)),
-        mesh,
-        both,
+        matrix=matrix,
+        interior=np.flatnonzero(inside),
+        contact=contact,
+        lift=_lift(mesh, space, both.ndof),
+        nodes=_merged(_sample(mesh, edges, contact, *lobatto(order))),
+        fine=_sample(mesh, edges, contact, even, np.full(FINE + 1, 1 / FINE)),
+        mesh=mesh,
+        space=both,
     )
 
 

@@ -55,7 +55,15 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]
-    return StripBody(system, order, form, stress, moved, along_x, fe.held_on_cut(mesh, space))
+    return StripBody(
+        system=system,
+        order=order,
+        form=form,
+        stress=stress,
+        moved=moved,
+        along_x=along_x,
+        held=fe.held_on_cut(mesh, space),
+    )
 
 
 def _stress(mesh: Any, materials: Mapping[str, tuple[float, float]], u: Any, q: Any) -> Any:
@@ -288,7 +296,9 @@ def strip_stress(
     of = np.full(body.space.ndof, -1, dtype=np.int64)
     for element, number in zip(elements.tolist(), strip.tolist(), strict=True):
         of[list(body.space.GetDofNrs(ng.ElementId(ng.VOL, element)))] = number
-    return StripStress(moved, compiled, slopes, elements, strip, of, degree)
+    return StripStress(
+        moved=moved, parts=compiled, slopes=slopes, elements=elements, strip=strip, strip_of=of, order=degree
+    )
 
 
 def _slope(space: Any, part: Any, by: tuple[Any, Any], extra: int) -> Any:

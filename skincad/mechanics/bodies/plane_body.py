@@ -274,7 +274,16 @@ def body(
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
     odd, contact = elements.odd(system) if rest.interior.size < system.interior.size else (NONE, NONE)
     turned = np.concatenate([fill_order(rest.matrix, odd), contact]) if odd.size else NONE
-    return NeoHookeBody(mesh, both, form, rest, free, elimination, turned, contact.size)
+    return NeoHookeBody(
+        mesh=mesh,
+        space=both,
+        form=form,
+        rest=rest,
+        free=free,
+        order=elimination,
+        odd=turned,
+        odd_contact=contact.size,
+    )
 
 
 @dataclass(frozen=True)

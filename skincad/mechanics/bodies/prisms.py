@@ -67,7 +67,17 @@ def inside(order: int) -> Inside:
 def constant() -> AlongY:
     """Return the line of plane strain: one function, 1, over a length of 1."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
-    return AlongY(np.zeros(1), np.ones(1), one, zero, zero, one, zero, one, one)
+    return AlongY(
+        at=np.zeros(1),
+        weight=np.ones(1),
+        mass=one,
+        slope=zero,
+        stiff=zero,
+        mean=one,
+        rise=zero,
+        inverse=one,
+        fine=one,
+    )
 
 
 def graded(half: float, last: float, growth: float) -> Array:
@@ -112,7 +122,17 @@ def line(borders: Array, order: int, samples: int = 4) -> AlongY:
         fine.append(row)
     end = np.zeros((1, count))
     end[0, -1] = 1.0
-    return AlongY(at, weight, mass, slope, stiff, mean, rise, inverse, np.vstack([*fine, end]))
+    return AlongY(
+        at=at,
+        weight=weight,
+        mass=mass,
+        slope=slope,
+        stiff=stiff,
+        mean=mean,
+        rise=rise,
+        inverse=inverse,
+        fine=np.vstack([*fine, end]),
+    )
 
 
 def _lagrange(points: Array, at: Array) -> tuple[Array, Array]:

@@ -173,15 +173,15 @@ def solid_body(
     turned = free_unknowns(forms, line, clamped_end=clamped_end, odd=True)
     contact = (forms.plane.contact[:, None] * along + np.arange(along)).ravel()
     return SolidBody(
-        forms,
-        replace(seen_by_plate(forms.plane, line), contact=contact),
-        np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
-        fronts_of(forms, free),
-        fronts_of(forms, turned) if forms.cut.any() else None,
-        elements,
-        of_element.reshape(total, -1),
-        np.arange(total).reshape(-1, height),
-        np.repeat(line.at, forms.plane.nodes.weight.size),
+        forms=forms,
+        rest=replace(seen_by_plate(forms.plane, line), contact=contact),
+        free=np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
+        even=fronts_of(forms, free),
+        odd=fronts_of(forms, turned) if forms.cut.any() else None,
+        elements=elements,
+        of_element=of_element.reshape(total, -1),
+        of_triangle=np.arange(total).reshape(-1, height),
+        along=np.repeat(line.at, forms.plane.nodes.weight.size),
     )
 
 

@@ -108,7 +108,17 @@ def excess_at(law: Rubber, points: Index, deformed: Array, swell: Array) -> Exce
     """Return a law's excess at F `(e, g, 3, 3)` with J - 1 `(e, g)`."""
     square, axes = np.linalg.eigh(np.swapaxes(deformed, -1, -2) @ deformed)
     slope, bend = law.slopes(_measure(law, square, swell))
-    return Excess(law, points, slope, bend, square, axes, deformed @ axes, _pull(law, square), swell)
+    return Excess(
+        law=law,
+        own=points,
+        slope=slope,
+        bend=bend,
+        square=square,
+        axes=axes,
+        moved=deformed @ axes,
+        pull=_pull(law, square),
+        swell=swell,
+    )
 
 
 def excess_density(law: Rubber, deformed: Array, swell: Array) -> Array:
@@ -185,7 +195,17 @@ def elements_of(
     stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
     volume_terms = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
     softening = np.linalg.inv(volume_terms).astype(np.float64)
-    return Elements(weight, basis, test, shear, unseen, bulk, stretch, softening, laws)
+    return Elements(
+        weight=weight,
+        basis=basis,
+        test=test,
+        shear=shear,
+        unseen=unseen,
+        bulk=bulk,
+        stretch=stretch,
+        softening=softening,
+        laws=laws,
+    )
 
 
 @dataclass(frozen=True)

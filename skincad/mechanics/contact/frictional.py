@@ -146,7 +146,17 @@ def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactStat
     approach = float((skin.gap - skin.free[m:]).min())
     zero = np.zeros(m)
     clear = np.zeros(m, dtype=np.int8)
-    return ContactState(zero, zero, anchor, clear, zero, approach, travel, 0.0, angle=drive.angle)
+    return ContactState(
+        normal=zero,
+        tangential=zero,
+        anchor=anchor,
+        status=clear,
+        slipped=zero,
+        approach=approach,
+        travel=travel,
+        residual=0.0,
+        angle=drive.angle,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -454,7 +464,18 @@ class _Step:
         slipped = np.where(status >= RIGHT, solution.moved, 0.0)
         p, t = np.maximum(solution.p, 0.0), solution.t
         gross, angle = bool(all_slip), self.drive.angle
-        return ContactState(p, t, anchor, status, slipped, solution.d, solution.s, residual, gross, angle)
+        return ContactState(
+            normal=p,
+            tangential=t,
+            anchor=anchor,
+            status=status,
+            slipped=slipped,
+            approach=solution.d,
+            travel=solution.s,
+            residual=residual,
+            gross=gross,
+            angle=angle,
+        )
 
     def _residual(self, solution: _TrialSolution, status: Status, all_slip: float) -> float:
         p, t, w = solution.p, solution.t, solution.rounded

@@ -117,17 +117,17 @@ def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: f
     one = rest.nodes.rows[by_x]
     gap = (top - z)[by_x]
     return FrictionalPad(
-        body,
-        contact,
-        elimination,
-        sparse.csr_matrix(sparse.block_diag([one, one])),
-        gap - gap.min(),
-        x[by_x],
-        rest.nodes.weight[by_x] * unit,
-        rest.nodes.ridge[by_x],
-        float(z.max()),
-        unit,
-        scale,
+        body=body,
+        contact=contact,
+        order=elimination,
+        rows=sparse.csr_matrix(sparse.block_diag([one, one])),
+        gap=gap - gap.min(),
+        x=x[by_x],
+        weight=rest.nodes.weight[by_x] * unit,
+        ridge=rest.nodes.ridge[by_x],
+        top=float(z.max()),
+        unit=unit,
+        scale=scale,
         length=length,
     )
 

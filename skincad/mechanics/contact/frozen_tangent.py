@@ -118,7 +118,16 @@ class FrozenTangentPad:
         drift = Drift(np.zeros((2, self.pad.ridge.max(initial=0))), np.zeros_like(films))
         skin = Compliance(linear.compliance, self.pad.gap, zero, linear.solved, self.pad.area)
         tangent = FrozenTangent(
-            skin, zero, zero, state, linear, films, per_force, zero, np.zeros_like(films), drift
+            skin=skin,
+            force=zero,
+            place=zero,
+            state=state,
+            linear=linear,
+            films=films,
+            per_force=per_force,
+            late=zero,
+            films_late=np.zeros_like(films),
+            drift=drift,
         )
         return FrozenTangentState(state.grip, zero, films, 0.0, 0.0, tangent)
 
@@ -176,7 +185,16 @@ class FrozenTangentPad:
             np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0) / self.stride
         )
         distance, spent = max(before.gone, float(far)), dissipated(before.grip, contact)
-        return FrozenTangentState(contact, place, films, stored, spent, tangent, distance, chosen=False)
+        return FrozenTangentState(
+            grip=contact,
+            place=place,
+            films=films,
+            elastic=stored,
+            dissipated=spent,
+            held=tangent,
+            gone=distance,
+            chosen=False,
+        )
 
     def _chosen(
         self, before: FrozenTangentState, after: FrozenTangentState, end: Drive, cone: FrictionCoefficients
@@ -202,7 +220,18 @@ class FrozenTangentPad:
         late = after.place - (linear.compliance @ force + free)
         drift = Drift(STAYS * np.abs(self._of_ridges(force - true)), np.abs(films_late))
         skin = Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
-        now = FrozenTangent(skin, true, place, state, linear, films, per_force, late, films_late, drift)
+        now = FrozenTangent(
+            skin=skin,
+            force=true,
+            place=place,
+            state=state,
+            linear=linear,
+            films=films,
+            per_force=per_force,
+            late=late,
+            films_late=films_late,
+            drift=drift,
+        )
         return replace(after, held=now, gone=0.0, chosen=True)
 
     def _guess(self, after: FrozenTangentState) -> Array | None:

@@ -246,7 +246,13 @@ def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | No
             if not stable(body, linear, ridges, contact):
                 raise UnstableError(UNSTABLE)
             return PressedState(
-                values, force, contact.approach + base, contact, ridges, history[-1], tuple(history)
+                values=values,
+                force=force,
+                approach=contact.approach + base,
+                contact=contact,
+                ridges=ridges,
+                residual=history[-1],
+                history=tuple(history),
             )
     raise DivergedError(
         "no equilibrium is found, as where a tip or a fillet folds "

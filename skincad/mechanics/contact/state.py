@@ -182,4 +182,13 @@ class Compliance:
 def at_rest(points: int) -> ContactState:
     """Return the unloaded start of `points` points."""
     zero = np.zeros(points)
-    return ContactState(zero, zero, zero, np.zeros(points, dtype=np.int8), zero, 0.0, 0.0, 0.0)
+    return ContactState(
+        normal=zero,
+        tangential=zero,
+        anchor=zero,
+        status=np.zeros(points, dtype=np.int8),
+        slipped=zero,
+        approach=0.0,
+        travel=0.0,
+        residual=0.0,
+    )

@@ -176,16 +176,16 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
         halves.append(Half(points, inner, last, _strips(piece, moving_body, parity, films)))
     gap = (piece.whole.top - z)[lay.of]
     return PadEquations(
-        moving_body.stiff,
-        moving_body.soft,
-        _spread(moving_body.mass, contact, body.system.lift[:size]),
-        tuple(halves),
-        lay.share,
-        gap - gap.min(),
-        lay.weight(nodes.weight) * unit * piece.pad.length,
-        ridges_of(piece, nodes.ridge[lay.of], lay.left),
-        sum(half.inner.size + half.contact.size for half in halves),
-        body,
+        stiff=moving_body.stiff,
+        soft=moving_body.soft,
+        mass=_spread(moving_body.mass, contact, body.system.lift[:size]),
+        halves=tuple(halves),
+        share=lay.share,
+        gap=gap - gap.min(),
+        area=lay.weight(nodes.weight) * unit * piece.pad.length,
+        ridge=ridges_of(piece, nodes.ridge[lay.of], lay.left),
+        unknowns=sum(half.inner.size + half.contact.size for half in halves),
+        body=body,
     )
 
 

@@ -154,7 +154,15 @@ def rest_state(pad: PadEquations) -> DynamicState:
     """Return the unloaded start."""
     zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
     return DynamicState(
-        at_rest(pad.gap.size), zero, zero, zero, zero, zero, (), np.zeros((3, 2)), Drive(0.0, 0.0)
+        contact=at_rest(pad.gap.size),
+        u=zero,
+        v=zero,
+        a=zero,
+        rate=zero,
+        elastic_force=zero,
+        memory=(),
+        plate=np.zeros((3, 2)),
+        drive=Drive(0.0, 0.0),
     )
 
 
@@ -355,7 +363,18 @@ class Dynamics:
             for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
         )
         plate = plate_state(state, drive, contact, s, pushing)
-        new = DynamicState(contact, u, v, a, rate, self.pad.stiff @ u, memory, plate, drive, state.matter)
+        new = DynamicState(
+            contact=contact,
+            u=u,
+            v=v,
+            a=a,
+            rate=rate,
+            elastic_force=self.pad.stiff @ u,
+            memory=memory,
+            plate=plate,
+            drive=drive,
+            matter=state.matter,
+        )
         return replace(
             new,
             friction=friction_work(state.contact, contact),

@@ -48,13 +48,13 @@ def ridge_field(piece: PadPiece, solution: StickSolution, ridge: int, tangential
     xx, xz, zz, _ = stress.T * piece.pad.young_modulus
     first, second = _middles(piece, ridge)
     return RidgeField(
-        ridge,
-        ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
-        push.place * piece.unit,
-        shift * piece.unit,
-        xx * x * x + 2 * xz * x * z + zz * z * z,
-        push.triangles,
-        push.film,
+        ridge=ridge,
+        middle=((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
+        place=push.place * piece.unit,
+        shift=shift * piece.unit,
+        stress=xx * x * x + 2 * xz * x * z + zz * z * z,
+        triangles=push.triangles,
+        film=push.film,
     )
 
 
@@ -140,7 +140,13 @@ class WholeState:
         unit, modulus = self.piece.unit, self.piece.pad.young_modulus
         place, shift = patch.place * unit, patch.shift * unit
         return DeformedSection(
-            place, shift, patch.stress * modulus, patch.triangles, patch.film, plate, angle
+            place=place,
+            shift=shift,
+            stress=patch.stress * modulus,
+            triangles=patch.triangles,
+            film=patch.film,
+            plate=plate,
+            angle=angle,
         )
 
     def fault(

@@ -140,16 +140,18 @@ def _of_state(piece: PadPiece, loads: Sequence[_ContactLoad], unknowns: int) -> 
     alone = loads[0]
     none = np.zeros((2, len(contact), 3))
     return FilmResponse(
-        alone.force,
-        tuple((s.feature, s.side) for s in piece.whole.section.slots),
-        np.array(normal),
-        np.array(tangential),
-        none,
-        np.array(contact),
-        np.array([alone.ridge_force[r] for r in piece.pad.ridges]),
-        np.array([[alone.normal_per_pull(r), alone.tangential_per_pull(r)] for r in piece.pad.ridges]).T,
-        none[None],
-        unknowns,
+        force=alone.force,
+        strips=tuple((s.feature, s.side) for s in piece.whole.section.slots),
+        normal=np.array(normal),
+        tangential=np.array(tangential),
+        error=none,
+        contact=np.array(contact),
+        ridge_force=np.array([alone.ridge_force[r] for r in piece.pad.ridges]),
+        ridge_force_per_pull=np.array(
+            [[alone.normal_per_pull(r), alone.tangential_per_pull(r)] for r in piece.pad.ridges]
+        ).T,
+        at_other_forces=none[None],
+        unknowns=unknowns,
     )
 
 

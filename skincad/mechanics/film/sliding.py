@@ -93,15 +93,15 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactP
     gap = (piece.whole.top - z)[lay.of]
     ridges = ridges_of(piece, nodes.ridge[lay.of], lay.left)
     return ContactPad(
-        compliance * per_force + _of_ends(piece.whole, ridges),
-        gap - gap.min(),
-        np.where(lay.left, -x[lay.of], x[lay.of]),
-        ridges,
-        lay.weight(nodes.weight) * unit,
-        strips / (unit * pad.length),
-        body.system.unknowns,
-        WholeState(piece, body, tuple(solved)),
-        pad.length,
+        compliance=compliance * per_force + _of_ends(piece.whole, ridges),
+        gap=gap - gap.min(),
+        x=np.where(lay.left, -x[lay.of], x[lay.of]),
+        ridge=ridges,
+        weight=lay.weight(nodes.weight) * unit,
+        strips=strips / (unit * pad.length),
+        unknowns=body.system.unknowns,
+        whole=WholeState(piece, body, tuple(solved)),
+        length=pad.length,
     )
 
 

@@ -112,7 +112,15 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
         residual = max(residual, balance)
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
-    return StickSolution(push_state, pull_state, bonded, body.system.unknowns, residual, stages, body)
+    return StickSolution(
+        normal_state=push_state,
+        pull_state=pull_state,
+        bonded=bonded,
+        unknowns=body.system.unknowns,
+        residual=residual,
+        seconds=stages,
+        body=body,
+    )
 
 
 def condensed_piece(body: StripBody, fixed: Index) -> Condensation:

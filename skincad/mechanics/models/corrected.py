@@ -159,13 +159,13 @@ def apply_change(
     shares = _shares(fine, before, after)
     share_error = (fine.ridge_force[0].error or 0.0) + errors.share * force / len(shares)
     return Answer(
-        int(np.count_nonzero(shares > 0)),
-        _threshold(fine, before, after, force, errors.threshold),
-        Estimate(value * approach, (error + errors.approach * value) * approach, "mm"),
-        tuple(Estimate(float(f), share_error, "N") for f in shares),
-        max(fine.unknowns, after.unknowns),
-        max(fine.residual, before.residual, after.residual),
-        {},
+        touching=int(np.count_nonzero(shares > 0)),
+        all_touch_force=_threshold(fine, before, after, force, errors.threshold),
+        approach=Estimate(value * approach, (error + errors.approach * value) * approach, "mm"),
+        ridge_force=tuple(Estimate(float(f), share_error, "N") for f in shares),
+        unknowns=max(fine.unknowns, after.unknowns),
+        residual=max(fine.residual, before.residual, after.residual),
+        seconds={},
         fault=fine.fault,
         ridge_model=fine.ridge_model,
     )

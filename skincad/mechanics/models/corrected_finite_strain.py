@@ -34,16 +34,16 @@ def answer(
     """
     shares, error = _shares(small, ends, finite, request.force)
     return Answer(
-        int(np.count_nonzero(shares > 0)),
-        _product(small.all_touch_force, ends.all_touch_force, finite.all_touch_force),
-        _product(small.approach, ends.approach, finite.approach),
-        tuple(Estimate(float(f), error, "N") for f in shares),
-        max(ends.unknowns, finite.unknowns),
-        max(ends.residual, finite.residual),
-        {**ends.seconds, "finite strain": math.fsum(finite.seconds.values())},
-        tuple(dict.fromkeys((*ends.warnings, *finite.warnings))),
-        ends.fault,
-        ends.ridge_model,
+        touching=int(np.count_nonzero(shares > 0)),
+        all_touch_force=_product(small.all_touch_force, ends.all_touch_force, finite.all_touch_force),
+        approach=_product(small.approach, ends.approach, finite.approach),
+        ridge_force=tuple(Estimate(float(f), error, "N") for f in shares),
+        unknowns=max(ends.unknowns, finite.unknowns),
+        residual=max(ends.residual, finite.residual),
+        seconds={**ends.seconds, "finite strain": math.fsum(finite.seconds.values())},
+        warnings=tuple(dict.fromkeys((*ends.warnings, *finite.warnings))),
+        fault=ends.fault,
+        ridge_model=ends.ridge_model,
     )
 
 

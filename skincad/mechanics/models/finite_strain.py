@@ -180,16 +180,16 @@ def _plane_solution(solved: _LevelStates, scale: float, stages: dict[str, float]
     states = [state] if touching is None else [state, touching]
     threshold = 0.0 if numbers.size == 1 else None
     return PlaneSolution(
-        threshold if touching is None else touching.force * scale,
-        state.approach * meshed.unit,
-        meshed.on_whole(shares),
-        int(np.count_nonzero(meshed.on_whole(shares) > 0)),
-        rest.nodes.position[:, 0] * meshed.unit,
-        nodal / rest.nodes.weight * meshed.whole.young_modulus,
-        rest.unknowns,
-        max(max(s.residual, s.contact.residual) for s in states),
-        stages,
-        state.ridges,
-        meshed.unit,
-        scale,
+        all_touch_force=threshold if touching is None else touching.force * scale,
+        approach=state.approach * meshed.unit,
+        ridge_force=meshed.on_whole(shares),
+        touching=int(np.count_nonzero(meshed.on_whole(shares) > 0)),
+        x=rest.nodes.position[:, 0] * meshed.unit,
+        pressure=nodal / rest.nodes.weight * meshed.whole.young_modulus,
+        unknowns=rest.unknowns,
+        residual=max(max(s.residual, s.contact.residual) for s in states),
+        seconds=stages,
+        ridges=state.ridges,
+        unit=meshed.unit,
+        scale=scale,
     )

@@ -190,21 +190,21 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return PlaneSolution(
-        None if threshold is None else threshold * scale,
-        state.approach * unit,
-        meshed.on_whole(shares),
-        int(np.count_nonzero(meshed.on_whole(shares) > 0)),
-        system.nodes.position[:, 0] * unit,
-        state.force / system.nodes.weight * pad.young_modulus,
-        system.unknowns,
-        residual,
-        dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
-        ridges,
-        unit,
-        scale,
-        wrong or "",
-        assembled if meshed.mirrored else None,
-        tuple(outlines),
+        all_touch_force=None if threshold is None else threshold * scale,
+        approach=state.approach * unit,
+        ridge_force=meshed.on_whole(shares),
+        touching=int(np.count_nonzero(meshed.on_whole(shares) > 0)),
+        x=system.nodes.position[:, 0] * unit,
+        pressure=state.force / system.nodes.weight * pad.young_modulus,
+        unknowns=system.unknowns,
+        residual=residual,
+        seconds=dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        ridges=ridges,
+        unit=unit,
+        scale=scale,
+        fault=wrong or "",
+        half=assembled if meshed.mirrored else None,
+        outlines=tuple(outlines),
     )
 
 
@@ -463,13 +463,13 @@ def _estimated(
     share = error(lambda c: c.ridge_force)
     share = max(share, SHARE_BY_APPROACH * approach / abs(best.approach) * float(best.ridge_force.mean()))
     return Answer(
-        best.touching,
-        threshold,
-        Estimate(best.approach, approach, "mm"),
-        tuple(Estimate(float(f), share, "N") for f in best.ridge_force),
-        best.unknowns,
-        best.residual,
-        dict(seconds),
+        touching=best.touching,
+        all_touch_force=threshold,
+        approach=Estimate(best.approach, approach, "mm"),
+        ridge_force=tuple(Estimate(float(f), share, "N") for f in best.ridge_force),
+        unknowns=best.unknowns,
+        residual=best.residual,
+        seconds=dict(seconds),
         fault=best.fault,
     )
 

@@ -171,14 +171,14 @@ def level_of(
     unit = meshed.unit
     shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
     return SolidSolution(
-        None if threshold is None else threshold * scale,
-        approach * unit,
-        meshed.on_whole(shares),
-        nodes.position[:, 0] * unit,
-        along * unit,
-        state.force / nodes.weight * meshed.whole.young_modulus,
-        unknowns,
-        residual,
+        all_touch_force=None if threshold is None else threshold * scale,
+        approach=approach * unit,
+        ridge_force=meshed.on_whole(shares),
+        x=nodes.position[:, 0] * unit,
+        y=along * unit,
+        pressure=state.force / nodes.weight * meshed.whole.young_modulus,
+        unknowns=unknowns,
+        residual=residual,
     )
 
 
@@ -304,11 +304,11 @@ def _estimated(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) 
     if (shares < 0).any():  # a ridge at the brink of touching
         shares = best.ridge_force
     return Answer(
-        int(np.count_nonzero(shares > 0)),
-        threshold,
-        estimate(lambda c: np.array([c.approach]), "mm"),
-        tuple(Estimate(float(f), share_error, "N") for f in shares),
-        best.unknowns,
-        max(c.residual for c in (best, lower, finer)),
-        {},
+        touching=int(np.count_nonzero(shares > 0)),
+        all_touch_force=threshold,
+        approach=estimate(lambda c: np.array([c.approach]), "mm"),
+        ridge_force=tuple(Estimate(float(f), share_error, "N") for f in shares),
+        unknowns=best.unknowns,
+        residual=max(c.residual for c in (best, lower, finer)),
+        seconds={},
     )

@@ -331,14 +331,14 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         reached = max(reached, (1 + widths.approach) * _approach(moved, force) - approach)
     error = share_error(widths, shares, tuple(others))
     return Answer(
-        int(np.count_nonzero(shares > 0)),
-        Estimate(threshold, missed, "N"),
-        Estimate(approach, reached, "mm"),
-        tuple(Estimate(float(f), error, "N") for f in shares),
-        gaps.size,
-        abs(float(shares.sum()) / force - 1),
-        {"contact": perf_counter() - started},
-        tuple(_left_out(design, approach)),
+        touching=int(np.count_nonzero(shares > 0)),
+        all_touch_force=Estimate(threshold, missed, "N"),
+        approach=Estimate(approach, reached, "mm"),
+        ridge_force=tuple(Estimate(float(f), error, "N") for f in shares),
+        unknowns=gaps.size,
+        residual=abs(float(shares.sum()) / force - 1),
+        seconds={"contact": perf_counter() - started},
+        warnings=tuple(_left_out(design, approach)),
         fault=_out_of_range(design, min(approach, last or approach)) if doubly else "",
     )
 

@@ -105,7 +105,9 @@ def trapezoidal(network: Network, rate: float) -> Stepper:
     triangle, basis = linalg.schur(step, output="complex")
     back = basis.conj().T
     out, rest = (system.c * size) @ basis, back @ (system.rest / size)
-    return Stepper(rate, triangle, back @ push, back @ push, out, system.d, rest)
+    return Stepper(
+        rate=rate, step=triangle, now=back @ push, then=back @ push, out=out, through=system.d, rest=rest
+    )
 
 
 def errors_of(voltage: Real, exact: complex, per_period: int) -> dict[str, float]:
