@@ -1,6 +1,7 @@
 """Texts as data: what is read from a person's files, and what is written so that programs read it.
 
-A silicone's name, a choice in a sweep and a refusal may hold any letters. HTML has `html.escape`.
+Text of other people's files in files that we write: it stays text, and steers neither table nor page. A
+silicone's name, a choice in a sweep and a refusal may hold any letters. HTML has `html.escape`.
 
 tomllib alone takes time quadratic in a dotted key's parts and recurs with depth, so both are bounded before.
 """

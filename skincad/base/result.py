@@ -1,7 +1,8 @@
 """Results: frozen data whose numbers are declared once, and what all of them offer.
 
-The declaration gives the JSON (`as_json`) and the table of numbers (`numbers`, name -> Estimate) that studies
-vary, wish and rank by. A field or property that isn't declared with `item` or `reported` is in neither.
+Records: frozen data whose every number is declared once, with unit and meaning. The declaration gives the
+JSON (`as_json`) and the table of numbers (`numbers`, name -> Estimate) that studies vary, wish and rank by. A
+field or property that isn't declared with `item` or `reported` is in neither.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Gain against frequency: of the circuit as it is, on its rig, and against a measured curve.
 
-The paper's film lies between a vibrator's indenter and the probe of a force sensor. A sensor is a mass on a
-spring: it reads by the spring, and the film feels the mass's inertia too, a double zero in output by told
-load (an amplifier behind the sensor that passes as much does the same). Range: one mass each, in the film's
-direction. None of it acts in use: scenes, noise and netlist are without it.
+The rig of a frequency test: what is told of a load is not what the film feels. The paper's film lies between
+a vibrator's indenter and the probe of a force sensor. A sensor is a mass on a spring: it reads by the spring,
+and the film feels the mass's inertia too, a double zero in output by told load (an amplifier behind the
+sensor that passes as much does the same). Range: one mass each, in the film's direction. None of it acts in
+use: scenes, noise and netlist are without it.
 """
 
 from __future__ import annotations

@@ -1,15 +1,19 @@
 """The network of a circuit: constants, elements, topologies, and its SPICE netlist.
 
-Source: Yamada et al. 2002, equations (1) to (9) and Figs 5 and 6: the film is a current source beside its
-static capacitance and a series R-L-C (motional) branch.
+The constants that a topology makes its elements of, in SI. Source: Yamada et al. 2002, equations (1) to (9)
+and Figs 5 and 6: the film is a current source beside its static capacitance and a series R-L-C (motional)
+branch.
 
-Nodes are names. Three have a meaning: `GROUND`, `LOAD`, whose voltage is the load in N, and `OUT`.
+The elements that a circuit is a list of; response, state equations, noise and netlist follow from it. Nodes
+are names. Three have a meaning: `GROUND`, `LOAD`, whose voltage is the load in N, and `OUT`.
 
-Source: parallel plates (the edge's stray field left out: right while the electrode is much wider than the
-film is thick); piezoelectric charge D3 = d31 T1 + d32 T2 + d33 T3 (IEEE Std 176-1987), 1 the draw axis.
+The film's own values: capacitance from its size, charge from the three stresses. Source: parallel plates (the
+edge's stray field left out: right while the electrode is much wider than the film is thick); piezoelectric
+charge D3 = d31 T1 + d32 T2 + d33 T3 (IEEE Std 176-1987), 1 the draw axis.
 
-A new one is a function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film`
-(the film's electrode) and `vout` are given; capacitors and sources alone must not close a loop.
+The amplifiers: each a function from constants to the list of elements behind the film. A new one is a
+function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film` (the film's
+electrode) and `vout` are given; capacitors and sources alone must not close a loop.
 """
 
 from __future__ import annotations

@@ -6,9 +6,9 @@ appears twice cancel there and not in floating point, and every term that is lef
 What digits are lost are those that the elements' own values leave open, also where a system of numbers has
 none left (an amplifier's gain near Ropo / Rf).
 
-Thermal noise of each resistor and of the film's dielectric loss (Johnson 1928, Nyquist 1928), the
-amplifier's input voltage and current noise, white. Each source goes through the network alone; their powers
-add. The network itself is without the film's loss.
+Noise of film and amplifier at the output. Thermal noise of each resistor and of the film's dielectric loss
+(Johnson 1928, Nyquist 1928), the amplifier's input voltage and current noise, white. Each source goes through
+the network alone; their powers add. The network itself is without the film's loss.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Signals in time: a network's state space, the low-pass with rate and jerk, and the recorder.
 
-Scaling and squaring loses as many digits of the slow rates as the fastest is faster: 1e10 times leaves six of
-sixteen. In decimal numbers of 120 digits the slow ones keep all of double's for rates 1e60 apart, and a
-6 x 6 matrix takes some 20 ms.
+The exponential of a small matrix whose rates lie many powers of ten apart. Scaling and squaring loses as many
+digits of the slow rates as the fastest is faster: 1e10 times leaves six of sixteen. In decimal numbers of 120
+digits the slow ones keep all of double's for rates 1e60 apart, and a 6 x 6 matrix takes some 20 ms.
 
 States: the capacitors' voltages and the inductors' currents. The film's charge is the input, so that no
 derivative is taken. Exact first-order hold by the matrix exponential (Van Loan 1978): stable at any step for

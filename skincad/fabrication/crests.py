@@ -1,11 +1,13 @@
 """Crest heights of the cast part: their limits, and what comes out of a printer's layers.
 
-Crests are judged beside the line through all of them, which neither a shifted nor a tilted gauge moves; the
-line's rise and its height have limits of their own. The mold's ledge, on which the back is cast, is taken
-for as far off as a groove, on each side by itself: the same machine along the same axis (assumption).
+Limits of a part's crests by their process, and whether parts within these limits pass the verdict. Crests are
+judged beside the line through all of them, which neither a shifted nor a tilted gauge moves; the line's rise
+and its height have limits of their own. The mold's ledge, on which the back is cast, is taken for as far off
+as a groove, on each side by itself: the same machine along the same axis (assumption).
 
-Slicers ask the middle of each layer what is inside, and close gaps that are as narrow as CLOSED there. So a
-groove ends at the layer whose middle is the first to find it wider, by the print mesh's own chords.
+How high a printed mold's crests come out: each height is a whole number of layers. Slicers ask the middle of
+each layer what is inside, and close gaps that are as narrow as CLOSED there. So a groove ends at the layer
+whose middle is the first to find it wider, by the print mesh's own chords.
 """
 
 from __future__ import annotations

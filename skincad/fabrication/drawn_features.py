@@ -1,10 +1,12 @@
 """What a part's drawing shows: views, bores, slits, grooves and pockets.
 
-Below the front view is what is seen from above, to its right what is seen from the left. The front view is
-the one that shows most: an end plate's outer face, a lid's plan, what one sees of a cavity at end a.
+From where a made part is drawn: three views in first-angle arrangement (ISO 5456-2), in its own frame. Below
+the front view is what is seen from above, to its right what is seen from the left. The front view is the one
+that shows most: an end plate's outer face, a lid's plan, what one sees of a cavity at end a.
 
-Bores that are alike have one letter, and each its own number: D1, D2. Two on one line, in from both ends, are
-one hole with two sides.
+The bores of a made part as a shop asks for them: where, how wide, how deep, which thread, for what. Bores
+that are alike have one letter, and each its own number: D1, D2. Two on one line, in from both ends, are one
+hole with two sides.
 
 Places are those of the part's own views, mm.
 """

@@ -7,8 +7,9 @@ on a tab. A tab may be wider than the slot: of a strip that is drawn in, the oth
 
 In a strip's own frame: x along it, 0 in the skin's middle, its wiring side at +x; z across, the ridge below.
 
-At its slots a tab may stand nearer to the next than a contact is thick, and tabs of leaning slots cross.
-Leads are thin across and bend aside by an S of two arcs: that needs lead.
+How the tabs of a skin's strips come from their slots to a board: turned upright, spread to its grid. At its
+slots a tab may stand nearer to the next than a contact is thick, and tabs of leaning slots cross. Leads are
+thin across and bend aside by an S of two arcs: that needs lead.
 """
 
 from __future__ import annotations

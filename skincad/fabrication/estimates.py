@@ -1,17 +1,21 @@
 """Mass, time and cost of the parts by process.
 
-A move begins and ends at the speed that a corner allows, accelerates evenly and brakes evenly, as firmware
-of printers plans it, but for looking further ahead than one line: where a circle of short chords begins or
-ends, that is 0.02 s too much, about what is left out of ends of filling. Source: PrusaSlicer's own estimate,
-whose machine limits are the defaults here.
+How long a nozzle moves: straight moves and loops of lines, with acceleration and slower corners. A move
+begins and ends at the speed that a corner allows, accelerates evenly and brakes evenly, as firmware of
+printers plans it, but for looking further ahead than one line: where a circle of short chords begins or ends,
+that is 0.02 s too much, about what is left out of ends of filling. Source: PrusaSlicer's own estimate, whose
+machine limits are the defaults here.
 
-So the time is the height's, and that of a plate its tallest part's.
+Time of a print of resin: layers are exposed whole, however much of them is filled. So the time is the
+height's, and that of a plate its tallest part's.
 
-No slicer says these times; rates are assumptions, and the process's errors as wide.
+Stock and time of a part that is cut: the time follows from rates of removal and of faces. No slicer says
+these times; rates are assumptions, and the process's errors as wide.
 
-Each layer has loops along its contours, a filled rest, and ways between them. The layers' sections are the
-print mesh's. No number here is fitted: those of the machine are the process's, the rest is what PrusaSlicer
-does with its defaults. How often it draws filament back was counted in G-code of two parts (`_ways`).
+Material and time of a print of molten filament, by the lines of its layers. Each layer has loops along its
+contours, a filled rest, and ways between them. The layers' sections are the print mesh's. No number here is
+fitted: those of the machine are the process's, the rest is what PrusaSlicer does with its defaults. How often
+it draws filament back was counted in G-code of two parts (`_ways`).
 
 Prints are estimated by their layers, what is cut from stock by its faces. Errors and prices are the
 process's own; a part's errors are those of its process, and so add up.

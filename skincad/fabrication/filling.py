@@ -1,13 +1,15 @@
 """How a mold fills: the void that silicone fills, its levels, and the air that stays.
 
-In a doubly curved mold the skin and what touches its back are curved; volumes hold there as well.
+Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces. In
+a doubly curved mold the skin and what touches its back are curved; volumes hold there as well.
 
 The seats (carrier on ledge, cover on carrier) and the shims' slits in the end plates count as tight.
 
-The void is cut into convex cells. In a convex cell a straight way leads from any point to any other and
-never below the lower of them, so a cell needs one number: the level of the best way out of it. That way's
-lowest passage is as high as can be (a widest path; Pollack 1960), and passages are the faces that cells
-share, each as high as its highest corner. Exact but for arcs as chords.
+To which level air escapes from every place of a void while a liquid rises in it: a merge tree. The void is
+cut into convex cells. In a convex cell a straight way leads from any point to any other and never below the
+lower of them, so a cell needs one number: the level of the best way out of it. That way's lowest passage is
+as high as can be (a widest path; Pollack 1960), and passages are the faces that cells share, each as high as
+its highest corner. Exact but for arcs as chords.
 
 Statics: the level rises slowly, wets everything and leaves no bubble of its own; what silicone's viscosity
 catches besides, and what the mix holds, has to be taken out of it before. An open pour is two fillings: the

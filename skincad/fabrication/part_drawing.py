@@ -1,7 +1,8 @@
 """A part's drawing for the shop: dimensions, tables, tolerances and notes.
 
-How far a crest may be off follows from the check: until the verdict's margin is used up. What pins and slits
-allow follows from the gaps that parts slide with.
+Tolerances on a shop drawing: those of the process, and which sizes matter and why. How far a crest may be off
+follows from the check: until the verdict's margin is used up. What pins and slits allow follows from the gaps
+that parts slide with.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The pattern by which strips are cut, and parts' cut profiles.
 
-A wire, a laser or a router follows it; kerf and spark gap are the machine's to compensate. A conical hole is
-in it with its narrow end, to be reamed afterwards. Blind and crosswise cuts are not: the sheet's tables have
+Profile that is cut right through a made part along its body's axis: outline and holes, at nominal size. A
+wire, a laser or a router follows it; kerf and spark gap are the machine's to compensate. A conical hole is in
+it with its narrow end, to be reamed afterwards. Blind and crosswise cuts are not: the sheet's tables have
 them.
 
 Drawn as the strips lie in the mold, seen from +x with the + side, the front, facing you: x in the drawing is

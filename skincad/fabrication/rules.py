@@ -1,10 +1,12 @@
 """The rules of making a mold's parts: what a process can't make, by layers, machines and tools.
 
-At a corner of the plan's outline the part's own angle lies between the tangents of the two segments. What is
+Knife edges: corners of a made part so sharp that they chip or bend, and leave a flash where they part. At a
+corner of the plan's outline the part's own angle lies between the tangents of the two segments. What is
 worked here is the outline's plane; along a prism every face meets its ends at a right angle.
 
-In the plane of a part's section. A ball-end mill along y and a wire along y both sweep that disk. A corner of
-the space with the angle a keeps r (1 / sin(a / 2) - 1) of material on its bisector: a right angle 0.414 r.
+Material that a round tool leaves: the opening of the space that it cuts by a disk of its radius, in the plane
+of a part's section. A ball-end mill along y and a wire along y both sweep that disk. A corner of the space
+with the angle a keeps r (1 / sin(a / 2) - 1) of material on its bisector: a right angle 0.414 r.
 
 A rule is a function of a case, one part by one process, that yields a finding for each limit it breaks.
 Widths are exact: they are the design's own, or distances between the plan's polygons.

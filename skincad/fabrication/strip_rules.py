@@ -1,5 +1,6 @@
 """What may go wrong with film strips: drawn in, cast in, and in place.
 
+A film drawn into its slot behind a shim: the lap that joins them, the gaps it passes, and the bond after.
 Film and shim overlap, glued, and are thicker there than a comb's notch (0.088 mm in 0.060 for `yamada-2002`).
 So a straight mold's end plates slide off over the shims first. What is left on the lap's way is the slot,
 which is soft: it opens as far as the silicone stretches. Nothing has to be thinned or widened, and the notch

@@ -1,8 +1,9 @@
 """A pad's force against approach, computed and measured.
 
-Small strain in plane strain on a fine mesh, times the effect of free ends (corrected.py), times the effect of
-finite strain in plane strain. In units of E the curve does not depend on E, except for film strips, whose
-modulus stays.
+Force against approach of a pad under a flat plate, from which a pressed pad's modulus is read. Small strain
+in plane strain on a fine mesh, times the effect of free ends (corrected.py), times the effect of finite
+strain in plane strain. In units of E the curve does not depend on E, except for film strips, whose modulus
+stays.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Error bounds for effects that a model neglects.
 
-A pad modelled as endless along y carries nu times its stress in that direction. Free ends release it over
-about the base's thickness T from either end. So ridge i sinks by A_ij more per N on ridge j. A_ij scales with
-nu^2 / E times T over the length L, and decays with the distance of the ridges over T:
+By how much a pad's free ends move normal force from ridge to ridge, in closed form. A pad modelled as endless
+along y carries nu times its stress in that direction. Free ends release it over about the base's thickness T
+from either end. So ridge i sinks by A_ij more per N on ridge j. A_ij scales with nu^2 / E times T over the
+length L, and decays with the distance of the ridges over T:
 
     A_ij = reach nu^2 T / (E L^2) exp(-fall |x_i - x_j| / T).
 
@@ -10,9 +11,10 @@ Bonded strips run along y and hold the ridges there, so that less than half is l
 read off mechanics/models/corrected.py's solids of six random pads, three and five ridges, T 0.32 to 0.9 of
 the width, 1.2 to 3 times as long as wide: the middle ridge to 15 % with strips, to 25 % without.
 
-A ridge under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both
-grow by 1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere,
-Theory of Elastic Stability, 2nd ed., chap. 1 (beam-columns). Small strain knows none of it.
+P-delta: how much a ridge's normal force increases its bending under a pull. A ridge under a normal force P,
+displaced sideways by a pull, is also bent by P times that displacement. Both grow by 1 / (1 - P / Pcr), with
+Pcr the force at which the ridge sways without any pull: Timoshenko and Gere, Theory of Elastic Stability, 2nd
+ed., chap. 1 (beam-columns). Small strain knows none of it.
 
 Nothing here is fitted. The ridge is a column that bends and shears between two halves of elastic space, which
 its root and its tip turn in: the plate keeps a tip level only as far as silicone does. It is as squat and

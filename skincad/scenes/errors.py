@@ -1,19 +1,22 @@
 """Slips from readings, and the errors of slips, leads and stresses by their source.
 
-A quasi-static march with Coulomb friction is piecewise smooth, so its raw jerk is spikes of 1 / dt at events
-that depend on the mesh and are no signal. Everything goes through one causal low-pass.
+Signals from a march: band-limited stress with its rate and jerk, and when ridges slip. A quasi-static march
+with Coulomb friction is piecewise smooth, so its raw jerk is spikes of 1 / dt at events that depend on the
+mesh and are no signal. Everything goes through one causal low-pass.
 
-Mesh: the largest change to a march on the mesh before. Time step: the largest to one of fewer steps, at the
-times that both have, before gross slip: from there on they tell of different states. That change itself is
-taken, four times what it would be of first order in the step: points slip and stick from step to step, so the
-order is lower. Of yamada-2002-slip with 110 steps the error, by 550, is 0.06 to 0.96 of the change; of
-steady-pull and hold, looked at afterwards, 0.02 to 0.77. What is left out: the relative change of the ridges'
-loads, taken to be the signal's, of its largest.
+How wrong a told ridge's differential stress may be, by source. Mesh: the largest change to a march on the
+mesh before. Time step: the largest to one of fewer steps, at the times that both have, before gross slip:
+from there on they tell of different states. That change itself is taken, four times what it would be of first
+order in the step: points slip and stick from step to step, so the order is lower. Of yamada-2002-slip with
+110 steps the error, by 550, is 0.06 to 0.96 of the change; of steady-pull and hold, looked at afterwards,
+0.02 to 0.77. What is left out: the relative change of the ridges' loads, taken to be the signal's, of its
+largest.
 
-Mesh and time step: the change to a march on the mesh before, and to one of fewer steps. What is left out: an
-effect that changes a ridge's load by a share c lets it slip when it bears 1 / (1 + c) of what it bore at its
-slip without that effect. How long before the slip the ridge bore that much is how far the slip may move; the
-same is taken for later. Range: marches whose tangential load grows towards the slip.
+How wrong the time of a slip may be, and a lead, which is the time between two: by source. Mesh and time step:
+the change to a march on the mesh before, and to one of fewer steps. What is left out: an effect that changes
+a ridge's load by a share c lets it slip when it bears 1 / (1 + c) of what it bore at its slip without that
+effect. How long before the slip the ridge bore that much is how far the slip may move; the same is taken for
+later. Range: marches whose tangential load grows towards the slip.
 """
 
 from __future__ import annotations

@@ -20,7 +20,8 @@ lifted there. A shim is an arc, cut so from sheet, and is drawn out by turning i
 and carrier leave along z: a bowl is open above, so y holds nothing back while the ends lean by less than
 a right angle; in x each ridge's undercut is that of the section.
 
-The axis lies at y = 0 above; heights count from the back's middle, z = 0; angles from y = 0 towards +y.
+The bowl of a doubly curved mold in the plane (y, z): the back's arc, the ends' planes, what is between. The
+axis lies at y = 0 above; heights count from the back's middle, z = 0; angles from y = 0 towards +y.
 """
 
 from __future__ import annotations

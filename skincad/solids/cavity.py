@@ -6,8 +6,9 @@ between the end plates it can't move, and once the base is off it leaves down it
 flanks that lean away from it. The outer pieces leave half a pitch further outward. The price: a parting line
 on the summit of each ridge that is split, where a flash has to be kept thin.
 
-Rubber keeps its volume and the skin is long. So a ridge that passes an opening w out of its width W stretches
-upward by W / w - 1, which is held against the elongation at break. Friction and bending are left out.
+Where a cavity has to be split, because a ridge would be squeezed too much on its way out. Rubber keeps its
+volume and the skin is long. So a ridge that passes an opening w out of its width W stretches upward by W / w
+- 1, which is held against the elongation at break. Friction and bending are left out.
 """
 
 from __future__ import annotations

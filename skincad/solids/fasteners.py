@@ -1,7 +1,9 @@
 """Screws and threads.
 
-Lengths are mm, a torque is N m.
+The mold's M3 screws: which lengths there are, how deep their holes are, how tight they may be. Lengths are
+mm, a torque is N m.
 
+The blind threads, the pin's hole and the dimples of a mount: how wide, how deep, by the carrier's process.
 Screws come from the robot's side, and silicone lies under the carrier: no hole goes through. Lengths are mm.
 """
 

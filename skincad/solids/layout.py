@@ -1,10 +1,11 @@
 """Where the mold's screws, pins and seats lie, and how it is closed.
 
-A filled mold pushes its cover up over its carriers. The cover is a plate on rows of screws: across (x) it
-spans from row to row, along (y) from screw to screw. As in a flat slab each way carries the whole load
-(Nichols, Trans. ASCE 77, 1914), so both bows add: for a square plate on its four corners 2 x 5/384 q a4 / D,
-0.0260, where the plate's exact solution has 0.0257 (Timoshenko and Woinowsky-Krieger, Theory of Plates and
-Shells, section 47). Without the walls' support and the plate's Poisson ratio it is on the safe side.
+The cover as a plate: how many screws hold it, how thick it is, and how far it bows between them. A filled
+mold pushes its cover up over its carriers. The cover is a plate on rows of screws: across (x) it spans from
+row to row, along (y) from screw to screw. As in a flat slab each way carries the whole load (Nichols, Trans.
+ASCE 77, 1914), so both bows add: for a square plate on its four corners 2 x 5/384 q a4 / D, 0.0260, where the
+plate's exact solution has 0.0257 (Timoshenko and Woinowsky-Krieger, Theory of Plates and Shells, section 47).
+Without the walls' support and the plate's Poisson ratio it is on the safe side.
 
 Screws run along y through both end plates (a lane in each wall, nearest the trough) and down z from the cover
 (the outer lane), so no two bores meet. Those along y end in hexagonal nut pockets of end plate b where it is

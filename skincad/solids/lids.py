@@ -1,6 +1,7 @@
 """Carrier, cover and seal, and what is mounted on the carrier.
 
-x and y count from the carrier's middle, as the mold's do; a robot sees the carrier's top as the cover does.
+The mount in a carrier's top: where its threads, its pin's hole and its fiducials lie, and if they fit. x and
+y count from the carrier's middle, as the mold's do; a robot sees the carrier's top as the cover does.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Parts as plain data: roles, bodies and bores on an exact grid.
 
-Any prism or bore can be turned as a rigid body about an axis along x, as a doubly curved mold's ends are.
-Lengths are mm, in the mold's frame: x across the ridges, y along them, z up while pouring; the skin's back is
-at z = 0 and its ridges point down.
+Bodies of parts and of their cuts: a prism, a bore or what turns about an axis. Plain data, no CAD kernel. Any
+prism or bore can be turned as a rigid body about an axis along x, as a doubly curved mold's ends are. Lengths
+are mm, in the mold's frame: x across the ridges, y along them, z up while pouring; the skin's back is at z =
+0 and its ridges point down.
 
 One plan feeds the exact solid (`occ.py`), the print mesh (`fabrication/meshes.py`) and the volume formula,
 so each can be held against the others.

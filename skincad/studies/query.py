@@ -1,8 +1,9 @@
 """What a study asks of each of its designs, and the numbers that it gets.
 
-Lists are counted from 1, as ridges are, or by their entries' names: `ridge_force_N.3`,
-`parts.cavity.volume_mm3`; a list of plain numbers has `.min`, `.max` and `.last` too, any other `.count`. A
-key may leave its unit out: `all_touch_force`, `ridge_force.3`.
+What a result says, as numbers by key: any number of its JSON, with its error where it has one. Lists are
+counted from 1, as ridges are, or by their entries' names: `ridge_force_N.3`, `parts.cavity.volume_mm3`; a
+list of plain numbers has `.min`, `.max` and `.last` too, any other `.count`. A key may leave its unit out:
+`all_touch_force`, `ridge_force.3`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Evaluations of many designs, here, by workers or by a cluster, each logged at once.
 
-Any number of runs may write to one log at once. A line goes in under the file's lock; if a run is killed in
-the midst of it, the next one that appends cuts off what has no line end. Before an evaluation is begun it is
-claimed by a lock on one byte of the CLAIMS file beside the log, which ends with the process: nothing is left
-of a claim whose run was killed.
+The log of a study: every finished evaluation, one JSON line each, only ever appended to. Any number of runs
+may write to one log at once. A line goes in under the file's lock; if a run is killed in the midst of it, the
+next one that appends cuts off what has no line end. Before an evaluation is begun it is claimed by a lock on
+one byte of the CLAIMS file beside the log, which ends with the process: nothing is left of a claim whose run
+was killed.
 
 Whoever computes is a `concurrent.futures.Executor`; a Dask client offers one too.
 """

@@ -1,8 +1,9 @@
 """Solving for the values that give a wanted result.
 
-Sequential: the results are taken as linear near where one is, by secants that every evaluation betters
-(Broyden 1965); the least change that gives the wanted values then is looked up within the ranges and a trust
-region, and evaluated.
+Several numbers so that several results have wanted values, with the least change from the start. Sequential:
+the results are taken as linear near where one is, by secants that every evaluation betters (Broyden 1965);
+the least change that gives the wanted values then is looked up within the ranges and a trust region, and
+evaluated.
 """
 
 from __future__ import annotations

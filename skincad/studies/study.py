@@ -1,7 +1,8 @@
 """A study as a person writes it, what it aims at, and its result.
 
-By as much as the judge's numbers differed from a model's on the last design that both saw, the model's are
-taken larger or smaller everywhere; before that, by their own error.
+What a study's objectives and limits make of results: losses, and by how much each limit is broken. By as much
+as the judge's numbers differed from a model's on the last design that both saw, the model's are taken larger
+or smaller everywhere; before that, by their own error.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Sweeps: many designs side by side, and their ranking.
 
-Two designs that one model has judged share most of what that model leaves out: an effect that makes one's
-force 7 % larger makes a like one's about as much larger. So of the two models' errors only their difference
-counts in full, and of each a part that is its own; the errors of meshes are independent.
+Which of many designs is better, and how surely. Two designs that one model has judged share most of what that
+model leaves out: an effect that makes one's force 7 % larger makes a like one's about as much larger. So of
+the two models' errors only their difference counts in full, and of each a part that is its own; the errors of
+meshes are independent.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Condensation of a stiffness onto its contact unknowns, by one factorisation of the whole or front by front.
 
-All unknowns above one point of the section are eliminated together, so the fronts are dense and large:
-ten times faster than a general sparse factorisation, of which nothing but the last block is wanted. Where
-the other unknowns are wanted too, the fronts are kept.
+Nested dissection on the section's triangles: the Schur complement of a solid extruded from them. All unknowns
+above one point of the section are eliminated together, so the fronts are dense and large: ten times faster
+than a general sparse factorisation, of which nothing but the last block is wanted. Where the other unknowns
+are wanted too, the fronts are kept.
 """
 
 from __future__ import annotations

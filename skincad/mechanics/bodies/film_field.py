@@ -1,12 +1,14 @@
 """Stress in the film strips: of a linear state, and of a pad at finite strain.
 
-A body is assembled once and solved under either mirror condition on a cut at x = 0: what the condition
-holds are unknowns left out of the factorisation, as those of the clamped back are. Lengths are in the
-pad's unit, stresses in E.
+Stress in the elements: averages over the film's strips, and the field to draw; names ngsolve. A body is
+assembled once and solved under either mirror condition on a cut at x = 0: what the condition holds are
+unknowns left out of the factorisation, as those of the clamped back are. Lengths are in the pad's unit,
+stresses in E.
 
-Cauchy stress, N per present area, resolved where it is on the strip as it now lies: across is normal to the
-material planes that were parallel to its faces, along is the material line along it. What a strip bears does
-not change when it turns with its ridge. Averaged over the present volume. Lengths in units, stresses in E.
+The strips' mean stress at finite strain; names ngsolve. Cauchy stress, N per present area, resolved where it
+is on the strip as it now lies: across is normal to the material planes that were parallel to its faces, along
+is the material line along it. What a strip bears does not change when it turns with its ridge. Averaged over
+the present volume. Lengths in units, stresses in E.
 """
 
 from __future__ import annotations

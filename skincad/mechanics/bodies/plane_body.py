@@ -1,12 +1,14 @@
 """A plane body at finite strain: neo-Hookean, or by any law of rubber, and what of it would collide.
 
-Only crowns and tip fillets meet the plate in the models. A flank that reaches it, two ridges that meet
-and a slot that closes would go through each other unseen; a state that shows one is refused.
+Where a model of contact ends: parts of the skin that would touch without being in contact. Only crowns and
+tip fillets meet the plate in the models. A flank that reaches it, two ridges that meet and a slot that closes
+would go through each other unseen; a state that shows one is refused.
 
 Bodies have neo-Hooke's energy with the volume's part (plane_body.py) and add this, so that they are
 neo-Hooke's to the last digit where no law is given, and have the same small strain whatever the law.
 
-Neo-Hookean, or of another law, whose energy beyond neo-Hooke's is plane_body.py's.
+The rubber body in plane strain: energy, residual and condensed tangent, at any state. Neo-Hookean, or of
+another law, whose energy beyond neo-Hooke's is plane_body.py's.
 
 Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
 A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.

@@ -1,8 +1,10 @@
 """Energy, stress and stiffness of a solid body at its points, by its law of rubber.
 
-With C = F^T F of eigenvalues L and x = xi(C) - p ln J (laws/rubber.py), xi's slope by C is f(C) / 2 of
-f(L) = sum of m_k (2 / a_k) L^(a_k / 2 - 1), and p = f(1). Second derivatives of f(C) are its divided
-differences in C's eigenvectors: Ogden, Non-linear Elastic Deformations, 1984, sec. 6.1.4.
+What a law has more than neo-Hooke's at points in three dimensions: energy, stress and tangent, by the
+principal stretches. In units of the shear modulus; laws are in skincad/laws. With C = F^T F of eigenvalues L
+and x = xi(C) - p ln J (laws/rubber.py), xi's slope by C is f(C) / 2 of f(L) = sum of m_k (2 / a_k) L^(a_k / 2
+- 1), and p = f(1). Second derivatives of f(C) are its divided differences in C's eigenvectors: Ogden, Non-
+linear Elastic Deformations, 1984, sec. 6.1.4.
 
 Neo-Hooke's, and where elements have another what that has more (solid_law.py).
 

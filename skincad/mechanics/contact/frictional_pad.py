@@ -1,15 +1,17 @@
 """A meshed pad at finite strain under a plate with friction, in steps of the plate's travel.
 
-The plate is flat, so gaps and slips are linear in the displacements and only the body is linearised. In each
-iteration the body, condensed to its contact points, is a compliance and a place without contact forces; the
-contact problem with *total* forces is then solved exactly (frictional.py), against the anchors of the step's
-beginning. A tangent is kept while the residual falls quickly, from one step to the next too.
+A neo-Hookean pad under a flat plate with Coulomb friction: one step of a march, by Newton. The plate is flat,
+so gaps and slips are linear in the displacements and only the body is linearised. In each iteration the body,
+condensed to its contact points, is a compliance and a place without contact forces; the contact problem with
+*total* forces is then solved exactly (frictional.py), against the anchors of the step's beginning. A tangent
+is kept while the residual falls quickly, from one step to the next too.
 
 Accepted is what balances to RESIDUAL of the contact forces. A tangent that is not positive definite is no
 reason to stop: what a free ridge could not bear, one held by its plate may (press_path.py).
 
-Under a force a skin that softens has several equilibria, and Newton jumps between them; under a travel it has
-one. So a pull that does not converge is walked in strides of the travel until its force is passed.
+A step of a march with finite strain: cut where it does not converge, or driven by the plate's travel. Under a
+force a skin that softens has several equilibria, and Newton jumps between them; under a travel it has one. So
+a pull that does not converge is walked in strides of the travel until its force is passed.
 """
 
 from __future__ import annotations

@@ -7,11 +7,13 @@ so the solution is unique. C is a dense array or, of a long pad, a chain of slab
 A body that is stable only while its plate holds it has a flexibility that is not definite. The conditions are
 then those of a saddle point, and the solution is the one that sweeps from a set nearby lead to.
 
-Any load on a pad that is its own mirror image is the sum of one that is its own image and one that the mirror
-turns round, and the half bears each on its own: even ones with x held on its cut, odd ones with z held there.
+The contact of a whole pad from its half: what a load on one side alone does to either side. Any load on a pad
+that is its own mirror image is the sum of one that is its own image and one that the mirror turns round, and
+the half bears each on its own: even ones with x held on its cut, odd ones with z held there.
 
-A ridge is taken out of contact and the minimum of its finely sampled gap is put at zero by root
-finding on the force. Counting touching nodes instead would jump with the mesh.
+F9, the smallest force at which all ridges touch, as a smooth function of the design. A ridge is taken out of
+contact and the minimum of its finely sampled gap is put at zero by root finding on the force. Counting
+touching nodes instead would jump with the mesh.
 """
 
 from __future__ import annotations

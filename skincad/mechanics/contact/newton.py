@@ -2,10 +2,11 @@
 
 Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py.
 
-A body that would buckle if its contact were free may well stand under its plate. What counts is the tangent
-for all movements in which touching points stay on the plate, which rests on them with a dead load. Of a
-mirrored half there are two kinds: those that are their own image, and those that the mirror turns round.
-Under these the plate, which does not turn, stays where it is.
+Whether a pressed body is stable while the plate holds the points that touch it, and which ridge tips over
+where it is not. A body that would buckle if its contact were free may well stand under its plate. What counts
+is the tangent for all movements in which touching points stay on the plate, which rests on them with a dead
+load. Of a mirrored half there are two kinds: those that are their own image, and those that the mirror turns
+round. Under these the plate, which does not turn, stays where it is.
 
 The body is plane (neo_hooke.py) or solid (solid_body.py); what is asked of it is `Elastic`. Stable is what
 stands while the plate holds it (newton.py).

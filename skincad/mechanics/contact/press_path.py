@@ -1,9 +1,10 @@
 """A pad pressed with friction from first touch to the wanted force, and where its free surface would crease.
 
-In plane strain a smooth neo-Hookean surface compressed along itself to the stretch WRINKLES is unstable at
-every wavelength (Biot, Appl. Sci. Res. A 12 (1963) 168; 0.544), so the finer the mesh the more surely it
-folds there. A defect starts a crease from the stretch CREASES on (Hong, Zhao and Suo, Appl. Phys. Lett. 95
-(2009) 111901; 0.646). A crease is contact of the skin with itself, which no model here knows.
+Where a compressed free surface folds onto itself: a limit of the material, not of the mesh. In plane strain a
+smooth neo-Hookean surface compressed along itself to the stretch WRINKLES is unstable at every wavelength
+(Biot, Appl. Sci. Res. A 12 (1963) 168; 0.544), so the finer the mesh the more surely it folds there. A defect
+starts a crease from the stretch CREASES on (Hong, Zhao and Suo, Appl. Phys. Lett. 95 (2009) 111901; 0.646). A
+crease is contact of the skin with itself, which no model here knows.
 
 Measured on docs/facts.md's section, three ridges at 1.2 N, a coefficient of 1, pulled by travel: the stretch
 passes WRINKLES at Ft/Fn 0.666, 0.673, 0.649 and 0.655 (fineness and order 0.5 2, 0.5 3, 1 3, 2 2), first in

@@ -1,10 +1,10 @@
 """The state of a contact with friction, what drives it, and the laws of friction.
 
-By Coulomb's law that is the normal force times a coefficient. Other laws say which shear stress is borne at
-which pressure, straight between a few knees and constant beyond the last; one knee is a constant shear stress
-capped by Coulomb. A sliding point's force is then t = slope p + stress a, both of the line on which its
-pressure lies: for given lines the equations of a step stay linear, and the lines are one more set to be
-found.
+What friction bears at a contact point, by its normal force and by its area. By Coulomb's law that is the
+normal force times a coefficient. Other laws say which shear stress is borne at which pressure, straight
+between a few knees and constant beyond the last; one knee is a constant shear stress capped by Coulomb. A
+sliding point's force is then t = slope p + stress a, both of the line on which its pressure lies: for given
+lines the equations of a step stay linear, and the lines are one more set to be found.
 """
 
 from __future__ import annotations

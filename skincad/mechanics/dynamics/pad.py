@@ -1,7 +1,8 @@
 """A pad with masses, condensed for time steps.
 
-Where a pad at rest is condensed element by element, inner displacements have mass and memory of their own,
-so the pressure alone is eliminated here. At rest both give the same displacements, to rounding.
+A meshed pad with all its displacements kept: stiffness, relaxing part and mass; names ngsolve. Where a pad at
+rest is condensed element by element, inner displacements have mass and memory of their own, so the pressure
+alone is eliminated here. At rest both give the same displacements, to rounding.
 
 The contact points bear no mass; theirs is spread over the rest. Points with mass of their own
 stop or bounce at the plate by a rule that no mesh has, chatter, and gain energy: a bar that a plate strikes

@@ -5,12 +5,12 @@ lag, and rings: a corner, where the slope changes by s, adds x'' = s w^2 / w_d e
 w_d = w sqrt(1 - z^2). Clough and Penzien, Dynamics of Structures, sec. 5.3 and 6.1. Reference: the equation
 of motion integrated in time (tests/mechanics/dynamics/test_ringing.py).
 
-The skin is a spring along x and one downwards. The first is the run's largest pull over the plate's travel.
-The second is a tenth of the largest normal force over the approach there: a skin is soft where contact
-begins, and there the plate gathers speed. FREE_TOP of the skin's mass goes with the plate, which gives a
-bonded layer its slowest mode. A driven plate does not ring along: the layer below it does, held on both
-faces, and meets each change of speed with sqrt(stiffness mass) N per mm/s, of which 2 / pi is its first
-mode's.
+Ringing of a plate with mass on a skin, and its effect on the ridges, from a run without masses. The skin is a
+spring along x and one downwards. The first is the run's largest pull over the plate's travel. The second is a
+tenth of the largest normal force over the approach there: a skin is soft where contact begins, and there the
+plate gathers speed. FREE_TOP of the skin's mass goes with the plate, which gives a bonded layer its slowest
+mode. A driven plate does not ring along: the layer below it does, held on both faces, and meets each change
+of speed with sqrt(stiffness mass) N per mm/s, of which 2 / pi is its first mode's.
 
 Range: small strain. Friction only limits the pull. Compared with runs with masses in
 bench/table_left_out.py.

@@ -1,8 +1,9 @@
 """Time steps of a linear pad with mass and viscosity under a plate with mass.
 
-With masses the equation is met at a point within the step: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371.
-Without, as Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, whose method damps the highest modes out
-in one step; with equal steps it is BDF2. Both are of order 2 where velocities are smooth.
+The time integration scheme: generalised-alpha with masses, its first-order form without. With masses the
+equation is met at a point within the step: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371. Without, as
+Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, whose method damps the highest modes out in one step; with
+equal steps it is BDF2. Both are of order 2 where velocities are smooth.
 
 At a step's end K u + D e + M a = r, with K the elastic stiffness, D its relaxing part, e what of the strain
 has not relaxed yet, M the mass and r the contact forces; steps.py says where within a step it is met.

@@ -1,6 +1,7 @@
 """Displacement and stress of a linear pad, of one ridge alone and of the whole, by mirror-symmetric parts.
 
-A state takes one solve with the factorisation that condensed the pad, of a mirrored pad one for each parity.
+The whole pad under given forces at its contact points: its field to draw, and undetected contacts. A state
+takes one solve with the factorisation that condensed the pad, of a mirrored pad one for each parity.
 """
 
 from __future__ import annotations

@@ -1,12 +1,14 @@
 """A plane model corrected by the change from a coarse plane to a coarse solid pad.
 
-The correction compares two solutions on one coarse mesh of the section, so the mesh's error cancels.
+The corrected tier: the fine plane-strain answer with a correction for free ends from a coarse solid. The
+correction compares two solutions on one coarse mesh of the section, so the mesh's error cancels.
 
-Each ridge is moved down as one, along x and y. The ridges' stiffness is a small matrix, computed in plane
-strain and in three dimensions on the same coarse mesh. The difference of the inverses is smooth and belongs
-to the bulk. It is added to the fine section's compliance. Ends that are free to bulge can only soften a pad.
-Against the corrected tier (yamada-2002 6, 12 and 48 mm long, plain-ridges) the approach at 4 N is within
-0.6 %, a share within 0.8 % of the mean one; the ends themselves change them by 3 to 31 % and by 2 to 19 %.
+The compliance that free ends add to a pad's ridges, from a coarse solid. Each ridge is moved down as one,
+along x and y. The ridges' stiffness is a small matrix, computed in plane strain and in three dimensions on
+the same coarse mesh. The difference of the inverses is smooth and belongs to the bulk. It is added to the
+fine section's compliance. Ends that are free to bulge can only soften a pad. Against the corrected tier
+(yamada-2002 6, 12 and 48 mm long, plain-ridges) the approach at 4 N is within 0.6 %, a share within 0.8 % of
+the mean one; the ends themselves change them by 3 to 31 % and by 2 to 19 %.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Finite strain in the plane, corrected by the small-strain change to a solid pad.
 
-Each effect is another tier's. In three dimensions finite strain changes the all-touch force by 0.6 of its
-change in plane strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the tier solid-finite-strain).
+The tier corrected-finite-strain: the effect of free ends times the effect of finite strain. Each effect is
+another tier's. In three dimensions finite strain changes the all-touch force by 0.6 of its change in plane
+strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the tier solid-finite-strain).
 """
 
 from __future__ import annotations

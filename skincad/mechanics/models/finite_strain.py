@@ -1,8 +1,9 @@
 """Finite strain in the plane, on ever finer meshes.
 
-Levels and rungs are the linear tier's, and so is the error: two orders on one mesh (linear.py), and the
-clamped ends on top (EDGE_*). That it bounds the truth is measured in its test.
-The pad's free ends are still left out.
+The finite-strain tier: plane strain of the silicone's law, neo-Hooke's where a design names none, under a
+flat plate, and the error of each number. Levels and rungs are the linear tier's, and so is the error: two
+orders on one mesh (linear.py), and the clamped ends on top (EDGE_*). That it bounds the truth is measured in
+its test. The pad's free ends are still left out.
 
 Range: to where a ridge tips over under the plate or its tip folds (newton.py), 13 N in all on
 docs/facts.md's section, or to where parts meet that the model does not know (plane_body.py).

@@ -1,9 +1,9 @@
 """Small strain of the solid pad, on ever finer meshes.
 
-A level is one section mesh, one order in it and one set of layers along y. A rung solves the section at two
-orders and the layers at two gradings. Functions are products, so what finer layers change is nearly the
-same at both orders: it is added, and the differences are the errors. Meshes are refined until the tolerance
-is met.
+The solid tier: the pad's finite length with its free ends, small strain, exact contact. A level is one
+section mesh, one order in it and one set of layers along y. A rung solves the section at two orders and the
+layers at two gradings. Functions are products, so what finer layers change is nearly the same at both orders:
+it is added, and the differences are the errors. Meshes are refined until the tolerance is met.
 """
 
 from __future__ import annotations

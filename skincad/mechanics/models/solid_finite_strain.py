@@ -1,6 +1,7 @@
 """Finite strain of the solid pad.
 
-The correction compares small and finite strain on one coarse mesh of the section with the same prisms, so the
+The tier with free ends and finite strain: the solid's answer with a correction for finite strain. The
+correction compares small and finite strain on one coarse mesh of the section with the same prisms, so the
 mesh's error cancels (as in corrected.py).
 
 Range: to where a ridge buckles or its tip folds, or parts meet that the model does not know, as in the

@@ -1,12 +1,14 @@
 """The models of a check: what each leaves out, which designs it takes, and what it costs.
 
-They stand in one JSON file, `cost-law.json`, in the user's cache folder. A person can read it and may delete
-it at any time. Times of another machine or of other versions are not used. A file that cannot be read is
-ignored with a warning.
+Measured times of tiers on this machine: `skincad accuracy` writes them, the cost model reads them. They stand
+in one JSON file, `cost-law.json`, in the user's cache folder. A person can read it and may delete it at any
+time. Times of another machine or of other versions are not used. A file that cannot be read is ignored with a
+warning.
 
-The tiers' laws stand in table.py, those of the yield and of friction here. They were fitted to the templates
-(`skincad accuracy`, ladder contact) on one core of an idle AMD EPYC. Measurements on this machine
-scale them. A check also scales them by the time of its linear tier.
+Cost model: predicted times, and the size of a problem that they depend on. The tiers' laws stand in table.py,
+those of the yield and of friction here. They were fitted to the templates (`skincad accuracy`, ladder
+contact) on one core of an idle AMD EPYC. Measurements on this machine scale them. A check also scales them by
+the time of its linear tier.
 """
 
 from __future__ import annotations

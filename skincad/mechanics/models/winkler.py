@@ -1,9 +1,10 @@
 """The closed form: each ridge a row of independent springs (Winkler), and its error.
 
-Springs are too soft where silicone is confined (a thin, wide, nearly incompressible layer), where many
-ridges press one base, and where unloaded ridges hold up the base around loaded ones. They are too stiff where
-a tip touches with a part of its crown or with one edge. In the usual range the calibrated constants dominate,
-beyond it these indicators.
+Error bounds of the Winkler tier: calibrated constants, and indicators from the design. Springs are too soft
+where silicone is confined (a thin, wide, nearly incompressible layer), where many ridges press one base, and
+where unloaded ridges hold up the base around loaded ones. They are too stiff where a tip touches with a part
+of its crown or with one edge. In the usual range the calibrated constants dominate, beyond it these
+indicators.
 
 The indicators' constants were set against the linear tier on 81 pads of bench/campaign (`wide`, seeds 0 to
 80; the all-touch force F from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
@@ -12,9 +13,10 @@ to the shares, on seeds 1000 to 1099. Judged on 100 others (seeds 2000 to 2099) 
 all, F of 99 and the shares of 98, at worst 1.31 bars off; in the median they are 3 (approach) and 4 (F) times
 too wide.
 
-It ranks designs in less than a millisecond. It leaves out that ridges push each other down through the common
-base, so the all-touch force is 25 to 35 % below plane strain (docs/facts.md), more on thick skins;
-The second half of this module says how far off it may be.
+The Winkler tier: each ridge a spring of its own, in closed form. It ranks designs in less than a millisecond.
+It leaves out that ridges push each other down through the common base, so the all-touch force is 25 to 35 %
+below plane strain (docs/facts.md), more on thick skins; The second half of this module says how far off it
+may be.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
 about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square

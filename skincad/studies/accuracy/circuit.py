@@ -1,11 +1,12 @@
 """The ladder of a circuit's time steps.
 
-A smooth signal and one with a kink. Smooth: a sine of the cut-off's frequency that swells gently, so that no
-hold is judged by a start that it did not cause; what is compared is the last periods. Kinked: a load that
-begins to rise straight at one sample, as a stress does where a ridge starts to slip. The input is the film's
-charge at the samples. The three holds:
-straight lines between samples (exact first-order hold, what skincad uses), steps (zero-order hold), and the
-trapezoidal rule (bilinear, Tustin 1947). Franklin, Powell, Workman, Digital Control, 3rd ed., ch. 6.
+The circuit in time: samples a period and the hold between samples, against the exact response. A smooth
+signal and one with a kink. Smooth: a sine of the cut-off's frequency that swells gently, so that no hold is
+judged by a start that it did not cause; what is compared is the last periods. Kinked: a load that begins to
+rise straight at one sample, as a stress does where a ridge starts to slip. The input is the film's charge at
+the samples. The three holds: straight lines between samples (exact first-order hold, what skincad uses),
+steps (zero-order hold), and the trapezoidal rule (bilinear, Tustin 1947). Franklin, Powell, Workman, Digital
+Control, 3rd ed., ch. 6.
 """
 
 from __future__ import annotations

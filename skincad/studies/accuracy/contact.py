@@ -1,7 +1,8 @@
 """The ladder of contact models.
 
-Two errors that are never mixed. The mesh's: each physical model against its own finest setting. The whole:
-every trial against the best model that can judge the design. A model's time includes all that it builds on.
+Contact: models, meshes and orders, judged by F9, the force from which all ridges touch, and the approach. Two
+errors that are never mixed. The mesh's: each physical model against its own finest setting. The whole: every
+trial against the best model that can judge the design. A model's time includes all that it builds on.
 """
 
 from __future__ import annotations

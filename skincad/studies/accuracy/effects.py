@@ -1,8 +1,9 @@
 """The ladder of effects: what leaving each out changes.
 
-Every effect there is is named and left out in turn, with its default table, on the coarsest mesh. The error
-is what leaving it out does; the time is the scene's with it. Effects change by different physics, so nothing
-here is a step towards anything: no line joins them.
+Effects: what each changes in the paper's scene, and what it costs. Every effect there is is named and left
+out in turn, with its default table, on the coarsest mesh. The error is what leaving it out does; the time is
+the scene's with it. Effects change by different physics, so nothing here is a step towards anything: no line
+joins them.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
 """The ladder of slip: a scene's meshes and steps.
 
+Slip: mesh, order and time step of the paper's scene, by the differential stress and by when a ridge slips.
 Quasi-static Coulomb friction knows no rate, so a coarser step does not blur the signal: it moves the instant
 at which a ridge is found to slip.
 """

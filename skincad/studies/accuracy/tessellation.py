@@ -1,7 +1,8 @@
 """The ladder of print meshes.
 
-Both get the same tolerance, absolute. manifold3d starts from the plan, the CAD kernel from its exact solid,
-which is at hand for STEP anyway. Deviations are measured both ways against a mesh ten times finer.
+Print meshes of the skin: chord tolerance against measured deviation, by manifold3d and the CAD kernel. Both
+get the same tolerance, absolute. manifold3d starts from the plan, the CAD kernel from its exact solid, which
+is at hand for STEP anyway. Deviations are measured both ways against a mesh ten times finer.
 """
 
 from __future__ import annotations
