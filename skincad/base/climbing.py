@@ -13,17 +13,17 @@ from time import perf_counter
 from typing import Any, Generic, TypeVar
 
 SolverLevel = TypeVar("SolverLevel")
-Answered = TypeVar("Answered")
-Estimated = TypeVar("Estimated")
+Answer = TypeVar("Answer")
+Assessment = TypeVar("Assessment")
 
 
 @dataclass(frozen=True)
-class Ascent(Generic[SolverLevel, Answered, Estimated]):
+class Ascent(Generic[SolverLevel, Answer, Assessment]):
     """How far a climb has come in `spent` s: what is `found` on the last of its `rungs`, what is `told` of it
     and its relative `error`, inf where unknown; `ended` is why a finer rung does not count."""
 
-    found: Answered
-    told: Estimated
+    found: Answer
+    told: Assessment
     error: float
     rungs: tuple[SolverLevel, ...]
     spent: float
@@ -37,17 +37,17 @@ def by_price(before: Ascent[Any, Any, Any], following: Any) -> float:
 
 
 def climb(
-    solve: Callable[[SolverLevel, Ascent[SolverLevel, Answered, Estimated] | None], Answered],
+    solve: Callable[[SolverLevel, Ascent[SolverLevel, Answer, Assessment] | None], Answer],
     rungs: Sequence[SolverLevel],
-    estimate: Callable[[SolverLevel, Answered, Answered | None], tuple[Estimated, float]],
+    estimate: Callable[[SolverLevel, Answer, Answer | None], tuple[Assessment, float]],
     tol: float,
     budget: float | None = None,
     *,
     began: float,
     ends: tuple[type[BaseException], ...],
-    price: Callable[[Ascent[SolverLevel, Answered, Estimated], SolverLevel], float] = lambda *_: 0.0,
+    price: Callable[[Ascent[SolverLevel, Answer, Assessment], SolverLevel], float] = lambda *_: 0.0,
     first: int = 0,
-) -> Ascent[SolverLevel, Answered, Estimated]:
+) -> Ascent[SolverLevel, Answer, Assessment]:
     """Return how far rungs were climbed from the `first` on: to a relative error of `tol`, or until the next
     one would overrun `budget` s from `began` by its `price`, s; one of an endless price is not climbed.
 
@@ -55,7 +55,7 @@ def climb(
     the one before. A rung that raises one of `ends` leaves the one before as the last; without any before, it
     gives way to the next cheaper, and the cheapest one's refusal stands.
     """
-    reached: Ascent[SolverLevel, Answered, Estimated] | None = None
+    reached: Ascent[SolverLevel, Answer, Assessment] | None = None
     at = first
     while True:
         try:

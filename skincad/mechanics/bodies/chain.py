@@ -108,7 +108,7 @@ def _between(scalar: Index, second: int, slab: Index, size: int) -> tuple[Index,
     return first, last
 
 
-FrozenTangent = tuple[
+SlabFactors = tuple[
     bytes, Array, Array, Array
 ]  # the points, and with them held: root, side, and what it adds to T
 
@@ -137,7 +137,7 @@ class SlabChain:
     fronts: list[Front]
     free: FrontFactors
     size: int
-    known: dict[int, FrozenTangent] = field(default_factory=dict, repr=False)
+    known: dict[int, SlabFactors] = field(default_factory=dict, repr=False)
 
     def seen(self, rows: sparse.csr_matrix) -> SlabChain:
         """Return the flexibility of points that the contact unknowns move by `rows` `(m, m)`; each point is
@@ -228,7 +228,7 @@ class SlabChain:
                 columns[at] = blas.dtrsm(1.0, root, rest, lower=1, trans_a=1)
         return columns[inside]
 
-    def _held(self, number: int, touching: Array) -> FrozenTangent:
+    def _held(self, number: int, touching: Array) -> SlabFactors:
         """A slab with its points `touching` held; remembered until others are asked for."""
         key, slab = touching.tobytes(), self.slabs[number]
         if number not in self.known or self.known[number][0] != key:

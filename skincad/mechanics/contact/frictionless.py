@@ -49,7 +49,7 @@ class NodalContact:
 
 
 Flexibility = Array | SlabChain
-SolutionPoint = dict[
+ActiveSetCache = dict[
     bytes, tuple[Array, Array]
 ]  # of one pad: active points to what they carry by gaps and by one
 
@@ -67,7 +67,7 @@ def press(
     gap: Array,
     force: float,
     start: Mask | None = None,
-    solved: SolutionPoint | None = None,
+    solved: ActiveSetCache | None = None,
     *,
     definite: bool = True,
     may: Mask | None = None,
@@ -125,7 +125,7 @@ def _equilibrium(
     gap: Array,
     force: float,
     active: Mask,
-    solved: SolutionPoint,
+    solved: ActiveSetCache,
     definite: bool = True,
 ) -> tuple[Array, float]:
     """Forces and approach that close exactly the active points under the total force."""
@@ -381,7 +381,7 @@ class _Outsider:
         self.rows = ridges.fine_rows[self.points]
         self.unknowns = splu(ridges.rows.tocsc())
         self.start = touching
-        self.solved: SolutionPoint = {}
+        self.solved: ActiveSetCache = {}
         self.at_rest = self._least(ridges.fine_gap[self.points])
 
     def press(self, force: float) -> NodalContact:

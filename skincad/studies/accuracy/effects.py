@@ -29,14 +29,14 @@ BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assump
 # s of a march of yamada-2002 without any and with those that take longer; measured
 PLAIN = 1.7
 SECONDS = {"finite_strain": 60.0, "free_ends": 8.0, "inertia": 20.0, "viscosity": 20.0}
-SceneRun = tuple[Simulation, tuple[float, ...]]
+TimedSimulation = tuple[Simulation, tuple[float, ...]]
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     """Return two trials an effect: the scene with it, and without it with the error that this makes."""
 
     @cache
-    def run(changes: tuple[str, ...], steps: int, friction: float) -> SceneRun:
+    def run(changes: tuple[str, ...], steps: int, friction: float) -> TimedSimulation:
         scene = scene_on(design, f"history.steps={steps}", *changes, friction=friction)
         return timed(lambda: marched(scene, LEVELS[0], MOST), repeats)
 
