@@ -10,8 +10,9 @@ import sys
 import time
 
 import skincad
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
@@ -22,9 +23,9 @@ def rows() -> dict[tuple[str, str], list[Finding]]:
     found = {}
     for name in template_names():
         design = skincad.load(name)
-        found[name, "own"] = design_findings(design)
+        found[name, "own"] = design_findings(Job(design))
         for process in PROCESSES:
-            found[name, process] = design_findings(by(design, process))
+            found[name, process] = design_findings(Job(by(design, process)))
     return found
 
 

@@ -21,6 +21,7 @@ from bench.campaign.poured_by_solids import Kit, poured_by_solids
 from bench.campaign.random_designs import drawn
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold, mesh
 from skincad.fabrication.sheet import casting_sheet, poured_volume
@@ -65,9 +66,9 @@ def faults(design: Design, *, kernel: bool = True) -> Iterator[str]:
     gap = min(design.mold.clearance, design.mold.slit_clearance) or CHORD
     fine = max(1e-4, min(CHORD, gap / 10))  # as `make` takes it
     yield from map(str, interference(closed, fine))
-    findings = [*design_findings(design, closed), *filling_findings(design, closed)]
+    findings = [*design_findings(Job(design, closed)), *filling_findings(Job(design, closed))]
     yield from (str(f) for f in findings if f.severity == "error" and f.rule not in OF_DESIGN)
-    yield from _sheet_faults(design, closed, casting_sheet(design, closed, findings, "Passes.", True))
+    yield from _sheet_faults(design, closed, casting_sheet(Job(design, closed), findings, "Passes.", True))
 
 
 def _solid_faults(closed: ClosedMold) -> Iterator[str]:
@@ -95,7 +96,7 @@ def _mesh_faults(closed: ClosedMold) -> Iterator[str]:
 def _sheet_faults(design: Design, closed: ClosedMold, sheet: str) -> Iterator[str]:
     (found,) = re.findall(r"the mold takes ([\d.]+) cm³, ([\d.]+) g", sheet)
     volume, grams = 1000 * float(found[0]), float(found[1])
-    formula = poured_volume(design, closed)
+    formula = poured_volume(Job(design, closed))
     if abs(volume / formula - 1) > 1e-3:  # the sheet has four digits
         yield f"casting sheet: {volume} mm3, poured are {formula:.2f}"
     if abs(grams / (formula * silicone(design).density * 1e-6) - 1) > 1e-3:

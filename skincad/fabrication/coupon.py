@@ -52,6 +52,13 @@ PAD_RIDGE = {
     "root_fillet": 0.3,
 }
 SILICONE = "dragon-skin-20"  # assumption: in the middle of those that ship
+BAR_FORM, PAD_FORM, PAD_DESIGN = "tensile.csv", "pad.csv", "pad.toml"
+# mm; assumption: up to a strain of 0.3 for the modulus, in steps that a calliper tells, to 0.6 for the laws
+EXTENSIONS = (*(0.5 * i for i in range(13)), *(6.0 + 0.75 * i for i in range(1, 9)))
+APPROACHES = tuple(0.05 * i for i in range(1, 13))  # mm; the pad's model goes to 0.64 mm at 0.5 MPa
+GAUGE_SHARE = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
+FINEST_GAUGE = 0.001  # mm, of common gauges
+PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,15 +140,6 @@ def _pad(process: str, silicone: str, printer: Own | None, lab_tables: Own | Non
         material={"name": silicone},
         mold={"process": process},
     )
-
-
-BAR_FORM, PAD_FORM, PAD_DESIGN = "tensile.csv", "pad.csv", "pad.toml"
-# mm; assumption: up to a strain of 0.3 for the modulus, in steps that a calliper tells, to 0.6 for the laws
-EXTENSIONS = (*(0.5 * i for i in range(13)), *(6.0 + 0.75 * i for i in range(1, 9)))
-APPROACHES = tuple(0.05 * i for i in range(1, 13))  # mm; the pad's model goes to 0.64 mm at 0.5 MPa
-GAUGE_SHARE = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
-FINEST_GAUGE = 0.001  # mm, of common gauges
-PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
 
 
 def coupon_forms(kit: CouponKit) -> dict[str, str]:

@@ -6,8 +6,8 @@ and its height have limits of their own. The mold's ledge, on which the back is 
 as a groove, on each side by itself: the same machine along the same axis (assumption).
 
 How high a printed mold's crests come out: each height is a whole number of layers. Slicers ask the middle of
-each layer what is inside, and close gaps that are as narrow as CLOSED there. So a groove ends at the layer
-whose middle is the first to find it wider, by the print mesh's own chords.
+each layer what is inside, and close gaps that are as narrow as SLICE_CLOSING there. So a groove ends at the
+layer whose middle is the first to find it wider, by the print mesh's own chords.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import print_chord
-from skincad.inputs.design import Design, height_keys, with_heights
-from skincad.inputs.process import Process, processes
-from skincad.shape.skin import section, skin_of
-from skincad.solids.mold import ClosedMold
+from skincad.inputs.design import height_keys, with_heights
+from skincad.inputs.process import Process
+from skincad.shape.skin import section
 from skincad.solids.plan import PartRole, Prism, corners
-from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
+from skincad.solids.shrinkage import scaled_for_shrinkage
 
 # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
 REJECTED_SHARE = 0.005
@@ -37,6 +37,9 @@ READINGS_NEAR_EDGE = 64  # of each crest in all, near the verdict's edge: so tha
 # standard deviations of what READINGS leave of GAUGE_SIGMA: beyond, one verdict in 160 is the gauge's
 EDGE_DEVIATIONS = 2.5
 SHRINKAGE_SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
+LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
+NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
+SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
 
 class Crests(NamedTuple):
@@ -55,12 +58,12 @@ class Crests(NamedTuple):
     layers_known: bool  # whether layers, if there are any, are known where they fall
 
 
-def crest_limits(design: Design, closed: ClosedMold) -> Crests:
+def crest_limits(job: Job) -> Crests:
     """Return the limits of a cast skin's crests."""
-    skin = skin_of(design)
-    process, count = processes(design.printer)[design.mold.process], skin.count
-    printed = printed_crests(design, closed)
-    step, offset = 0.0 if printed else unknown_step(process), offset_of(design)
+    skin = job.skin
+    process, count = job.cavity_process, skin.count
+    printed = printed_crests(job)
+    step, offset = 0.0 if printed else unknown_step(process), offset_of(job)
     heights = tuple(high + offset for high in printed or skin.crests)
     sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
     deviations = NormalDist().inv_cdf(1 - REJECTED_SHARE / 2 / (count + OTHER_ROWS))
@@ -68,7 +71,7 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     places = [i - (count - 1) / 2 for i in range(count)]
     squares = math.fsum(place**2 for place in places)
     beside = [math.sqrt(1 - 1 / count - place**2 / squares) for place in places] if count > 2 else []
-    rise = math.hypot(read * (count - 1) / math.sqrt(squares or 1.0), sigma * math.sqrt(2) * _span(design))
+    rise = math.hypot(read * (count - 1) / math.sqrt(squares or 1.0), sigma * math.sqrt(2) * _span(job))
     batch = SHRINKAGE_SCATTER * math.fsum(heights) / count
     deviation_parts = read / math.sqrt(count), sigma / math.sqrt(2), GAUGE_SIGMA, batch
     gauges = GAUGE_SIGMA * math.sqrt(2 + 2 / count)  # part and mold: each one's datum and crests
@@ -84,26 +87,26 @@ def crest_limits(design: Design, closed: ClosedMold) -> Crests:
     )
 
 
-def offset_of(design: Design) -> float:
+def offset_of(job: Job) -> float:
     """Return by how much all crests of the cured skin come out higher over its back, mm."""
-    return processes(design.printer)[design.mold.process].crest_offset * (1 - shrinkage(design))
+    return job.cavity_process.crest_offset * (1 - job.shrinkage)
 
 
-def _span(design: Design) -> float:
+def _span(job: Job) -> float:
     """Return how far it is from the first crest to the last, by the distance of the ledge's two sides."""
-    skin = skin_of(design)
-    return (skin.count - 1) * skin.pitch / design.skin.width
+    skin = job.skin
+    return (skin.count - 1) * skin.pitch / job.design.skin.width
 
 
-def layer_remarks(design: Design, closed: ClosedMold, crests: Crests) -> tuple[str, ...]:
+def layer_remarks(job: Job, crests: Crests) -> tuple[str, ...]:
     """Return what layers do to the crests."""
-    process, meant_all = processes(design.printer)[design.mold.process], offset_of(design)
-    meant = tuple(high + meant_all for high in skin_of(design).crests)
+    process, meant_all = job.cavity_process, offset_of(job)
+    meant = tuple(high + meant_all for high in job.skin.crests)
     if crests.heights == meant and crests.layers_known:
         return ()
     if not crests.layers_known:
         return (
-            f"Where the steps of {design.mold.process} fall on the crests is not known: the "
+            f"Where the steps of {job.design.mold.process} fall on the crests is not known: the "
             f"limits hold one of {unknown_step(process):g} mm.",
         )
     off = [out - high for out, high in zip(crests.heights, meant, strict=True)]
@@ -113,13 +116,13 @@ def layer_remarks(design: Design, closed: ClosedMold, crests: Crests) -> tuple[s
         f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
         f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
         f"to {largest:.3f} mm up or down.",
-        *_uncertain_remarks(design, closed),
-        *snapping_remarks(design, closed),
+        *_uncertain_remarks(job),
+        *snapping_remarks(job),
     )
 
 
-def _uncertain_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
-    which, layer = uncertain_ridges(design, closed), processes(design.printer)[design.mold.process].layer
+def _uncertain_remarks(job: Job) -> tuple[str, ...]:
+    which, layer = uncertain_ridges(job), job.cavity_process.layer
     if not which:
         return ()
     return (
@@ -128,16 +131,16 @@ def _uncertain_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
     )
 
 
-def thickness_remarks(design: Design, crests: Crests) -> tuple[str, ...]:
+def thickness_remarks(job: Job, crests: Crests) -> tuple[str, ...]:
     """Return how to check the thickness where the process's own errors hide a fault of it."""
     if crests.mean < THICKNESS_FAULT:
         return ()
     return (
         f"The mean crest's limit passes a part that is {THICKNESS_FAULT:g} mm too thick: "
-        f"{design.mold.process} itself "
+        f"{job.design.mold.process} itself "
         f"takes {crests.mean / crests.deviations:.3f} mm in the standard deviation. Measure the mold once, "
         "each groove's bottom under the ledge, by the same gauge: a part's mean crest is within "
-        f"±{crests.beside_mold:.3f} mm of theirs times {1 - shrinkage(design):.4g}.",
+        f"±{crests.beside_mold:.3f} mm of theirs times {1 - job.shrinkage:.4g}.",
     )
 
 
@@ -151,10 +154,10 @@ def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
     return EDGE_DEVIATIONS * GAUGE_SIGMA / math.sqrt(READINGS) * math.hypot(*slopes)
 
 
-def verdict_remark(design: Design, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
+def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
     """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
-    skin = skin_of(design)
+    skin = job.skin
     if skin.count == 1:
         return "One ridge touches in any case: its height changes no verdict."
     if not allowed_drops:
@@ -168,29 +171,24 @@ def verdict_remark(design: Design, crests: Crests, allowed_drops: tuple[float, .
     if math.isinf(room):
         return "No crest that lies lower does harm to the verdict."
     # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
-    share = math.sqrt(2 + 2 * _span(design) ** 2)
+    share = math.sqrt(2 + 2 * _span(job) ** 2)
     scatter = crests.deviations * crests.sigma * share
     one = f"crest {which + 1}, which counts most, {max(room, 0.0):.3f} mm against the others"
     if scatter < room:
         return (
-            f"The verdict allows {one}, and {design.mold.process} takes {scatter:.3f} mm at most: parts "
+            f"The verdict allows {one}, and {job.design.mold.process} takes {scatter:.3f} mm at most: parts "
             "within "
             "these limits pass it."
         )
     return (
-        f"**These limits don't decide.** The verdict allows {one}, and {design.mold.process} alone may take "
-        f"{scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good ones "
-        f"pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
+        f"**These limits don't decide.** The verdict allows {one}, and {job.design.mold.process} alone may "
+        f"take {scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good "
+        f"ones pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
         f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "
         "the mean of "
         f"{READINGS_NEAR_EDGE}: "
         "that verdict counts. Or take a finer process or more margin (`ridge.levelling`)."
     )
-
-
-LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
-NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
-SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
 
 class _Block(NamedTuple):
@@ -206,7 +204,7 @@ class _Block(NamedTuple):
     grooves: tuple[tuple[float, float, float], ...]
 
 
-def printed_crests(design: Design, closed: ClosedMold) -> tuple[float, ...] | None:
+def printed_crests(job: Job) -> tuple[float, ...] | None:
     """Return each crest's height over the flat back of the cured skin, mm, ridge 1 first, as its mold comes
     out: the designed ones without layers.
 
@@ -214,20 +212,20 @@ def printed_crests(design: Design, closed: ClosedMold) -> tuple[float, ...] | No
     None where steps fall anywhere: those pixels, and the layers of a cavity that is parted, or a bowl; and
     where layers are so high that none has its middle in a groove or in what is over it.
     """
-    process = processes(design.printer)[design.mold.process]
+    process = job.cavity_process
     if not process.layer or (process.orientation == "end" and process.tool != "screen"):
-        return skin_of(design).crests
-    block = _block(design, closed)
+        return job.skin.crests
+    block = _block(job)
     return block and _heights(block)
 
 
-def uncertain_ridges(design: Design, closed: ClosedMold) -> tuple[int, ...]:
+def uncertain_ridges(job: Job) -> tuple[int, ...]:
     """Return which ridges, from 1 on, may come out a layer higher or lower than `printed_crests` says.
 
     A layer's middle is then within `LEVEL_BAND` of the groove's bottom, or, where the groove leans, of its
     depth within a pixel beside the axis. If it is that near to the ledge, all ridges may.
     """
-    block, crests = _block(design, closed), printed_crests(design, closed)
+    block, crests = _block(job), printed_crests(job)
     if block is None or crests is None:
         return ()
     ridges = set()
@@ -237,15 +235,15 @@ def uncertain_ridges(design: Design, closed: ClosedMold) -> tuple[int, ...]:
     return tuple(sorted(ridges))
 
 
-def snapped_to_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, ...], float] | None:
+def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     """Return the heights of the ridges, mm, and the mold's floor with which each groove's bottom, and the
     ledge, is where a layer ends: the nearest to the design's. None where crests come out as designed, or
     nobody knows how.
 
     Rounded to what a TOML shows, which moves a crest by less than a micrometre.
     """
-    skin = skin_of(design)
-    block, crests = _block(design, closed), printed_crests(design, closed)
+    skin = job.skin
+    block, crests = _block(job), printed_crests(job)
     if block is None or crests is None:
         return None
     off = max(abs(out - high) for out, high in zip(crests, skin.crests, strict=True))
@@ -254,22 +252,22 @@ def snapped_to_layers(design: Design, closed: ClosedMold) -> tuple[tuple[float, 
         foot, one = (skin.placed[ridge - 1].frame.at(0.0, h).z for h in (0.0, 1.0))
         crest = block.layer * round(high * block.grown / block.layer) / block.grown
         heights.append(round((crest - foot) / (one - foot), 4))
-    if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(design, closed)):
+    if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(job)):
         return None
-    cast = scaled_for_shrinkage(with_heights(design, heights))
+    cast = scaled_for_shrinkage(with_heights(job.design, heights))
     top = section(cast).top
-    least = -block.foot - section(scaled_for_shrinkage(design)).top
+    least = -block.foot - job.cast_section.top
     return tuple(heights), round(
         block.layer * math.ceil((top + least) / block.layer - NEGLIGIBLE_CHANGE) - top, 4
     )
 
 
-def snapping_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
+def snapping_remarks(job: Job) -> tuple[str, ...]:
     """Return with which keys each crest is at a layer's end."""
-    if (snapped := snapped_to_layers(design, closed)) is None:
+    if (snapped := snapped_to_layers(job)) is None:
         return ()
     heights, floor = snapped
-    keys = " and ".join(height_keys(design))
+    keys = " and ".join(height_keys(job.design))
     return (
         f"With `mold.floor = {floor:g}` and `ridge.heights = {list(heights)}`"
         f"{f' in the place of {keys}' if keys else ''} each crest is at a layer's end: then section, check "
@@ -277,27 +275,26 @@ def snapping_remarks(design: Design, closed: ClosedMold) -> tuple[str, ...]:
     )
 
 
-def _block(design: Design, closed: ClosedMold) -> _Block | None:
+def _block(job: Job) -> _Block | None:
     """Return the block that a printed cavity is, flat on the bed; None where steps fall anywhere."""
-    process = processes(design.printer)[design.mold.process]
-    blocks, skin = closed.of(PartRole.CAVITY), closed.first(PartRole.SKIN).body
+    process = job.cavity_process
+    blocks, skin = job.closed.of(PartRole.CAVITY), job.closed.first(PartRole.SKIN).body
     body = blocks[0].body if len(blocks) == 1 else None
     flat = process.layer and process.orientation != "end"
     if not (flat and isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid:
         return None
-    grown = 1 / (1 - shrinkage(design))
-    outline = corners(body, body.outline, print_chord(design))
+    grown = 1 / (1 - job.shrinkage)
+    outline = corners(body, body.outline, print_chord(job.design))
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2
     pixel = process.pixel if process.tool == "screen" else 0.0
     grooves = tuple(
         (
-            middle
-            + skin_of(design).placed[ridge - 1].frame.at(0.0, skin_of(design).heights[ridge - 1]).x * grown,
+            middle + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
             -high * grown,
-            LEVEL_BAND + pixel * abs(math.tan(skin_of(design).lean(ridge))),
+            LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
         )
-        for ridge, high in enumerate(skin_of(design).crests, 1)
+        for ridge, high in enumerate(job.skin.crests, 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     return _Block(outline, foot, top, process.layer, grown, grooves)

@@ -20,12 +20,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from skincad.fabrication.bores import full_thread, limits, purpose, thread
+from skincad.fabrication.fasteners import full_thread, limits, purpose, thread
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point
 from skincad.shape.feature import SensorPlace
-from skincad.shape.skin import section, skin_of
-from skincad.solids.layout import layout
 from skincad.solids.plan import (
     CAVITIES,
     END_PLATES,
@@ -41,14 +40,19 @@ from skincad.solids.plan import (
     unturned,
 )
 from skincad.solids.projection import Place, View
-from skincad.solids.shrinkage import scaled_for_shrinkage
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-
 FRONT, ABOVE, LEFT = "front", "above", "left"
 LIDS = {PartRole.CARRIER, PartRole.COVER}
+LETTERS = "DEFGHJKLMPQRSTUVXYZ"  # A to C are datums, N nuts, W a detail; I and O look like digits
+PROBE_DISTANCE = 0.01  # mm beyond a bore's end, where there is material or none
+ORDER = tuple(CutRole)
+_SIDES = {"y": ("end a", "end b"), "z": ("below", "above")}
+Edge = Literal["left", "right", "bottom", "top"]
+_Faces = tuple[tuple[str, Edge, str], ...]
+SEAT_TOLERANCE = 1e-6  # mm, how level the seat's corners lie
 
 
 class PartView(NamedTuple):
@@ -63,8 +67,11 @@ class PartView(NamedTuple):
 
 def views(part: Part) -> list[PartView]:
     """Return front view, view from above and view from the left of a part."""
-    right, up = _front(part)
-    front = View(right, up)
+    if part.role in LIDS:
+        front = View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    else:
+        front = View((-1.0 if part.end == "b" else 1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    right, up = front.right, front.up
     x, y, z = front.towards
     below, from_left = View(right, (-x, -y, -z)), View(front.towards, up)
     if part.role in LIDS:
@@ -77,12 +84,6 @@ def views(part: Part) -> list[PartView]:
     ]
 
 
-def _front(part: Part) -> tuple[Vector, Vector]:
-    if part.role in LIDS:
-        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    return (-1.0 if part.end == "b" else 1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-
-
 def _turned(part: Part, view: View) -> View:
     """The same view of a part that stands turned in the mold."""
     if not isinstance(part.body, RotatedBody):
@@ -90,12 +91,6 @@ def _turned(part: Part, view: View) -> View:
     turn, shift = part.body.placement()
     right, up = (tuple((turn @ np.array(way)).tolist()) for way in (view.right, view.up))
     return View(right, up, tuple(shift.tolist()))
-
-
-LETTERS = "DEFGHJKLMPQRSTUVXYZ"  # A to C are datums, N nuts, W a detail; I and O look like digits
-PROBE_DISTANCE = 0.01  # mm beyond a bore's end, where there is material or none
-ORDER = tuple(CutRole)
-_SIDES = {"y": ("end a", "end b"), "z": ("below", "above")}
 
 
 class Hole(NamedTuple):
@@ -180,19 +175,17 @@ class _DrilledBore(NamedTuple):
         return (ORDER.index(self.role), self.bore.axis, *sizes)
 
 
-def hole_groups(design: Design, part: Part, shape: cq.Solid) -> list[HoleGroup]:
+def hole_groups(job: Job, part: Part, shape: cq.Solid) -> list[HoleGroup]:
     """Return all bores of a made part, `made` its solid in the mold, in groups of a letter each."""
     drilled, seen = sorted(_drilled_bores(part, shape), key=_DrilledBore.like), views(part)
     alike = [list(group) for _, group in groupby(drilled, key=_DrilledBore.like)]
     letters = [*LETTERS, *(f"{a}{b}" for a in LETTERS for b in LETTERS)]
-    return [_group(design, part, letter, group, seen) for letter, group in zip(letters, alike, strict=False)]
+    return [_group(job, part, letter, group, seen) for letter, group in zip(letters, alike, strict=False)]
 
 
-def _group(
-    design: Design, part: Part, letter: str, alike: list[_DrilledBore], seen: list[PartView]
-) -> HoleGroup:
+def _group(job: Job, part: Part, letter: str, alike: list[_DrilledBore], seen: list[PartView]) -> HoleGroup:
     first = alike[0]
-    view = max(seen, key=lambda s: abs(_dot(s.of_part.towards, first.axis)))
+    view = max(seen, key=lambda s: abs(np.dot(s.of_part.towards, first.axis)))
     places: dict[Place, None] = {}
     for one in alike:
         x, y = view.of_part.at(one.mouth)
@@ -204,17 +197,17 @@ def _group(
         letter=letter,
         view=view.name,
         role=first.role,
-        purpose=purpose(design, part, first.role),
+        purpose=purpose(job, part, first.role),
         diameter=2 * first.bore.radius,
         far_diameter=2 * first.bore.far_radius,
         depth=None if all(first.opens) else first.bore.length,
-        thread=thread(design, part, first.role),
-        limits=limits(design, part, first.role),
+        thread=thread(job, part, first.role),
+        limits=limits(job, part, first.role),
         sides=tuple(sides),
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
         side_views=tuple(_side_views(alike, [one for one in seen if one is not view])),
-        full=full_thread(design, first.role),
+        full=full_thread(job, first.role),
     )
 
 
@@ -270,15 +263,6 @@ def _placed(turned: RotatedBody | None, point: Vector) -> Vector:
         return point
     x, y, z = turned.placed(np.array([point]))[0].tolist()
     return x, y, z
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return math.fsum(u * v for u, v in zip(a, b, strict=True))
-
-
-Edge = Literal["left", "right", "bottom", "top"]
-_Faces = tuple[tuple[str, Edge, str], ...]
-SEAT_TOLERANCE = 1e-6  # mm, how level the seat's corners lie
 
 
 class Datum(NamedTuple):
@@ -417,20 +401,14 @@ def notches(part: Part) -> tuple[Notch, ...]:
     return tuple(rows)
 
 
-def skins_at(design: Design) -> tuple[float, ...]:
-    """Return the x, mm, of the middle of each skin of a gang, 0 for one alone."""
-    cast = scaled_for_shrinkage(design)
-    return layout(cast, section(cast))[0].centres
-
-
-def slits(design: Design, part: Part) -> tuple[Slit, ...]:
+def slits(job: Job, part: Part) -> tuple[Slit, ...]:
     """Return a comb's slits, of the first skin of a gang, as its outline has them."""
     body = unturned(part).body
     if part.role is not PartRole.COMB or not isinstance(body, Prism):
         return ()
     mirrored = -1.0 if part.end == "b" else 1.0
-    shape, shift = section(scaled_for_shrinkage(design)), skins_at(design)[0]
-    return tuple(_slit(design, slot, body.outline, shift, mirrored) for slot in shape.slots)
+    shape, shift = job.cast_section, job.place.centres[0]
+    return tuple(_slit(job.design, slot, body.outline, shift, mirrored) for slot in shape.slots)
 
 
 def _slit(design: Design, slot: SensorPlace, outline: Loop, shift: float, mirrored: float) -> Slit:
@@ -456,12 +434,12 @@ def _slit(design: Design, slot: SensorPlace, outline: Loop, shift: float, mirror
     return Slit(slot.feature, slot.side, (mirrored * bottom[0], bottom[1]), width, depth, out)
 
 
-def grooves_of(design: Design, part: Part) -> tuple[Groove, ...]:
+def grooves_of(job: Job, part: Part) -> tuple[Groove, ...]:
     """Return the grooves of ridges in a cavity's part, of the first skin of a gang, as poured."""
     body = (part.straight or part).body
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
-    cast, rows, shift = skin_of(scaled_for_shrinkage(design)), [], skins_at(design)[0]
+    cast, rows, shift = job.cast_skin, [], job.place.centres[0]
     cut = {s.feature for s in body.outline if s.feature is not None}
     for placed in cast.placed:
         if placed.number in cut:

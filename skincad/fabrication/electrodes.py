@@ -22,13 +22,13 @@ from typing import NamedTuple
 import shapely
 
 from skincad.circuit.network import PICO, capacitance, electrode
-from skincad.fabrication.finding import Finding
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding, error, note, warning
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, loop, rectangle
 from skincad.shape.feature import SensorPlace
-from skincad.shape.skin import section, skin_of
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.shape.skin import section
 
 PITCH = 2.54  # mm, source: 0.1 inch, crimps and clinchers for flat cable (TE 108-9024, FCI BUS-12-022)
 PAD = (3.0, 1.5)  # mm, length and width; assumption: those crimps' conductors are 1.27 wide (TE 108-9024)
@@ -41,6 +41,8 @@ PERMITTIVITY = (12.5, 0.5)  # relative, and its error; source: data sheets of PV
 FILM_THICKNESS = 0.05  # relative, assumption: by which a film differs from its nominal thickness
 COPLANAR = 0.12  # pF/mm of lead, source: see circuit/network.py, on a half space of film
 LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
+MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
+BEND = 50.0  # thicknesses of film, assumption: radius of a bend, 1 % of strain; it yields at 1.5 (strips.py)
 
 
 class Faces(NamedTuple):
@@ -116,17 +118,17 @@ class Capacitance(NamedTuple):
     leads: float
 
 
-def strip_capacitance(design: Design) -> Capacitance:
+def strip_capacitance(job: Job) -> Capacitance:
     """Return what a meter reads between a strip's pads.
 
     Its error: the faces' overlap where both are off by the registration across the strip, the film's
     permittivity and thickness. Call where there are film and slot.
     """
-    slot = skin_of(design).slot
-    assert design.film is not None
+    slot = job.skin.slot
+    assert job.design.film is not None
     assert slot is not None
-    film = design.film
-    value = capacitance(electrode(design), film.thickness, PERMITTIVITY[0]) / PICO
+    film = job.design.film
+    value = capacitance(electrode(job.design), film.thickness, PERMITTIVITY[0]) / PICO
     narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
     share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
     return Capacitance(value, share * value, COPLANAR * (film.lead + tab(film)[0]))
@@ -141,13 +143,19 @@ def past_tabs(design: Design) -> str:
     )
 
 
-def electrode_findings(design: Design) -> list[Finding]:
+def electrode_findings(job: Job) -> list[Finding]:
     """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film."""
-    slot = skin_of(design).slot
-    if design.film is None or slot is None:
+    slot = job.skin.slot
+    if job.design.film is None or slot is None:
         return []
-    film, depth = design.film, slot.depth
-    return [*_lead(film, depth), *_margin(film), *_tab(design, film)]
+    film = job.design.film
+    findings = [*_lead(film, slot.depth)]
+    needs = film.cut_tolerance + film.registration
+    if film.margin < needs - 1e-9:
+        where = "electrodes, bare at a cut edge: a cut through both shorts them"
+        remedy = f"leave film.electrode_margin out, or {needs:g} mm; or a finer cutter and registration"
+        findings.append(warning("electrode margin", where, film.margin, needs, "mm", remedy))
+    return [*findings, *_tab(job, film)]
 
 
 def _lead(film: Film, depth: float) -> Iterator[Finding]:
@@ -161,56 +169,20 @@ def _lead(film: Film, depth: float) -> Iterator[Finding]:
             "leads lie side by side in a strip"
         )
         where = "leads of both faces, side by side in a strip"
-        yield Finding(
-            rule="lead width",
-            where=where,
-            measured=narrowest,
-            limit=LEAST_LEAD,
-            unit="mm",
-            severity="error",
-            remedy=remedy,
-        )
+        yield error("lead width", where, narrowest, LEAST_LEAD, "mm", remedy)
 
 
-def _margin(film: Film) -> Iterator[Finding]:
-    needs = film.cut_tolerance + film.registration
-    if film.margin < needs - 1e-9:
-        where = "electrodes, bare at a cut edge: a cut through both shorts them"
-        remedy = f"leave film.electrode_margin out, or {needs:g} mm; or a finer cutter and registration"
-        yield Finding(
-            rule="electrode margin",
-            where=where,
-            measured=film.margin,
-            limit=needs,
-            unit="mm",
-            severity="warning",
-            remedy=remedy,
-        )
-
-
-def _tab(design: Design, film: Film) -> Iterator[Finding]:
+def _tab(job: Job, film: Film) -> Iterator[Finding]:
     """A tab outside an end plate, which then must slide off its pins along the lead before comb and keeper
     part round it. The end plates of straight shims are off before there is a film."""
-    thick, cast_in = design.mold.end_plate, design.mold.method == "cast-in"
-    if not cast_in and design.skin.curvature_radius_y is None:
+    thick, cast_in = job.design.mold.end_plate, job.design.mold.method == "cast-in"
+    if not cast_in and not job.bent:
         return
     free = film.lead if cast_in else film.lead - thick
     if free < thick:
         where = f"lead between end plate {film.wiring_side} and the tab with the pads"
         remedy = f"film.lead of {film.lead + thick - free:g} mm or more, for the plate to slide off its pins"
-        yield Finding(
-            rule="strip tab",
-            where=where,
-            measured=free,
-            limit=thick,
-            unit="mm",
-            severity="warning",
-            remedy=remedy,
-        )
-
-
-MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
-BEND = 50.0  # thicknesses of film, assumption: radius of a bend, 1 % of strain; it yields at 1.5 (strips.py)
+        yield warning("strip tab", where, free, thick, "mm", remedy)
 
 
 class FanOut(NamedTuple):
@@ -224,12 +196,12 @@ class FanOut(NamedTuple):
     lead: float
 
 
-def fan_out(design: Design) -> FanOut | None:
+def fan_out(job: Job) -> FanOut | None:
     """Return how the strips of one skin spread to a board's grid of `PITCH`; None without film."""
-    film, slot = design.film, skin_of(design).slot
+    film, slot = job.design.film, job.skin.slot
     if film is None or slot is None:
         return None
-    cast = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
+    cast = job.cast if job.design.mold.method == "cast-in" else job.design
     strips = tuple(sorted(section(cast).slots, key=lambda place: place.centre.x))
     half = half_tab(film, slot.depth)
     tabs = [shapely.LineString([s.at(0.0, -half), s.at(0.0, half)]) for s in strips]
@@ -252,9 +224,9 @@ def _fan_lead(offset: float, radius: float) -> float:
     return 2 * radius * MOST_TURN + (offset - by_arcs) / math.sin(MOST_TURN)
 
 
-def fan_out_steps(design: Design) -> list[str]:
+def fan_out_steps(job: Job) -> list[str]:
     """Return how tabs are brought to a board, for the casting sheet; nothing without film."""
-    spread, film = fan_out(design), design.film
+    spread, film = fan_out(job), job.design.film
     if spread is None or film is None:
         return []
     first, *_, last = spread.strips
@@ -275,19 +247,11 @@ def fan_out_steps(design: Design) -> list[str]:
     ]
 
 
-def fan_out_findings(design: Design) -> Iterator[Finding]:
+def fan_out_findings(job: Job) -> Iterator[Finding]:
     """A note where tabs cross. That contacts side by side need a longer lead, the casting sheet says."""
-    spread, film = fan_out(design), design.film
+    spread, film = fan_out(job), job.design.film
     if spread is None or film is None or spread.tab_gap > 0:
         return
     where = "tabs of neighbouring strips, which cross as their slots hold them"
     remedy = "turn each tab upright on its lead before the next one is laid in; or a smaller slot.tilt"
-    yield Finding(
-        rule="strip tabs",
-        where=where,
-        measured=spread.tab_gap,
-        limit=0.0,
-        unit="mm",
-        severity="note",
-        remedy=remedy,
-    )
+    yield note("strip tabs", where, spread.tab_gap, 0.0, "mm", remedy)

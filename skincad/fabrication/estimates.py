@@ -35,22 +35,33 @@ from numpy.typing import NDArray
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.fabrication.crests import SLICE_CLOSING
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.meshes import BedPart, plates
-from skincad.fabrication.rules import extent, maker
-from skincad.inputs.design import Design
-from skincad.inputs.process import Process, processes
+from skincad.inputs.process import Process
 from skincad.shape import curves
 from skincad.shape.curves import Loop, polygon
-from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Part, PartRole, Prism, RevolvedBody, bores, plain, unturned
 
 if TYPE_CHECKING:
     import trimesh
 
-
 JERK = 10.0  # mm/s, source: PrusaSlicer's machine_max_jerk_x and _y, by which speed may jump along an axis
 DIAGONAL = math.sqrt(2.0)  # lines that fill lie at 45 degrees: each axis has its share of a jump
 _SHORTEST = 1e-9  # mm, of a line: no division by 0
+MINUTE = 60.0  # s
+_CHORD = 0.01  # mm, of arcs: no rate is that sharp
+SAMPLES = 16  # layers that are looked at; they stand for those between
+OVERLAP = 0.25  # of a line, source: PrusaSlicer's infill_overlap, by which what fills lies over the last loop
+SOLID_BELOW = 70.0  # mm2, source: PrusaSlicer's solid_infill_below_area
+RETRACTED, RETRACT_SPEED = 2.0, 40.0  # mm, mm/s, source: PrusaSlicer's retract_length and _speed
+RETRACT_ACCELERATION, RETRACT_JERK = 1500.0, 2.5  # mm/s2, mm/s, source: PrusaSlicer's machine limits
+CONTOUR_TOLERANCE = 0.01  # mm, by which contours are simplified: far below a line
+HOUR, MINUTES = 3600.0, 60.0  # s and min of an hour
+RESIN = "layers by exposure and lift; no supports"
+FILAMENT = "lines of the layers by speed and acceleration; no supports"
+MILLED = "stock's mass; its removal, faces and holes by assumed rates"
+WIRED = "stock's mass; cut faces and holes by assumed rates"
 
 
 def moves(length: float, count: float, speed: float, corner: float, acceleration: float) -> float:
@@ -122,10 +133,6 @@ def exposure_time(height: float, process: Process) -> float:
     return first * process.first_exposure + faded + rest + layers * process.lift
 
 
-MINUTE = 60.0  # s
-_CHORD = 0.01  # mm, of arcs: no rate is that sharp
-
-
 def machining(part: Part, process: Process) -> MachineEffort:
     """Return the volume of a part's stock, mm3, and how long it is cut, s.
 
@@ -160,14 +167,6 @@ def _faces(part: Part, ends: bool) -> tuple[float, float]:
 def _negative(outline: Loop) -> float:
     """Length of what is the skin's in an outline, mm."""
     return math.fsum(segment.length for segment in outline if segment.kind != "other")
-
-
-SAMPLES = 16  # layers that are looked at; they stand for those between
-OVERLAP = 0.25  # of a line, source: PrusaSlicer's infill_overlap, by which what fills lies over the last loop
-SOLID_BELOW = 70.0  # mm2, source: PrusaSlicer's solid_infill_below_area
-RETRACTED, RETRACT_SPEED = 2.0, 40.0  # mm, mm/s, source: PrusaSlicer's retract_length and _speed
-RETRACT_ACCELERATION, RETRACT_JERK = 1500.0, 2.5  # mm/s2, mm/s, source: PrusaSlicer's machine limits
-CONTOUR_TOLERANCE = 0.01  # mm, by which contours are simplified: far below a line
 
 
 class MachineEffort(NamedTuple):
@@ -291,13 +290,6 @@ def _ways(section: CrossSection, process: Process) -> float:
     return float(far_ways * (2 * retraction + far_move) + near_ways * near_move)
 
 
-HOUR, MINUTES = 3600.0, 60.0  # s and min of an hour
-RESIN = "layers by exposure and lift; no supports"
-FILAMENT = "lines of the layers by speed and acceleration; no supports"
-MILLED = "stock's mass; its removal, faces and holes by assumed rates"
-WIRED = "stock's mass; cut faces and holes by assumed rates"
-
-
 class PartEstimate(NamedTuple):
     """What a part takes, made alone; of the cost, its share of a plate's time and setup."""
 
@@ -340,16 +332,14 @@ class ProcessEstimate(NamedTuple):
         }
 
 
-def estimates(
-    design: Design, closed: ClosedMold, prints: Mapping[str, trimesh.Trimesh]
-) -> tuple[ProcessEstimate, ...]:
+def estimates(job: Job, prints: Mapping[str, trimesh.Trimesh]) -> tuple[ProcessEstimate, ...]:
     """Return what each process takes for a mold's parts, in the parts' order; `prints` are the meshes of what
     is made as they lie on the bed, mm, by part name."""
     parts_by_process: dict[str, list[Part]] = {}
-    for part in closed.parts:
+    for part in job.closed.parts:
         if part.made == "made":
-            parts_by_process.setdefault(maker(design, part), []).append(part)
-    known = processes(design.printer)
+            parts_by_process.setdefault(job.maker(part), []).append(part)
+    known = job.processes
     return tuple(_of_process(name, known[name], parts, prints) for name, parts in parts_by_process.items())
 
 
@@ -358,9 +348,9 @@ def by_part(process_estimates: tuple[ProcessEstimate, ...]) -> dict[str, PartEst
     return {part.name: part for estimate in process_estimates for part in estimate.parts}
 
 
-def lines(design: Design, process_estimates: tuple[ProcessEstimate, ...]) -> list[str]:
+def lines(job: Job, process_estimates: tuple[ProcessEstimate, ...]) -> list[str]:
     """Return what each process takes as sentences."""
-    return [_line(estimate, processes(design.printer)[estimate.process]) for estimate in process_estimates]
+    return [_line(estimate, job.processes[estimate.process]) for estimate in process_estimates]
 
 
 def _line(estimate: ProcessEstimate, process: Process) -> str:

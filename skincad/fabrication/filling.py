@@ -32,16 +32,29 @@ from manifold3d import Manifold, triangulate
 
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
-from skincad.fabrication.finding import Finding
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding, note, warning
 from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.shape.curves import polygon
 from skincad.solids.bent import gap_beside
-from skincad.solids.ends import gate
 from skincad.solids.layout import end_angle
-from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import END_PLATES, Body, Bore, CutRole, PartRole, Prism, Vector, bores
-from skincad.solids.shrinkage import scaled_for_shrinkage
+
+Points = Array
+TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
+LEVEL = 1e-9  # mm; air less than this above its way out is rounding
+CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
+# mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go
+LEAST_POCKET = 0.01
+BUBBLE_SHARE = 0.25  # assumption: share of the skin's thickness that a bubble in its body may be across
+TILTS = (
+    2.0,
+    60.0,
+)  # deg, assumption: below 2 a flat face leads no bubble along; mold.pour_tilt's upper limit
+PRESSURE_REMEDY = "brush silicone into the grooves before closing, or cure in a pressure pot"
+SURFACE_TOLERANCE = 1e-6  # mm; closer than this a pocket's top is on a surface
 
 
 @dataclass(frozen=True)
@@ -74,17 +87,12 @@ class Void:
         return math.fsum(space.body.volume for space in self.spaces)
 
 
-def single_skin_mold(design: Design, closed: ClosedMold) -> ClosedMold:
-    """Return the mold of one skin: all skins of a gang fill alike."""
-    return closed if design.mold.cavities == 1 else mold(design.with_(mold={"cavities": 1}))
-
-
-def void(design: Design, closed: ClosedMold) -> Void:
+def void(job: Job) -> Void:
     """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
     taped when full."""
-    design, carrier = scaled_for_shrinkage(design), closed.first(PartRole.CARRIER)
-    cover = closed.first(PartRole.COVER)
+    closed = job.single.closed
+    carrier, cover = closed.first(PartRole.CARRIER), closed.first(PartRole.COVER)
     top = cover.body.high if isinstance(cover.body, Prism) else math.inf
     over = bores(cover, CutRole.RESERVOIR, CutRole.BLEED)
     rivets = enumerate(bores(carrier, CutRole.RIVET), 1)
@@ -93,7 +101,7 @@ def void(design: Design, closed: ClosedMold) -> Void:
         Space("skin", closed.first(PartRole.SKIN).body, PartRole.SKIN),
         *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
         *(Space("carrier hole", bore, PartRole.CARRIER, number=i) for i, bore in rivets),
-        *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(design, carrier.body)),
+        *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(job.cast, carrier.body)),
         *(Space("seal", bore, PartRole.COVER) for part in closed.of(PartRole.SEAL) for bore in bores(part)),
         *(Space("cover", bore, PartRole.COVER, top) for bore in over),
         *(Space("gate", cut, PartRole.END_PLATE) for cut in plates if cut.role is CutRole.GATE),
@@ -129,11 +137,6 @@ def _rim(cup: Bore) -> Array:
     turn = np.linspace(0, 2 * math.pi, 64, endpoint=False)
     around = (x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(64, z + cup.length))
     return np.column_stack(around)
-
-
-Points = Array
-TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
-LEVEL = 1e-9  # mm; air less than this above its way out is rounding
 
 
 class _Face(NamedTuple):
@@ -343,28 +346,15 @@ def _contacts(faces: list[_Face]) -> Iterator[tuple[int, int, Points]]:
     for (axis, _), (below, above) in planes.items():
         if not below or not above:
             continue
-        lower, upper = ([_flat(face) for face in side] for side in (below, above))
+        lower, upper = (
+            [shapely.Polygon(np.delete(face.corners, axis, axis=1)) for face in side]
+            for side in (below, above)
+        )
         for i, j in shapely.STRtree(upper).query(lower, predicate="intersects").T:
             shared = lower[i].intersection(upper[j])
             if shared.area > TOUCH:
                 corners = np.asarray(shared.exterior.coords)[:-1]
                 yield below[i].cell, above[j].cell, _lifted(corners, axis, below[i].corners[0, axis])
-
-
-def _flat(face: _Face) -> shapely.Polygon:
-    return shapely.Polygon(np.delete(face.corners, face.axis, axis=1))
-
-
-CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
-# mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go
-LEAST_POCKET = 0.01
-BUBBLE_SHARE = 0.25  # assumption: share of the skin's thickness that a bubble in its body may be across
-TILTS = (
-    2.0,
-    60.0,
-)  # deg, assumption: below 2 a flat face leads no bubble along; mold.pour_tilt's upper limit
-PRESSURE_REMEDY = "brush silicone into the grooves before closing, or cure in a pressure pot"
-SURFACE_TOLERANCE = 1e-6  # mm; closer than this a pocket's top is on a surface
 
 
 @dataclass(frozen=True)
@@ -394,24 +384,24 @@ class _Filling(NamedTuple):
     tilted: bool
 
 
-def pockets(design: Design, closed: ClosedMold, tilt: float | None = None) -> tuple[Pocket, ...]:
+def pockets(job: Job, tilt: float | None = None) -> tuple[Pocket, ...]:
     """Return the air pockets of at least `LEAST_POCKET` mm3, the largest first.
 
     End b is up by `tilt` deg, by the design's own tilt if not given.
     """
-    return tuple(_pockets(_fillings(design, closed), design.mold.pour_tilt if tilt is None else tilt))
+    return tuple(_pockets(_fillings(job), job.design.mold.pour_tilt if tilt is None else tilt))
 
 
-def best_tilt(design: Design, closed: ClosedMold) -> tuple[float, float]:
+def best_tilt(job: Job) -> tuple[float, float]:
     """Return the tilt in deg (within `TILTS`) at which least air stays, to 0.5 deg, and how much, mm3.
 
     Every 5 deg first, then finer about the best; of equal ones the nearest to the design's own.
     """
-    fillings = _fillings(design, closed)
+    fillings = _fillings(job)
 
     def rank(tilt: float) -> tuple[float, float]:
         air = math.fsum(pocket.volume for pocket in _pockets(fillings, tilt))
-        return round(air, 3), abs(tilt - design.mold.pour_tilt)
+        return round(air, 3), abs(tilt - job.design.mold.pour_tilt)
 
     low, high = TILTS
     best = min((low, *(float(tilt) for tilt in range(5, int(high) + 1, 5))), key=rank)
@@ -421,45 +411,40 @@ def best_tilt(design: Design, closed: ClosedMold) -> tuple[float, float]:
     return best, rank(best)[0]
 
 
-def filling_findings(design: Design, closed: ClosedMold) -> list[Finding]:
+def filling_findings(job: Job) -> list[Finding]:
     """Return the rule `trapped air`: a warning where it harms the skin, a note where it doesn't.
 
     At a ridge or slot the limit is `LEAST_POCKET`. In the skin's body it is a bubble with a diameter of
     `BUBBLE_SHARE` of the thickness. Pockets of one kind make one finding.
     """
-    if design.skin.curvature_radius_y is not None:
-        return _bent_findings(design)
-    air = pockets(design, closed)
+    if job.bent:
+        return _bent_findings(job)
+    air = pockets(job)
     if not air:
-        return _level(design)
-    remedy = _remedy(design, closed, math.fsum(pocket.volume for pocket in air))
-    return [*_level(design), *_grouped_findings(design, air, remedy)]
+        return _level(job.design)
+    tilt, least = best_tilt(job)
+    if least > 0.9 * math.fsum(pocket.volume for pocket in air):
+        remedy = f"no tilt traps less: {PRESSURE_REMEDY}"
+    else:
+        rest = f"which traps {least:.2g} mm3: {PRESSURE_REMEDY}" if least else "which traps none"
+        remedy = f"mold.pour_tilt = {tilt:g}, {rest}"
+    return [*_level(job.design), *_grouped_findings(job.design, air, remedy)]
 
 
-def _bent_findings(design: Design) -> list[Finding]:
+def _bent_findings(job: Job) -> list[Finding]:
     """Both ends of a doubly curved skin rise, by the angle that they lean. What stays at an end is judged on
     the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y."""
-    straight = design.with_(skin={"curvature_radius_y": None})
-    closed, rise, tilt = mold(straight), math.degrees(end_angle(design)), design.mold.pour_tilt
+    straight = Job(job.design.with_(skin={"curvature_radius_y": None}))
+    rise, tilt = math.degrees(end_angle(job.design)), job.design.mold.pour_tilt
     remedy, findings = PRESSURE_REMEDY, []
     if tilt <= rise:
         where = "end a, which stays high unless mold.pour_tilt exceeds the angle by which it leans"
         leave = f"mold.pour_tilt above {rise:.3g}; or fill slowly: its air escapes round the carrier"
-        findings.append(
-            Finding(
-                rule="trapped air",
-                where=where,
-                measured=tilt,
-                limit=rise,
-                unit="deg",
-                severity="note",
-                remedy=leave,
-            )
-        )
+        findings.append(note("trapped air", where, tilt, rise, "deg", leave))
     for end, slope in (("b", rise + tilt), ("a", rise - tilt)):
         if slope <= 0:
             continue
-        for finding in _grouped_findings(design, pockets(straight, closed, slope), remedy):
+        for finding in _grouped_findings(job.design, pockets(straight, slope), remedy):
             place = finding.where.replace("end b", f"end {end}")
             findings.append(replace(finding, where=f"{place}, in a straight mold at the slope of end {end}"))
     return findings
@@ -471,17 +456,7 @@ def _level(design: Design) -> list[Finding]:
     if tilt >= least:
         return []
     where, remedy = "carrier, too level to lead a bubble along", f"mold.pour_tilt of {least:g} or more"
-    return [
-        Finding(
-            rule="trapped air",
-            where=where,
-            measured=tilt,
-            limit=least,
-            unit="deg",
-            severity="note",
-            remedy=remedy,
-        )
-    ]
+    return [note("trapped air", where, tilt, least, "deg", remedy)]
 
 
 def _grouped_findings(design: Design, air: Iterable[Pocket], remedy: str) -> list[Finding]:
@@ -499,30 +474,14 @@ def _finding(design: Design, group: list[Pocket], remedy: str) -> Finding:
     x, y, z = (round(length, 2) + 0.0 for length in largest.place)  # no minus before a zero
     more = f" and {len(group) - 1} more like it" if len(group) > 1 else ""
     where = f"{largest.where} at ({x:g}, {y:g}, {z:g}), {largest.height:.2g} mm high{more}"
-    return Finding(
-        rule="trapped air",
-        where=where,
-        measured=volume,
-        limit=limit,
-        unit="mm3",
-        severity="warning" if harms else "note",
-        remedy=remedy,
-    )
+    return (warning if harms else note)("trapped air", where, volume, limit, "mm3", remedy)
 
 
-def _remedy(design: Design, closed: ClosedMold, now: float) -> str:
-    tilt, least = best_tilt(design, closed)
-    if least > 0.9 * now:
-        return f"no tilt traps less: {PRESSURE_REMEDY}"
-    rest = f"which traps {least:.2g} mm3: {PRESSURE_REMEDY}" if least else "which traps none"
-    return f"mold.pour_tilt = {tilt:g}, {rest}"
-
-
-def _fillings(design: Design, closed: ClosedMold) -> list[_Filling]:
+def _fillings(job: Job) -> list[_Filling]:
     """The closed mold's filling, and for an open pour the open trough's: level, or it would run over."""
-    closed = single_skin_mold(design, closed)
-    spaces = [(void(design, closed), True)]
-    if gate(design) is None:
+    closed = job.single.closed
+    spaces = [(void(job), True)]
+    if job.gate is None:
         spaces.append((open_trough(closed), False))
     surfaces = _surfaces(closed)
     return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in spaces]

@@ -1,72 +1,62 @@
-"""All findings on a mold, and how the skin leaves its cavity."""
+"""All findings of a design: each part against the process that makes it, the closed mold as a stack, and
+the skin leaving its mold.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from skincad.base.errors import InputError
 from skincad.fabrication.electrodes import electrode_findings, fan_out_findings
-from skincad.fabrication.finding import Finding
-from skincad.fabrication.rules import (
-    EDGE_RULES,
-    LAYER_RULES,
-    MACHINE_RULES,
-    RULES,
-    TOOL_RULES,
-    Case,
-    crest_findings,
-    maker,
-    material_findings,
-    shim_findings,
-)
-from skincad.fabrication.sheet import closing_findings
+from skincad.fabrication.fasteners import end_screws
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_RULES, crest_findings
+from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
+from skincad.fabrication.strips import shim_findings
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
+from skincad.inputs.material import foreign_modulus
 from skincad.shape.skin import VISIBLE, skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain, split_ridges
-from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.fasteners import WASHER, run_out_room
+from skincad.solids.layout import MOST_BOW, SEAL_PLAY, SHEETS, STOCK, bow, stack_error, thick_enough
+from skincad.solids.plan import CutRole, PartRole, bores
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
+_ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 
 
-def design_findings(design: Design, closed: ClosedMold | None = None) -> list[Finding]:
+def design_findings(job: Job) -> list[Finding]:
     """Return what the processes of a design can't make, of its films too, and what its skin can't leave,
-    the gravest first.
-
-    `closed` saves the planning of the mold. Print meshes are looked at for overhangs only; no CAD kernel.
+    the gravest first. Print meshes are looked at for overhangs only; no CAD kernel.
     """
-    closed = closed or mold(design)
     findings = [
-        *process_findings(design, closed),
-        *crest_findings(design, closed),
-        *shim_findings(design),
-        *closing_findings(design, closed),
-        *electrode_findings(design),
-        *fan_out_findings(design),
-        *material_findings(design),
-        *undercut_findings(design),
+        *process_findings(job),
+        *crest_findings(job),
+        *shim_findings(job),
+        *closing_findings(job),
+        *electrode_findings(job),
+        *fan_out_findings(job),
+        *_material_findings(job.design),
+        *undercut_findings(job),
     ]
     return sorted(findings, key=lambda finding: _ORDER[finding.severity])
 
 
-def process_findings(design: Design, closed: ClosedMold) -> list[Finding]:
+def process_findings(job: Job) -> list[Finding]:
     """Return what each part's process can't make of it, with the processes that could. Equal parts of
     the two ends make one finding."""
-    known = processes(design.printer)
     findings: dict[tuple[str, str], Finding] = {}
-    for part in closed.parts:
+    for part in job.closed.parts:
         if part.made != "made":
             continue
-        name = maker(design, part)
-        case = Case(design, part, name, known[name])
+        name = job.maker(part)
+        case = Case(job, part, name)
         fresh = [f for f in part_findings(case) if (f.rule, f.where) not in findings]
         if fresh:
-            others = {
-                n: part_findings(replace(case, name=n, process=p)) for n, p in known.items() if n != name
-            }
+            others = {n: part_findings(replace(case, name=n)) for n in job.processes if n != name}
             findings |= {(f.rule, f.where): _with_others(f, others) for f in fresh}
     return list(findings.values())
 
@@ -91,18 +81,25 @@ def _with_others(finding: Finding, findings_by_process: dict[str, list[Finding]]
     return replace(finding, remedy=f"{finding.remedy}; or by {' or '.join(able)}") if able else finding
 
 
-_ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
+def _material_findings(design: Design) -> Iterator[Finding]:
+    """Yield a warning where the material's name and its modulus are those of two silicones."""
+    if mismatch := foreign_modulus(design):
+        named, modulus, remedy = mismatch
+        named_range, value = named.young_modulus, modulus.value
+        where = f"material.young_modulus, which is not that of {named.name}"
+        limit = named_range.high if value > named_range.high else named_range.low
+        yield warning("silicone", where, value, limit, "MPa", remedy)
 
 
-def freeing_widths(design: Design) -> tuple[float | None, float | None]:
+def freeing_widths(job: Job) -> tuple[float | None, float | None]:
     """Return the root_width, or the tip_width, that frees the ridge that needs most; None where it can't be.
 
     A flank from (root / 2, -s) to (tip / 2, h - c) in the ridge's frame, s the base circle's fall over half a
     root, has the draft of the ridge's lean. A little is added, so that the design's own test finds none.
     """
-    skin = skin_of(design)
-    ridge, radius = skin.profile, design.skin.curvature_radius
-    worst = least_drafted_ridge(design)
+    skin = job.skin
+    ridge, radius = skin.profile, job.design.skin.curvature_radius
+    worst = least_drafted_ridge(job)
     slope, height = 2 * math.tan(abs(skin.lean(worst))), skin.heights[worst - 1]
 
     def draft(root: float) -> float:
@@ -115,13 +112,13 @@ def freeing_widths(design: Design) -> tuple[float | None, float | None]:
     widths = []
     for key, value in changes.items():
         size = math.ceil(value * 1000) / 1000 if key == "root_width" else math.floor(value * 1000) / 1000
-        widths.append(size if size > 0 and _leaves_freely(design, key, size) else None)
+        widths.append(size if size > 0 and _leaves_freely(job, key, size) else None)
     return widths[0], widths[1]
 
 
-def least_drafted_ridge(design: Design) -> int:
+def least_drafted_ridge(job: Job) -> int:
     """Return the ridge whose flanks need most draft: of ridges alike the outermost."""
-    skin = skin_of(design)
+    skin = job.skin
     needs = [
         math.tan(abs(skin.lean(ridge))) * (height - skin.profile.crown)
         for ridge, height in enumerate(skin.heights, 1)
@@ -129,51 +126,90 @@ def least_drafted_ridge(design: Design) -> int:
     return needs.index(max(needs)) + 1
 
 
-def _leaves_freely(design: Design, key: str, value: float) -> bool:
+def _leaves_freely(job: Job, key: str, value: float) -> bool:
     try:
-        return not any(u.width for u in skin_of(design.with_(ridge={key: value})).undercuts.values())
+        return not any(u.width for u in skin_of(job.design.with_(ridge={key: value})).undercuts.values())
     except InputError:
         return False
 
 
-def undercut_findings(design: Design) -> list[Finding]:
+def undercut_findings(job: Job) -> list[Finding]:
     """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe. One
     whose groove is split leaves freely."""
-    limit, free = safe_strain(design), split_ridges(design)
+    limit, free = safe_strain(job.design), split_ridges(job.design)
     caught = {
-        r: undercut
-        for r, undercut in skin_of(design).undercuts.items()
-        if undercut.width > 0 and r not in free
+        r: undercut for r, undercut in job.skin.undercuts.items() if undercut.width > 0 and r not in free
     }
     if not caught:
         return []
-    material = silicone(design)
+    material = job.silicone
     breaks = (
         f"{SAFE_SHARE:g} of {material.name}'s {100 * material.elongation_at_break:.0f} % elongation at break"
     )
-    cure = _cure(design)
+    cure = _cure(job)
     return [
-        Finding(
-            rule="undercut",
-            where=f"ridge {ridge}, {undercut.width:.4f} mm wide",
-            measured=undercut.strain,
-            limit=limit,
-            unit="squeezed",
-            severity="error" if undercut.strain > limit else "note",
-            remedy=f"{cure} (limit: {breaks})",
+        (error if undercut.strain > limit else note)(
+            "undercut",
+            f"ridge {ridge}, {undercut.width:.4f} mm wide",
+            undercut.strain,
+            limit,
+            "squeezed",
+            f"{cure} (limit: {breaks})",
         )
         for ridge, undercut in caught.items()
     ]
 
 
-def _cure(design: Design) -> str:
-    root, tip = freeing_widths(design)
+def _cure(job: Job) -> str:
+    root, tip = freeing_widths(job)
     ways = [
         *([f"root_width of {root:g} mm"] if root else []),
         *([f"tip_width of {tip:g} mm"] if tip else []),
-        'a split cavity (mold.split = "auto")' if design.mold.split == "none" else "",
+        'a split cavity (mold.split = "auto")' if job.design.mold.split == "none" else "",
         "a larger curvature_radius, or fewer ridges",
     ]
-    worst = least_drafted_ridge(design)
-    freed = "the outermost ridge" if worst in (1, skin_of(design).count) else f"ridge {worst}"
+    worst = least_drafted_ridge(job)
+    freed = "the outermost ridge" if worst in (1, job.skin.count) else f"ridge {worst}"
     return ", or ".join(way for way in ways if way) + f" frees {freed}"
+
+
+def closing_findings(job: Job) -> Iterator[Finding]:
+    """Yield the warnings `cover bow` and `closing stack`, and the note `thread run-out`.
+
+    A cover of a given thickness bows by more than `MOST_BOW` mm under 10 kPa. Carrier and keepers may stand
+    so high or low that no seal both lets the cover lie on the cavity's walls and holds them down. A doubly
+    curved mold may have too narrow a top for a seal, or too little thread.
+    """
+    place = job.place
+    modulus = job.lid_process.part_modulus
+    measured = bow(place.spans, place.lid, modulus)
+    if measured > MOST_BOW * (1 + 1e-9):
+        remedy = (
+            f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
+        )
+        yield warning("cover bow", "cover, under 10 kPa", measured, MOST_BOW, "mm", remedy)
+    off, most, where = (
+        stack_error(job.cast, place.spans, place.lid),
+        SEAL_PLAY * SHEETS[-1],
+        "carrier and keepers, under the ",
+    )
+    if job.bent and not job.closed.of(PartRole.SEAL):
+        remedy = "lap the carrier's top until the cover lies on the cavity, or make the skin longer, or its "
+        remedy += "curvature_radius_y larger, so that the narrow top has room for a seal"
+        yield warning("closing stack", where + "cover, without a seal", off, 0.0, "mm", remedy)
+    elif off > most:
+        remedy = "finer processes, or a thicker mold.cover"
+        yield warning("closing stack", where + "seal", off, most, "mm", remedy)
+    if job.bent:
+        yield from _run_outs(job)
+
+
+def _run_outs(job: Job) -> Iterator[Finding]:
+    """A note where the holes of both ends meet before a tap's lead has room: no screw is short enough."""
+    screws, process = end_screws(job), job.cavity_process
+    deep = min(bore.length for bore in bores(job.closed.first(PartRole.CAVITY), CutRole.END_THREAD))
+    left = deep + job.design.mold.end_plate + screws.washers * WASHER - screws.length
+    if screws.bottoming and left < run_out_room(process) - 1e-9:
+        remedy = "finish these threads by a bottoming tap, as the casting sheet says, or make the skin longer"
+        where = "screws of the end plates, from tip to the hole's end"
+        yield note("thread run-out", where, left, run_out_room(process), "mm", remedy)

@@ -21,18 +21,13 @@ from skincad.fabrication.crests import (
     thickness_remarks,
     verdict_remark,
 )
-from skincad.fabrication.pattern import strip_patterns
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import strip_patterns
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
 from skincad.shape.curves import area, length
-from skincad.shape.skin import section, skin_of
-from skincad.solids.layout import lid_process
-from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Bore, CutRole, PartRole, bores
-from skincad.solids.skin import skin_part
 
 MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place along x
 CALLIPERS = 0.01  # mm, assumption: standard deviation of a soft part's width
@@ -65,26 +60,24 @@ class Inspection(NamedTuple):
     said: tuple[str, ...]
 
 
-def inspection(
-    design: Design, closed: ClosedMold, allowed_drops: tuple[float, ...] = (), margin: float = 0.0
-) -> Inspection:
+def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 0.0) -> Inspection:
     """Return the inspection of a cast skin on its carrier.
 
     `allowed_drops` `(ridges,)` mm is how much lower each crest may lie alone until the verdict's margin is
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
-    crests = crest_limits(design, closed)
-    said = [*layer_remarks(design, closed, crests), *thickness_remarks(design, crests)]
-    said.append(verdict_remark(design, crests, allowed_drops, margin))
-    if design.skin.curvature_radius_y is None and skin_of(design).count > 1:
+    crests = crest_limits(job)
+    said = [*layer_remarks(job, crests), *thickness_remarks(job, crests)]
+    said.append(verdict_remark(job, crests, allowed_drops, margin))
+    if not job.bent and job.skin.count > 1:
         said.append(MEASURED_NOTE)
-    return Inspection(crests, tuple(_measures(design, closed, crests)), tuple(said))
+    return Inspection(crests, tuple(_measures(job, crests)), tuple(said))
 
 
-def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measure]:
-    known, base, skin = processes(design.printer), design.skin, skin_of(design)
-    body = known[design.mold.process]
-    end = known[design.mold.end_plate_process or design.mold.process]
+def _measures(job: Job, crests: Crests) -> list[Measure]:
+    known, base, skin = job.processes, job.design.skin, job.skin
+    body = known[job.design.mold.process]
+    end = known[job.design.mold.end_plate_process or job.design.mold.process]
     mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
     if base.curvature_radius_y is not None:
         place = "the back, in the middle of its length"
@@ -97,13 +90,13 @@ def _measures(design: Design, closed: ClosedMold, crests: Crests) -> list[Measur
         how = f"microscope, from crest 1 to crest {skin.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
-    what, end_to_end = _length(design)
+    what, end_to_end = _length(job.design)
     how = "callipers, lightly"
-    near = walls_close(design, body)
+    near = walls_close(job, body)
     wide, long = base.width - 2 * near, end_to_end + 2 * near
     rows.append(_size("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
     rows.append(_size(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
-    return [*rows, _mass(design, closed, crests)]
+    return [*rows, _mass(job, crests)]
 
 
 def _length(design: Design) -> tuple[str, float]:
@@ -122,15 +115,15 @@ def _size(what: str, nominal: float, mold: float, tool: float, crests: Crests, h
     return Measure(what, nominal, nominal - spread, nominal + spread, "mm", how)
 
 
-def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
+def _mass(job: Job, crests: Crests) -> Measure:
     """What stays on the carrier: skin, rivets, the vent's plug and films. Too light means a bubble or a short
     shot, too heavy means flash."""
-    density, skin = silicone(design).density * 1e-6, design.skin
-    holes = bores(closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
-    films, glue = _films(design)
-    body = density * (skin_part(design).volume + _extra_volume(design) + glue)
-    rubber = body + density * math.fsum(map(partial(_hole_volume, design), holes))
-    process = processes(design.printer)[design.mold.process]
+    density, skin = job.silicone.density * 1e-6, job.design.skin
+    holes = bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
+    films, glue = _films(job)
+    body = density * (job.skin_part.volume + _extra_volume(job) + glue)
+    rubber = body + density * math.fsum(map(partial(_hole_volume, job), holes))
+    process = job.cavity_process
     sides = process.tolerance * math.sqrt(2 / 3) * math.hypot(1 / skin.width, 1 / skin.length)  # two, evenly
     shape = body * math.hypot(crests.mean / crests.deviations / skin.thickness, sides)
     spread = math.hypot(rubber * DENSITY, rubber * 3 * SHRINKAGE_SCATTER, shape, BALANCE) * crests.deviations
@@ -141,36 +134,36 @@ def _mass(design: Design, closed: ClosedMold, crests: Crests) -> Measure:
     return Measure(what, nominal, nominal - spread, nominal + spread + FLASH_SHARE * rubber, "g", how)
 
 
-def _extra_volume(design: Design) -> float:
+def _extra_volume(job: Job) -> float:
     """Return how much more silicone a mold takes than drawn, mm3, to first order in what comes out.
 
     Where walls come nearer by w, so does the ledge, on which the back lies: of the section w times (the cast
     outline less its width) goes, for floors rise with the ledge; the cavity's ends, between which the plates
     lie, stand 2 w further apart. An offset of all crests deepens all of it.
     """
-    near = walls_close(design, processes(design.printer)[design.mold.process])
-    skin, shape = design.skin, section(design)
-    less = near * (length(shape.outline) - 2 * skin.width) - offset_of(design) * skin.width
+    near = walls_close(job, job.cavity_process)
+    skin, shape = job.design.skin, job.section
+    less = near * (length(shape.outline) - 2 * skin.width) - offset_of(job) * skin.width
     drawn = area(shape.outline)
     return (drawn - less) * (skin.length + 2 * near) - drawn * skin.length
 
 
-def _hole_volume(design: Design, bore: Bore) -> float:
+def _hole_volume(job: Job, bore: Bore) -> float:
     """Volume of a carrier's hole as it comes out, mm3: by its mean radius."""
-    near = walls_close(design, lid_process(design))
+    near = walls_close(job, job.lid_process)
     return bore.volume * max(0.0, 1 - 2 * near / (bore.radius + bore.far_radius)) ** 2
 
 
-def _films(design: Design) -> tuple[float, float]:
+def _films(job: Job) -> tuple[float, float]:
     """Mass of the trimmed films with leads and tabs, g, and the silicone's volume beside them, mm3."""
-    skin = skin_of(design)
-    film, slot = design.film, skin.slot
+    skin = job.skin
+    film, slot = job.design.film, skin.slot
     if film is None or slot is None:
         return 0.0, 0.0
-    count, long = 2 * skin.count, design.skin.length
-    beside = section(design).slots[0].thickness - film.thickness
-    glue = 0.0 if design.contact.film == "loose" else count * beside * slot.depth * long
-    trimmed = math.fsum(area(strip.trimmed) for strip in strip_patterns(design))
+    count, long = 2 * skin.count, job.design.skin.length
+    beside = job.section.slots[0].thickness - film.thickness
+    glue = 0.0 if job.design.contact.film == "loose" else count * beside * slot.depth * long
+    trimmed = math.fsum(area(strip.trimmed) for strip in strip_patterns(job))
     return film.thickness * trimmed * PVDF_DENSITY * 1e-6, glue
 
 

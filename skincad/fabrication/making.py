@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.errors import FaultError, InputError, RefusedError, require_goals
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import tier_of
-from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
 if TYPE_CHECKING:
     from skincad.fabrication.estimates import PartEstimate, ProcessEstimate
-    from skincad.fabrication.finding import Finding
-    from skincad.fabrication.mounting import CarrierMount
+    from skincad.fabrication.fasteners import CarrierMount
+    from skincad.fabrication.rules import Finding
     from skincad.mechanics.verdict import ContactCheck
     from skincad.solids.plan import Part
 
@@ -72,11 +73,10 @@ def _check_meshes(parts: list[PartReport]) -> None:
 
 
 @dataclass(frozen=True)
-class Job:
-    """A design as built and judged; the solids and meshes are the CAD kernel's and trimesh's, mm."""
+class Build:
+    """A job as built and judged; the solids and meshes are the CAD kernel's and trimesh's, mm."""
 
-    design: Design
-    closed: ClosedMold
+    job: Job
     meshes: dict[str, Any]
     skin: Any  # mesh as designed; in `meshes` it is as poured
     findings: tuple[Finding, ...]
@@ -84,6 +84,16 @@ class Job:
     scenes: tuple[Result, ...] = ()  # simulated with this skin
     estimates: tuple[ProcessEstimate, ...] = ()  # of mass, time and cost by process
     _solids: dict[Part, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def design(self) -> Design:
+        """The design that is built."""
+        return self.job.design
+
+    @property
+    def closed(self) -> ClosedMold:
+        """Its mold."""
+        return self.job.closed
 
     @cached_property
     def cache(self) -> dict[str, Any]:
@@ -101,18 +111,18 @@ class Job:
     @cached_property
     def laid(self) -> dict[str, Any]:
         """Meshes of what is printed, laid on the bed, by part name."""
+        from skincad.fabrication.machine_rules import laid_on_end
         from skincad.fabrication.meshes import laid
-        from skincad.fabrication.rules import laid_on_end
 
         printed = {part.name: part for part in self.closed.parts if part.made == "made"}
-        return {n: laid(self.meshes[n], laid_on_end(self.design, p), p) for n, p in printed.items()}
+        return {n: laid(self.meshes[n], laid_on_end(self.job, p), p) for n, p in printed.items()}
 
 
 @dataclass(frozen=True, repr=False)
 class MakeResult(Result):
     """A design as built, measured and judged; with `strict` warnings fail it too.
 
-    A copy, or one that was pickled, leaves the solids and meshes of `job` behind, and so can't be written.
+    A copy, or one that was pickled, leaves the solids and meshes of `build` behind, and so can't be written.
     """
 
     shown_by = "skincad.outputs.makes"
@@ -125,7 +135,7 @@ class MakeResult(Result):
     seconds: dict[str, float]
     preview: bool = False
     solids: bool = True  # whether there are exact ones, and so the files that show them
-    job: Job | None = field(default=None, compare=False)
+    build: Build | None = field(default=None, compare=False)
     scenes: tuple[Result, ...] = field(default=(), compare=False)
     revision: str = ""  # of the design
     mount: CarrierMount | None = None
@@ -142,14 +152,14 @@ class MakeResult(Result):
         """What was checked and what came out, as "mold: no errors, 1 warning; contact: not checked"."""
         return summary(self.check, self.findings)
 
-    def built(self) -> Job:
+    def built(self) -> Build:
         """Return the solids and meshes; raises RefusedError for a copy."""
-        if self.job is None:
+        if self.build is None:
             raise RefusedError(f"{self.name}: a copy has no solids to write; make it again")
-        return self.job
+        return self.build
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "job": None}
+        return {**self.__dict__, "build": None}
 
     @property
     def exit_status(self) -> int:
@@ -197,12 +207,13 @@ def make(
     warning; `summary` says what was checked. Raises InputError for bad input, FaultError for a solid or a
     mesh that fails its own check.
     """
-    from skincad.fabrication.mounting import mount_of
+    from skincad.fabrication.fasteners import mount_of
 
     checked, solids = checked and not preview, solids or not preview
     _check_choices(checked, tier, budget)
     _check_scenes(design, scenes)
-    closed = mold(design)  # bad input is refused before the CAD kernel loads
+    job = Job(design)
+    cavity = job.closed.first(PartRole.SKIN).volume  # bad input is refused before the CAD kernel loads
     _import_everything(solids, not preview)
     watch = Stopwatch(progress)
     verdict = None
@@ -211,23 +222,22 @@ def make(
 
         with watch.stage("contact check"):
             verdict = check(design, tier=tier, budget=budget)
-    job, reports = _build(design, closed, verdict, watch, solids, not preview)
-    job = replace(job, scenes=tuple(scenes))
+    build, reports = _build(job, verdict, tuple(scenes), watch, solids, not preview)
     return MakeResult(
         name=design.name,
         strict=strict,
         parts=tuple(reports),
-        findings=job.findings,
-        check=job.check,
-        cavity_volume=job.closed.first(PartRole.SKIN).volume,
+        findings=build.findings,
+        check=verdict,
+        cavity_volume=cavity,
         seconds=watch.seconds(),
         preview=preview,
         solids=solids,
-        job=job,
-        scenes=job.scenes,
+        build=build,
+        scenes=build.scenes,
         revision=design.revision,
-        mount=mount_of(design, closed),
-        estimates=job.estimates,
+        mount=mount_of(job),
+        estimates=build.estimates,
     )
 
 
@@ -241,7 +251,7 @@ def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bo
 
 def summary(check: ContactCheck | None, findings: tuple[Finding, ...]) -> str:
     """Return what was checked of a mold and its skin, and what came out."""
-    from skincad.fabrication.finding import counted
+    from skincad.fabrication.rules import counted
 
     return f"mold: {counted(findings)}; contact: {check.verdict if check else 'not checked'}"
 
@@ -282,52 +292,54 @@ def _import_everything(solids: bool, checked: bool) -> None:
 
 
 def _build(
-    design: Design,
-    closed: ClosedMold,
+    job: Job,
     verdict: ContactCheck | None,
+    scenes: tuple[Result, ...],
     watch: Stopwatch,
     solids: bool,
     measured: bool,
-) -> tuple[Job, list[PartReport]]:
+) -> tuple[Build, list[PartReport]]:
     from skincad.fabrication.estimates import by_part, estimates
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import interference
     from skincad.fabrication.meshes import asked_chord, mesh, print_chord
-    from skincad.fabrication.strip_rules import strip_findings
-    from skincad.solids.skin import skin_part
+    from skincad.fabrication.strips import strip_findings
 
-    designed = skin_part(design)
-    allowed, chord = asked_chord(design), print_chord(design)
+    designed, closed, choice = job.skin_part, job.closed, job.design.mold
+    allowed, chord = asked_chord(job.design), print_chord(job.design)
     with watch.stage("meshes"):
         meshes = {part.name: mesh(part, chord) for part in closed.parts}
         skin = mesh(designed, chord)
-    job = Job(design, closed, meshes, skin, (), verdict)
+    build = Build(job, meshes, skin, (), verdict, scenes)
     shapes = [(designed, skin), *((part, meshes[part.name]) for part in closed.parts if part.made == "made")]
     if solids:
         with watch.stage("solids"):
             for part in (designed, *closed.parts):
-                job.solid(part)
+                build.solid(part)
     if measured:
         with watch.stage("measuring"):
-            reports = [_report(part, job.solid(part).val(), shape, chord, allowed) for part, shape in shapes]
+            reports = [
+                _report(part, build.solid(part).val(), shape, chord, allowed) for part, shape in shapes
+            ]
     else:
-        reports = [PartReport(part.name, part.volume, _is_closed(shape), allowed) for part, shape in shapes]
+        reports = [
+            PartReport(
+                part.name, part.volume, bool(shape.is_watertight and shape.is_winding_consistent), allowed
+            )
+            for part, shape in shapes
+        ]
     _check_meshes(reports)
     with watch.stage("interference"):
-        gap = min(design.mold.clearance, design.mold.slit_clearance) or chord
+        gap = min(choice.clearance, choice.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
-        findings = [*design_findings(design, closed), *interference(closed, fine)]
-        findings += [*filling_findings(design, closed), *strip_findings(design)]
+        findings = [*design_findings(job), *interference(closed, fine)]
+        findings += [*filling_findings(job), *strip_findings(job)]
     with watch.stage("estimates"):
-        effort = estimates(design, closed, job.laid)
+        effort = estimates(job, build.laid)
     alone = by_part(effort)
     reports = [replace(report, estimate=alone.get(report.name)) for report in reports]
-    return replace(job, findings=tuple(findings), estimates=effort), reports
-
-
-def _is_closed(mesh: Any) -> bool:
-    return bool(mesh.is_watertight and mesh.is_winding_consistent)
+    return replace(build, findings=tuple(findings), estimates=effort), reports
 
 
 def _report(part: Part, solid: Any, mesh: Any, chord: float, allowed: float) -> PartReport:

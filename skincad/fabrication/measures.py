@@ -14,9 +14,9 @@ from manifold3d import Manifold
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.interrupt import safe_point
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
+from skincad.fabrication.rules import Finding, error
 from skincad.shape.curves import polygon
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import Body, ExtendedCut, Part, PartRole, Prism, RevolvedBody, RotatedBody
@@ -233,12 +233,4 @@ def _region(body: RevolvedBody, tolerance: float) -> shapely.Polygon:
 
 def _finding(where: str, volume: float) -> Finding:
     remedy = "enlarge mold.clearance or change the parts"
-    return Finding(
-        rule="interference",
-        where=where,
-        measured=volume,
-        limit=LEAST_COMMON_VOLUME,
-        unit="mm3",
-        severity="error",
-        remedy=remedy,
-    )
+    return error("interference", where, volume, LEAST_COMMON_VOLUME, "mm3", remedy)

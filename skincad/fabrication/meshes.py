@@ -33,6 +33,7 @@ from skincad.solids.plan import (
 FINER = 10.0  # the mesh that a print mesh is measured against has chords this many times finer
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
 _X_IS_THIRD = np.array([2, 0, 1])
+PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
 def asked_chord(design: Design) -> float:
@@ -152,9 +153,6 @@ def _strips(body: Prism | RevolvedBody, tolerance: float, steps: int) -> tuple[A
 def _bore(bore: Bore, tolerance: float) -> Manifold:
     upright = Manifold.cylinder(bore.length, bore.radius, bore.far_radius, bore.circle(tolerance))
     return (upright.rotate((-90.0, 0.0, 0.0)) if bore.axis == "y" else upright).translate(bore.start)
-
-
-PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
 class BedPart(NamedTuple):

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from skincad.fabrication.bores import PINNED, process_of
 from skincad.fabrication.drawn_features import (
     ABOVE,
     FRONT,
@@ -32,32 +31,31 @@ from skincad.fabrication.drawn_features import (
     number,
     pockets,
     seat_lengths,
-    skins_at,
     slits,
     views,
 )
-from skincad.fabrication.pattern import CutProfile, cut_profile, cut_words
-from skincad.fabrication.rules import Case, grooves, maker, slit_play, walls_close
+from skincad.fabrication.fasteners import PINNED
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
+from skincad.fabrication.rules import Case, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
-from skincad.inputs.design import Design
 from skincad.inputs.mold_table import Mount
-from skincad.inputs.process import Process, processes
-from skincad.shape.skin import skin_of
+from skincad.inputs.process import Process
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import fits
 from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism
 from skincad.solids.projection import Projection, Stroke, outlined
-from skincad.solids.shrinkage import shrinkage
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-
 UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
-
-
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
+_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
+Coordinate = Callable[[float], float]
+NUT = "N"
+LEANING = "leaning from upright, positive with the mouth to the right"
+MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
 class CrestAllowance(NamedTuple):
@@ -67,38 +65,35 @@ class CrestAllowance(NamedTuple):
     drops: tuple[float, ...]
 
 
-def general_tolerance(design: Design, part: Part) -> str:
+def general_tolerance(job: Job, part: Part) -> str:
     """Return what holds where a size has no limits of its own."""
-    return f"±{process_of(design, part).tolerance:g} (by {maker(design, part)})"
+    return f"±{job.process(part).tolerance:g} (by {job.maker(part)})"
 
 
-def surface_words(design: Design, part: Part) -> str:
+def surface_words(job: Job, part: Part) -> str:
     """Return how rough all faces may be, µm (ISO 21920-1); "" where the process says nothing of it."""
-    rough = process_of(design, part).roughness
+    rough = job.process(part).roughness
     return f"Ra {rough:g}" if rough else ""
 
 
-def process_words(design: Design, part: Part) -> str:
+def process_words(job: Job, part: Part) -> str:
     """Return how a part is made."""
-    name, process = maker(design, part), process_of(design, part)
+    name, process = job.maker(part), job.process(part)
     based = f" (as {process.based_on})" if process.based_on not in (None, name) else ""
     return f"{name}{based}{_TOOLS.get(process.tool, '') if not process.layer else ', printed'}"
 
 
-_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
-
-
-def material_words(design: Design, part: Part) -> str:
+def material_words(job: Job, part: Part) -> str:
     """Return of what a part can be: assumption, by what its process cuts."""
-    process = process_of(design, part)
+    process = job.process(part)
     if process.layer:
         return "rigid resin or filament" + (", sealed against silicone" if process.inhibits_platinum else "")
     return "brass or tool steel" if process.tool == "wire" else "aluminium or brass"
 
 
-def notes(design: Design, part: Part) -> list[str]:
+def notes(job: Job, part: Part) -> list[str]:
     """Return what holds for the whole part."""
-    share = 100 * shrinkage(design)
+    share = 100 * job.shrinkage
     edges = f"{'right' if leftward(part) else 'left'} and {'upper' if downward(part) else 'lower'}"
     rows = [f"Coordinates x, y from the view's {edges} edge. Exact shape: the STEP file."]
     if part.role in CAVITIES and share:
@@ -109,15 +104,15 @@ def notes(design: Design, part: Part) -> list[str]:
         rows.append("Edges at trough and slits sharp and free of burrs; all others broken 0.1 to 0.3.")
     else:
         rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
-    process = process_of(design, part)
+    process = job.process(part)
     if process.inhibits_platinum:
         rows.append("The process may keep platinum silicone from curing: wash, cure fully and seal the part.")
-    return [*rows, *_cutter(Case(design, part, maker(design, part), process))]
+    return [*rows, *_cutter(Case(job, part, job.maker(part)))]
 
 
 def _cutter(case: Case) -> list[str]:
     """The thickest wire or mill that the narrowest groove takes, and the cavity's inner corners."""
-    process, ridge = case.process, skin_of(case.design).profile
+    process, ridge = case.process, case.job.skin.profile
     takes = [(groove.width, f"a {groove.width:.4g} wide {groove.where}") for groove in grooves(case)]
     if not takes or process.tool not in CUTTERS:
         return []
@@ -131,35 +126,35 @@ def _cutter(case: Case) -> list[str]:
     return [f"{CUTTERS[process.tool]}: Ø{kerf:g} at most, for {where}{sparks}."]
 
 
-def what_matters(design: Design, part: Part, judged: CrestAllowance | None) -> list[str]:
+def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
-    rows = _crests(design, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
+    rows = _crests(job, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
     if part.role is PartRole.COMB:
-        process = process_of(design, part)
-        gap, drawn = slit_play(design, process), design.mold.slit_clearance
-        lays = "strip" if design.mold.method == "cast-in" else "shim"
+        process = job.process(part)
+        gap, drawn = slit_play(job, process), job.design.mold.slit_clearance
+        lays = "strip" if job.design.mold.method == "cast-in" else "shim"
         out = f" ({drawn:g} as drawn, less growth and coat)" if gap != drawn else ""
         rows.append(
             f"Slits: {gap:.4g} a side beside the {lays}{out}. Narrower ones jam it, wider ones let silicone "
             f"in and the film lie aside; {_tolerance_words(process, gap)}"
         )
     if part.role is PartRole.CARRIER:
-        drawn, by = design.mold.clearance, processes(design.printer)[design.mold.process]
-        gap = drawn - walls_close(design, by) - walls_close(design, process_of(design, part))
+        drawn, by = job.design.mold.clearance, job.cavity_process
+        gap = drawn - walls_close(job, by) - walls_close(job, job.process(part))
         out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
         rows.append(
             f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
         )
-    if part.role is PartRole.CARRIER and design.mount and design.mount.thread:
-        metric = METRIC[design.mount.thread]
+    if part.role is PartRole.CARRIER and job.design.mount and job.design.mount.thread:
+        metric = METRIC[job.design.mount.thread]
         off = (metric.clearance - metric.diameter) / 4
         rows.append(
-            f"Mount: {pattern_words(design.mount)} about the middle, its threads within ±{off:.3g}, half of "
-            "what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
+            f"Mount: {pattern_words(job.design.mount)} about the middle, its threads within ±{off:.3g}, half "
+            "of what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
         )
     pins = {cut.role for cut in part.cuts} & PINNED
     if pins:
-        sliding = fits(design, maker(design, part)).slide - PIN_RADIUS
+        sliding = job.fits(part).slide - PIN_RADIUS
         rows.append(
             f"Pin holes: place within ±{sliding / 2:.3g}, half of the pins' play of {sliding:.3g} a side, or "
             "the parts don't slide onto each other."
@@ -180,9 +175,9 @@ def _tolerance_words(process: Process, gap: float) -> str:
     return f"the process, ±{process.tolerance:g}, {word} that gap."
 
 
-def _crests(design: Design, part: Part, judged: CrestAllowance | None) -> list[str]:
+def _crests(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     """What the crests' heights may differ by: the grooves' depths."""
-    sigma = f"{process_of(design, part).crest_sigma:g}"
+    sigma = f"{job.process(part).crest_sigma:g}"
     if judged is None:
         return [UNCHECKED_NOTE]
     rows = []
@@ -199,12 +194,6 @@ def _crests(design: Design, part: Part, judged: CrestAllowance | None) -> list[s
             f"Grooves: the check leaves no margin, or has none to say; the process's sigma is {sigma}."
         )
     return rows
-
-
-Coordinate = Callable[[float], float]
-NUT = "N"
-LEANING = "leaning from upright, positive with the mouth to the right"
-MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
 class DrawingTable(NamedTuple):
@@ -243,70 +232,62 @@ class PartDrawing:
     cut_from_solid: bool  # not printed
 
 
-def part_drawing(design: Design, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
+def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
     """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
     from skincad.solids.occ import projection
 
     seen = {view.name: projection(shape, view.of_solid) for view in views(part)}
-    holes, nuts = tuple(hole_groups(design, part, shape)), pockets(part)
-    cut, carved = slits(design, part), grooves_of(design, part)
+    holes, nuts = tuple(hole_groups(job, part, shape)), pockets(part)
+    cut, carved = slits(job, part), grooves_of(job, part)
     datum = datums(part)
     tables = [
-        _hole_table(holes, nuts, general_tolerance(design, part)),
+        _hole_table(holes, nuts, general_tolerance(job, part)),
         _places(holes, nuts, seen, part),
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
         _groove_table(carved, seen, part, judged.drops if judged else ()),
     ]
-    top, cut_through = seen[FRONT].box()[1][1], cut_profile(part)
-    words = [*notes(design, part), *what_matters(design, part, judged)]
-    if design.mold.cavities > 1 and (cut or carved):
-        words.append(_gang_words(design, part))
+    ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
+    (_, near), (_, far) = seen[ABOVE].box()
+    overall = Length(FRONT, "u", left, right), Length(FRONT, "v", low, top), Length(ABOVE, "v", near, far)
+    straight = part.straight.body if part.straight else None
+    profile = outlined(straight.outline) if isinstance(straight, Prism) else seen[FRONT].visible
+    words = [*notes(job, part), *what_matters(job, part, judged)]
+    if job.design.mold.cavities > 1 and (cut or carved):
+        words.append(_gang_words(job, part))
     return PartDrawing(
         name=part.name,
-        design=display_name(design),
-        revision=design.revision,
+        design=display_name(job.design),
+        revision=job.design.revision,
         what=part.role.what,
         views=seen,
         captions={view.name: view.words for view in views(part)},
         holes=holes,
         pockets=nuts,
         datums=datum,
-        lengths=(*_overall(seen), *seat_lengths(part, top)),
+        lengths=(*overall, *seat_lengths(part, top)),
         slits=cut,
         grooves=carved,
-        profile=_profile(part, seen[FRONT]),
+        profile=profile,
         cut=cut_through,
-        cut_notes=(cut_words(design, part),) if cut_through else (),
+        cut_notes=(cut_words(job, part),) if cut_through else (),
         tables=tuple(table for table in tables if table.rows),
         notes=("Datums: " + "; ".join(f"{d.letter} {d.what}" for d in datum) + ".", *words),
-        process=process_words(design, part),
-        material=material_words(design, part),
-        tolerance=general_tolerance(design, part),
-        surface=surface_words(design, part),
-        cut_from_solid=not process_of(design, part).layer,
+        process=process_words(job, part),
+        material=material_words(job, part),
+        tolerance=general_tolerance(job, part),
+        surface=surface_words(job, part),
+        cut_from_solid=not job.process(part).layer,
     )
 
 
-def _profile(part: Part, front: Projection) -> tuple[Stroke, ...]:
-    if part.straight is not None and isinstance(part.straight.body, Prism):
-        return outlined(part.straight.body.outline)
-    return front.visible
-
-
-def _gang_words(design: Design, part: Part) -> str:
+def _gang_words(job: Job, part: Part) -> str:
     """Where in the front view the slits and grooves of a gang's further skins lie."""
-    first, *others = skins_at(design)
+    first, *others = job.place.centres
     here, there = ("right", "left") if part.end == "b" else ("left", "right")
     offsets = " and ".join(number(x - first) for x in others)
     what = "Slits" if part.role is PartRole.COMB else "Seat, trough and grooves"
     return f"{what}: of the skin furthest {here}; the others' are {offsets} to the {there} of them."
-
-
-def _overall(seen: dict[str, Projection]) -> tuple[Length, ...]:
-    (left, low), (right, high) = seen[FRONT].box()
-    (_, near), (_, far) = seen[ABOVE].box()
-    return Length(FRONT, "u", left, right), Length(FRONT, "v", low, high), Length(ABOVE, "v", near, far)
 
 
 def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limits: str) -> DrawingTable:
@@ -394,10 +375,6 @@ def _groove_table(
         x, z = groove.bottom
         row = str(groove.ridge), number(x_of(x)), number(-z), _degrees(groove.lean)
         allowed = drops[groove.ridge - 1] if drops else None
-        rows.append(row if allowed is None else (*row, _allowance(allowed)))
+        rows.append(row if allowed is None else (*row, "any" if math.isinf(allowed) else f"{allowed:.4f}"))
     heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]
     return DrawingTable(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
-
-
-def _allowance(drop: float) -> str:
-    return "any" if math.isinf(drop) else f"{drop:.4f}"

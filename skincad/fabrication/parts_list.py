@@ -7,22 +7,21 @@ from typing import NamedTuple
 
 from skincad.base.reading import csv_text
 from skincad.base.version import __version__
-from skincad.fabrication.bores import Screws, cover_screws, dowels, end_screws, pin_length
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
-from skincad.fabrication.mounting import mount_of
+from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, mount_of, pin_length
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.part_drawing import material_words, process_words
-from skincad.fabrication.rules import extent
+from skincad.fabrication.patterns import shim_length
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
-from skincad.fabrication.strip_steps import shim_length
 from skincad.inputs.catalog import display_name
-from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
-from skincad.shape.skin import skin_of
 from skincad.solids.fasteners import pin_depth
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.layout import SQUEEZED_SHARE, cavity_process
-from skincad.solids.mold import ClosedMold
+from skincad.solids.layout import SQUEEZED_SHARE
 from skincad.solids.plan import PartRole, Prism
+
+HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
+ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
 
 
 class Item(NamedTuple):
@@ -46,73 +45,63 @@ class Item(NamedTuple):
     basis: str = ""
 
 
-HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
-ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
-
-
-def parts_list(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
+def parts_list(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
     """Return what is made, a row for each part with its estimates, then what is bought; consumables are the
     casting sheet's."""
-    return [*_made_items(design, closed, by_part(estimates)), *_bought_items(design, closed)]
+    return [*_made_items(job, by_part(estimates)), *_bought_items(job)]
 
 
-def parts_csv(design: Design, closed: ClosedMold, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
+def parts_csv(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
     """Return the parts list as CSV, after a comment with the design's name and revision."""
-    rows = [(number, *item) for number, item in enumerate(parts_list(design, closed, estimates), 1)]
-    comment = f"{display_name(design)}, revision {design.revision}, skincad {__version__}; mm"
+    rows = [(number, *item) for number, item in enumerate(parts_list(job, estimates), 1)]
+    comment = f"{display_name(job.design)}, revision {job.design.revision}, skincad {__version__}; mm"
     return csv_text([(*HEADS, *ESTIMATED), *rows], [comment])
 
 
-def _made_items(design: Design, closed: ClosedMold, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
-    for part in closed.parts:
+def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
+    for part in job.closed.parts:
         if part.made == "made":
             size = " x ".join(f"{side:.2f}" for side in extent(part))
-            volume, by = f"{part.volume / 1000:.4g}", process_words(design, part)
-            details = material_words(design, part), volume, part.role.what
-            yield Item("1", part.name, size, by, *details, *_estimate_cells(estimates.get(part.name)))
+            volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
+            details = material_words(job, part), volume, part.role.what
+            cells = []
+            if (took := estimates.get(part.name)) is not None:
+                numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]
+                cells = [*(f"{number:.4g}" for number in numbers), took.basis]
+            yield Item("1", part.name, size, by, *details, *cells)
 
 
-def _estimate_cells(part: PartEstimate | None) -> list[str]:
-    """The cells of a part's estimates; none where nothing was estimated."""
-    if part is None:
-        return []
-    numbers = [n for e in (part.mass, part.time, part.cost) for n in (float(e), e.error or 0.0)]
-    return [*(f"{number:.4g}" for number in numbers), part.basis]
-
-
-def _bought_items(design: Design, closed: ClosedMold) -> Iterator[Item]:
-    skin = skin_of(design)
+def _bought_items(job: Job) -> Iterator[Item]:
+    skin = job.skin
     slot = skin.slot
-    lid, ends = cover_screws(design, closed), end_screws(design, closed)
-    bent = design.skin.curvature_radius_y is not None
+    lid, ends = cover_screws(job), end_screws(job)
+    bent = job.bent
     for screws, place in ((ends, "end plates"), (lid, "cover")):
         if screws is not None:
             yield from _screws(screws, place)
     if lid is None:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
-    if cavity_process(design).thread != "tapped":
+    if job.cavity_process.thread != "tapped":
         inserts = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
-        yield _item(
-            inserts, "threaded insert", f"M3, {cavity_process(design).thread}", "brass", "printed parts"
-        )
-    yield from _mount(design, closed)
-    for most, count in sorted(dowels(closed).items()):
+        yield _item(inserts, "threaded insert", f"M3, {job.cavity_process.thread}", "brass", "printed parts")
+    yield from _mount(job)
+    for most, count in sorted(dowels(job.closed).items()):
         size = f"ISO 8734 {2 * PIN_RADIUS:g} x {pin_length(most):g}"
         yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
-    for seal in closed.of(PartRole.SEAL):
+    for seal in job.closed.of(PartRole.SEAL):
         if isinstance(seal.body, Prism):
             size = f"sheet of {(seal.body.high - seal.body.low) / SQUEEZED_SHARE:.3g}, cut by seal.dxf"
             yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
-    shims = len(closed.of(PartRole.SHIM))
+    shims = len(job.closed.of(PartRole.SHIM))
     if shims and slot is not None:
-        size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(design, closed):g}"
+        size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         yield _item(shims, "shim", size, "spring steel", "slots")
-    if design.film is not None:
-        size = f"{design.film.thickness:g} thick, cut by strips.dxf"
-        strips = design.mold.cavities * 2 * skin.count
+    if job.design.film is not None:
+        size = f"{job.design.film.thickness:g} thick, cut by strips.dxf"
+        strips = job.design.mold.cavities * 2 * skin.count
         yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
-    material = silicone(design)
-    grams = poured_volume(design, closed) * material.density * 1e-6 + DEAD_VOLUME
+    material = job.silicone
+    grams = poured_volume(job) * material.density * 1e-6 + DEAD_VOLUME
     yield Item(
         quantity=f"{grams:.4g} g",
         what="silicone",
@@ -135,19 +124,19 @@ def _screws(screws: Screws, place: str) -> Iterator[Item]:
         yield _item(screws.nuts, "nut", "ISO 4032 M3", "steel", place)
 
 
-def _mount(design: Design, closed: ClosedMold) -> Iterator[Item]:
+def _mount(job: Job) -> Iterator[Item]:
     """What a mount asks for; a screw or a pin is as much longer as what the skin is screwed to is thick."""
-    mount = mount_of(design, closed)
+    mount = mount_of(job)
     if mount is None or mount.reach is None:
         return
-    count, (least, most) = design.mold.cavities * len(mount.positions), mount.reach
+    count, (least, most) = job.design.mold.cavities * len(mount.positions), mount.reach
     size = f"ISO 4762 {mount.thread}, {least:g} to {most:g} in the carrier"
     yield _item(count, "mount screw", size, "steel", "carrier, from the robot's side; no longer")
     if mount.insert:
         yield _item(count, "threaded insert", f"{mount.thread}, {mount.insert}", "brass", "carrier, mount")
     if mount.pin is not None:
         size = f"ISO 8734 {mount.pin:g}, {pin_depth(mount.pin):g} in the carrier"
-        yield _item(design.mold.cavities, "mount pin", size, "steel", "carrier, from the robot's side")
+        yield _item(job.design.mold.cavities, "mount pin", size, "steel", "carrier, from the robot's side")
 
 
 def _item(quantity: int, what: str, designation: str, material: str, place: str) -> Item:

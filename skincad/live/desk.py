@@ -25,7 +25,7 @@ from skincad.scenes.scene import Scene
 from skincad.studies.subject import Setting
 
 if TYPE_CHECKING:
-    from skincad.fabrication.finding import Finding
+    from skincad.fabrication.rules import Finding
     from skincad.mechanics.verdict import ContactCheck
 
 QUIET = 0.15  # s without a move, after which slower answers than a picture are computed
@@ -232,11 +232,12 @@ def findings(picture: DesignView) -> tuple[Finding, ...]:
     """Return what stands against making a design; none where it has no mold, which says why itself."""
     from skincad.fabrication.filling import filling_findings
     from skincad.fabrication.findings import design_findings
-    from skincad.fabrication.strip_rules import strip_findings
+    from skincad.fabrication.job import Job
+    from skincad.fabrication.strips import strip_findings
 
-    design, closed = picture.design, picture.closed
-    if closed is None:
+    if picture.closed is None:
         return ()
-    rows = [*design_findings(design, closed), *filling_findings(design, closed), *strip_findings(design)]
+    job = Job(picture.design, picture.closed)
+    rows = [*design_findings(job), *filling_findings(job), *strip_findings(job)]
     order = ("error", "warning", "note")
     return tuple(sorted(rows, key=lambda finding: order.index(finding.severity)))

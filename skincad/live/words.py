@@ -11,7 +11,7 @@ from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import checks
 
 if TYPE_CHECKING:
-    from skincad.fabrication.finding import Finding
+    from skincad.fabrication.rules import Finding
     from skincad.live.desk import Answers, Desk
 
 RED, GREEN, AMBER, BLUE, GREY = "#b3261e", "#1b6e3c", "#8a5a00", "#1f5fa8", "#6b7280"

@@ -90,7 +90,7 @@ def preload() -> None:
     """Import what the first move of a slider needs."""
     import skincad.fabrication.filling
     import skincad.fabrication.findings
-    import skincad.fabrication.strip_rules
+    import skincad.fabrication.strips
     import skincad.mechanics.models.winkler
     import skincad.outputs.checks  # noqa: F401
 

@@ -14,6 +14,7 @@ import numpy as np
 from skincad.base.arrays import Array, Mask
 from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.network import PICO, charge, electrode
+from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -22,11 +23,8 @@ from skincad.mechanics.models.winkler import compliances
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.validity import limits, plane_modulus
 from skincad.shape.curves import area
-from skincad.shape.skin import section, skin_of
-from skincad.solids.mold import ClosedMold
+from skincad.shape.skin import skin_of
 from skincad.solids.plan import PartRole
-from skincad.solids.shrinkage import shrinkage
-from skincad.solids.skin import skin_part
 
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
 ON_A_CIRCLE = "geometry of the base circle"
@@ -206,22 +204,18 @@ def _strain(design: Design, share: float) -> Calculation:
     )
 
 
-def casting_calculations(design: Design, closed: ClosedMold) -> list[Calculation]:
+def casting_calculations(job: Job) -> list[Calculation]:
     """Return the cavity's volume by the shrinkage, and the silicone to weigh."""
-    cavity = [] if _bent_with_slots(design) else [_cavity(design, closed)]
-    return [*cavity, *_mass(design, closed)]
+    cavity = [] if job.bent and job.skin.slot else [_cavity(job)]
+    return [*cavity, *_mass(job)]
 
 
-def _bent_with_slots(design: Design) -> bool:
-    return skin_of(design).slot is not None and design.skin.curvature_radius_y is not None
-
-
-def _cavity(design: Design, closed: ClosedMold) -> Calculation:
-    skin, cavity = skin_part(design).volume, closed.first(PartRole.SKIN).volume
-    slots = math.fsum(area(slot.loop()) for slot in section(design).slots) * design.skin.length
+def _cavity(job: Job) -> Calculation:
+    skin, cavity = job.skin_part.volume, job.closed.first(PartRole.SKIN).volume
+    slots = math.fsum(area(slot.loop()) for slot in job.section.slots) * job.design.skin.length
     quantities = [
         Quantity("V", "skin as designed", MM3 * skin, "cm³"),
-        Quantity("s", "linear shrinkage", shrinkage(design), "1"),
+        Quantity("s", "linear shrinkage", job.shrinkage, "1"),
     ]
     if slots:
         quantities.append(Quantity("V_s", "slots in it, which shims keep as they are", MM3 * slots, "cm³"))
@@ -234,8 +228,8 @@ def _cavity(design: Design, closed: ClosedMold) -> Calculation:
     )
 
 
-def _mass(design: Design, closed: ClosedMold) -> list[Calculation]:
-    material, volume = silicone(design), poured_volume(design, closed)
+def _mass(job: Job) -> list[Calculation]:
+    material, volume = job.silicone, poured_volume(job)
     grams = volume * material.density * 1e-6
     mold_mass = Quantity("m", "silicone that the mold takes", grams, "g")
     total = Quantity("m_t", "silicone to mix", grams + DEAD_VOLUME, "g")

@@ -20,7 +20,7 @@ from skincad.fabrication.coupon import (
     read_command,
 )
 from skincad.fabrication.coupon_reading import CouponReading, no_growth_words
-from skincad.fabrication.rules import on_end
+from skincad.fabrication.machine_rules import on_end
 from skincad.outputs.delivery import Presentation, text
 from skincad.solids.plan import Part
 

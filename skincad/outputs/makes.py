@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.making import Job, MakeResult, passes
+from skincad.fabrication.making import Build, MakeResult, passes
 from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.sheet import casting_sheet
@@ -37,13 +37,12 @@ from skincad.outputs.solid_files import (
 from skincad.outputs.view import view_page
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import PartRole
-from skincad.solids.skin import skin_part
 
 T = TypeVar("T")
 
 COMMAND = "make"
 PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
-JobWriter = Callable[[Job, Path], None]
+BuildWriter = Callable[[Build, Path], None]
 
 
 def lines(result: MakeResult) -> list[str]:
@@ -90,59 +89,55 @@ def figures(result: MakeResult) -> dict[str, Callable[[], Picture]]:
 
 def files(result: MakeResult) -> dict[str, Writer]:
     """Return the writer of each file."""
-    job = result.built()
-    job_writers = writers(job.design, job.closed, result.solids, result.preview)
-    return {name: partial(write, job) for name, write in job_writers.items()}
+    build = result.built()
+    job_writers = writers(build.design, build.closed, result.solids, result.preview)
+    return {name: partial(write, build) for name, write in job_writers.items()}
 
 
 def writers(
     design: Design, closed: ClosedMold, solids: bool = True, preview: bool = False
-) -> dict[str, JobWriter]:
+) -> dict[str, BuildWriter]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     printed = [part.name for part in closed.parts if part.made == "made"]
-    strips: dict[str, JobWriter] = {
-        "strips.dxf": lambda job, path: flat.write_strips_dxf(job.design, path),
-        "strips.svg": lambda job, path: flat.write_strips_svg(job.design, path),
-        "strip-board.kicad_mod": lambda job, path: flat.write_strip_board(job.design, path),
+    strips: dict[str, BuildWriter] = {
+        "strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
+        "strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
+        "strip-board.kicad_mod": lambda build, path: flat.write_strip_board(build.job, path),
     }
-    shims: dict[str, JobWriter] = {
-        "shims.dxf": lambda job, path: flat.write_shims_dxf(job.design, job.closed, path)
-    }
-    seal: dict[str, JobWriter] = {"seal.dxf": lambda job, path: flat.write_seal_dxf(job.closed, path)}
+    shims: dict[str, BuildWriter] = {"shims.dxf": lambda build, path: flat.write_shims_dxf(build.job, path)}
+    seal: dict[str, BuildWriter] = {"seal.dxf": lambda build, path: flat.write_seal_dxf(build.closed, path)}
     return {
         **(_solid_writers(printed) if solids else {}),
         **{f"{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
-        "mold.3mf": lambda job, path: write_3mf(
-            {name: (mesh, job.closed.part(name).colour) for name, mesh in job.laid.items()}, path
+        "mold.3mf": lambda build, path: write_3mf(
+            {name: (mesh, build.closed.part(name).colour) for name, mesh in build.laid.items()}, path
         ),
-        "skin.3mf": lambda job, path: write_3mf(
-            {"skin": (job.skin, job.closed.first(PartRole.SKIN).colour)}, path
+        "skin.3mf": lambda build, path: write_3mf(
+            {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
         ),
-        "section.dxf": lambda job, path: flat.write_section_dxf(job.design, path),
-        "section.svg": lambda job, path: flat.write_section_svg(job.design, path),
+        "section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
+        "section.svg": lambda build, path: flat.write_section_svg(build.design, path),
         "drawing.svg": _text(_drawing),
         **(strips if design.film else {}),
         **(shims if closed.of(PartRole.SHIM) else {}),
         **(seal if closed.of(PartRole.SEAL) else {}),
-        "design.toml": _text(lambda job: job.design.to_toml()),
+        "design.toml": _text(lambda build: build.design.to_toml()),
         "casting-sheet.md": _text(_casting_sheet),
         "casting-sheet.html": _text(
-            lambda job: page(_casting_sheet(job), _drawing(job), f"Casting sheet: {job.design.name}")
+            lambda build: page(_casting_sheet(build), _drawing(build), f"Casting sheet: {build.design.name}")
         ),
-        "parts-list.csv": _text(lambda job: parts_csv(job.design, job.closed, job.estimates)),
-        "view.html": _text(
-            lambda job: view_page(job.design, job.closed, job.meshes, job.check, _verdict(job))
-        ),
+        "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
+        "view.html": _text(lambda build: view_page(build.job, build.meshes, build.check, _verdict(build))),
         **({} if preview else {"report.html": _text(_report)}),
         "picture.png": _picture,
     }
 
 
-def _text(of: Callable[[Job], str]) -> JobWriter:
-    return lambda job, path: text(lambda: of(job))(path)
+def _text(of: Callable[[Build], str]) -> BuildWriter:
+    return lambda build, path: text(lambda: of(build))(path)
 
 
-def _solid_writers(printed: list[str]) -> dict[str, JobWriter]:
+def _solid_writers(printed: list[str]) -> dict[str, BuildWriter]:
     """The files that show exact solids: STEP, and shop drawings, each sheet laid out once for its formats."""
     drawings: dict[str, Callable[[Sheet, Path], object]] = {
         "pdf": write_sheet_pdf,
@@ -150,8 +145,8 @@ def _solid_writers(printed: list[str]) -> dict[str, JobWriter]:
         "dxf": write_sheet_dxf,
     }
 
-    def drawn(name: str, kind: str, job: Job, path: Path) -> None:
-        drawings[kind](_once(job, f"sheet {name}", lambda: sheet_of(job, name)), path)
+    def drawn(name: str, kind: str, build: Build, path: Path) -> None:
+        drawings[kind](_once(build, f"sheet {name}", lambda: sheet_of(build, name)), path)
 
     return {
         **{f"{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
@@ -160,70 +155,70 @@ def _solid_writers(printed: list[str]) -> dict[str, JobWriter]:
     }
 
 
-def sheet_of(job: Job, name: str) -> Sheet:
+def sheet_of(build: Build, name: str) -> Sheet:
     """Return a made part's sheet; its date is SOURCE_DATE_EPOCH's, or left out."""
-    part = job.closed.part(name)
-    crests = CrestAllowance(checks.allowed_drops(job.check)) if job.check else None
+    part = build.closed.part(name)
+    crests = CrestAllowance(checks.allowed_drops(build.check)) if build.check else None
     date = source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
-    return part_sheet(part_drawing(job.design, part, job.solid(part).val(), crests), __version__, date)
+    return part_sheet(part_drawing(build.job, part, build.solid(part).val(), crests), __version__, date)
 
 
-def _write_solid(name: str, job: Job, path: Path) -> None:
-    write_step(job.solid(skin_part(job.design) if name == "skin" else job.closed.part(name)), path)
+def _write_solid(name: str, build: Build, path: Path) -> None:
+    write_step(build.solid(build.job.skin_part if name == "skin" else build.closed.part(name)), path)
 
 
-def _write_assembly(job: Job, path: Path) -> None:
-    solids = {part.name: job.solid(part) for part in job.closed.parts}
-    write_assembly(assembly(job.closed, solids, job.design.name), path)
+def _write_assembly(build: Build, path: Path) -> None:
+    solids = {part.name: build.solid(part) for part in build.closed.parts}
+    write_assembly(assembly(build.closed, solids, build.design.name), path)
 
 
-def _write_stl(name: str, job: Job, path: Path) -> None:
-    write_stl(job.skin if name == "skin" else job.laid[name], path)
+def _write_stl(name: str, build: Build, path: Path) -> None:
+    write_stl(build.skin if name == "skin" else build.laid[name], path)
 
 
-def _verdict(job: Job) -> str:
+def _verdict(build: Build) -> str:
     """The verdict in words, or that the design was not checked."""
-    return checks.verdict(job.check) if job.check else checks.UNCHECKED
+    return checks.verdict(build.check) if build.check else checks.UNCHECKED
 
 
-def _report(job: Job) -> str:
+def _report(build: Build) -> str:
     from skincad.outputs.report import report
 
-    return report(job, partial(_png, job), _casting_sheet(job), _drawing(job))
+    return report(build, partial(_png, build), _casting_sheet(build), _drawing(build))
 
 
-def _png(job: Job) -> bytes:
+def _png(build: Build) -> bytes:
     """The picture, drawn once for all files that show it."""
-    return _once(job, "picture", lambda: png(_figure(job)))
+    return _once(build, "picture", lambda: png(_figure(build)))
 
 
-def _picture(job: Job, path: Path) -> None:
-    path.write_bytes(_png(job))
+def _picture(build: Build, path: Path) -> None:
+    path.write_bytes(_png(build))
 
 
-def _figure(job: Job) -> Picture:
-    return design_figure(job.design, job.closed, job.meshes)
+def _figure(build: Build) -> Picture:
+    return design_figure(build.design, build.closed, build.meshes)
 
 
-def _drawing(job: Job) -> str:
+def _drawing(build: Build) -> str:
     """The drawing, SVG."""
-    return _once(job, "drawing", lambda: drawing(job.design, job.closed))
+    return _once(build, "drawing", lambda: drawing(build.design, build.closed))
 
 
-def _casting_sheet(job: Job) -> str:
+def _casting_sheet(build: Build) -> str:
     """The casting sheet, Markdown."""
 
     def sheet() -> str:
-        measured = inspection(job.design, job.closed, *checks.allowance(job.check))
-        passed = passes(job.check, job.findings, strict=False)
-        findings = list(job.findings)
-        return casting_sheet(job.design, job.closed, findings, _verdict(job), passed, measured, job.estimates)
+        measured = inspection(build.job, *checks.allowance(build.check))
+        passed = passes(build.check, build.findings, strict=False)
+        findings = list(build.findings)
+        return casting_sheet(build.job, findings, _verdict(build), passed, measured, build.estimates)
 
-    return _once(job, "sheet", sheet)
+    return _once(build, "sheet", sheet)
 
 
-def _once(job: Job, name: str, of: Callable[[], T]) -> T:
-    """What several files need of a job, made for the first of them."""
-    if name not in job.cache:
-        job.cache[name] = of()
-    return cast(T, job.cache[name])
+def _once(build: Build, name: str, of: Callable[[], T]) -> T:
+    """What several files need of a build, made for the first of them."""
+    if name not in build.cache:
+        build.cache[name] = of()
+    return cast(T, build.cache[name])

@@ -12,8 +12,8 @@ from html import escape
 from typing import TYPE_CHECKING, cast
 
 from skincad.base.version import __version__
-from skincad.fabrication.finding import counted
-from skincad.fabrication.making import Job, passes
+from skincad.fabrication.making import Build, passes
+from skincad.fabrication.rules import counted
 from skincad.inputs.catalog import display_name, load_design, read_table, retyped, template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.check import spread_of
@@ -54,29 +54,31 @@ IN_A_ROW = 11  # crests, across a page
 SPRINGS = ("ridges' common base", "slots and films", "free ends", "finite strain", "friction")
 
 
-def report(job: Job, picture: Callable[[], bytes], sheet: str, drawing: str) -> str:
+def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str) -> str:
     """Return the report as HTML. `picture` gives the design's PNG, `sheet` is the casting sheet in Markdown,
     `drawing` the SVG with its dimensions."""
-    design = job.design
+    design = build.design
     source = retyped(design, "designs", load_design, file="design.toml")
-    check_command = None if job.check is None else f"skincad check {source} --tier {job.check.tier}"
+    check_command = None if build.check is None else f"skincad check {source} --tier {build.check.tier}"
     scenes: list[ScenePart] = []
-    if job.scenes:  # without any, nothing of a scene is imported
+    if build.scenes:  # without any, nothing of a scene is imported
         from skincad.outputs.report_scenes import scene_part
 
-        scenes = [scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", job.scenes)]
-    make_command = f"skincad make {source}{'' if job.check else ' --no-check'}"
+        scenes = [
+            scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", build.scenes)
+        ]
+    make_command = f"skincad make {source}{'' if build.check else ' --no-check'}"
     make_command += "".join(f" --scene {scene.source}" for scene in scenes)
     pictures = figure(
         data_url(picture(), "image/png"), "The skin, its section, and the mold taken apart.", make_command
     )
     parts = [
-        _head(job, make_command, scenes),
+        _head(build, make_command, scenes),
         heading("Pictures", "pictures") + pictures,
-        forces_figure(job.check, check_command) if job.check and check_command else "",
-        *_verdict_sections(job, job.check, check_command or "", source),
-        _findings(job, make_command),
-        _calculations(job, make_command),
+        forces_figure(build.check, check_command) if build.check and check_command else "",
+        *_verdict_sections(build, build.check, check_command or "", source),
+        _findings(build, make_command),
+        _calculations(build, make_command),
         *([part.html for part in scenes] or [_no_scene(design, source)]),
         heading("Casting sheet", "sheet", new_page=True),
         markdown_html(sheet.partition("\n")[2]).replace("<h2>", "<h3>").replace("</h2>", "</h3>"),
@@ -120,12 +122,12 @@ def _no_scene(design: Design, source: str) -> str:
     )
 
 
-def _head(job: Job, make_command: str, scenes: list[ScenePart]) -> str:
+def _head(build: Build, make_command: str, scenes: list[ScenePart]) -> str:
     """Name, passed or failed, verdict, and the page's contents."""
-    passed = passes(job.check, job.findings, strict=False)
-    verdict = checks.verdict(job.check) if job.check else checks.UNCHECKED
-    undecided = job.check is None or job.check.verdict == "undecided"
-    sound = all(finding.severity != "error" for finding in job.findings)
+    passed = passes(build.check, build.findings, strict=False)
+    verdict = checks.verdict(build.check) if build.check else checks.UNCHECKED
+    undecided = build.check is None or build.check.verdict == "undecided"
+    sound = all(finding.severity != "error" for finding in build.findings)
     outcome = "open" if undecided and sound else "passed" if passed else "failed"
     links = {
         "pictures": "Pictures",
@@ -139,13 +141,13 @@ def _head(job: Job, make_command: str, scenes: list[ScenePart]) -> str:
         "sheet": "Casting sheet",
         "files": "To make it again",
     }
-    by = f"Revision {job.design.revision}, made with skincad {__version__} by"
+    by = f"Revision {build.design.revision}, made with skincad {__version__} by"
     contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
     return (
-        f"<h1>{escape(display_name(job.design))}: skin and mold</h1>\n"
+        f"<h1>{escape(display_name(build.design))}: skin and mold</h1>\n"
         f'<p class="{outcome}">{escape(verdict)} '
-        f"Mold: {escape(counted(job.findings))}.</p>\n"
-        f"{paragraph(_basis(job.check)) if job.check else ''}"
+        f"Mold: {escape(counted(build.findings))}.</p>\n"
+        f"{paragraph(_basis(build.check)) if build.check else ''}"
         f"{command_line(make_command, by)}<nav>{contents}</nav>\n"
     )
 
@@ -156,7 +158,7 @@ def _basis(check: ContactCheck) -> str:
     return f"By the {check.tier} model{margin}; what it leaves out is in the error: {left or 'nothing'}."
 
 
-def _verdict_sections(job: Job, check: ContactCheck | None, command: str, source: str) -> list[str]:
+def _verdict_sections(build: Build, check: ContactCheck | None, command: str, source: str) -> list[str]:
     """The parts that need a verdict; without one, a note that they do."""
     if check is None:
         titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
@@ -165,18 +167,18 @@ def _verdict_sections(job: Job, check: ContactCheck | None, command: str, source
             heading(title, key) + paragraph(f"{checks.UNCHECKED} This part needs a verdict.") + again
             for key, title in titles
         ]
-        return [*sections, sensitivity_section(job, None, source)]
+        return [*sections, sensitivity_section(build, None, source)]
     return [
         verdict_section(check, command),
-        models_section(job, check, command),
-        yield_section(job, check, command),
-        sensitivity_section(job, check, source),
+        models_section(build, check, command),
+        yield_section(build, check, command),
+        sensitivity_section(build, check, source),
     ]
 
 
-def _findings(job: Job, make_command: str) -> str:
+def _findings(build: Build, make_command: str) -> str:
     head = heading("Findings", "findings")
-    if not job.findings:
+    if not build.findings:
         return (
             head
             + paragraph("None: all rules of processes, demolding and filling are kept.")
@@ -192,24 +194,24 @@ def _findings(job: Job, make_command: str) -> str:
             finding.unit,
             finding.remedy,
         )
-        for finding in job.findings
+        for finding in build.findings
     ]
     heads = ("severity", "rule", "where", "measured", "limit", "unit", "remedy")
-    severities = dict.fromkeys(finding.severity for finding in job.findings)
+    severities = dict.fromkeys(finding.severity for finding in build.findings)
     legend = "; ".join(f"{word}: {SEVERITY[word]}" for word in severities)
     return head + table(heads, rows, "small") + paragraph(legend + ".", "small") + command_line(make_command)
 
 
-def _calculations(job: Job, make_command: str) -> str:
+def _calculations(build: Build, make_command: str) -> str:
     """The closed forms: the foundation's verdict, casting, films."""
-    check = job.check
+    check = build.check
     share = max((force.value or 0.0 for force in check.ridge_force), default=0.0) if check else None
-    contact = contact_calculations(job.design, share or None)
+    contact = contact_calculations(build.design, share or None)
     ridges = {
         quantity.symbol: quantity
         for step in contact
         for quantity in step.given
-        if isinstance(quantity.value, tuple) and len(quantity.value) == skin_of(job.design).count
+        if isinstance(quantity.value, tuple) and len(quantity.value) == skin_of(build.design).count
     }
     words = (
         "Closed forms with their numbers, to be checked by hand. They rank designs; the verdict above is a "
@@ -221,9 +223,9 @@ def _calculations(job: Job, make_command: str) -> str:
         *(calculation(step) for step in contact),
         ridge_table(list(ridges.values())) if ridges else "",
         "<h3>Casting</h3>\n",
-        *(calculation(step) for step in casting_calculations(job.design, job.closed)),
+        *(calculation(step) for step in casting_calculations(build.job)),
     ]
-    if films := strip_calculations(job.design):
+    if films := strip_calculations(build.design):
         parts += ["<h3>Films</h3>\n", *(calculation(step) for step in films)]
     return "".join(parts) + command_line(make_command)
 
@@ -279,9 +281,9 @@ def forces_figure(check: ContactCheck, command: str) -> str:
     )
 
 
-def models_section(job: Job, check: ContactCheck, command: str) -> str:
+def models_section(build: Build, check: ContactCheck, command: str) -> str:
     """Return the models tried on the way, and their error against time."""
-    design, known = job.design, {run.tier: run.unknowns for run in check.models_tried}
+    design, known = build.design, {run.tier: run.unknowns for run in check.models_tried}
     known[check.tier] = check.unknowns
     springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
     models = [(run.tier, run.all_touch_force, run.unknowns) for run in check.models_tried]
@@ -315,9 +317,9 @@ def models_section(job: Job, check: ContactCheck, command: str) -> str:
     return heading("Models asked", "models") + table(head, rows) + paragraph(law, "small") + drawn
 
 
-def yield_section(job: Job, check: ContactCheck, command: str) -> str:
+def yield_section(build: Build, check: ContactCheck, command: str) -> str:
     """Return the share of parts that pass and what it is made of, and how each crest counts."""
-    part_yield, spread = check.manufacture, spread_of(job.design)
+    part_yield, spread = check.manufacture, spread_of(build.design)
     head = heading("Yield", "yield")
     if part_yield is None or part_yield.passing.value is None:
         why = "There is none: it needs a verdict by a meshed model on more than one ridge."
@@ -343,11 +345,11 @@ def yield_section(job: Job, check: ContactCheck, command: str) -> str:
     return head + table(("yield", "value"), rows) + explanation + crests + command_line(command)
 
 
-def sensitivity_section(job: Job, check: ContactCheck | None, source: str) -> str:
+def sensitivity_section(build: Build, check: ContactCheck | None, source: str) -> str:
     """Return which dimension or modulus moves the force by how much."""
-    closed_form = winkler.all_touch_force(job.design)
+    closed_form = winkler.all_touch_force(build.design)
     force = check.all_touch_force.value if check else None
-    changes = sensitivities(job.design, force or closed_form)
+    changes = sensitivities(build.design, force or closed_form)
     head = heading("What moves the force", "sensitivities")
     if not changes:
         return head + paragraph("Nothing does: all ridges touch from the first contact on.")

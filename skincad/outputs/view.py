@@ -17,7 +17,8 @@ from manifold3d import triangulate
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.fabrication.sheet import opening_steps
+from skincad.fabrication.casting_steps import opening_steps
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
@@ -31,14 +32,14 @@ VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own v
 
 
 def view_page(
-    design: Design,
-    closed: ClosedMold,
+    job: Job,
     meshes: Mapping[str, trimesh.Trimesh],
     check: ContactCheck | None,
     words: str,
 ) -> str:
     """Return an HTML document that needs nothing else. `meshes` by part name in the mold's frame, mm; `words`
     say how the design was judged, `check` gives the skin under its load."""
+    design, closed = job.design, job.closed
     data = {
         "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
         "steps": [
@@ -49,7 +50,7 @@ def view_page(
                     for move in step.moves
                 ],
             }
-            for step in opening_steps(design, closed)
+            for step in opening_steps(job)
         ],
         "load": _load(design, check),
     }

@@ -20,14 +20,14 @@ from skincad.base.errors import shown
 from skincad.base.reading import csv_text, markdown_text
 from skincad.fabrication.coupon import coupon, coupon_sheet
 from skincad.fabrication.findings import design_findings
-from skincad.fabrication.making import Job
+from skincad.fabrication.job import Job
+from skincad.fabrication.making import Build
 from skincad.inputs.design import Design
 from skincad.outputs import makes
 from skincad.outputs.report import report
 from skincad.outputs.simulators.links import links
 from skincad.outputs.simulators.package import Package, markdown
 from skincad.outputs.studies import sweep_csv, sweep_page
-from skincad.solids.mold import mold
 
 PIECES = (
     *(
@@ -122,7 +122,7 @@ def hostile_names(count: int) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def job() -> Job:
+def build() -> Build:
     """Three ridges, printed in resin of which the sheet warns: the silicone's name is in a finding too."""
     settings = [
         "ridge.count=3",
@@ -132,8 +132,8 @@ def job() -> Job:
     ]
     design = skincad.load("yamada-2002", settings)
     design = design.with_(material={"name": "own"})
-    closed = mold(design)
-    return Job(design, closed, {}, None, tuple(design_findings(design, closed)), None, ())
+    job = Job(design)
+    return Build(job, {}, None, tuple(design_findings(job)), None, ())
 
 
 def called(design: Design, name: str) -> Design:
@@ -141,15 +141,16 @@ def called(design: Design, name: str) -> Design:
 
 
 @pytest.mark.parametrize("name", [*hostile_names(5)])
-def test_a_silicones_name_stays_text_in_every_file(name: str, job: Job, tmp_path: Path) -> None:
-    design = called(job.design, name)
-    job = replace(job, design=design, findings=tuple(design_findings(design, job.closed)))
-    assert any(name in finding.where for finding in job.findings)
+def test_a_silicones_name_stays_text_in_every_file(name: str, build: Build, tmp_path: Path) -> None:
+    design = called(build.design, name)
+    renamed = Job(design, build.closed)
+    build = replace(build, job=renamed, findings=tuple(design_findings(renamed)))
+    assert any(name in finding.where for finding in build.findings)
     plain = shown(name).strip()
-    writers = makes.writers(design, job.closed, solids=False)
+    writers = makes.writers(design, build.closed, solids=False)
     written = {file: tmp_path / file for file in ("casting-sheet.md", "casting-sheet.html", "parts-list.csv")}
     for file, path in written.items():
-        writers[file](job, path)
+        writers[file](build, path)
 
     sheet = written["casting-sheet.md"].read_text("utf-8")
     kit = coupon("sla", "own", silicones={"own": {"based_on": "ecoflex-00-30", "name": name}})
@@ -167,7 +168,7 @@ def test_a_silicones_name_stays_text_in_every_file(name: str, job: Job, tmp_path
         assert page.tags == usual.tags
         assert plain in page.text
 
-    pages = written["casting-sheet.html"].read_text("utf-8"), report(job, lambda: b"\x89PNG", sheet, "")
+    pages = written["casting-sheet.html"].read_text("utf-8"), report(build, lambda: b"\x89PNG", sheet, "")
     for page in pages:
         assert "<img src=x" not in page
         assert "<script>alert" not in page

@@ -19,8 +19,8 @@ from skincad.base.errors import InputError, RefusedError, UnclearError
 from skincad.base.estimate import Estimate
 from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.making import MakeResult, PartReport
+from skincad.fabrication.rules import warning
 from skincad.material.fit import fit_material
 from skincad.mechanics.contact.state import GrossSlip
 from skincad.mechanics.film.stress import film_stress
@@ -99,7 +99,7 @@ def results(folder: Path) -> dict[str, Any]:
     rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
     part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)
-    finding = Finding("sag", "strip 1", 0.2, 0.1, "mm", "warning", "take a thicker film")
+    finding = warning("sag", "strip 1", 0.2, 0.1, "mm", "take a thicker film")
     measure = ErrorMeasure("rms", "of the gain", "1", "the finest", "by a closed form")
     ladder = Ladder(
         "circuit", "a title", (Measurement("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,)

@@ -7,11 +7,12 @@ it finds wrong in the files of one make.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
+import skincad.fabrication.job
 from skincad.fabrication.making import PartReport
 from skincad.inputs.design import Design
-from skincad.solids.mold import mold
 from tests.conftest import Made
 
 CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")
@@ -24,6 +25,11 @@ class Job:
     design: Design
     result: Made
 
+    @cached_property
+    def plan(self) -> skincad.fabrication.job.Job:
+        """What follows from the design."""
+        return skincad.fabrication.job.Job(self.design)
+
     def file(self, name: str) -> Path:
         """Return the path of a file that was made."""
         return self.result.folder / name
@@ -31,7 +37,7 @@ class Job:
     @property
     def names(self) -> list[str]:
         """Names of all parts of the closed mold."""
-        return [part.name for part in mold(self.design).parts]
+        return [part.name for part in self.plan.closed.parts]
 
     @property
     def printed(self) -> list[PartReport]:

@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from skincad.fabrication.rules import laid_on_end, left_standing
+from skincad.fabrication.machine_rules import laid_on_end, left_standing
 from skincad.inputs.process import processes
 from skincad.shape.curves import Loop, Segment
 from skincad.solids.mold import mold
@@ -70,7 +70,7 @@ def in_grooves(job: Job, radius: float) -> dict[str, tuple[float, float]]:
 
 def _in_grooves(job: Job, part: Part, radius: float) -> tuple[float, float]:
     outline, shape = _outline(part), trimesh.load_mesh(job.file(f"{part.name}.stl"))
-    assert not laid_on_end(job.design, part)
+    assert not laid_on_end(job.plan, part)
     corners = np.array([s.start for s in outline])
     middle, lowest = (corners[:, 0].max() + corners[:, 0].min()) / 2, corners[:, 1].min()
     shape.apply_translation([middle, 0.0, lowest - shape.bounds[0, 2]])  # from the bed into the mold's frame

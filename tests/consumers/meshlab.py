@@ -13,8 +13,8 @@ import pymeshlab
 import trimesh
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
+from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.meshes import laid
-from skincad.fabrication.rules import laid_on_end
 from skincad.solids.mold import mold
 from tests.consumers import Job
 
@@ -73,7 +73,7 @@ def deviations(job: Job) -> dict[str, float]:
         true = tessellated(job.file(f"{part.name}.step"), part.asked_deviation / FINER)
         if part.name != "skin":
             part_values = parts[part.name]
-            true = laid(true, laid_on_end(job.design, part_values), part_values)
+            true = laid(true, laid_on_end(job.plan, part_values), part_values)
         rows[part.name] = deviation(job.file(f"{part.name}.stl"), true)
     return rows
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from skincad.fabrication.mounting import mount_of
+from skincad.fabrication.fasteners import mount_of
+from skincad.fabrication.job import Job
 from skincad.outputs.solid_files import write_step
 from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
@@ -55,7 +56,7 @@ def test_holes_are_in_the_step_where_the_keys_say(name: str, tmp_path: Path) -> 
     design = mounted_design(name)
     closed = mold(design)
     write_step(workplane(closed.part("carrier")), tmp_path / "carrier.step")
-    circles, mount = level_circles(tmp_path / "carrier.step"), mount_of(design, closed)
+    circles, mount = level_circles(tmp_path / "carrier.step"), mount_of(Job(design, closed))
     assert mount is not None
     drilled = {"yamada-2002": 1.6, "milled-pad": 2.5, "lab-bench": 4.0, "bent": 1.6}[name]
     bottom = mount.top - (mount.depth or 0.0)

@@ -13,8 +13,9 @@ import pytest
 
 import skincad
 from skincad.fabrication.estimates import by_part, estimates
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.rules import laid_on_end
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
@@ -45,8 +46,8 @@ def compared(design: Design, folder: Path) -> dict[str, tuple[SlicerEstimate, Sl
     """What is estimated of each part and what the slicer says of it."""
     closed, process = mold(design), processes(design.printer)[design.mold.process]
     parts = [part for part in closed.parts if part.made == "made"]
-    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in parts}
-    estimates_by_part = by_part(estimates(design, closed, prints))
+    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(Job(design), p), p) for p in parts}
+    estimates_by_part = by_part(estimates(Job(design, closed), prints))
     pairs = {}
     for name, shape in prints.items():
         write_stl(shape, folder / f"{name}.stl")

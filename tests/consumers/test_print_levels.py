@@ -11,6 +11,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.fabrication.crests import snapped_to_layers, uncertain_ridges
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
@@ -48,7 +49,7 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
 def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> None:
     design = skincad.load(name)
-    heights_and_floor = snapped_to_layers(design, mold(design))
+    heights_and_floor = snapped_to_layers(Job(design))
     assert heights_and_floor is not None
     heights, floor = heights_and_floor
     snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
@@ -62,8 +63,8 @@ def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tm
     """Floors over a layer; by four of them middles lie at grooves' bottoms, or the ledge."""
     design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
     closed = mold(design)
-    off = np.abs(crests_as_sliced(design, tmp_path) - inspection(design, closed).crests.heights)
-    uncertain = uncertain_ridges(design, closed)
+    off = np.abs(crests_as_sliced(design, tmp_path) - inspection(Job(design, closed)).crests.heights)
+    uncertain = uncertain_ridges(Job(design, closed))
     assert {i for i, error in enumerate(off, 1) if error > CLOSE} <= set(uncertain)
     assert bool(uncertain) == (floor in (9.0, 9.013, 9.0195, 9.0475))
 
@@ -82,6 +83,6 @@ def test_crests_are_within_20_um_of_the_sheet_or_told_as_unsure(floor: float, tm
 )
 def test_crests_come_out_as_the_sheet_says(name: str, changes: list[str], tmp_path: Path) -> None:
     design = skincad.load(name, changes)
-    said = np.array(inspection(design, mold(design)).crests.heights)
+    said = np.array(inspection(Job(design)).crests.heights)
     assert np.abs(said - skin_of(design).crests).max() > 2e-3  # there is something to say
     assert crests_as_sliced(design, tmp_path) == pytest.approx(said, abs=CLOSE)

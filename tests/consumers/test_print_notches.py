@@ -10,6 +10,7 @@ import pytest
 import skincad
 from skincad.base.arrays import Array, Mask
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
@@ -81,7 +82,7 @@ def test_where_no_finding_says_otherwise_every_shim_goes_in(
     changes: list[str], all_go_in: bool, tmp_path: Path
 ) -> None:
     design = skincad.load("lab-bench", changes)
-    warned = any(finding.rule == "notch" for finding in design_findings(design))
+    warned = any(finding.rule == "notch" for finding in design_findings(Job(design)))
     count, of = shims_that_go_in(design, tmp_path)
     assert of == 18
     assert (count == of) == all_go_in

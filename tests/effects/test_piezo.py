@@ -21,7 +21,8 @@ from skincad.circuit.network import electrode
 from skincad.circuit.state import corner
 from skincad.effects.kinds import Observables, ReaderContext
 from skincad.effects.piezo import Piezo, fitted, strip_charges
-from skincad.fabrication.pattern import strip_patterns
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import strip_patterns
 from skincad.inputs.catalog import template_names, template_text
 from skincad.outputs.simulations import write_table
 from skincad.scenes import models
@@ -63,7 +64,7 @@ def ramp(count: int = 400, dt: float = 1e-5, rate: float = 10.0) -> np.ndarray:
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
 def test_the_electrode_is_the_cutting_patterns(name: str) -> None:
     design = skincad.load(name)
-    for strip in strip_patterns(design):
+    for strip in strip_patterns(Job(design)):
         faces = [shapely.Polygon(polygon(metal, 1e-6)) for metal in (strip.front, strip.back)]
         assert electrode(design) == pytest.approx(faces[0].intersection(faces[1]).area, rel=2e-3)  # shrinkage
 

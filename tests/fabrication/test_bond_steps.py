@@ -7,11 +7,11 @@ import pytest
 
 import skincad
 from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.sheet import casting_sheet, opening_steps
-from skincad.fabrication.strip_steps import bonding_kit, release_agent_places
+from skincad.fabrication.casting_steps import bonding_kit, opening_steps, release_agent_places
+from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
@@ -27,7 +27,7 @@ FILMED = [name for name in template_names() if skincad.load(name).film]
 
 
 def sheet(design: Design) -> str:
-    return casting_sheet(design, mold(design), [], "Passes.", True)
+    return casting_sheet(Job(design), [], "Passes.", True)
 
 
 def order(text: str) -> list[str]:
@@ -101,7 +101,7 @@ def test_a_film_is_never_baked(yamada: Design) -> None:
 
 def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
-    rows = " | ".join(bonding_kit(yamada))
+    rows = " | ".join(bonding_kit(Job(yamada)))
     for words in (
         "18 strips of PVDF film, 28 µm",
         "sputtered metal on both faces",
@@ -115,18 +115,18 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "10.7 g together, and 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
-    cast = " | ".join(bonding_kit(skincad.load("cast-in")))
+    cast = " | ".join(bonding_kit(Job(skincad.load("cast-in"))))
     assert "36 weights of 5.1 g and 10.8 m of thread" in cast
     assert "cyanoacrylate" not in cast
 
 
 def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     bare = yamada.with_(film=None, contact={"film": "loose"})
-    assert bonding_kit(bare) == []
-    words = [step.words for step in opening_steps(bare, mold(bare))]
+    assert bonding_kit(Job(bare)) == []
+    words = [step.words for step in opening_steps(Job(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in line or "strip" in line for line in words)
-    assert "cover and shims" in release_agent_places(bare)
+    assert "cover and shims" in release_agent_places(Job(bare))
 
 
 @pytest.mark.parametrize("name", FILMED)

@@ -18,6 +18,7 @@ import skincad
 from skincad.base.arrays import Array, Mask
 from skincad.fabrication.crests import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import plane_piece, unit_of
@@ -76,7 +77,7 @@ def judged(name: str) -> JudgedDesign:
 
     drops, room = allowance(check)
     return JudgedDesign(
-        design, inspection(design, mold(design), drops, room), passes, margin, undecided_margin(room, drops)
+        design, inspection(Job(design), drops, room), passes, margin, undecided_margin(room, drops)
     )
 
 
@@ -203,6 +204,6 @@ def test_layers_are_told_as_they_fall(name: str) -> None:
     """By another count of layers; the slicers' own are in consumers/test_print_levels.py."""
     design = skincad.load(name)
     closed = mold(design)
-    heights = inspection(design, closed).crests.heights
+    heights = inspection(Job(design, closed)).crests.heights
     # mm: the generator's block is of exact arcs, and of a volume that gives its scale to a few digits
     assert heights == pytest.approx(sliced(design, closed), abs=5e-4)

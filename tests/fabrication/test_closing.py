@@ -7,7 +7,9 @@ from itertools import product
 import pytest
 
 import skincad
-from skincad.fabrication.sheet import casting_sheet, closing_findings
+from skincad.fabrication.findings import closing_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.process import processes
 from skincad.solids.layout import SHEETS
@@ -19,20 +21,20 @@ from tests.bent_skin import bent
 @pytest.mark.parametrize("name", template_names())
 def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
     design = skincad.load(name)
-    assert list(closing_findings(design)) == []
+    assert list(closing_findings(Job(design))) == []
     thin = design.with_(mold={"cover": 1.0})
-    findings = list(closing_findings(thin))
+    findings = list(closing_findings(Job(thin)))
     if findings:
         assert (findings[0].severity, findings[0].limit) == ("warning", 0.02)
         least = float(findings[0].remedy.split(" of ")[1].split(" mm")[0])
-        assert list(closing_findings(design.with_(mold={"cover": least}))) == []
+        assert list(closing_findings(Job(design.with_(mold={"cover": least})))) == []
     cover = mold(thin).part("cover").body
     assert cover.high - cover.low == 1.0  # kept, whatever its bow
 
 
 def test_a_printed_cover_of_four_millimetres_over_a_wide_skin_bows() -> None:
     """Two screws held it, and nobody said that it gaped."""
-    bow, pushed = closing_findings(skincad.load("nozzle-04", ["mold.cover=4.0"]))
+    bow, pushed = closing_findings(Job(skincad.load("nozzle-04", ["mold.cover=4.0"])))
     assert bow.rule == "cover bow"
     assert bow.measured > 0.2
     assert pushed.rule == "closing stack"  # six times as far by its own seal
@@ -78,7 +80,7 @@ def test_the_worst_stack_neither_lifts_the_cover_nor_lets_the_carrier_float(name
     assert any(abs(sheet - sold) < 1e-9 for sold in SHEETS)
     assert least >= 0.5 * sheet - 1e-9
     assert most <= 0.9 * sheet + 1e-9
-    assert [f for f in closing_findings(design) if f.rule == "closing stack"] == []
+    assert [f for f in closing_findings(Job(design)) if f.rule == "closing stack"] == []
 
 
 @pytest.mark.parametrize("radius", [30.0, 120.0])
@@ -92,14 +94,14 @@ def test_the_worst_stack_lifts_no_cover_of_a_doubly_curved_mold_either(name: str
     assert any(abs(sheet - sold) < 1e-9 for sold in SHEETS)
     assert least >= 0.5 * sheet - 1e-9
     assert most <= 0.9 * sheet + 1e-9
-    assert [f.rule for f in closing_findings(design)] == ["thread run-out"] * (name == "yamada-2002")
+    assert [f.rule for f in closing_findings(Job(design))] == ["thread run-out"] * (name == "yamada-2002")
 
 
 def test_a_bowl_too_narrow_for_a_seal_says_to_lap_its_carrier() -> None:
     """At 25 mm the ends lean by 14 degrees: 1 mm of wall more and bolts and pins of the cover would meet."""
     narrow = bent("plain-ridges", 25.0)
     assert "seal" not in {part.name for part in mold(narrow).parts}
-    (finding,) = closing_findings(narrow)
+    (finding,) = closing_findings(Job(narrow))
     assert (finding.rule, finding.severity) == ("closing stack", "warning")
     # a ledge and a carrier of resin, and 0.05 mm of the pins: three tolerances, and the foam's own bow
     assert finding.measured > 0.15
@@ -108,27 +110,27 @@ def test_a_bowl_too_narrow_for_a_seal_says_to_lap_its_carrier() -> None:
 
 def test_threads_that_meet_in_a_short_skin_ask_for_a_bottoming_tap() -> None:
     design = bent("yamada-2002", 25.0)
-    (finding,) = closing_findings(design)
+    (finding,) = closing_findings(Job(design))
     hole = min(bore.length for bore in bores(mold(design).part("cavity"), CutRole.END_THREAD))
     # a screw of 8 mm with two washers of 0.5 in a plate of 4 leaves 3 of thread: by hand
     assert finding.measured == pytest.approx(hole - 3.0)
     assert (finding.limit, finding.severity) == (3.5, "note")
-    assert list(closing_findings(bent("yamada-2002", 60.0, "skin.length=24"))) == []
+    assert list(closing_findings(Job(bent("yamada-2002", 60.0, "skin.length=24")))) == []
 
 
 def test_a_process_too_coarse_for_any_seal_is_told() -> None:
     coarse = skincad.load("nozzle-04", ["printer.fdm.tolerance=1.0"])
-    (finding,) = (f for f in closing_findings(coarse) if f.rule == "closing stack")
+    (finding,) = (f for f in closing_findings(Job(coarse)) if f.rule == "closing stack")
     assert finding.measured > 3.2 > finding.limit == pytest.approx(2.4)
 
 
 def test_the_foam_is_to_be_bought_laid_in_and_lifted_off() -> None:
     design = skincad.load("plain-ridges")
-    text = casting_sheet(design, mold(design), [], "", True)
+    text = casting_sheet(Job(design), [], "", True)
     assert "a sheet of 1.5 mm" in text
     assert "then the foam, cover and bolts" in text
     assert "with the foam" in text
     curved = design.with_(skin={"curvature_radius_y": 200.0})
-    text = casting_sheet(curved, mold(curved), [], "", True)
+    text = casting_sheet(Job(curved), [], "", True)
     assert "Then the foam, cover and bolts" in text
     assert "with the foam" in text

@@ -4,6 +4,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.findings import design_findings, freeing_widths
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain
@@ -45,11 +46,11 @@ def test_the_silicone_decides_whether_it_leaves() -> None:
     takes 0.42."""
     stiff = upright(12.0, material={"name": "sylgard-184"})
     assert safe_strain(stiff) == pytest.approx(1 - 1 / (1 + SAFE_SHARE * 1.2), rel=1e-12)
-    errors = [f for f in design_findings(stiff) if f.rule == "undercut" and f.severity == "error"]
+    errors = [f for f in design_findings(Job(stiff)) if f.rule == "undercut" and f.severity == "error"]
     assert {f.where.split(",")[0] for f in errors} == {"ridge 1", "ridge 9"}
     closed_form = flank(12.0) * math.sin(1 / 3) * math.cos(1 / 3) / 0.75
     assert all(f.measured == pytest.approx(closed_form, abs=2e-4) for f in errors)
-    soft = [f for f in design_findings(upright(12.0)) if f.rule == "undercut"]
+    soft = [f for f in design_findings(Job(upright(12.0))) if f.rule == "undercut"]
     assert len(soft) == 8
     assert {f.severity for f in soft} == {"note"}
     assert "364 % elongation" in soft[0].remedy
@@ -70,30 +71,32 @@ def test_what_leans_more_than_it_is_wide_is_locked() -> None:
         },
     )
     assert skin_of(locked).undercuts[7].strain == 1.0
-    assert any(f.severity == "error" for f in design_findings(locked) if f.rule == "undercut")
+    assert any(f.severity == "error" for f in design_findings(Job(locked)) if f.rule == "undercut")
 
 
 def test_the_draft_told_is_just_enough() -> None:
     design = upright(20.0)
-    root, tip = freeing_widths(design)
+    root, tip = freeing_widths(Job(design))
     assert root is not None
     assert tip is not None
     for key, value, back in (("root_width", root, -0.005), ("tip_width", tip, 0.005)):
         assert not any(u.width for u in skin_of(design.with_(ridge={key: value})).undercuts.values())
         assert any(u.width for u in skin_of(design.with_(ridge={key: value + back})).undercuts.values())
-    remedy = next(f.remedy for f in design_findings(design) if f.rule == "undercut")
+    remedy = next(f.remedy for f in design_findings(Job(design)) if f.rule == "undercut")
     assert f"root_width of {root:g} mm" in remedy
     assert f"tip_width of {tip:g} mm" in remedy
 
 
 def test_a_root_that_the_pitch_forbids_is_not_told() -> None:
-    root, tip = freeing_widths(upright(12.0, material={"name": "sylgard-184"}))
+    root, tip = freeing_widths(Job(upright(12.0, material={"name": "sylgard-184"})))
     assert root is None  # 0.75 + 0.36 is above the pitch
     assert tip is not None
 
 
 def test_a_split_cavity_is_advised_unless_the_cavity_is_split() -> None:
     for split, advised in (("none", True), ("auto", False)):
-        findings = [f for f in design_findings(upright(12.0, mold={"split": split})) if f.rule == "undercut"]
+        findings = [
+            f for f in design_findings(Job(upright(12.0, mold={"split": split}))) if f.rule == "undercut"
+        ]
         assert findings
         assert all(('a split cavity (mold.split = "auto")' in f.remedy) == advised for f in findings)

@@ -12,15 +12,15 @@ import pytest
 from manifold3d import Manifold, OpType
 
 from skincad.fabrication.filling import filling_findings
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference, measure
 from skincad.fabrication.meshes import laid, manifold, mesh
-from skincad.fabrication.pattern import pattern_notes, strip_patterns
-from skincad.fabrication.rules import shim_bend
+from skincad.fabrication.patterns import arc_radius, pattern_notes, strip_patterns
+from skincad.fabrication.rules import Finding
 from skincad.fabrication.sheet import casting_sheet, poured_volume
-from skincad.fabrication.strip_steps import arc_radius
+from skincad.fabrication.strips import shim_bend
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import PAGE, drawing
 from skincad.shape.curves import rectangle
@@ -114,8 +114,8 @@ def test_end_plates_are_laid_flat_and_a_block_on_its_leaning_end(closed: ClosedM
 
 
 def test_findings_say_what_is_special_and_no_more(design: Design, closed: ClosedMold) -> None:
-    straight = design_findings(design.with_(skin={"curvature_radius_y": None}))
-    findings = design_findings(design, closed)
+    straight = design_findings(Job(design.with_(skin={"curvature_radius_y": None})))
+    findings = design_findings(Job(design, closed))
     room = next(f for f in findings if f.rule == "notch room")
     wire = next(f for f in findings if "bent along y" in f.where)
     tap = next(f for f in findings if f.rule == "thread run-out")  # its ends' screws meet in 12 mm
@@ -125,23 +125,23 @@ def test_findings_say_what_is_special_and_no_more(design: Design, closed: Closed
     assert (room.rule, room.severity) == ("notch room", "note")
     assert room.measured == pytest.approx(16 / (2 * 25), rel=0.02)  # thickness^2 / 2 R
     milled = design.with_(mold={"process": "cnc", "end_plate_process": "edm"})
-    assert not any("bent along y" in f.where for f in design_findings(milled))
+    assert not any("bent along y" in f.where for f in design_findings(Job(milled)))
 
 
 def test_a_deep_shim_would_stay_bent(design: Design) -> None:
-    assert shim_bend(design) == pytest.approx(0.125 / 25, rel=1e-12)
-    assert "shim bend" not in by_rule(design_findings(design))
+    assert shim_bend(Job(design)) == pytest.approx(0.125 / 25, rel=1e-12)
+    assert "shim bend" not in by_rule(design_findings(Job(design)))
     deep = design.with_(slot={"depth": 0.4})
-    note = by_rule(design_findings(deep))["shim bend"]
+    note = by_rule(design_findings(Job(deep)))["shim bend"]
     assert (note.severity, note.measured) == ("note", pytest.approx(0.2 / 25, rel=1e-12))
 
 
 def test_an_end_that_is_high_too_is_told_until_the_tilt_is_beyond_its_slope(design: Design) -> None:
-    (note,) = filling_findings(design, mold(design))
+    (note,) = filling_findings(Job(design))
     assert (note.severity, note.unit) == ("note", "deg")
     assert note.limit == pytest.approx(math.degrees(6 / 25), rel=1e-6)
     steep = design.with_(mold={"pour_tilt": 15.0})
-    assert filling_findings(steep, mold(steep)) == []
+    assert filling_findings(Job(steep)) == []
 
 
 def test_poured_volume_is_what_the_closed_molds_parts_leave() -> None:
@@ -160,7 +160,7 @@ def test_poured_volume_is_what_the_closed_molds_parts_leave() -> None:
     rest -= Manifold.batch_boolean([manifold(part, 2e-3) for part in parts], OpType.Add)
     ball = Manifold.sphere(0.3).translate((0.0, 0.0, -2.0))
     (void,) = (piece for piece in rest.decompose() if (piece ^ ball).volume() > 0)
-    assert poured_volume(design, closed) == pytest.approx(void.volume(), rel=2e-3)  # chords
+    assert poured_volume(Job(design, closed)) == pytest.approx(void.volume(), rel=2e-3)  # chords
 
 
 def _filled(part: Part) -> Part:
@@ -175,7 +175,7 @@ def _filled(part: Part) -> Part:
 
 
 def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: ClosedMold) -> None:
-    text = casting_sheet(design, closed, [], "Passes.", True)
+    text = casting_sheet(Job(design, closed), [], "Passes.", True)
     assert "M3 screws, ISO 4762: 8 M3 x 8 for the end plates" in text
     assert "bottoming tap at last, 2 washers under each head" in text  # a plate of 4 and a hole of 4.5
     assert "cut or etched as arcs" in text
@@ -190,24 +190,24 @@ def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: Closed
     places = [text.index(words) for words in order]
     assert places == sorted(places)
     plain = bent("plain-ridges", 25.0)
-    assert "shim" not in casting_sheet(plain, mold(plain), [], "Passes.", True)
+    assert "shim" not in casting_sheet(Job(plain), [], "Passes.", True)
 
 
 def test_a_shims_flat_radius_is_its_cones(design: Design) -> None:
     """An upright slot of the middle ridge lies in a plane; a leaning one on a cone, whose arc is flatter."""
-    upright = arc_radius(design, 2, "S1")
+    upright = arc_radius(Job(design), 2, "S1")
     assert upright == pytest.approx(25.0 * 1.001 + 0.1 + 0.025, abs=0.12)  # elevation and half the depth
-    tilted = arc_radius(design.with_(slot={"tilt": 45.0}), 2, "S1")
+    tilted = arc_radius(Job(design.with_(slot={"tilt": 45.0})), 2, "S1")
     assert tilted == pytest.approx(math.sqrt(2) * upright, rel=0.01)
 
 
 def test_strips_are_as_long_as_their_arcs(design: Design) -> None:
     straight = design.with_(skin={"curvature_radius_y": None})
-    long, short = ([_length(p) for p in strip_patterns(d)] for d in (design, straight))
+    long, short = ([_length(p) for p in strip_patterns(Job(d))] for d in (design, straight))
     for a, b in zip(long, short, strict=True):
         assert 0.0 < a - b < 12.0 * 0.5 / 25  # slots lie up to half a millimetre outside the summit's arc
-    assert any("strain 0.5 %" in note for note in pattern_notes(design))
-    assert not any("strain" in note for note in pattern_notes(straight))
+    assert any("strain 0.5 %" in note for note in pattern_notes(Job(design)))
+    assert not any("strain" in note for note in pattern_notes(Job(straight)))
 
 
 def _length(pattern: object) -> float:
@@ -223,7 +223,7 @@ def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed:
     for node in root.iter("{http://www.w3.org/2000/svg}polygon"):
         places = [tuple(map(float, corner.split(","))) for corner in node.attrib["points"].split()]
         assert all(0 <= x <= PAGE[0] and 0 <= y <= PAGE[1] for x, y in places)
-    rows = {m.what: m for m in inspection(design, closed).measures}
+    rows = {m.what: m for m in inspection(Job(design, closed)).measures}
     chord = rows["length of the back, straight from end to end"].nominal
     assert chord == pytest.approx(2 * 21 * math.sin(6 / 25), rel=1e-12)
 

@@ -18,14 +18,15 @@ from skincad.fabrication.electrodes import (
     label_offset,
     tab,
 )
-from skincad.fabrication.finding import Finding
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area
 
 
 def by_rule(design: Design) -> dict[str, Finding]:
-    return {finding.rule: finding for finding in electrode_findings(design)}
+    return {finding.rule: finding for finding in electrode_findings(Job(design))}
 
 
 def test_a_faces_metal_by_hand(yamada: Design) -> None:
@@ -69,7 +70,7 @@ def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
 
 @pytest.mark.parametrize("name", template_names())
 def test_templates_have_no_finding(name: str) -> None:
-    assert electrode_findings(skincad.load(name)) == []
+    assert electrode_findings(Job(skincad.load(name))) == []
 
 
 def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
@@ -106,4 +107,4 @@ def test_an_end_plate_must_slide_off_its_pins_between_skin_and_tab(lead: float) 
 
 
 def test_no_film_no_electrodes() -> None:
-    assert electrode_findings(skincad.load("plain-ridges")) == []
+    assert electrode_findings(Job(skincad.load("plain-ridges"))) == []

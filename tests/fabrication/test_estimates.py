@@ -10,9 +10,10 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, exposure_time, lines
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
-from skincad.fabrication.rules import laid_on_end
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -23,8 +24,8 @@ from skincad.solids.mold import mold
 def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
     closed = mold(design)
     parts = [part for part in closed.parts if part.made == "made"]
-    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(design, p), p) for p in parts}
-    return estimates(design, closed, prints)
+    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(Job(design), p), p) for p in parts}
+    return estimates(Job(design, closed), prints)
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -67,7 +68,7 @@ def test_parts_of_two_processes_are_told_apart() -> None:
         ("cnc", 3, 0),
         ("edm", 4, 0),
     ]
-    assert [line[:16] for line in lines(design, processes)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
+    assert [line[:16] for line in lines(Job(design), processes)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
 
 
 def test_cost_is_material_machine_and_setup() -> None:
@@ -101,7 +102,7 @@ def test_bad_keys_are_refused(key: str, value: float) -> None:
 def test_the_parts_list_has_them_beside_the_volumes() -> None:
     design = skincad.load("plain-ridges")
     closed, processes = mold(design), estimated(design)
-    _, head, *rows = parts_csv(design, closed, processes).splitlines()
+    _, head, *rows = parts_csv(Job(design, closed), processes).splitlines()
     assert head.split(",") == [*HEADS, *ESTIMATED]
     cover = by_part(processes)["cover"]
     (row,) = (row for row in rows if row.split(",")[2] == "cover")
@@ -115,9 +116,9 @@ def test_the_parts_list_has_them_beside_the_volumes() -> None:
 def test_the_sheet_says_them_in_a_line() -> None:
     design = skincad.load("plain-ridges")
     closed, processes = mold(design), estimated(design)
-    text = casting_sheet(design, closed, [], "Passes.", True, None, processes)
-    assert f"Estimates. {lines(design, processes)[0]}" in text
-    assert "Estimates" not in casting_sheet(design, closed, [], "Passes.", True)
+    text = casting_sheet(Job(design, closed), [], "Passes.", True, None, processes)
+    assert f"Estimates. {lines(Job(design), processes)[0]}" in text
+    assert "Estimates" not in casting_sheet(Job(design, closed), [], "Passes.", True)
     assert "5 parts on 1 plate:" in text
 
 

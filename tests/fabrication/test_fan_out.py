@@ -18,13 +18,14 @@ from skincad.fabrication.electrodes import (
     half_tab,
 )
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
 
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:
-    spread = fan_out(yamada)
+    spread = fan_out(Job(yamada))
     assert spread is not None
     outermost = section(yamada).slots[-1].centre.x
     assert spread.offset == pytest.approx(17 / 2 * PITCH - outermost, rel=1e-12)
@@ -43,7 +44,7 @@ def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None
 def test_a_small_way_aside_takes_two_arcs_alone() -> None:
     """One ridge: its two tabs go from 0.16 mm to half a pitch; at 3 mm radius 0.8 mm is all by arcs."""
     design = skincad.load("nozzle-04", ["ridge.count=1"])
-    spread = fan_out(design)
+    spread = fan_out(Job(design))
     assert spread is not None
     radius = BEND * design.film.thickness  # type: ignore[union-attr]
     angle = spread.lead / 2 / radius
@@ -55,24 +56,24 @@ def test_tabs_cross_where_slots_lean_against_each_other() -> None:
     """S1 and S2 of a ridge lean towards each other by 45 degrees about centres 0.34 mm apart; upright ones
     stand as far apart as their slots."""
     tilted = skincad.load("yamada-2002-tilted")
-    (finding,) = fan_out_findings(tilted)
+    (finding,) = fan_out_findings(Job(tilted))
     assert (finding.rule, finding.severity) == ("strip tabs", "note")
     assert half_tab(tilted.film, tilted.slot.depth) * math.sin(math.pi / 4) > 0.17  # type: ignore[arg-type, union-attr]
-    assert finding in design_findings(tilted)
-    assert "Tabs cross" in fan_out_steps(tilted)[0]
+    assert finding in design_findings(Job(tilted))
+    assert "Tabs cross" in fan_out_steps(Job(tilted))[0]
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
 def test_only_leaning_slots_have_a_finding(name: str) -> None:
     design = skincad.load(name)
     assert design.slot is not None
-    assert bool([*fan_out_findings(design)]) == (design.slot.tilt > 0)
+    assert bool([*fan_out_findings(Job(design))]) == (design.slot.tilt > 0)
 
 
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
-    (short,) = fan_out_steps(yamada)
+    (short,) = fan_out_steps(Job(yamada))
     need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])  # type: ignore[index]
     assert "single plugs on wires" in short
-    (enough,) = fan_out_steps(yamada.with_(film={"lead": math.ceil(need)}))
+    (enough,) = fan_out_steps(Job(yamada.with_(film={"lead": math.ceil(need)})))
     assert "is long enough" in enough
-    assert fan_out_steps(skincad.load("plain-ridges")) == []
+    assert fan_out_steps(Job(skincad.load("plain-ridges"))) == []

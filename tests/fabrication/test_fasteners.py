@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.bores import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
+from skincad.fabrication.fasteners import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.solids.fasteners import LENGTHS
 from skincad.solids.mold import mold
@@ -16,7 +17,7 @@ from skincad.solids.plan import END_PLATES, PINS, CutRole, PartRole, bores
 def test_each_hole_has_its_screw_and_each_pin_its_dowel(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)
-    ends, lid = end_screws(design, closed), cover_screws(design, closed)
+    ends, lid = end_screws(Job(design, closed)), cover_screws(Job(design, closed))
     plates = [plate for plate in closed.of(*END_PLATES) if plate.end == "a"]
     assert ends.pieces == sum(len(bores(plate, CutRole.END_BOLT)) for plate in plates)
     assert ends.length in LENGTHS or ends.rod
@@ -29,15 +30,15 @@ def test_each_hole_has_its_screw_and_each_pin_its_dowel(name: str) -> None:
 
 def test_a_screw_through_both_plates_ends_in_a_nut_or_in_the_second() -> None:
     by_wire, printed = (skincad.load(name) for name in ("yamada-2002", "lab-bench"))
-    assert end_screws(by_wire, mold(by_wire)).nuts == 0
-    screws = end_screws(printed, mold(printed))
+    assert end_screws(Job(by_wire)).nuts == 0
+    screws = end_screws(Job(printed))
     assert screws.nuts == screws.pieces
 
 
 def test_a_doubly_curved_molds_plates_are_screwed_to_its_cavity() -> None:
     design = skincad.load("yamada-2002", ["skin.curvature_radius_y=200"])
     closed = mold(design)
-    screws = end_screws(design, closed)
+    screws = end_screws(Job(design, closed))
     assert (screws.pieces, screws.nuts) == (len(bores(closed.part("cavity"), CutRole.END_THREAD)), 0)
     assert screws.length < design.skin.length
 

@@ -22,6 +22,7 @@ from skincad.fabrication.filling import (
     vertical,
     void,
 )
+from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
@@ -154,12 +155,12 @@ def test_a_void_without_a_way_out_keeps_all_its_air(lidded: Void) -> None:
 
 def test_air_under_a_hood_is_the_prism_between_its_legs(yamada: Design) -> None:
     tilt = math.radians(10)
-    (pocket,) = pockets(yamada, hooded(mold(yamada)), 10.0)
+    (pocket,) = pockets(Job(yamada, hooded(mold(yamada))), 10.0)
     assert pocket.volume == pytest.approx(1.8 * 0.9**2 / math.tan(tilt) / 2, rel=ROUNDING)
     assert pocket.height == pytest.approx(0.9 * math.cos(tilt), rel=ROUNDING)
     assert pocket.place[1:] == (6.0, -0.6)
     assert pocket.where == "shim-5-S3, at end b's edge"
-    (level,) = pockets(yamada, hooded(mold(yamada)), 0.0)
+    (level,) = pockets(Job(yamada, hooded(mold(yamada))), 0.0)
     assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
 
 
@@ -167,27 +168,27 @@ def test_air_under_a_hood_is_the_prism_between_its_legs(yamada: Design) -> None:
 def test_a_tilt_is_advised_where_it_saves_a_tenth_of_the_air(
     yamada: Design, monkeypatch: pytest.MonkeyPatch, least: float, helps: bool
 ) -> None:
-    hood, traps = hooded(mold(yamada)), filling_findings(yamada, hooded(mold(yamada)))[0].measured
+    hood, traps = hooded(mold(yamada)), filling_findings(Job(yamada, hooded(mold(yamada))))[0].measured
     monkeypatch.setattr(filling, "best_tilt", lambda *_: (7.0, least * traps))
-    (finding,) = filling_findings(yamada, hood)
+    (finding,) = filling_findings(Job(yamada, hood))
     assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: brush")
 
 
 def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(yamada: Design) -> None:
     hood = hooded(mold(yamada))
-    tilt, least = best_tilt(yamada, hood)
+    tilt, least = best_tilt(Job(yamada, hood))
     low, high = filling.TILTS
     others = [t for t in np.arange(tilt - 2.0, tilt + 2.25, 0.5) if low <= t <= high]
-    volumes = {float(t): sum(p.volume for p in pockets(yamada, hood, float(t))) for t in others}
+    volumes = {float(t): sum(p.volume for p in pockets(Job(yamada, hood), float(t))) for t in others}
     assert 2 * tilt == round(2 * tilt)
     assert least == pytest.approx(min(volumes.values()), abs=1e-3)
     assert volumes[tilt] == pytest.approx(least, abs=1e-3)
 
 
 def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:
-    (finding,) = filling_findings(yamada, hooded(mold(yamada)))
+    (finding,) = filling_findings(Job(yamada, hooded(mold(yamada))))
     assert (finding.rule, finding.severity, finding.unit) == ("trapped air", "warning", "mm3")
-    tilt, least = best_tilt(yamada, hooded(mold(yamada)))
+    tilt, least = best_tilt(Job(yamada, hooded(mold(yamada))))
     assert least < 0.5 * finding.measured
     assert finding.remedy.startswith(f"mold.pour_tilt = {tilt:g}, which traps {least:.2g} mm3: brush sil")
 
@@ -196,16 +197,16 @@ def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None
 def test_no_template_keeps_air_level_or_at_its_own_tilt(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)
-    assert pockets(design, closed, 0.0) == pockets(design, closed) == ()
-    assert filling_findings(design, closed) == []
-    assert best_tilt(design, closed) == (design.mold.pour_tilt, 0.0)
+    assert pockets(Job(design, closed), 0.0) == pockets(Job(design, closed)) == ()
+    assert filling_findings(Job(design, closed)) == []
+    assert best_tilt(Job(design, closed)) == (design.mold.pour_tilt, 0.0)
 
 
 def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(yamada: Design) -> None:
     ring = 4.0 * (15.02 * 12.0 - 15.0 * 11.98)  # height, trough less carrier
-    (level,) = pockets(yamada, plain_mold(yamada), 0.0)
+    (level,) = pockets(Job(yamada, plain_mold(yamada)), 0.0)
     assert level.volume == pytest.approx(ring, rel=ROUNDING)
-    tilted = pockets(yamada, plain_mold(yamada), 10.0)
+    tilted = pockets(Job(yamada, plain_mold(yamada)), 10.0)
     assert tilted[0].where == "carrier, at end b's edge"
     assert {p.where for p in tilted[1:]} == {f"carrier hole {i}" for i in range(1, 5)}
     # wedge over the vent's highest point, 0.61 mm from the end, and a little more in the gap
@@ -215,7 +216,7 @@ def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(yama
 
 def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
     wide = yamada.with_(mold={"clearance": 0.2, "pour_tilt": 0.0})
-    level, gap = filling_findings(wide, plain_mold(wide))
+    level, gap = filling_findings(Job(wide, plain_mold(wide)))
     assert level.unit == "deg"
     assert gap.measured > 10 * gap.limit
     assert gap.severity == "note"
@@ -225,8 +226,8 @@ def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
 def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
     """One solid by booleans, cut at level after level: from below, and nearer with a finer sweep."""
     tight = yamada.with_(mold={"clearance": 0.0, "carrier": "plain"})
-    (pocket,) = pockets(tight, mold(tight), 10.0)
-    solid = merged(void(tight, mold(tight)), 1e-3)
+    (pocket,) = pockets(Job(tight), 10.0)
+    solid = merged(void(Job(tight)), 1e-3)
     short = [pocket.volume - swept(solid, 10.0, 8.0, step) for step in (0.02, 0.005)]
     assert 0 < short[1] < short[0]
     assert short[1] < 0.1 * pocket.volume  # a slice lies up to 0.005 mm over the way out, of 0.1 mm
@@ -235,7 +236,7 @@ def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
 @pytest.mark.parametrize("name", ["yamada-2002", "nozzle-04"])
 def test_finer_chords_change_no_pocket(name: str) -> None:
     design = skincad.load(name)
-    space = void(design, plain_mold(design))
+    space = void(Job(design, plain_mold(design)))
     coarse, fine = (sum(a.volume for a in air(space, 10.0, chord)) for chord in (1e-3, 1e-4))
     assert coarse == pytest.approx(fine, rel=2e-3)  # circles of 0.5 to 1.25 mm as chords within 0.001 mm
 
@@ -243,28 +244,28 @@ def test_finer_chords_change_no_pocket(name: str) -> None:
 @pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted", "nozzle-04"])
 def test_poured_volume_is_that_of_the_merged_solid(name: str) -> None:
     design = skincad.load(name)
-    solid = merged(void(design, mold(design)), 1e-4)
+    solid = merged(void(Job(design)), 1e-4)
     assert len(solid.decompose()) == 1
-    assert poured_volume(design, mold(design)) == pytest.approx(solid.volume(), rel=2e-4)  # chords
+    assert poured_volume(Job(design)) == pytest.approx(solid.volume(), rel=2e-4)  # chords
 
 
 def test_air_is_less_than_what_is_poured_and_the_same_every_time(yamada: Design) -> None:
     closed = plain_mold(yamada)
     for tilt in (0.0, 7.0, 33.0, 60.0):
-        air = pockets(yamada, closed, tilt)
-        assert 0 < sum(p.volume for p in air) < poured_volume(yamada, closed)
-        assert pockets(yamada, closed, tilt) == air
+        air = pockets(Job(yamada, closed), tilt)
+        assert 0 < sum(p.volume for p in air) < poured_volume(Job(yamada, closed))
+        assert pockets(Job(yamada, closed), tilt) == air
 
 
 def test_a_level_carrier_is_noted_since_statics_cannot_judge_it(yamada: Design) -> None:
     level = yamada.with_(mold={"pour_tilt": 0.0})
-    (finding,) = filling_findings(level, mold(level))
+    (finding,) = filling_findings(Job(level))
     assert (finding.severity, finding.measured, finding.limit, finding.unit) == ("note", 0.0, 2.0, "deg")
 
 
 def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(yamada: Design) -> None:
     tight = yamada.with_(mold={"clearance": 0.0})
-    (finding,) = filling_findings(tight, mold(tight))
+    (finding,) = filling_findings(Job(tight))
     assert finding.where.startswith("carrier, at end b's edge")
     assert finding.severity == "note"  # less than a bubble of 1 mm
     assert finding.remedy.startswith("mold.pour_tilt = 2, which traps 0.069 mm3")
@@ -272,10 +273,10 @@ def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(yamada: 
 
 def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(yamada: Design) -> None:
     opened = yamada.with_(mold={"pour": "open"})
-    less = poured_volume(yamada, mold(yamada)) - poured_volume(opened, mold(opened))
+    less = poured_volume(Job(yamada)) - poured_volume(Job(opened))
     assert less == pytest.approx(math.pi * 4.0, rel=1e-9)
-    assert pockets(opened, mold(opened)) == ()
-    level, tilted = sorted(pockets(opened, hooded(mold(opened)), 30.0), key=lambda p: -p.volume)
+    assert pockets(Job(opened)) == ()
+    level, tilted = sorted(pockets(Job(opened, hooded(mold(opened))), 30.0), key=lambda p: -p.volume)
     assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
     assert tilted.volume == pytest.approx(1.8 * 0.9**2 / math.tan(math.radians(30)) / 2, rel=ROUNDING)
 
@@ -283,7 +284,7 @@ def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(
 def test_the_sheet_tells_tilt_tip_and_reservoir(yamada: Design) -> None:
     def sheet(**change: object) -> str:
         design = yamada.with_(mold=change)
-        return casting_sheet(design, mold(design), [], "Passes.", True)
+        return casting_sheet(Job(design), [], "Passes.", True)
 
     assert "Raise end b by 10 degrees, fill slowly through the gate" in sheet()
     assert "16 gauge (1.65 mm)" in sheet()
@@ -296,7 +297,7 @@ def test_the_sheet_tells_tilt_tip_and_reservoir(yamada: Design) -> None:
 def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
     closed = mold(yamada)
     (cup,) = bores(closed.part("cover"), CutRole.RESERVOIR)
-    rim = void(yamada, closed).rim
+    rim = void(Job(yamada, closed)).rim
     assert rim is not None
     assert rim[:, 2] == pytest.approx(np.full(len(rim), closed.part("cover").body.high))
     away = np.hypot(rim[:, 0] - cup.start[0], rim[:, 1] - cup.start[1])
@@ -307,7 +308,7 @@ def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
 
 def test_only_the_covers_openings_let_air_out_of_a_closed_mold(yamada: Design) -> None:
     closed = mold(yamada)
-    spaces = void(yamada, closed).spaces
+    spaces = void(Job(yamada, closed)).spaces
     top = closed.first(PartRole.COVER).body.high
     assert {space.beside for space in spaces if space.open_at is not None} == {PartRole.COVER}
     assert {space.open_at for space in spaces} == {None, top}

@@ -4,8 +4,9 @@ import pytest
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
@@ -24,13 +25,13 @@ LARGEST_IS_BEST = {
 
 
 def warnings(design: Design) -> dict[str, Finding]:
-    return {f.where: f for f in design_findings(design) if f.severity != "note"}
+    return {f.where: f for f in design_findings(Job(design)) if f.severity != "note"}
 
 
 def test_the_default_asks_for_no_more_than_its_shims_edges_broken(yamada: Design) -> None:
     """A wire of 0.015 mm and its gap of 0.01 leave 0.414 x 0.025 in a notch's corner; the shim has 0.005 of
     play a side, 0.0071 on the diagonal, and the wire's own tolerance of 0.003."""
-    (finding,) = design_findings(yamada)
+    (finding,) = design_findings(Job(yamada))
     assert (finding.rule, finding.severity) == ("tool reach", "note")
     assert finding.measured == pytest.approx((math.sqrt(2) - 1) * 0.025, abs=1e-4)  # reach.ERROR
     assert finding.limit == pytest.approx(math.sqrt(2) * 0.005 + 0.003, rel=1e-12)
@@ -49,7 +50,7 @@ def test_every_process_makes_at_least_one_template() -> None:
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_finding_is_beyond_its_limit_told_once_and_has_a_remedy(name: str, process: str) -> None:
-    findings = design_findings(by(skincad.load(name), process))
+    findings = design_findings(Job(by(skincad.load(name), process)))
     assert len({(f.rule, f.where) for f in findings}) == len(findings)
     for finding in findings:
         over = finding.measured > finding.limit
@@ -60,14 +61,16 @@ def test_a_finding_is_beyond_its_limit_told_once_and_has_a_remedy(name: str, pro
 
 def test_one_feature_breaks_one_rule(yamada: Design) -> None:
     """A slit of 0.06 mm is too narrow for a 0.5 mm mill: what it leaves is told, not the gap as well."""
-    milled = [f for f in design_findings(by(yamada, "cnc")) if "notch" in f.where and f.severity == "warning"]
+    milled = [
+        f for f in design_findings(Job(by(yamada, "cnc"))) if "notch" in f.where and f.severity == "warning"
+    ]
     assert [f.rule for f in milled] == ["tool reach"]
-    printed = [f for f in design_findings(by(yamada, "sla")) if "notch of" in f.where]
+    printed = [f for f in design_findings(Job(by(yamada, "sla"))) if "notch of" in f.where]
     assert [(f.rule, f.measured, f.limit) for f in printed] == [("gap", pytest.approx(0.06), 0.1)]
 
 
 def test_a_resin_printer_is_told_crown_and_slit_and_what_would_make_them(yamada: Design) -> None:
-    findings = {(f.rule, f.where): f for f in design_findings(by(yamada, "sla"))}
+    findings = {(f.rule, f.where): f for f in design_findings(Job(by(yamada, "sla")))}
     slit = findings["gap", "end plates' combs, notch of a shim, by sla"]
     assert "multiply all lengths by 1.67" in slit.remedy  # 0.1 / 0.06
     assert "lab-bench" in slit.remedy
@@ -97,12 +100,12 @@ def test_lids_are_judged_by_the_molds_process_unless_they_have_one(yamada: Desig
 def test_a_finer_machine_of_ones_own_is_what_would_make_it(yamada: Design) -> None:
     fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.009, "layer": 0.02}}
     coarse = by(yamada, "sla").with_(printer=fine)
-    slit = next(f for f in design_findings(coarse) if f.rule == "gap")
+    slit = next(f for f in design_findings(Job(coarse)) if f.rule == "gap")
     assert slit.remedy.endswith("or by edm or fine")
     assert warnings(coarse.with_(mold={"process": "fine"})) == {}
 
 
 def test_the_gravest_come_first(yamada: Design) -> None:
-    order = [f.severity for f in design_findings(by(yamada, "fdm"))]
+    order = [f.severity for f in design_findings(Job(by(yamada, "fdm")))]
     assert order == sorted(order, key=["error", "warning", "note"].index)
     assert {"warning", "note"} <= set(order)

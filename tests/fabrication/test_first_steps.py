@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import preparation
-from skincad.solids.mold import mold
 
 
 def words(name: str, settings: list[str]) -> str:
     design = skincad.load(name, settings)
-    return preparation(design, mold(design))
+    return preparation(Job(design))
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,9 @@ from skincad.fabrication.findings import (
     undercut_findings,
 )
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Case, grooves, teeth
 from skincad.inputs.design import Design
-from skincad.inputs.process import processes
 from skincad.outputs.drawing.overview import drawing
 from skincad.shape.skin import skin_of
 from skincad.solids.cavity import safe_strain, split_ridges
@@ -33,11 +33,11 @@ def unlike(yamada: Design) -> Design:
 
 def test_the_deepest_groove_and_the_highest_free_tooth(unlike: Design, yamada: Design) -> None:
     part = mold(unlike).part("cavity")
-    case = Case(unlike, part, "edm", processes(None)["edm"])
+    case = Case(Job(unlike), part, "edm")
     assert grooves(case) == [("groove of ridge 9's tip", 0.5, 0.55)]
     # beside the deepest one the tooth is backed below the shallower groove's bottom
     assert teeth(case) == [("tooth between the roots of ridges 1 and 2", 0.25, 0.5)]
-    even = Case(yamada, part, "edm", processes(None)["edm"])
+    even = Case(Job(yamada), part, "edm")
     assert (grooves(even)[0].where, teeth(even)[0].where) == (
         "groove of a ridge's tip",
         "tooth between two ridges' roots",
@@ -58,7 +58,7 @@ def test_a_tooth_too_slender_says_between_which_ridges() -> None:
             "root_fillet": 0.0,
         },
     )
-    (finding,) = (f for f in design_findings(thin) if f.rule == "slender")
+    (finding,) = (f for f in design_findings(Job(thin)) if f.rule == "slender")
     assert "ridges 4 and 5" in finding.where
     assert finding.measured == pytest.approx(1.9 / 0.4)
 
@@ -68,22 +68,22 @@ def test_each_crest_is_inspected_at_its_own_height(unlike: Design) -> None:
         4.0 - 60.0 * (1 - math.cos(lean)) + height * math.cos(lean)
         for height, lean in zip(UNLIKE, [(i - 4) / 60 for i in range(9)], strict=True)
     ]
-    assert inspection(unlike, mold(unlike)).crests.heights == pytest.approx(wanted, abs=1e-12)
+    assert inspection(Job(unlike)).crests.heights == pytest.approx(wanted, abs=1e-12)
 
 
 def test_the_draft_is_for_the_ridge_that_needs_most() -> None:
     """A high third ridge leans half as much as the outermost, and needs more: flanks must clear it too."""
     high = upright(20.0).with_(ridge={"heights": [0.5, 0.5, 1.6, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]})
-    assert least_drafted_ridge(high) == 3
-    root, tip = freeing_widths(high)
+    assert least_drafted_ridge(Job(high)) == 3
+    root, tip = freeing_widths(Job(high))
     assert root is None  # beyond the pitch
     freed = high.with_(ridge={"tip_width": tip})
     assert all(undercut.width == 0.0 for undercut in skin_of(freed).undercuts.values())
     assert any(
         u.width > 0 for u in skin_of(high.with_(ridge={"tip_width": (tip or 0.0) + 0.004})).undercuts.values()
     )
-    assert "frees ridge 3" in undercut_findings(high)[0].remedy
-    assert "frees the outermost ridge" in undercut_findings(upright(20.0))[0].remedy
+    assert "frees ridge 3" in undercut_findings(Job(high))[0].remedy
+    assert "frees the outermost ridge" in undercut_findings(Job(upright(20.0)))[0].remedy
 
 
 def test_a_cavity_is_split_alike_on_both_sides() -> None:

@@ -11,6 +11,7 @@ import shapely
 import skincad
 from skincad.fabrication.crests import undecided_margin
 from skincad.fabrication.inspection import Measure, inspection, inspection_lines
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -24,11 +25,11 @@ from skincad.solids.shrinkage import shrinkage
 
 
 def rows(design: Design) -> dict[str, Measure]:
-    return {m.what: m for m in inspection(design, mold(design)).measures}
+    return {m.what: m for m in inspection(Job(design)).measures}
 
 
 def test_crests_have_limits_beside_their_line(yamada: Design) -> None:
-    crests = inspection(yamada, mold(yamada)).crests
+    crests = inspection(Job(yamada)).crests
     # by hand: 60.5 mm on an axis leaning by 4 pitches / 60 mm
     assert crests.heights[0] == pytest.approx(4.0 - 60.0 + 60.5 * math.cos(4.0 / 60.0), abs=1e-9)
     # by hand: 0.005 of both sides of 15 rows is 3.588 deviations; of 3 um by wire and 2 um by the gauge a
@@ -74,7 +75,7 @@ def test_growth_is_in_the_nominal_sizes_and_the_mass(name: str) -> None:
 def test_an_offset_of_all_crests_is_in_their_heights_and_the_mass(yamada: Design) -> None:
     """0.05 mm deeper everywhere; the line through the crests, and what is said of them, stay."""
     high = yamada.with_(printer={"edm": {"crest_offset": 0.05}})
-    before, after = inspection(yamada, mold(yamada)), inspection(high, mold(high))
+    before, after = inspection(Job(yamada)), inspection(Job(high))
     up = 0.05 * (1 - shrinkage(yamada))
     for a, b in zip(before.crests.heights, after.crests.heights, strict=True):
         assert b - a == pytest.approx(up, abs=1e-12)
@@ -83,14 +84,14 @@ def test_an_offset_of_all_crests_is_in_their_heights_and_the_mass(yamada: Design
     assert heavier - mass == pytest.approx(up * 11.0 * 12.0 * silicone(yamada).density * 1e-6, rel=1e-3)
     printed = skincad.load("lab-bench")
     offset = printed.with_(printer={"sla": {"crest_offset": 0.05}})
-    remarks = [inspection(variant, mold(variant)).said[0] for variant in (printed, offset)]
+    remarks = [inspection(Job(variant)).said[0] for variant in (printed, offset)]
     assert remarks[0] == remarks[1]  # what layers do, beside the offset
 
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_nothing_lies_beside_a_line_through_two_crests(yamada: Design, count: int) -> None:
     design = yamada.with_(ridge={"count": count})
-    inspected = inspection(design, mold(design))
+    inspected = inspection(Job(design))
     assert inspected.crests.beside == ()
     assert ("tilt of the crests" in {m.what for m in inspected.measures}) is (count == 2)
     assert len([line for line in inspection_lines(inspected) if line.endswith("| - |")]) == count
@@ -101,12 +102,12 @@ def test_a_margin_that_the_process_uses_up_is_told(yamada: Design) -> None:
     scatter = 3.588 * 0.003 * math.sqrt(2 + 2 * (8 / 11) ** 2)
 
     def said(room: float) -> str:
-        return " ".join(inspection(yamada, mold(yamada), (*[math.inf] * 8, room)).said)
+        return " ".join(inspection(Job(yamada), (*[math.inf] * 8, room)).said)
 
     assert "crest 9" in said(1.01 * scatter)
     assert "parts within these limits pass it" in said(1.01 * scatter)
     assert "These limits don't decide" in said(0.99 * scatter)
-    assert "leaves no margin or was not asked" in " ".join(inspection(yamada, mold(yamada)).said)
+    assert "leaves no margin or was not asked" in " ".join(inspection(Job(yamada)).said)
 
 
 def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> None:
@@ -115,7 +116,7 @@ def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> No
     assert undecided_margin(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
     coarse = skincad.load("plain-ridges")
     drops = (0.1, *[math.inf] * 7, 0.1)
-    said = " ".join(inspection(coarse, mold(coarse), drops, 1.0).said)
+    said = " ".join(inspection(Job(coarse), drops, 1.0).said)
     assert f"within ±{0.0025 * math.hypot(10, 10):.2g} N, read on until each crest is the mean of 64" in said
 
 
@@ -149,7 +150,7 @@ def test_the_mean_pitch_is_limited_by_the_way_from_first_to_last(yamada: Design)
 def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
     """On its end the section is drawn by a screen's pixels."""
     design = skincad.load("plain-ridges").with_(printer={"sla": {"orientation": "end", "pixel": pixel}})
-    inspected = inspection(design, mold(design))
+    inspected = inspection(Job(design))
     assert inspected.crests.heights == pytest.approx(skin_of(design).crests, abs=1e-12)
     assert inspected.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
     assert any(f"one of {pixel:g} mm" in said for said in inspected.said)
@@ -157,13 +158,13 @@ def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
 
 def test_a_nozzle_follows_the_section_on_its_end() -> None:
     design = skincad.load("nozzle-04").with_(printer={"fdm": {"orientation": "end"}})
-    inspected = inspection(design, mold(design))
+    inspected = inspection(Job(design))
     assert (inspected.crests.heights, inspected.crests.sigma) == (skin_of(design).crests, 0.05)
     assert not any("layers" in said for said in inspected.said)
 
 
 def test_the_list_is_a_form(yamada: Design) -> None:
-    inspected = inspection(yamada, mold(yamada))
+    inspected = inspection(Job(yamada))
     text = inspection_lines(inspected)
     assert sum(line.startswith(tuple(f"| {i} |" for i in range(1, 10))) for line in text) == 9
     assert sum(line.startswith(tuple(f"| {m.what} |" for m in inspected.measures)) for line in text) == 6

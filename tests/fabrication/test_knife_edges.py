@@ -4,6 +4,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.rules import LEAST_ANGLE, edges
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, loop, rectangle
@@ -30,7 +31,7 @@ def test_a_slot_that_lies_flat_leaves_the_comb_a_knife_edge() -> None:
             ridge={"count": 1, "pitch": 5.0, "root_width": 4.0, "tip_width": 3.5, "height": 1.5},
             slot={"tilt": tilt, "depth": 0.1, "offset": 0.2, "elevation": -0.5},
         )
-        return [f for f in design_findings(flat) if f.rule == "knife edge"]
+        return [f for f in design_findings(Job(flat)) if f.rule == "knife edge"]
 
     assert findings_of(45.0) == []
     (sharp,) = findings_of(62.0)  # combs of both ends are told once
@@ -39,4 +40,4 @@ def test_a_slot_that_lies_flat_leaves_the_comb_a_knife_edge() -> None:
 
 
 def test_no_part_of_the_default_has_one(yamada: Design) -> None:
-    assert not any(f.rule == "knife edge" for f in design_findings(yamada))
+    assert not any(f.rule == "knife edge" for f in design_findings(Job(yamada)))

@@ -9,11 +9,21 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.bores import full_thread, limits, major, purpose, thread
-from skincad.fabrication.mounting import cleanliness_steps, mount_of, screws_to_buy
+from skincad.fabrication.casting_steps import opening_steps
+from skincad.fabrication.fasteners import (
+    cleanliness_steps,
+    full_thread,
+    limits,
+    major,
+    mount_of,
+    purpose,
+    screws_to_buy,
+    thread,
+)
+from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import what_matters
 from skincad.fabrication.parts_list import parts_csv
-from skincad.fabrication.sheet import casting_sheet, opening_steps, preparation
+from skincad.fabrication.sheet import casting_sheet, preparation
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import CutRole, bores
@@ -22,7 +32,7 @@ from tests.mounted import IN_LINE, MOUNTS, NAMES, PLAIN, mounted_design
 
 
 def bought(design: Design) -> list[dict[str, str]]:
-    _, *rows = parts_csv(design, mold(design)).splitlines()
+    _, *rows = parts_csv(Job(design)).splitlines()
     return [row for row in csv.DictReader(rows) if row["made_by"] == "bought"]
 
 
@@ -30,7 +40,7 @@ def bought(design: Design) -> list[dict[str, str]]:
 def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
     design = mounted_design(name)
     closed = mold(design)
-    mount = mount_of(design, closed)
+    mount = mount_of(Job(design, closed))
     assert mount is not None
     manifest = json.loads(json.dumps(mount.as_json()))
     carrier = closed.part("carrier")
@@ -47,7 +57,7 @@ def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
 
 def test_of_a_gang_places_count_from_each_carriers_middle() -> None:
     one, two = mounted_design("yamada-2002"), mounted_design("yamada-2002").with_(mold={"cavities": 2})
-    assert mount_of(two, mold(two)) == mount_of(one, mold(one))
+    assert mount_of(Job(two)) == mount_of(Job(one))
 
 
 def test_what_is_bought_is_counted_for_every_carrier() -> None:
@@ -69,8 +79,8 @@ def test_what_is_bought_is_counted_for_every_carrier() -> None:
 def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     design = mounted_design("lab-bench")
     closed = mold(design)
-    sheet = casting_sheet(design, closed, [], "", True)
-    (buy,), (clean,) = screws_to_buy(design, closed), cleanliness_steps(design, closed)
+    sheet = casting_sheet(Job(design, closed), [], "", True)
+    (buy,), (clean,) = screws_to_buy(Job(design, closed)), cleanliness_steps(Job(design, closed))
     assert f"- {buy}" in sheet
     assert clean in sheet
     assert "4 threaded inserts M3 (glued, 5.7 mm long, in holes of 4 mm), 4 M3 screws" in buy
@@ -78,16 +88,16 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     assert "under the foam" in clean
     assert "Tape" not in clean
     poured = design.with_(mold={"pour": "open", "gate": None})
-    assert "Tape them until the carrier lies" in cleanliness_steps(poured, mold(poured))[0]
+    assert "Tape them until the carrier lies" in cleanliness_steps(Job(poured))[0]
     steep = bent("plain-ridges", 30.0).with_(mount=MOUNTS["bent"][0] | {"pitch_x": 6.0}, **PLAIN)
-    (bare,) = cleanliness_steps(steep, mold(steep))  # no room for foam on its narrow top
+    (bare,) = cleanliness_steps(Job(steep))  # no room for foam on its narrow top
     assert "threads and fiducials are blind and lie under the cover" in bare
     assert "fill them flush with wax" in bare
 
 
 def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
     design = mounted_design("milled-pad")
-    words = preparation(design, mold(design))
+    words = preparation(Job(design))
     assert "Tap the M3 x" not in words
     assert "Tap the M3 threads of carrier, 4 mm deep (mount)." in words
 
@@ -95,10 +105,10 @@ def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
 def test_marks_alone_ask_for_nothing_to_buy() -> None:
     design = skincad.load("yamada-2002").with_(mount={"fiducials": 3})
     closed = mold(design)
-    assert screws_to_buy(design, closed) == []
-    assert "mount's fiducials are blind" in cleanliness_steps(design, closed)[0]
+    assert screws_to_buy(Job(design, closed)) == []
+    assert "mount's fiducials are blind" in cleanliness_steps(Job(design, closed))[0]
     assert not any(row["what"].startswith("mount") for row in bought(design))
-    mount = mount_of(design, closed)
+    mount = mount_of(Job(design, closed))
     assert mount is not None
     assert mount.as_json()["depth_mm"] is None
 
@@ -106,15 +116,15 @@ def test_marks_alone_ask_for_nothing_to_buy() -> None:
 def test_without_a_mount_nothing_is_said() -> None:
     design = skincad.load("yamada-2002")
     closed = mold(design)
-    assert mount_of(design, closed) is None
-    assert screws_to_buy(design, closed) == cleanliness_steps(design, closed) == []
-    assert "mount" not in casting_sheet(design, closed, [], "", True)
+    assert mount_of(Job(design, closed)) is None
+    assert screws_to_buy(Job(design, closed)) == cleanliness_steps(Job(design, closed)) == []
+    assert "mount" not in casting_sheet(Job(design, closed), [], "", True)
 
 
 def test_a_mounts_threads_are_a_grip_where_there_is_no_other() -> None:
     design = mounted_design("fingertip-soft")
     assert bores(mold(design).part("carrier"), CutRole.PULL) == []
-    words = [step.words for step in opening_steps(design, mold(design))]
+    words = [step.words for step in opening_steps(Job(design))]
     assert any("by two screws in its mount's threads" in word for word in words)
 
 
@@ -125,21 +135,21 @@ def test_a_drawing_says_thread_depth_and_use() -> None:
         (resin, "M3 insert, glued", "M3 screw of mount, engages 4.5 to 5.7", "±0.05", None),
     ):
         part = mold(design).part("carrier")
-        assert thread(design, part, CutRole.MOUNT) == said
-        assert purpose(design, part, CutRole.MOUNT) == use
-        assert limits(design, part, CutRole.MOUNT) == size
-        assert full_thread(design, CutRole.MOUNT) == deep
-        assert full_thread(design, CutRole.PULL) is None
+        assert thread(Job(design), part, CutRole.MOUNT) == said
+        assert purpose(Job(design), part, CutRole.MOUNT) == use
+        assert limits(Job(design), part, CutRole.MOUNT) == size
+        assert full_thread(Job(design), CutRole.MOUNT) == deep
+        assert full_thread(Job(design), CutRole.PULL) is None
     part = mold(metal).part("carrier")
-    assert purpose(metal, part, CutRole.MOUNT_PIN) == "pin 2 of mount"
-    assert limits(metal, part, CutRole.MOUNT_PIN) == "+0.010/0 (H7)"
-    assert purpose(metal, part, CutRole.FIDUCIAL) == "fiducial for a camera"
+    assert purpose(Job(metal), part, CutRole.MOUNT_PIN) == "pin 2 of mount"
+    assert limits(Job(metal), part, CutRole.MOUNT_PIN) == "+0.010/0 (H7)"
+    assert purpose(Job(metal), part, CutRole.FIDUCIAL) == "fiducial for a camera"
     assert any(
         "circle of 20 about the middle, its threads within ±0.1" in row
-        for row in what_matters(metal, part, None)
+        for row in what_matters(Job(metal), part, None)
     )
     line = skincad.load("yamada-2002").with_(mount=IN_LINE)
-    rows = what_matters(line, mold(line).part("carrier"), None)
+    rows = what_matters(Job(line), mold(line).part("carrier"), None)
     assert any("two in line, 8 apart" in row for row in rows)
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.sheet import casting_sheet, opening_steps
+from skincad.fabrication.casting_steps import opening_steps
+from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import casting_sheet
 from skincad.solids.mold import mold
 from skincad.solids.plan import END_PLATES, PartRole
 
@@ -23,9 +25,9 @@ def test_the_steps_make_each_move_once_in_the_molds_order(name: str) -> None:
     template, settings = MOLDS[name]
     design = skincad.load(template, settings)
     closed = mold(design)
-    steps = opening_steps(design, closed)
+    steps = opening_steps(Job(design, closed))
     assert [move for step in steps for move in step.moves] == list(closed.opening)
-    sheet = casting_sheet(design, closed, [], "", True)
+    sheet = casting_sheet(Job(design, closed), [], "", True)
     order = [sheet.index(step.words) for step in steps]
     assert order == sorted(order)
     for step in steps:
@@ -40,6 +42,6 @@ def test_the_steps_make_each_move_once_in_the_molds_order(name: str) -> None:
 
 def test_no_strip_leaves_before_its_skin() -> None:
     design = skincad.load("cast-in")
-    words, moves = opening_steps(design, mold(design))[0]
+    words, moves = opening_steps(Job(design))[0]
     assert "Take the weights off" in words
     assert moves == ()

@@ -8,6 +8,7 @@ from collections import Counter
 import pytest
 
 import skincad
+from skincad.fabrication.job import Job
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -16,7 +17,7 @@ from skincad.solids.plan import PartRole
 
 
 def read(design: Design) -> list[dict[str, str]]:
-    comment, *rows = parts_csv(design, mold(design)).splitlines()
+    comment, *rows = parts_csv(Job(design)).splitlines()
     assert comment.startswith(f"# {design.name}")
     assert design.revision in comment
     return list(csv.DictReader(rows))

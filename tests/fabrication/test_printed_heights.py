@@ -9,6 +9,7 @@ import skincad
 from skincad.fabrication.crests import printed_crests, snapped_to_layers, uncertain_ridges
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.skin import skin_of
@@ -17,7 +18,7 @@ from skincad.solids.shrinkage import shrinkage
 
 
 def heights(design: Design) -> tuple[float, ...]:
-    crests = printed_crests(design, mold(design))
+    crests = printed_crests(Job(design))
     assert crests is not None
     return crests
 
@@ -55,7 +56,7 @@ def test_a_groove_that_is_narrower_at_a_middle_than_slicers_close_ends_a_layer_h
 )
 def test_steps_that_fall_anywhere_are_not_told(name: str, changes: dict[str, dict[str, object]]) -> None:
     design = skincad.load(name).with_(**changes)
-    assert printed_crests(design, mold(design)) is None
+    assert printed_crests(Job(design)) is None
 
 
 @pytest.mark.parametrize(("floor", "found"), [(9.0, (2, 8)), (9.012, (4, 6)), (9.03, ())])
@@ -63,10 +64,10 @@ def test_a_groove_that_ends_at_a_layers_middle_is_told(floor: float, found: tupl
     """A floor of 9 mm has a middle 2.4 um beside the bottoms of ridges 2 and 8, 9.012 at those of 4 and 6."""
     design = skincad.load("plain-ridges", [f"mold.floor={floor}"])
     closed = mold(design)
-    assert uncertain_ridges(design, closed) == found
-    notes = [f for f in design_findings(design, closed) if f.rule == "crest layer"]
+    assert uncertain_ridges(Job(design, closed)) == found
+    notes = [f for f in design_findings(Job(design, closed)) if f.rule == "crest layer"]
     assert [f.severity for f in notes] == ["note"] * bool(found)
-    said = " ".join(inspection(design, closed).said)
+    said = " ".join(inspection(Job(design, closed)).said)
     assert ("may come out a layer" in said) == bool(found)
 
 
@@ -74,8 +75,8 @@ def test_within_a_pixel_a_ridge_that_leans_is_higher_or_lower() -> None:
     """Of 0.05 mm by tan 0.05, 2.5 um, which 2 um of rounding alone leave out at ridges 2 and 8."""
     design = skincad.load("plain-ridges")
     fine = design.with_(printer={"sla": {"pixel": 0.001}})
-    assert uncertain_ridges(design, mold(design)) == (2, 8)
-    assert uncertain_ridges(fine, mold(fine)) == ()
+    assert uncertain_ridges(Job(design)) == (2, 8)
+    assert uncertain_ridges(Job(fine)) == ()
 
 
 def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
@@ -83,13 +84,13 @@ def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
     ledge = -min(s.start.z for s in mold(design).part("cavity").body.outline)
     floor = 9.0 + 0.05 * (np.ceil(ledge / 0.05 - 0.5) + 0.5) - ledge
     moved = skincad.load("plain-ridges", [f"mold.floor={floor:.6f}"])
-    assert uncertain_ridges(moved, mold(moved)) == tuple(range(1, 10))
+    assert uncertain_ridges(Job(moved)) == tuple(range(1, 10))
 
 
 @pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
 def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     design = skincad.load(name)
-    heights_and_floor = snapped_to_layers(design, mold(design))
+    heights_and_floor = snapped_to_layers(Job(design))
     assert heights_and_floor is not None
     tall, floor = heights_and_floor
     layer = processes(design.printer)[design.mold.process].layer
@@ -98,9 +99,9 @@ def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     # mm: heights are told to 0.1 um, along axes that lean
     assert heights(snapped) == pytest.approx(skin_of(snapped).crests, abs=2e-4)
     assert np.abs(np.array(skin_of(snapped).crests) - skin_of(design).crests).max() <= 0.501 * layer
-    assert uncertain_ridges(snapped, closed) == ()
-    assert snapped_to_layers(snapped, closed) is None
-    assert f"`mold.floor = {floor:g}`" in " ".join(inspection(design, mold(design)).said)
+    assert uncertain_ridges(Job(snapped, closed)) == ()
+    assert snapped_to_layers(Job(snapped, closed)) is None
+    assert f"`mold.floor = {floor:g}`" in " ".join(inspection(Job(design)).said)
 
 
 def test_each_skin_of_a_gang_comes_out_as_one_alone() -> None:
@@ -112,4 +113,4 @@ def test_layers_higher_than_the_block_are_not_looked_for_for_ever() -> None:
     """The first middle of a layer over the grooves, 22.5 mm, is over the block, so the search had no end."""
     coarse = ["mold.process=sla", "printer.sla.layer=9.0", "skin.thickness=1.0", "mold.floor=13.55"]
     design = skincad.load("plain-ridges", coarse)
-    assert printed_crests(design, mold(design)) is None
+    assert printed_crests(Job(design)) is None

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from skincad.fabrication.rules import ERROR, corner, left_standing
+from skincad.fabrication.machine_rules import ERROR, corner, left_standing
 from skincad.shape.curves import Loop, Point, Segment, loop
 
 R = 0.25

@@ -9,8 +9,9 @@ import pytest
 import skincad
 from skincad.fabrication.filling import filling_findings
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.measures import interference
-from skincad.fabrication.rules import laid_on_end
 from skincad.fabrication.sheet import casting_sheet, poured_volume
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import drawing
@@ -32,14 +33,14 @@ def renamed(closed: ClosedMold) -> ClosedMold:
 
 def mold_texts(design: Design, closed: ClosedMold) -> Iterator[str]:
     """Everything that is said of a mold, as text."""
-    findings = [*design_findings(design, closed), *filling_findings(design, closed)]
+    findings = [*design_findings(Job(design, closed)), *filling_findings(Job(design, closed))]
     yield from (json.dumps(finding.as_json()) for finding in findings)
-    yield f"{poured_volume(design, closed)} {closed.length}"
-    yield casting_sheet(design, closed, findings, "Passes.", True)
+    yield f"{poured_volume(Job(design, closed))} {closed.length}"
+    yield casting_sheet(Job(design, closed), findings, "Passes.", True)
     yield drawing(design, closed)
     for part in closed.parts:
         offset = explosion_offset(part, closed)
-        yield f"{part.name} {part.made} {part.colour} {laid_on_end(design, part)} {offset}"
+        yield f"{part.name} {part.made} {part.colour} {laid_on_end(Job(design), part)} {offset}"
 
 
 @pytest.mark.parametrize(
@@ -78,7 +79,7 @@ def test_a_pin_hole_as_wide_as_a_thread_is_no_thread() -> None:
     loose = skincad.load("plain-ridges", ["mold.clearance=0.25", 'mold.process="fdm"'])
     closed = mold(loose)
     assert {bore.radius for bore in bores(closed.part("end-b"), CutRole.END_PIN)} == {TAP_RADIUS}
-    text = casting_sheet(loose, closed, [], "Passes.", True)
+    text = casting_sheet(Job(loose, closed), [], "Passes.", True)
     assert "M3 bolts, ISO 4762: 4 M3 x 25 along y, with nuts, 4 of them sunk in end plate b" in text
 
 

@@ -9,9 +9,11 @@ import shapely
 import skincad
 from bench.table_processes import by
 from skincad.fabrication import meshes
-from skincad.fabrication.finding import Finding
 from skincad.fabrication.findings import design_findings, part_findings
-from skincad.fabrication.rules import ERROR, Case, laid_on_end, overhang, shim_sag, teeth
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import ERROR, laid_on_end, overhang
+from skincad.fabrication.rules import Case, Finding, teeth
+from skincad.fabrication.strips import shim_sag
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.curves import Point, loop
@@ -32,11 +34,11 @@ def flat() -> Design:
 
 def case(design: Design, name: str, process: str) -> Case:
     part = mold(design).part(name)
-    return Case(design, part, process, processes(design.printer)[process])
+    return Case(Job(design), part, process)
 
 
 def findings_of(design: Design, rule: str) -> list[Finding]:
-    return [f for f in design_findings(design) if f.rule == rule]
+    return [f for f in design_findings(Job(design)) if f.rule == rule]
 
 
 def test_a_milled_sharp_tip_keeps_the_balls_corner(flat: Design) -> None:
@@ -98,7 +100,7 @@ def test_the_slits_fit_is_that_of_what_growth_leaves(yamada: Design) -> None:
     """0.005 drawn a side; wire keeps ± 0.003: 0.003 of growth leaves 0.002, and 0.006 no gap, but a jam."""
 
     def by_rule(growth: float) -> dict[str, Finding]:
-        return {f.rule: f for f in design_findings(yamada.with_(printer={"edm": {"growth": growth}}))}
+        return {f.rule: f for f in design_findings(Job(yamada.with_(printer={"edm": {"growth": growth}})))}
 
     assert "slit fit" not in by_rule(0.0)
     assert by_rule(0.003)["slit fit"].measured == pytest.approx(0.002, abs=1e-12)
@@ -119,11 +121,13 @@ def test_a_shim_sags_as_a_beam_on_two_supports(yamada: Design) -> None:
     long = yamada.with_(skin={"length": 60.0})
     b, t = 0.25, 0.05
     by_hand = 5 * (7850e-9 * 9.81 * b * t) * 60**4 / (384 * 200e3 * b * t**3 / 12)
-    assert shim_sag(long) == pytest.approx(by_hand, rel=1e-12)
-    (finding,) = (f for f in design_findings(long) if f.where.startswith("shims"))
+    assert shim_sag(Job(long)) == pytest.approx(by_hand, rel=1e-12)
+    (finding,) = (f for f in design_findings(Job(long)) if f.where.startswith("shims"))
     assert (finding.measured, finding.limit) == (pytest.approx(by_hand), 0.025)
     most = float(finding.remedy.split(" mm")[0].split()[-1])
-    assert shim_sag(long.with_(skin={"length": most})) == pytest.approx(0.025, rel=0.02)  # 3 digits, power 4
+    assert shim_sag(Job(long.with_(skin={"length": most}))) == pytest.approx(
+        0.025, rel=0.02
+    )  # 3 digits, power 4
 
 
 def roof(angle_deg: float) -> Part:
@@ -150,7 +154,7 @@ def test_a_horizontal_bore_beyond_the_bridge_needs_support() -> None:
     design = skincad.load("nozzle-04")
     for radius, rules in ((2.5, []), (2.6, ["overhang"])):
         bored = replace(block, cuts=(Bore((0.0, 0.0, 0.0), "y", 10.0, radius),))
-        findings = part_findings(Case(design, bored, "fdm", processes()["fdm"]))
+        findings = part_findings(Case(Job(design), bored, "fdm"))
         assert [f.rule for f in findings if f.rule == "overhang"] == rules
 
 
@@ -160,10 +164,10 @@ def test_what_is_dear_is_worked_out_once(yamada: Design, monkeypatch: pytest.Mon
     mesh, distance = meshes.mesh, shapely.distance
     monkeypatch.setattr(meshes, "mesh", lambda *a: meshed.append(a) or mesh(*a))
     monkeypatch.setattr(shapely, "distance", lambda *a: combs.append(a) or distance(*a))
-    findings = part_findings(Case(yamada, roof(61.0), "fdm", processes()["fdm"]))
+    findings = part_findings(Case(Job(yamada), roof(61.0), "fdm"))
     assert "overhang" in [f.rule for f in findings]
     assert len(meshed) == 1
-    design_findings(by(yamada.with_(name="once"), "cnc"))
+    design_findings(Job(by(yamada.with_(name="once"), "cnc")))
     assert len(combs) == 1
 
 
@@ -183,7 +187,7 @@ def test_details_are_of_layers_when_flat_and_of_pixels_on_end() -> None:
     turned = bench.with_(printer={"sla": {"layer": 0.1, "orientation": "end"}})
     assert findings_of(turned, "detail") == []
     cavity = mold(bench).part("cavity")
-    assert (laid_on_end(bench, cavity), laid_on_end(turned, cavity)) == (False, True)
+    assert (laid_on_end(Job(bench), cavity), laid_on_end(Job(turned), cavity)) == (False, True)
 
 
 @pytest.mark.parametrize("orientation", ["flat", "end"])
@@ -194,6 +198,6 @@ def test_end_plates_lie_on_their_face_and_lids_stay_flat_however_the_cavity_is_p
         printer={"sla": {"orientation": orientation}}, mold={"lid_process": "sla"}
     )
     closed = mold(printed)
-    on_end = {part.name for part in closed.parts if laid_on_end(printed, part)}
+    on_end = {part.name for part in closed.parts if laid_on_end(Job(printed), part)}
     plates = {f"end-{end}-{kind}" for end in "ab" for kind in ("comb", "keeper")}
     assert on_end == plates | ({"cavity"} if orientation == "end" else set())

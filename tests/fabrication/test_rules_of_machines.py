@@ -10,17 +10,18 @@ import pytest
 import skincad
 from bench.table_processes import by
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import extent, laid_on_end, passage
 from skincad.fabrication.meshes import laid, mesh
-from skincad.fabrication.rules import extent, laid_on_end, passage
-from skincad.fabrication.strip_rules import strip_findings
+from skincad.fabrication.strips import strip_findings
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 
-def findings_of(design: Design, rule: str) -> list[skincad.fabrication.finding.Finding]:
-    return [f for f in design_findings(design) if f.rule == rule]
+def findings_of(design: Design, rule: str) -> list[skincad.fabrication.rules.Finding]:
+    return [f for f in design_findings(Job(design)) if f.rule == rule]
 
 
 @pytest.mark.parametrize("design", [skincad.load("lab-bench"), three_ridges()], ids=["straight", "bent"])
@@ -30,7 +31,7 @@ def test_extents_are_those_of_the_mesh_on_the_bed(design: Design) -> None:
             part.made != "made" or part.straight or (design.skin.curvature_radius_y and part.end)
         ):  # cut at the edge
             continue
-        low, high = laid(mesh(part, 0.01), laid_on_end(design, part), part).bounds
+        low, high = laid(mesh(part, 0.01), laid_on_end(Job(design), part), part).bounds
         assert sorted(extent(part)) == pytest.approx(sorted(high - low), abs=0.02)  # chords of arcs
 
 
@@ -79,7 +80,7 @@ def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
         lean = design.lean(slot.feature)
         shifts = [(i / 8, j / 8) for i in range(8) for j in range(8)]
         least[slot.feature] = min(thickest(width, slot.depth, lean, pixel, shift) for shift in shifts)
-    bound = passage(design, width, pixel)
+    bound = passage(Job(design), width, pixel)
     assert bound <= min(least.values()) + 1e-9
     assert bound > min(least.values()) - pixel
     assert least[5] >= 0.15 - 1e-9  # the middle one is upright: three whole pixels
@@ -104,7 +105,7 @@ def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_cleara
 def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> None:
     design = skincad.load("lab-bench", ["printer.sla.coating=0.01"])
     (notch,), (gap,) = findings_of(design, "notch"), findings_of(design, "clearance")
-    assert notch.measured == pytest.approx(passage(design, 0.156, 0.05) - 0.02, abs=1e-12)
+    assert notch.measured == pytest.approx(passage(Job(design), 0.156, 0.05) - 0.02, abs=1e-12)
     least = float(notch.remedy.split(" of ")[1].split(" mm")[0])
     assert (gap.measured, gap.limit) == (0.05, pytest.approx(0.07))
     wider = design.with_(mold={"slit_clearance": least, "clearance": 0.07})
@@ -127,7 +128,7 @@ def test_growth_narrows_a_notch_on_both_sides() -> None:
     assert [f.measured for f in findings_of(shut, "notch")] == [0.0]
     screen = skincad.load("lab-bench", ["printer.sla.coating=0.01", "printer.sla.growth=0.03"])
     (both,) = findings_of(screen, "notch")
-    assert both.measured == pytest.approx(passage(screen, 0.156, 0.05) - 2 * 0.04, abs=1e-12)
+    assert both.measured == pytest.approx(passage(Job(screen), 0.156, 0.05) - 2 * 0.04, abs=1e-12)
     least_clearance = float(both.remedy.split(" of ")[1].split(" mm")[0])
     assert findings_of(screen.with_(mold={"slit_clearance": least_clearance}), "notch") == []
 
@@ -138,4 +139,4 @@ def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
     for share, grave in ((0.4, ["note"]), (0.6, ["warning"])):
         off = share / 2 * design.slot.offset
         wide = design.with_(mold={"slit_clearance": off - 0.003})  # the wire's tolerance
-        assert [f.severity for f in strip_findings(wide) if f.rule == "strip place"] == grave
+        assert [f.severity for f in strip_findings(Job(wide)) if f.rule == "strip place"] == grave

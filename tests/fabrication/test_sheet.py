@@ -2,8 +2,8 @@ import re
 
 import pytest
 
+from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
-from skincad.fabrication.rules import maker
 from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
@@ -12,7 +12,7 @@ from skincad.solids.plan import Part, PartRole, box
 
 
 def sheet(design: Design) -> str:
-    return casting_sheet(design, mold(design), [], "Passes.", True)
+    return casting_sheet(Job(design), [], "Passes.", True)
 
 
 def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
@@ -25,19 +25,19 @@ def test_poured_volume_is_the_closed_molds_void(yamada: Design) -> None:
             space = space - manifold(part, 1e-3)
     void = [p.volume() for p in space.decompose() if p.bounding_box()[0] < 0 < p.bounding_box()[3]]
     # clearances of the carrier's seat and the shims' slits are in the void too, 1 % of it; chords
-    assert poured_volume(yamada, closed) == pytest.approx(max(void), rel=0.015)
+    assert poured_volume(Job(yamada, closed)) == pytest.approx(max(void), rel=0.015)
 
 
 def test_each_part_is_said_to_be_made_by_what_judges_it() -> None:
     design = load("milled-pad")
     rows = dict(re.findall(r"^\| (\S+) \| (\w+), ", sheet(design), re.MULTILINE))
     parts = {p.name: p for p in mold(design).parts if p.made == "made"}
-    assert rows == {name: maker(design, part) for name, part in parts.items()}
+    assert rows == {name: Job(design).maker(part) for name, part in parts.items()}
     assert (rows["cavity"], rows["end-a-comb"], rows["cover"]) == ("cnc", "edm", "cnc")
 
 
 def test_masses_follow_from_volume_density_and_mix(yamada: Design) -> None:
-    grams = poured_volume(yamada, mold(yamada)) * 1080e-6 + DEAD_VOLUME
+    grams = poured_volume(Job(yamada)) * 1080e-6 + DEAD_VOLUME
     a, b = map(float, re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B", sheet(yamada))[0])
     assert a + b == pytest.approx(grams, abs=0.02)  # two roundings to 0.01 g
     ten_to_one = sheet(yamada.with_(material={"name": "sylgard-184"}))
@@ -85,7 +85,7 @@ def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:
 
 
 def test_a_failed_job_says_so_at_the_top(yamada: Design) -> None:
-    text = casting_sheet(yamada, mold(yamada), [], "Passes.", False)
+    text = casting_sheet(Job(yamada), [], "Passes.", False)
     assert text.splitlines()[2].startswith("**Don't make it yet.** Mold: no errors")
 
 

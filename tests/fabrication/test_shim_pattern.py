@@ -11,7 +11,8 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.shim_pattern import shim_patterns
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import shim_patterns
 from skincad.inputs.catalog import template_names
 from skincad.outputs.drawing.flat import write_shims_dxf
 from skincad.shape.curves import area, polygon
@@ -25,7 +26,7 @@ def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
     design = three_ridges()
     closed = mold(design)
     assert design.slot is not None
-    flat = [area(shim.cut) * design.slot.thickness for shim in shim_patterns(design, closed)]
+    flat = [area(shim.cut) * design.slot.thickness for shim in shim_patterns(Job(design, closed))]
     assert flat == pytest.approx([part.volume for part in closed.of(PartRole.SHIM)], rel=1e-12)
 
 
@@ -33,7 +34,7 @@ def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
 def test_bars_are_the_shims_of_one_skin_in_whole_millimetres(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)
-    patterns, parts = shim_patterns(design, closed), closed.of(PartRole.SHIM)
+    patterns, parts = shim_patterns(Job(design, closed)), closed.of(PartRole.SHIM)
     assert len(patterns) * design.mold.cavities == len(parts)
     for shim, part in zip(patterns, parts, strict=False):
         assert design.slot is not None
@@ -48,7 +49,7 @@ def test_bars_are_the_shims_of_one_skin_in_whole_millimetres(name: str) -> None:
 def test_no_shim_lies_on_another_and_a_thin_tail_is_marked(name: str, tmp_path: Path) -> None:
     design = three_ridges() if name == "bent" else skincad.load(name)
     closed = mold(design)
-    shims = shim_patterns(design, closed)
+    shims = shim_patterns(Job(design, closed))
     shapes = [shapely.Polygon(polygon(shim.cut, 1e-4)) for shim in shims]
     assert all(a.distance(b) > 1.0 for a, b in pairwise(shapes))
     for shim, shape in zip(shims, shapes, strict=True):
@@ -56,7 +57,7 @@ def test_no_shim_lies_on_another_and_a_thin_tail_is_marked(name: str, tmp_path: 
             a, b = shim.thinned
             assert math.dist(a, b) == pytest.approx(design.slot.depth)  # type: ignore[union-attr]
             assert shapely.LineString([a, b]).distance(shape) < 1e-3
-    write_shims_dxf(design, closed, tmp_path / "shims.dxf")
+    write_shims_dxf(Job(design, closed), tmp_path / "shims.dxf")
     read = dxf_parser.parse((tmp_path / "shims.dxf").read_text(encoding="utf-8"))
     kinds = [e["type"] for e in read["entities"] if e["layer"] == "CUT"]
     assert kinds == ["LWPOLYLINE"] * len(shims)
@@ -67,4 +68,4 @@ def test_no_shim_lies_on_another_and_a_thin_tail_is_marked(name: str, tmp_path: 
 
 def test_strips_that_are_cast_in_have_no_shims() -> None:
     design = skincad.load("cast-in")
-    assert shim_patterns(design, mold(design)) == []
+    assert shim_patterns(Job(design)) == []

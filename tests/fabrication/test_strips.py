@@ -9,17 +9,19 @@ from scipy.integrate import solve_bvp
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.fabrication.finding import Finding
-from skincad.fabrication.strip_rules import placement_error, strip_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import Finding
 from skincad.fabrication.strips import (
     Strip,
     _ahead,
     deflection,
     drag,
+    placement_error,
     pour,
     release_strain,
     straightening_tension,
     strip,
+    strip_findings,
     weight,
 )
 from skincad.inputs.catalog import template_names
@@ -37,7 +39,7 @@ def cast() -> Design:
 
 
 def by_rule(design: Design) -> dict[str, Finding]:
-    return {finding.rule: finding for finding in strip_findings(design)}
+    return {finding.rule: finding for finding in strip_findings(Job(design))}
 
 
 def test_without_tension_a_rod_is_a_beam() -> None:
@@ -114,18 +116,18 @@ def test_drag_by_hand_and_at_its_limits() -> None:
 
 
 def test_what_lies_between_the_combs(yamada: Design, cast: Design) -> None:
-    film, shim = strip(cast), strip(yamada)
+    film, shim = strip(Job(cast)), strip(Job(yamada))
     assert film is not None
     assert shim is not None
     assert (film.thickness, film.modulus, film.ends) == (0.052, 3000.0, "hinged")
     assert film.stress == pytest.approx(0.05 / (0.052 * 0.375), rel=1e-12)
     assert film.hung == pytest.approx(5.0968, rel=1e-4)  # 0.05 N / 9.81
     assert (shim.thickness, shim.modulus, shim.tension) == (0.05, 200e3, 0.0)
-    assert strip(skincad.load("plain-ridges")) is None
+    assert strip(Job(skincad.load("plain-ridges"))) is None
 
 
 def test_a_tension_that_is_not_given_is_a_twentieth_of_the_yield_stress(yamada: Design) -> None:
-    rod = strip(yamada.with_(mold={"method": "cast-in"}))
+    rod = strip(Job(yamada.with_(mold={"method": "cast-in"})))
     assert rod is not None
     assert rod.stress == pytest.approx(45.0 / 20, rel=1e-12)
 
@@ -133,7 +135,7 @@ def test_a_tension_that_is_not_given_is_a_twentieth_of_the_yield_stress(yamada: 
 def test_the_pour_by_hand(cast: Design) -> None:
     """The strip's edge at the tip's side is 0.675 mm below the crown on the axis: at 0.24 mm aside the crown
     has fallen by 0.045 x (0.24 / 0.375)^2."""
-    flow, rod = pour(cast), strip(cast)
+    flow, rod = pour(Job(cast)), strip(Job(cast))
     assert flow is not None
     assert rod is not None
     wall = 0.675 - 0.045 * (0.24 / 0.375) ** 2
@@ -141,7 +143,7 @@ def test_the_pour_by_hand(cast: Design) -> None:
     assert flow.drag == pytest.approx(by_hand, rel=5e-3)  # shrinkage of 0.1 %, and the crown's arc
     assert flow.drift == pytest.approx(flow.drag * 18.0**2 / (8 * 0.05), rel=2e-2)  # a string
     assert flow.settling == pytest.approx(flow.drag / 0.15 * 18.0**2 / (math.pi**2 * 0.05), rel=2e-2)
-    slow = pour(cast.with_(mold={"fill_time": 240.0}))
+    slow = pour(Job(cast.with_(mold={"fill_time": 240.0})))
     assert slow is not None
     assert slow.drag == pytest.approx(flow.drag / 2, rel=1e-12)
     assert slow.settling == pytest.approx(flow.settling, rel=1e-12)
@@ -151,19 +153,19 @@ def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -
     strain = 0.05 / (0.052 * 0.375 * 3000)
     area = skincad.skin_solid(cast).val().Volume() / 18.0
     film = 18 * 0.052 * 0.375 * 3000
-    assert release_strain(cast) == pytest.approx(strain * film / (film + 0.356 * area), rel=1e-9)
-    assert release_strain(yamada) == 0.0
+    assert release_strain(Job(cast)) == pytest.approx(strain * film / (film + 0.356 * area), rel=1e-9)
+    assert release_strain(Job(yamada)) == 0.0
 
 
 @pytest.mark.parametrize("name", template_names())
 def test_templates_have_no_strip_finding_above_a_note_but_what_a_nozzle_leaves(name: str) -> None:
     """A comb of 0.2 mm tolerance leaves S1 and S2 by two thirds out of balance."""
-    above = [f.rule for f in strip_findings(skincad.load(name)) if f.severity != "note"]
+    above = [f.rule for f in strip_findings(Job(skincad.load(name))) if f.severity != "note"]
     assert above == (["strip place"] if name == "nozzle-04" else [])
 
 
 def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:
-    assert strip_findings(cast) == []
+    assert strip_findings(Job(cast)) == []
 
 
 @pytest.mark.parametrize(
@@ -198,12 +200,14 @@ def test_a_strip_that_comes_back_too_late_is_told(cast: Design) -> None:
 
 
 def test_place_is_slit_clearance_and_tolerance_of_the_combs(cast: Design) -> None:
-    assert placement_error(cast) == pytest.approx(0.01 + 0.003)
-    assert placement_error(cast.with_(mold={"end_plate_process": "sla"})) == pytest.approx(0.01 + 0.05)
+    assert placement_error(Job(cast)) == pytest.approx(0.01 + 0.003)
+    assert placement_error(Job(cast.with_(mold={"end_plate_process": "sla"}))) == pytest.approx(0.01 + 0.05)
     grown = cast.with_(mold={"slit_clearance": 0.04}, printer={"edm": {"growth": 0.03}})
-    assert placement_error(grown) == pytest.approx(0.01 + 0.003)  # the clearance makes up for growth, no more
+    assert placement_error(Job(grown)) == pytest.approx(
+        0.01 + 0.003
+    )  # the clearance makes up for growth, no more
     coated = skincad.load("lab-bench", ["mold.slit_clearance=0.028", "printer.sla.coating=0.02"])
-    assert placement_error(coated) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
+    assert placement_error(Job(coated)) == pytest.approx(0.008 + 0.05)  # and for a coat on both walls
     finding = by_rule(cast.with_(mold={"end_plate_process": "sla"}))["strip place"]
     assert (finding.severity, finding.limit) == ("note", pytest.approx(0.024))
     assert "may differ by 50 %" in finding.remedy  # 2 x 0.06 / 0.24
@@ -239,9 +243,9 @@ def test_the_wall_that_an_edge_faces_is_the_nearer_of_both_along_the_strip() -> 
 @pytest.mark.parametrize(("share", "told"), [(0.0995, False), (0.1005, True)])
 def test_a_strip_must_be_back_in_a_tenth_of_the_pot_life(cast: Design, share: float, told: bool) -> None:
     slack = cast.with_(film={"tension": 1e-5}, skin={"length": 60.0}, mold={"fill_time": 1e5})
-    flow = pour(slack)
+    flow = pour(Job(slack))
     assert flow is not None
     minutes = flow.settling / share / 60
     setting = slack.with_(silicones={slack.material.name: {"pot_life_min": minutes}})
-    drift = [f for f in strip_findings(setting) if f.unit == "s"]
+    drift = [f for f in strip_findings(Job(setting)) if f.unit == "s"]
     assert bool(drift) == told

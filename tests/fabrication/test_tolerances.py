@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import notes, surface_words, what_matters
 from skincad.inputs.process import processes
 from skincad.solids.mold import mold
@@ -25,13 +26,13 @@ from skincad.solids.mold import mold
 def test_the_thickest_cutter_is_named(name: str, part: str, says: str) -> None:
     """By hand: 2 x 0.05 - 2 x 0.01, 0.06 - 2 x 0.01, and 2 x 0.25."""
     design = skincad.load(name)
-    assert any(row.startswith(says) for row in notes(design, mold(design).part(part)))
+    assert any(row.startswith(says) for row in notes(Job(design), mold(design).part(part)))
 
 
 def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:
     printed, narrow = skincad.load("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
     for design, part in ((printed, "end-a-comb"), (narrow, "cavity")):
-        assert not any("at most, for" in row for row in notes(design, mold(design).part(part)))
+        assert not any("at most, for" in row for row in notes(Job(design), mold(design).part(part)))
 
 
 def test_slits_and_seat_are_told_as_they_come_out() -> None:
@@ -39,13 +40,15 @@ def test_slits_and_seat_are_told_as_they_come_out() -> None:
     design = skincad.load("yamada-2002")
     grown = design.with_(printer={"edm": {"growth": 0.002}})
     comb, carrier = mold(grown).part("end-a-comb"), mold(grown).part("carrier")
-    assert any("Slits: 0.003 a side" in row for row in what_matters(grown, comb, None))
-    assert any("(0.005 as drawn, less growth and coat)" in row for row in what_matters(grown, comb, None))
+    assert any("Slits: 0.003 a side" in row for row in what_matters(Job(grown), comb, None))
+    assert any(
+        "(0.005 as drawn, less growth and coat)" in row for row in what_matters(Job(grown), comb, None)
+    )
     left = f"Length and width: {design.mold.clearance - 0.004:.4g} a side to its seat"
-    assert any(row.startswith(left) for row in what_matters(grown, carrier, None))
-    assert not any("as drawn" in row for row in what_matters(design, comb, None))
+    assert any(row.startswith(left) for row in what_matters(Job(grown), carrier, None))
+    assert not any("as drawn" in row for row in what_matters(Job(design), comb, None))
     tight = design.with_(printer={"edm": {"growth": 0.003}})  # leaves 0.002, and ± 0.003 is the process
-    assert any("does not keep that gap" in row for row in what_matters(tight, comb, None))
+    assert any("does not keep that gap" in row for row in what_matters(Job(tight), comb, None))
 
 
 @pytest.mark.parametrize("name", ["fdm", "sla", "cnc", "edm"])
@@ -54,6 +57,6 @@ def test_each_process_says_how_rough_its_faces_are(name: str) -> None:
     part = mold(design).part("cavity")
     rough = processes()[name].roughness
     assert rough > 0
-    assert surface_words(design, part) == f"Ra {rough:g}"
+    assert surface_words(Job(design), part) == f"Ra {rough:g}"
     unsaid = design.with_(printer={name: {"roughness": 0.0}})
-    assert surface_words(unsaid, part) == ""
+    assert surface_words(Job(unsaid), part) == ""

@@ -123,9 +123,11 @@ def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
     with (tmp_path / "templates" / "processes.toml").open("a") as table:
         table.write(LASER)
     code = (
-        "import skincad; from skincad.fabrication.findings import design_findings as found;"
+        "import skincad; from skincad.fabrication.findings import design_findings;"
+        "from skincad.fabrication.job import Job;"
         "bent = ['skin.curvature_radius_y=40', 'mold.process=laser'];"
-        "print([f.remedy for f in found(skincad.load('plain-ridges', bent)) if f.rule == 'tool reach']);"
+        "findings = design_findings(Job(skincad.load('plain-ridges', bent)));"
+        "print([f.remedy for f in findings if f.rule == 'tool reach']);"
         "skincad.load('lab-bench', ['printer.mine.based_on=laser', 'mold.process=mine']);"
         "print('laser' in str(skincad.Design.model_json_schema()['$defs']['Mold']))"
     )

@@ -10,6 +10,7 @@ import tomlkit
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.shipped import table_text
@@ -234,7 +235,7 @@ def test_the_ends_of_the_range_are_in_it(yamada: Design) -> None:
 
 def foreign(design: Design) -> tuple[list[str], list[str]]:
     """What make and check say of a name with another's modulus."""
-    findings = [str(f) for f in design_findings(design) if f.rule == "silicone"]
+    findings = [str(f) for f in design_findings(Job(design)) if f.rule == "silicone"]
     return findings, [w for w in check(design, tier="winkler").warnings if "modulus" in w]
 
 
@@ -277,7 +278,7 @@ def test_a_batch_within_the_published_range_is_not(yamada: Design) -> None:
 @pytest.mark.parametrize("name", skincad.template_names())
 def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
     design = skincad.load(name)
-    assert not [f for f in design_findings(design) if f.rule == "silicone"]
+    assert not [f for f in design_findings(Job(design)) if f.rule == "silicone"]
 
 
 def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:

@@ -11,9 +11,9 @@ import pytest
 
 import skincad
 from skincad.base.formula import Calculation, Quantity, rounded
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
-from skincad.solids.mold import mold
 
 VARIANTS: dict[str, dict[str, object]] = {
     "levelled": {"ridge": {"levelling": 0.6}},
@@ -34,7 +34,7 @@ def design_of(name: str) -> Design:
 def steps(design: Design) -> list[Calculation]:
     return [
         *contact_calculations(design, 0.6),
-        *casting_calculations(design, mold(design)),
+        *casting_calculations(Job(design)),
         *strip_calculations(design),
     ]
 

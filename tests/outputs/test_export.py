@@ -19,7 +19,8 @@ import trimesh
 
 import skincad
 from skincad.fabrication.electrodes import SHOULDER
-from skincad.fabrication.pattern import GLUED_LENGTH, HOLE
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import GLUED_LENGTH, HOLE
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.drawing import flat
@@ -144,7 +145,7 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
 
 
 def pattern(design: Design, folder: Path) -> dict[str, list[tuple[Segment, ...]]]:
-    flat.write_strips_dxf(design, folder / "strips.dxf")
+    flat.write_strips_dxf(Job(design), folder / "strips.dxf")
     lines = ezdxf.readfile(folder / "strips.dxf").modelspace().query("LWPOLYLINE")
     assert all(line.closed for line in lines)
     return dxf_loops(folder / "strips.dxf")
@@ -274,7 +275,7 @@ def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> No
 
 def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
     """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
-    flat.write_strips_svg(yamada, tmp_path / "strips.svg")
+    flat.write_strips_svg(Job(yamada), tmp_path / "strips.svg")
     root = ET.parse(tmp_path / "strips.svg").getroot()
     left, _, wide, _ = map(float, root.attrib["viewBox"].split())
     texts = root.findall("{http://www.w3.org/2000/svg}text")

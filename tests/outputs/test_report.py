@@ -18,14 +18,14 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.effects.piezo import Piezo
 from skincad.fabrication.findings import design_findings
-from skincad.fabrication.making import Job
+from skincad.fabrication.job import Job
+from skincad.fabrication.making import Build
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import makes, report_scenes
 from skincad.outputs.checks import passing_share
 from skincad.outputs.report import report, suggested_scene
 from skincad.scenes.simulation import Simulation
-from skincad.solids.mold import mold
 from tests.conftest import run_skincad
 from tests.outputs.test_calculations import VARIANTS, design_of
 from tests.small_scene import THIRD, small_scene
@@ -34,12 +34,12 @@ PNG = b"\x89PNG not looked at"
 LARGEST = 3_000_000  # bytes: the issue's
 
 
-def job_of(design: Design, check: ContactCheck | None, scenes: tuple[Simulation, ...] = ()) -> Job:
-    closed = mold(design)
-    return Job(design, closed, {}, None, tuple(design_findings(design, closed)), check, scenes)
+def job_of(design: Design, check: ContactCheck | None, scenes: tuple[Simulation, ...] = ()) -> Build:
+    job = Job(design)
+    return Build(job, {}, None, tuple(design_findings(job)), check, scenes)
 
 
-def page_of(job: Job) -> str:
+def page_of(job: Build) -> str:
     return report(job, lambda: PNG, makes._casting_sheet(job), makes._drawing(job))
 
 
@@ -78,7 +78,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def checked(yamada: Design) -> Job:
+def checked(yamada: Design) -> Build:
     return job_of(yamada, skincad.check(yamada, tier="linear"))
 
 
@@ -96,7 +96,7 @@ def whole(felt: Simulation) -> str:
 
 
 @pytest.fixture(scope="module", params=["checked", "unchecked", "whole"])
-def text(request: pytest.FixtureRequest, checked: Job) -> str:
+def text(request: pytest.FixtureRequest, checked: Build) -> str:
     if request.param == "whole":
         return str(request.getfixturevalue("whole"))
     return page_of(checked if request.param == "checked" else replace(checked, check=None))
@@ -160,7 +160,7 @@ def test_a_copied_check_gives_the_printed_verdict(yamada: Design, tmp_path: Path
     assert str(verdict.all_touch_force) in process.stdout
 
 
-def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
+def test_the_verdict_its_error_and_what_it_rests_on(checked: Build) -> None:
     text, check = unescape(page_of(checked)), checked.check
     assert check is not None
     assert check.manufacture is not None
@@ -178,7 +178,7 @@ def test_the_verdict_its_error_and_what_it_rests_on(checked: Job) -> None:
         assert finding.remedy in text
 
 
-def test_what_the_models_leave_out_is_what_the_error_has(checked: Job) -> None:
+def test_what_the_models_leave_out_is_what_the_error_has(checked: Build) -> None:
     """The table of models and the error's parts name the same effects, friction of an unknown plate too."""
     assert checked.check is not None
     parts = {part.effect for part in checked.check.left_out}
@@ -204,20 +204,20 @@ def test_every_kind_of_design_has_a_report(name: str) -> None:
         ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": ()}, "already do at 0 N"),
     ],
 )
-def test_verdicts_without_numbers_are_told(checked: Job, changes: dict[str, Any], says: str) -> None:
+def test_verdicts_without_numbers_are_told(checked: Build, changes: dict[str, Any], says: str) -> None:
     assert checked.check is not None
     text = page_of(replace(checked, check=replace(checked.check, **changes)))
     assert says in unescape(text)
 
 
-def test_without_a_verdict_its_parts_say_so(checked: Job) -> None:
+def test_without_a_verdict_its_parts_say_so(checked: Build) -> None:
     text = page_of(replace(checked, check=None))
     assert text.count("Not checked whether all ridges touch. This part needs a verdict.") == 3
     assert "<code>skincad make yamada-2002 --no-check</code>" in text
     assert "Calculation" in text
 
 
-def test_the_same_design_gives_the_same_bytes(checked: Job) -> None:
+def test_the_same_design_gives_the_same_bytes(checked: Build) -> None:
     again = replace(checked, check=replace(checked.check, seconds={"total": 99.0}))  # type: ignore[type-var]
     assert page_of(again) == page_of(checked)
 
@@ -239,7 +239,7 @@ def test_a_scenes_amplifier_is_shown_without_the_rig_that_it_was_measured_with(f
     assert "as measured with its rig" not in drawn
 
 
-def test_without_a_scene_it_says_what_adds_one(checked: Job) -> None:
+def test_without_a_scene_it_says_what_adds_one(checked: Build) -> None:
     name = suggested_scene(checked.design)
     assert f"skincad make yamada-2002 --scene {name}" in Page(page_of(checked)).commands
 

@@ -15,7 +15,8 @@ import pytest
 
 import skincad
 from skincad.base.errors import RefusedError
-from skincad.fabrication.sheet import opening_steps
+from skincad.fabrication.casting_steps import opening_steps
+from skincad.fabrication.job import Job
 from skincad.outputs import view
 from skincad.outputs.view import three_js, way_out
 from skincad.solids.mold import mold
@@ -36,8 +37,8 @@ def page_of(name: str, folder: Path) -> Path:
     tier = "winkler" if name == "bent" else "linear"
     design = skincad.load(template, settings)
     result = skincad.make(design, preview=True)
-    job = result.built()
-    judged = replace(result, job=replace(job, check=skincad.check(design, tier=tier)))
+    build = result.built()
+    judged = replace(result, build=replace(build, check=skincad.check(design, tier=tier)))
     skincad.write(judged, folder, formats="html")
     return folder / "view.html"
 
@@ -78,7 +79,7 @@ def test_every_part_is_there_as_it_is_printed(yamada_page: Path) -> None:
 def test_the_steps_carry_the_sheets_words_and_move_what_leaves(name: str) -> None:
     design = skincad.load(*DESIGNS[name])
     closed = mold(design)
-    for step in opening_steps(design, closed):
+    for step in opening_steps(Job(design, closed)):
         for move in step.moves:
             for part in move.parts:
                 way = way_out(closed.part(part), move)
@@ -163,7 +164,7 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         page.click("#all")
 
         design = skincad.load(*DESIGNS[name])
-        for step in opening_steps(design, mold(design)):
+        for step in opening_steps(Job(design)):
             page.click("#on")
             assert page.inner_text("#told") == step.words
             page.wait_for_function("document.body.dataset.still === 'yes'")

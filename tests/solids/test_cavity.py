@@ -7,6 +7,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
@@ -19,7 +20,7 @@ STEEP = "steep-fingertip"
 
 
 def errors(design: Design) -> list[str]:
-    return [f.rule for f in design_findings(design) if f.severity == "error"]
+    return [f.rule for f in design_findings(Job(design)) if f.severity == "error"]
 
 
 def many() -> Design:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from skincad.fabrication.coupon import coupon
+from skincad.fabrication.machine_rules import on_end, overhang
 from skincad.fabrication.meshes import laid, mesh
-from skincad.fabrication.rules import on_end, overhang
 from skincad.inputs.catalog import load_design, template_names
 from skincad.inputs.process import PROCESSES, Process, processes
 from skincad.shape import curves

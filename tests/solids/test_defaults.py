@@ -12,6 +12,7 @@ import skincad
 from bench.campaign.soundness import faults
 from bench.table_molds import refusals, sections
 from skincad.base.errors import InputError
+from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -123,7 +124,7 @@ def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
     thin = yamada.with_(skin={"thickness": 1.0, "curvature_radius": 1e3}, slot=None)
     assert gate(yamada) == 2.0
     assert gate(thin) is None
-    sheet = casting_sheet(thin, mold(thin), [], "", True)
+    sheet = casting_sheet(Job(thin), [], "", True)
     assert "pour in a thin stream" in sheet
     assert "gate" not in sheet
     with pytest.raises(InputError, match=r"^skin.thickness: leaves .* for the gate"):
@@ -132,14 +133,14 @@ def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
 
 def test_a_gang_of_two_has_its_gates_in_the_sheet(yamada: Design) -> None:
     pair = yamada.with_(mold={"cavities": 2})
-    assert "End a has the gate" in casting_sheet(pair, mold(pair), [], "", True)
+    assert "End a has the gate" in casting_sheet(Job(pair), [], "", True)
 
 
 def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: Design) -> None:
     short = yamada.with_(skin={"length": 5.0})
     closed = mold(short)
     assert {cut.radius for cut in closed.part("cover").cuts[:2]} == {1.0}  # pins, no bolts
-    sheet = casting_sheet(short, closed, [], "", True)
+    sheet = casting_sheet(Job(short, closed), [], "", True)
     assert "two clamps that hold the cover down" in sheet
     assert "2 for the cover" not in sheet
     assert list(faults(short, kernel=False)) == []

@@ -6,6 +6,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.filling import pockets
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.sheet import poured_volume
@@ -61,5 +62,5 @@ def test_gates_reservoirs_and_bolts_are_one_for_each_and_one_between() -> None:
 
 def test_grams_and_air_are_those_of_the_single_mold_times_the_skins(yamada: Design) -> None:
     single, many = mold(yamada), gang("yamada-2002", 4)
-    assert poured_volume(many, mold(many)) == pytest.approx(4 * poured_volume(yamada, single), rel=1e-12)
-    assert pockets(many, mold(many), 1.0) == pockets(yamada, single, 1.0)
+    assert poured_volume(Job(many)) == pytest.approx(4 * poured_volume(Job(yamada, single)), rel=1e-12)
+    assert pockets(Job(many), 1.0) == pockets(Job(yamada, single), 1.0)

@@ -8,6 +8,7 @@ import re
 import pytest
 
 import skincad
+from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.process import PROCESSES, processes
@@ -33,7 +34,7 @@ def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> 
     """By the sheet's own words against the parts' bores: at least 1 mm free, and 2.5 more for the tap."""
     design = three_ridges() if name == "bent" else skincad.load(name)
     closed = mold(design)
-    text = casting_sheet(design, closed, [], "", True)
+    text = casting_sheet(Job(design, closed), [], "", True)
     lengths = [int(size) for size in re.findall(r"M3 x (\d+)", text)]
     assert len(lengths) == 2
     assert set(lengths) <= LISTED
@@ -75,9 +76,7 @@ def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:
     assert [standard_length(v) for v in (1.0, 5.0, 5.01, 20.5, 120.0)] == [5.0, 5.0, 6.0, 25.0, 120.0]
     assert standard_length(133.2) == 134.0
     far = skincad.load("plain-ridges", ["skin.length=130"])
-    assert "threaded rods with nuts at both ends: 4 M3 x 139 along y" in casting_sheet(
-        far, mold(far), [], "", True
-    )
+    assert "threaded rods with nuts at both ends: 4 M3 x 139 along y" in casting_sheet(Job(far), [], "", True)
 
 
 def test_a_plate_too_thin_for_a_thread_has_nuts_behind_it() -> None:
@@ -85,7 +84,7 @@ def test_a_plate_too_thin_for_a_thread_has_nuts_behind_it() -> None:
     for design, role in ((steel, CutRole.END_THREAD), (thin, CutRole.END_BOLT)):
         plate = mold(design).part("end-b-comb")
         assert len(bores(plate, role)) == 2
-    assert "with nuts, 0 of them sunk" in casting_sheet(thin, mold(thin), [], "", True)
+    assert "with nuts, 0 of them sunk" in casting_sheet(Job(thin), [], "", True)
 
 
 def test_torque_is_what_the_head_bears() -> None:
@@ -93,8 +92,8 @@ def test_torque_is_what_the_head_bears() -> None:
     known, ring = processes(), math.pi / 4 * (5.5**2 - 3.4**2)
     assert torque(known["sla"]) == torque(known["fdm"]) == pytest.approx(0.2 * 3e-3 * 20 * ring, abs=0.01)
     assert torque(known["edm"]) == pytest.approx(0.2 * 3e-3 * 60 * ring, abs=0.01)
-    assert "a torque of 0.17 N m" in casting_sheet(*made_parts("lab-bench"), [], "", True)
-    assert "a torque of 0.52 N m" in casting_sheet(*made_parts("yamada-2002"), [], "", True)
+    assert "a torque of 0.17 N m" in casting_sheet(Job(*made_parts("lab-bench")), [], "", True)
+    assert "a torque of 0.52 N m" in casting_sheet(Job(*made_parts("yamada-2002")), [], "", True)
     assert engagement(known["cnc"]) == 1.5 * DIAMETER
 
 

@@ -15,8 +15,16 @@ from typing import TYPE_CHECKING
 
 from skincad.fabrication.drawn_features import number
 from skincad.fabrication.electrodes import PITCH, fan_out
-from skincad.fabrication.pattern import StripPattern, pattern_notes, strip_patterns
-from skincad.fabrication.shim_pattern import SealPattern, seal_pattern, shim_notes, shim_patterns
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import (
+    SealPattern,
+    StripPattern,
+    pattern_notes,
+    seal_pattern,
+    shim_notes,
+    shim_patterns,
+    strip_patterns,
+)
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, write_dxf
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear
@@ -196,11 +204,11 @@ def _note_words(notes: list[str], at: tuple[float, float], height: float) -> lis
     return [Words(text, (at[0], at[1] - 2 * height * i), height, "TEXT") for i, text in enumerate(notes)]
 
 
-def write_strips_dxf(design: Design, path: Path) -> None:
+def write_strips_dxf(job: Job, path: Path) -> None:
     """Write the cutting pattern of the film strips as DXF, mm: CUT (outlines and holes), FRONT and BACK
     (metal of either face), ENGRAVE (ridge and side, + sign), MARK (where a strip is cut off later); TEXT and
     DIMENSIONS, to be switched off."""
-    strips = strip_patterns(design)
+    strips = strip_patterns(job)
     rows = [row for strip in strips for row in _strip_rows(strip)]
     dimensions, scale = strip_dimensions(strips)
 
@@ -208,8 +216,8 @@ def write_strips_dxf(design: Design, path: Path) -> None:
         return scale * point.x, scale * point.z
 
     marks: list[Mark] = [line(on_paper(a), on_paper(b), "MARK") for strip in strips for a, b in strip.cut_off]
-    notes = pattern_notes(design)
-    for text, x, z in _strip_texts(design, strips):
+    notes = pattern_notes(job)
+    for text, x, z in _strip_texts(job, strips):
         marks.append(Words(text, on_paper(Point(x, z)), scale, "TEXT" if text in notes else "ENGRAVE"))
     write_dxf(path, [*marks, *dimensions], scale, rows, notes)
 
@@ -219,18 +227,18 @@ def _strip_rows(strip: StripPattern) -> list[tuple[str, Loop]]:
     return [*cuts, ("FRONT", strip.front), ("BACK", strip.back)]
 
 
-def _strip_texts(design: Design, strips: list[StripPattern]) -> list[tuple[str, float, float]]:
+def _strip_texts(job: Job, strips: list[StripPattern]) -> list[tuple[str, float, float]]:
     """What is written on the pattern: text, x and z of its left foot, mm."""
     texts = [(strip.label, *strip.label_at) for strip in strips]
     texts += [("+", *strip.plus_at) for strip in strips]
     left = min(s.start.x for strip in strips for s in strip.cut)
-    return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(design)))]
+    return [*texts, *((text, left, -2.0 - 2 * i) for i, text in enumerate(pattern_notes(job)))]
 
 
-def write_shims_dxf(design: Design, closed: ClosedMold, path: Path) -> None:
+def write_shims_dxf(job: Job, path: Path) -> None:
     """Write the cutting pattern of one skin's shims as DXF, mm: CUT, ENGRAVE (ridge and slot, beside each),
     MARK (where a tail is thinned, at +x) and TEXT."""
-    shims, notes = shim_patterns(design, closed), shim_notes(design)
+    shims, notes = shim_patterns(job), shim_notes(job)
     marks: list[Mark] = [Words(shim.label, shim.label_at, 1.0, "ENGRAVE") for shim in shims]
     marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
     low = min(s.start.z for shim in shims for s in shim.cut)
@@ -249,11 +257,11 @@ def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
     write_dxf(path, [*dimensions, *note_words], scale, [("CUT", loop) for loop in pattern.loops], notes)
 
 
-def write_strips_svg(design: Design, path: Path) -> None:
+def write_strips_svg(job: Job, path: Path) -> None:
     """Write the same cutting pattern as SVG, mm: classes cut, front, back and mark; where both faces
     have metal, both colours lie over each other."""
-    strips = strip_patterns(design)
-    texts = _strip_texts(design, strips)
+    strips = strip_patterns(job)
+    texts = _strip_texts(job, strips)
     corners = [s.start for strip in strips for s in strip.cut]
     left, foot = min(x for _, x, _ in texts) - MARGIN_BESIDE, min(z for _, _, z in texts) - 1
     right, top = max(p.x for p in corners) + 8, max(p.z for p in corners) + MARGIN_ABOVE
@@ -320,15 +328,16 @@ def _svg_path(outline: Loop) -> str:
     return " ".join([*steps, "Z"])
 
 
-def write_strip_board(design: Design, path: Path) -> None:
+def write_strip_board(job: Job, path: Path) -> None:
     """Write the footprint of one skin's contacts as .kicad_mod, mm, y down: pads are named by ridge, slot and
     face, as "3S1+" is the front of ridge 3's S1."""
-    path.write_text(strip_board(design), encoding="utf-8")
+    path.write_text(strip_board(job), encoding="utf-8")
 
 
-def strip_board(design: Design) -> str:
+def strip_board(job: Job) -> str:
     """Return the footprint's text. Raises ValueError without film."""
-    fan, film = fan_out(design), design.film
+    design = job.design
+    fan, film = fan_out(job), design.film
     if fan is None or film is None:
         raise ValueError("a design without film has no contacts")
     strips = fan.strips if film.wiring_side == "b" else fan.strips[::-1]  # seen from the skin

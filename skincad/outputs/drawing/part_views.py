@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.fabrication.bores import major
 from skincad.fabrication.drawn_features import ABOVE, FRONT, LEFT, HoleGroup, SideView, number
+from skincad.fabrication.fasteners import major
 from skincad.fabrication.part_drawing import NUT, PartDrawing
 from skincad.outputs.drawing.marks import (
     Box,

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import skincad
+from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -79,7 +80,7 @@ def without_cuts_across(part: Part) -> Part:
 
 
 def write_part(design: Design, part: Part, path: Path) -> None:
-    sheet = part_sheet(part_drawing(design, part, workplane(part).val(), None), "0", "")
+    sheet = part_sheet(part_drawing(Job(design), part, workplane(part).val(), None), "0", "")
     write_sheet_dxf(sheet, path)
 
 

@@ -15,6 +15,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.drawn_features import ABOVE, FRONT, hole_groups, notches, number, views
+from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -50,7 +51,7 @@ def made_parts(design: Design) -> list[tuple[Part, cq.Solid]]:
 
 
 def sheet_of(design: Design, part: Part, made: cq.Solid) -> Sheet:
-    return part_sheet(part_drawing(design, part, made, None), "0", "")
+    return part_sheet(part_drawing(Job(design), part, made, None), "0", "")
 
 
 def diameters(path: Path) -> list[dict[str, Any]]:
@@ -83,7 +84,7 @@ def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
         write_sheet_pdf(sheet, tmp_path / "part.pdf")
         read = diameters(tmp_path / "part.dxf")
         words = pypdf.PdfReader(tmp_path / "part.pdf").pages[0].extract_text()
-        groups = hole_groups(design, part, shape)
+        groups = hole_groups(Job(design), part, shape)
         of_plan = sorted(round(2 * bore.radius, 6) for bore in bores(part))
         twice = [g.diameter for g in groups for _ in g.holes if g.depth is not None and len(g.sides) == 2]
         on_sheet = [round(e["actualMeasurement"], 6) for e in read]
@@ -112,7 +113,7 @@ def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
     for part, shape in made_parts(design):
         seen = {view.name: view.of_solid for view in views(part)}
         faces = cylinders(shape)
-        for group in hole_groups(design, part, shape):
+        for group in hole_groups(Job(design), part, shape):
             if group.lean or group.diameter != group.far_diameter:
                 continue
             view = seen[group.view]
@@ -153,7 +154,7 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
     each thread of M3 an arc of three quarters, 3 mm wide (ISO 6410-1)."""
     design = named(name)
     for part, shape in made_parts(design):
-        drawing = part_drawing(design, part, shape, None)
+        drawing = part_drawing(Job(design), part, shape, None)
         seen = {view.name: view.of_solid for view in views(part)}
         faces = cylinders(shape)
         for group in drawing.holes:
@@ -183,7 +184,7 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     """ISO 6410-1: from the mouth, above, 4 mm down, M3 wide; the bore is 6.5 mm deep."""
     design = named("mounted")
     part, shape = next(both for both in made_parts(design) if both[0].name == "carrier")
-    drawing = part_drawing(design, part, shape, None)
+    drawing = part_drawing(Job(design), part, shape, None)
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
     marks = bore_marks((group,), {view: ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views})
     hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
@@ -230,7 +231,7 @@ def test_places_count_from_level_faces() -> None:
     """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
     design = skincad.load("yamada-2002")
     part, shape = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
-    drawing = part_drawing(design, part, shape, None)
+    drawing = part_drawing(Job(design), part, shape, None)
     assert drawing.datums[2].edge == "top"
     assert any("left and upper edge" in note for note in drawing.notes)
     box = shape.BoundingBox(1e-6)
@@ -243,7 +244,7 @@ def test_places_count_from_level_faces() -> None:
 def test_a_ridges_groove_and_slits_lean_alike() -> None:
     """Both by the same sign, seen from the same end: the parts lie on each other."""
     design = skincad.load("yamada-2002")
-    drawn = {part.name: part_drawing(design, part, shape, None) for part, shape in made_parts(design)}
+    drawn = {part.name: part_drawing(Job(design), part, shape, None) for part, shape in made_parts(design)}
     grooves = {groove.ridge: groove.lean for groove in drawn["cavity"].grooves}
     assert min(grooves.values()) < -1 < 1 < max(grooves.values())
     for slit in drawn["end-a-comb"].slits:
@@ -255,7 +256,7 @@ def test_a_ridges_groove_and_slits_lean_alike() -> None:
 def test_a_right_piece_counts_from_its_level_side() -> None:
     design = skincad.load("steep-fingertip")
     drawn = {
-        part.name: part_drawing(design, part, shape, None)
+        part.name: part_drawing(Job(design), part, shape, None)
         for part, shape in made_parts(design)
         if part.name in ("cavity-left", "cavity-right")
     }
@@ -272,7 +273,7 @@ def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
     design = skincad.load("yamada-2002", ["mold.cavities=3"])
     part = mold(design).part(f"end-{end}-comb")
     shape = solid(part)
-    drawing = part_drawing(design, part, shape, None)
+    drawing = part_drawing(Job(design), part, shape, None)
     note = next(note for note in drawing.notes if note.startswith("Slits: of the skin furthest"))
     match = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
     assert match is not None
@@ -312,12 +313,12 @@ def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     design = skincad.load("yamada-2002")
     part, shape = made_parts(design)[0]
     drops = (0.0123, *(0.05,) * 7, math.inf)
-    drawing = part_drawing(design, part, shape, CrestAllowance(drops))
+    drawing = part_drawing(Job(design), part, shape, CrestAllowance(drops))
     grooves = drawing.tables[-1]
     assert [row[-1] for row in grooves.rows] == ["0.0123", *["0.0500"] * 7, "any"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
     assert not any("yield" in note.lower() for note in drawing.notes)  # a shop can do nothing about it
-    unchecked = part_drawing(design, part, shape, None)
+    unchecked = part_drawing(Job(design), part, shape, None)
     assert any("made without the check" in note for note in unchecked.notes)
     assert number(drawing.grooves[4].height) == "0.501"
 

@@ -9,6 +9,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.electrodes import PITCH
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.outputs.drawing.flat import DRILL, FOOTPRINT_ROOM, strip_board
 
@@ -40,7 +41,7 @@ def pads(text: str) -> dict[str, tuple[float, float]]:
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
 def test_each_strip_has_a_pin_for_each_face_in_its_own_column(name: str) -> None:
     design = skincad.load(name)
-    places = pads(strip_board(design))
+    places = pads(strip_board(Job(design)))
     labels = [f"{ridge}{side}" for ridge in range(1, design.ridge.count + 1) for side in ("S1", "S2")]
     assert set(places) == {f"{label}{sign}" for label in labels for sign in "+-"}
     for i, label in enumerate(labels):  # places have four decimals
@@ -48,16 +49,16 @@ def test_each_strip_has_a_pin_for_each_face_in_its_own_column(name: str) -> None
         assert places[f"{label}-"][0] == places[f"{label}+"][0]
         assert places[f"{label}-"][1] - places[f"{label}+"][1] == pytest.approx(PITCH, abs=2e-4)  # y is down
     assert sum(x for x, _ in places.values()) == pytest.approx(0.0, abs=1e-3)
-    (yard,) = (row for row in read(strip_board(design)) if row[0] == "fp_rect")
+    (yard,) = (row for row in read(strip_board(Job(design))) if row[0] == "fp_rect")
     assert float(yard[2][1]) - max(x for x, _ in places.values()) == pytest.approx(FOOTPRINT_ROOM, abs=2e-4)
 
 
 def test_seen_from_the_skin_end_a_has_its_strips_the_other_way_round() -> None:
-    b, a = (pads(strip_board(skincad.load("cast-in", [f'film.wiring_side="{s}"']))) for s in "ba")
+    b, a = (pads(strip_board(Job(skincad.load("cast-in", [f'film.wiring_side="{s}"'])))) for s in "ba")
     assert b["1S1+"][0] < b["9S2+"][0]
     assert {name: (-x, y) for name, (x, y) in a.items()} == b
 
 
 def test_no_film_no_board() -> None:
     with pytest.raises(ValueError, match="without film"):
-        strip_board(skincad.load("plain-ridges"))
+        strip_board(Job(skincad.load("plain-ridges")))

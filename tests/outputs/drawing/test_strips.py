@@ -15,6 +15,7 @@ from shapely.affinity import translate
 import skincad
 from bench.campaign.random_designs import drawn
 from skincad.fabrication.electrodes import electrode_findings
+from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.flat import write_strips_dxf
@@ -28,7 +29,7 @@ ROUND = 1e-9  # mm2, sixteen digits of places below 100 mm: a sliver of 1e-14 mm
 
 def read(design: Design, folder: Path) -> dict[str, list[shapely.Polygon]]:
     """The closed outlines by layer, one strip after the other; a rounded corner as its chord."""
-    write_strips_dxf(design, folder / "strips.dxf")
+    write_strips_dxf(Job(design), folder / "strips.dxf")
     drawing = dxf_parser.parse((folder / "strips.dxf").read_text(encoding="utf-8"))
     layers = defaultdict(list)
     for entity in (e for e in drawing["entities"] if e["type"] == "LWPOLYLINE"):
@@ -53,7 +54,7 @@ def check(design: Design, folder: Path) -> None:
     layers, film = read(design, folder), design.film
     assert film is not None
     assert len(layers["FRONT"]) == len(layers["BACK"]) == len(layers["CUT"]) == 2 * design.ridge.count
-    off = 0.0 if any(f.rule == "lead width" for f in electrode_findings(design)) else film.registration
+    off = 0.0 if any(f.rule == "lead width" for f in electrode_findings(Job(design))) else film.registration
     rows = zip(layers["CUT"], layers["FRONT"], layers["BACK"], skins(design), strict=True)
     for cut, front, back, skin in rows:
         assert front.is_valid

@@ -1,16 +1,15 @@
-"""The pattern by which strips are cut, and parts' cut profiles.
+"""Patterns that are cut from sheet or through a part: film strips, shims, the foam under the cover, profiles.
 
-Profile that is cut right through a made part along its body's axis: outline and holes, at nominal size. A
-wire, a laser or a router follows it; kerf and spark gap are the machine's to compensate. A conical hole is in
-it with its narrow end, to be reamed afterwards. Blind and crosswise cuts are not: the sheet's tables have
-them.
+Strips are drawn as they lie in the mold, each in its own row, seen from +x with the + side, the front, facing
+you: x in the drawing is the mold's y (end a left, end b right, 0 in the skin's middle), ridges' tips are
+below. The draw axis runs along the strips (assumption), so that the tension pulls along it and d31 is that of
+stress along the ridges. The wiring end has a tab with the pads, which stays and carries number and + sign.
+What is cut off is at the other end: the tail that a shim draws in (that end goes through the slot, first), or
+the tab for a weight.
 
-Drawn as the strips lie in the mold, seen from +x with the + side, the front, facing you: x in the drawing is
-the mold's y (end a left, end b right, 0 in the skin's middle), ridges' tips are below. The draw axis runs
-along the strips (assumption), so that the tension pulls along it and d31 is that of stress along the ridges.
-
-The wiring end has a tab with the pads, which stays and carries number and + sign. What is cut off is at the
-other end: the tail that a shim draws in (that end goes through the slot, first), or the tab for a weight.
+A wire, a laser or a router follows a profile; kerf and spark gap are the machine's to compensate. A conical
+hole is in it with its narrow end, to be reamed afterwards. Blind and crosswise cuts are not: the sheet's
+tables have them.
 """
 
 from __future__ import annotations
@@ -19,8 +18,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from skincad.fabrication.bores import process_of
-from skincad.fabrication.drawn_features import PartView, views
+from skincad.fabrication.drawn_features import views
 from skincad.fabrication.electrodes import (
     CORNER,
     EDGE,
@@ -33,19 +31,43 @@ from skincad.fabrication.electrodes import (
     label_offset,
     tab,
 )
+from skincad.fabrication.job import Job
+from skincad.fabrication.strips import (
+    lap,
+)
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
-from skincad.shape.curves import Loop, Point, Segment, area
+from skincad.shape.curves import Loop, Point, Segment, area, rectangle
 from skincad.shape.feature import SensorPlace
-from skincad.shape.skin import section, skin_of
-from skincad.solids.inserts import strip_overhangs
-from skincad.solids.plan import Axis, Body, Bore, Part, Prism, Vector, mirrored, unturned
-from skincad.solids.projection import View
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.shape.skin import section
+from skincad.solids.inserts import GRIP, strip_overhangs
+from skincad.solids.layout import SQUEEZED_SHARE
+from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import (
+    Axis,
+    Body,
+    Bore,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    Vector,
+    mirrored,
+    unturned,
+)
+from skincad.solids.projection import Place, View
 
 FLUSH_TOLERANCE = 1e-9  # mm, within which a cut reaches a face: rounding
 PLACES = 6  # decimals of a millimetre within which cuts are in line
 AXES: tuple[Axis, ...] = ("x", "y", "z")
+LABEL_DISTANCE = 5.0  # mm, of a label beside its shim
+ROW_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
+# mm, assumption: of a strip's tail, by which its shim draws it in; it is cut off afterwards
+GLUED_LENGTH = 5.0
+TAB = (8.0, 3.0)  # mm, assumption: length and width of a tab that a weight hangs on and that is cut off
+HOLE = 0.75  # mm, assumption: radius of a tab's hole for the weight's hook
+Corner = tuple[float, float, float]  # x, z, and bulge of the segment that begins there
+INWARD = -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
 
 
 class CutProfile(NamedTuple):
@@ -68,24 +90,20 @@ def cut_profile(part: Part) -> CutProfile | None:
     body = plain.body
     if not isinstance(body, Prism):
         return None
-    seen = _along(part, body.axis)
+    index = AXES.index(body.axis)
+    seen = next(view for view in views(part) if abs(view.of_part.towards[index]) == 1.0)
     loops = [body.outline, *body.holes, *_through(plain.cuts, body)]
     return CutProfile(seen.name, tuple(_seen(loop, body.axis, seen.of_part) for loop in loops))
 
 
-def cut_words(design: Design, part: Part) -> str:
+def cut_words(job: Job, part: Part) -> str:
     """Return what layer CUT of a part's DXF holds, and what the machine has to take off."""
-    process = process_of(design, part)
+    process = job.process(part)
     kerf = "kerf not compensated"
     if process.tool == "wire":
         wire, off = f"wire Ø{2 * process.tool_radius:g}", f"{process.spark_gap:g} a side sparks off"
         kerf += f": {wire}, {off}, path {process.reach:g} beside it"
     return f"Layer CUT: profile and through holes (of a cone the narrow end) at nominal size, {kerf}."
-
-
-def _along(part: Part, axis: Axis) -> PartView:
-    index = AXES.index(axis)
-    return next(view for view in views(part) if abs(view.of_part.towards[index]) == 1.0)
 
 
 def _through(cuts: tuple[Body, ...], body: Prism) -> tuple[Loop, ...]:
@@ -149,13 +167,6 @@ def _seen(loop: Loop, axis: Axis, view: View) -> Loop:
     return tuple(replace(s, start=s.end, end=s.start) for s in reversed(ahead))
 
 
-ROW_GAP = 2.0  # mm, assumption: between strips on the cutting pattern
-# mm, assumption: of a strip's tail, by which its shim draws it in; it is cut off afterwards
-GLUED_LENGTH = 5.0
-TAB = (8.0, 3.0)  # mm, assumption: length and width of a tab that a weight hangs on and that is cut off
-HOLE = 0.75  # mm, assumption: radius of a tab's hole for the weight's hook
-
-
 class Line(NamedTuple):
     """A line to be marked, mm."""
 
@@ -181,25 +192,26 @@ class StripPattern:
     plus_at: Point
 
 
-def strip_patterns(design: Design) -> list[StripPattern]:
+def strip_patterns(job: Job) -> list[StripPattern]:
     """Return the pattern of every strip, ridge by ridge from the drawing's foot up; none without film.
 
     Strips of a skin that is curved along y too are cut straight, each as long as its slot's arc: the slot
     bends them on edge by what `pattern_notes` says.
     """
-    design = scaled_for_shrinkage(design) if design.mold.method == "cast-in" else design
+    design = job.cast if job.design.mold.method == "cast-in" else job.design
     film, shape = design.film, section(design)
     if film is None:
         return []
-    pitch = row_height(design) + ROW_GAP
-    middles = [row_height(design) / 2 + index * pitch for index in range(len(shape.slots))]
+    pitch = row_height(job) + ROW_GAP
+    middles = [row_height(job) / 2 + index * pitch for index in range(len(shape.slots))]
     return [_pattern(design, film, s, z) for s, z in zip(shape.slots, middles, strict=True)]
 
 
-def pattern_notes(design: Design) -> list[str]:
+def pattern_notes(job: Job) -> list[str]:
     """Return what is written under the pattern."""
-    film, strain = design.film, _edge_strain(design)
-    wiring, skins = film.wiring_side if film else "b", design.mold.cavities
+    film, slot, radius = job.design.film, job.skin.slot, job.design.skin.curvature_radius_y
+    strain = 0.0 if radius is None or slot is None else slot.depth / 2 / radius  # of a strip's edges
+    wiring, skins = film.wiring_side if film else "b", job.design.mold.cavities
     return [
         *([f"for one skin: cut it {skins} times"] if skins > 1 else []),
         *([f"straight strips, bent on edge by their slots: strain {100 * strain:.2g} %"] if strain else []),
@@ -211,28 +223,17 @@ def pattern_notes(design: Design) -> list[str]:
     ]
 
 
-def _arc(design: Design, slot: SensorPlace) -> float:
-    """A slot's arc along y by skin.length: 1 where it is straight."""
-    radius = design.skin.curvature_radius_y
-    return 1.0 if radius is None else 1 + (slot.centre.z - design.skin.thickness) / radius
-
-
-def _edge_strain(design: Design) -> float:
-    """Strain of a straight strip's edges in a slot that is bent along y."""
-    slot = skin_of(design).slot
-    radius = design.skin.curvature_radius_y
-    return 0.0 if radius is None or slot is None else slot.depth / 2 / radius
-
-
-def row_height(design: Design) -> float:
+def row_height(job: Job) -> float:
     """Return the height of one strip on the drawing, mm: its tab's."""
-    slot = skin_of(design).slot
-    return 2 * half_tab(design.film, slot.depth) if design.film and slot else 0.0
+    slot = job.skin.slot
+    return 2 * half_tab(job.design.film, slot.depth) if job.design.film and slot else 0.0
 
 
 def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> StripPattern:
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
-    half, h = design.skin.length / 2 * _arc(design, slot), slot.depth / 2
+    half, h, radius = design.skin.length / 2, slot.depth / 2, design.skin.curvature_radius_y
+    if radius is not None:  # the slot's arc along y
+        half *= 1 + (slot.centre.z - design.skin.thickness) / radius
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
     a, b = strip_overhangs(design)
     wired, other = (half + a, half + b) if wired_a else (half + b, half + a)
@@ -245,7 +246,10 @@ def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> St
     cuts = [(-other, h), *([(end, w - CORNER)] if cast_in else [])]
 
     def placed(outline: Loop) -> Loop:
-        return tuple(_shifted(s, middle) for s in (mirrored(outline) if wired_a else outline))
+        rows = ((s, s.start, s.end) for s in (mirrored(outline) if wired_a else outline))
+        return tuple(
+            replace(s, start=Point(a.x, a.z + middle), end=Point(b.x, b.z + middle)) for s, a, b in rows
+        )
 
     side, text, up = -1.0 if wired_a else 1.0, wired + SHOULDER + EDGE / 2, label_offset(slot.depth)
     text = -text - LABEL[0] if wired_a else text
@@ -262,10 +266,6 @@ def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> St
         label_at=Point(text, middle + up),
         plus_at=Point(text, middle - up - LABEL[1]),
     )
-
-
-Corner = tuple[float, float, float]  # x, z, and bulge of the segment that begins there
-INWARD = -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
 
 
 def _tab(start: float, end: float, right: float, h: float, w: float) -> list[Corner]:
@@ -302,6 +302,111 @@ def _hole(x: float) -> Loop:
     return _path([(x - HOLE, 0.0, 1.0), (x + HOLE, 0.0, 1.0)])
 
 
-def _shifted(segment: Segment, up: float) -> Segment:
-    (x, z), (u, v) = segment.start, segment.end
-    return replace(segment, start=Point(x, z + up), end=Point(u, v + up))
+class ShimPattern(NamedTuple):
+    """One shim: its ridge and slot, its outline, and the line at which a tail begins that is thinned; None
+    where it is not. The tail is at +x. The label's foot is at `label_at`."""
+
+    label: str
+    cut: Loop
+    thinned: tuple[Point, Point] | None
+    label_at: Point
+
+
+def shim_patterns(job: Job) -> list[ShimPattern]:
+    """Return the shims of one skin, ridge 1 first, one above the other; none where strips are cast in."""
+    slot, joint = job.skin.slot, lap(job)
+    if slot is None or job.design.mold.method == "cast-in":
+        return []
+    thin = joint is not None and joint.tail < slot.thickness
+    bodies = [part.body for part in job.closed.of(PartRole.SHIM)]
+    pairs = zip(job.section.slots, bodies, strict=False)  # of a gang the first skin's
+    rows = []
+    for number, (place, body) in enumerate(pairs):
+        label, pitch = f"{place.feature} {place.side}", slot.depth + ROW_GAP
+        if isinstance(body, RevolvedBody):
+            radius = arc_radius(job, place.feature, place.side)
+            half = (body.high - body.low) * abs(place.direction.z) / 2
+            centre = number * pitch / math.cos(half) - radius
+            inner, outer = radius - slot.depth / 2, radius + slot.depth / 2
+            cut, foot = _sector(inner, outer, half, centre), _at(inner, -half, centre)
+            tail = half - GRIP / radius
+            tail_line = _at(inner, tail, centre), _at(outer, tail, centre)
+        else:
+            long, low = shim_length(job) / 2, number * pitch - slot.depth / 2
+            cut, foot = rectangle(-long, long, low, low + slot.depth), Point(-long, low)
+            tail_line = Point(long - GRIP, low), Point(long - GRIP, low + slot.depth)
+        rows.append(
+            ShimPattern(label, cut, tail_line if thin else None, Point(foot.x - LABEL_DISTANCE, foot.z))
+        )
+    return rows
+
+
+def shim_notes(job: Job) -> list[str]:
+    """Return what is said on the pattern: which sheet, and what the cutter has to know."""
+    slot, skins = job.skin.slot, job.design.mold.cavities
+    thick = f"spring steel {slot.thickness:g} thick; " if slot else ""
+    times = f"; for one skin: cut it {skins} times" if skins > 1 else ""
+    return [f"{thick}CUT at nominal size, kerf not compensated{times}", "a shim does not shrink: 1:1"]
+
+
+def _at(radius: float, angle: float, centre: float) -> Point:
+    """A point at this angle from the upright, rad, about (0, centre)."""
+    return Point(radius * math.sin(angle), centre + radius * math.cos(angle))
+
+
+def _sector(inner: float, outer: float, half: float, centre: float) -> Loop:
+    """Part of a ring about (0, centre), from -half to half of the upright, rad."""
+    a, b = _at(outer, half, centre), _at(outer, -half, centre)
+    c, d = _at(inner, -half, centre), _at(inner, half, centre)
+    bulge = math.tan(half / 2)
+    return Segment(a, b, bulge), Segment(b, c), Segment(c, d, -bulge), Segment(d, a)
+
+
+class SealPattern(NamedTuple):
+    """A seal's outline and then its holes, seen from above with end b up, mm, and what is said of it."""
+
+    loops: tuple[Loop, ...]
+    notes: list[str]
+
+    @property
+    def box(self) -> tuple[Place, Place]:
+        """Lower left and upper right corner, mm: its outline has straight sides."""
+        x, y = zip(*(s.start for s in self.loops[0]), strict=True)
+        return (min(x), min(y)), (max(x), max(y))
+
+
+def seal_pattern(closed: ClosedMold) -> SealPattern:
+    """Return the pattern of a mold's seal. Raises ValueError where it has none."""
+    seal = closed.first(PartRole.SEAL)
+    profile = cut_profile(seal)
+    if profile is None or not isinstance(seal.body, Prism):
+        raise ValueError("a seal is cut from a sheet")
+    high = seal.body.high - seal.body.low
+    notes = [
+        f"closed-cell EVA foam, sheet of {high / SQUEEZED_SHARE:.3g} mm, squeezed to {high:.3g} mm by the "
+        "closed cover",
+        "seen from above, end b up; CUT at nominal size, kerf not compensated; foam does not shrink: 1:1",
+    ]
+    return SealPattern(profile.loops, notes)
+
+
+def arc_length(closed: ClosedMold) -> float:
+    """Return how long the longest shim of a doubly curved mold is along its outer edge, mm."""
+    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, RevolvedBody)]
+    return max((arc.high - arc.low) * (arc.centre - min(s.start.z for s in arc.outline)) for arc in arcs)
+
+
+def arc_radius(job: Job, ridge: int, side: str) -> float:
+    """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
+    depth, so the distance along them from the axis to the middle of the depth."""
+    poured_design = job.cast
+    slot = next(s for s in section(poured_design).slots if (s.feature, s.side) == (ridge, side))
+    radius = poured_design.skin.curvature_radius_y or math.inf
+    return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
+
+
+def shim_length(job: Job) -> int:
+    """Return how long a shim is, whole mm: it stands out at both ends; along its arc in a bent mold."""
+    if job.bent:
+        return math.ceil(arc_length(job.closed))
+    return math.ceil(job.cast.skin.length + 2 * job.design.mold.end_plate + 2 * GRIP)

@@ -1,37 +1,128 @@
-"""The sheet's steps with film strips: shims, bonds and bent slots."""
+"""Steps of the casting sheet at which strips go in and the mold is opened: words, and the moves they make.
+
+Films are cleaned, primed, laid in or drawn in behind their shims, cured in and tested. A doubly curved mold
+has screws, shims as arcs and an order of its own.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from skincad.fabrication.bores import Screws
-from skincad.fabrication.electrodes import PITCH, strip_capacitance, tab
-from skincad.fabrication.pattern import GLUED_LENGTH
-from skincad.fabrication.rules import shim_bend
-from skincad.fabrication.strip_rules import (
+from skincad.fabrication.electrodes import PITCH, fan_out_steps, past_tabs, strip_capacitance, tab
+from skincad.fabrication.fasteners import Screws
+from skincad.fabrication.job import Job
+from skincad.fabrication.patterns import GLUED_LENGTH, arc_length, arc_radius, shim_length
+from skincad.fabrication.strips import (
+    GRAVITY,
     HANDLING_SECONDS,
     HIGHEST_FILM_TEMPERATURE,
     POT_SHARE,
+    deflection,
     drawing_time,
     lap,
     placement_error,
+    pour,
     pull_test,
+    release_strain,
+    shim_bend,
+    strip,
     strips_per_mix,
+    weight,
 )
-from skincad.fabrication.strips import GRAVITY, deflection, pour, release_strain, strip, weight
-from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
-from skincad.shape.skin import section, skin_of
+from skincad.solids.cavity import split_ridges
 from skincad.solids.inserts import GRIP, drawing_end
 from skincad.solids.layout import end_angle
-from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import PartRole, RevolvedBody
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.solids.mold import ClosedMold, Move
+from skincad.solids.plan import END_PLATES, CutRole, PartRole, bores
 
 DEGAS = (
     "Degas the mix in its open cup, four times as high as the mix, for it rises; never put the closed mold, "
     "filled, under vacuum: its silicone would foam out and air come in."
 )
+NUMBERS = (
+    "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
+    "two at end b, where the reservoir is"
+)
+TOWARDS = "towards the higher numbers in every slot"  # +x
+PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
+PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
+GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
+MIX_GRAMS = 2.0  # g, assumption: the least that is weighed within 1 % on a balance of 0.01 g
+SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
+THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
+ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
+
+
+class OpeningStep(NamedTuple):
+    """A step of opening: the sheet's words, and the moves that it makes; none where nothing leaves yet."""
+
+    words: str
+    moves: tuple[Move, ...]
+
+
+def opening_steps(job: Job) -> list[OpeningStep]:
+    """Return the steps by which a cured skin comes out of its mold, in order; together they make each move of
+    `closed.opening` once."""
+    by: dict[str, list[Move]] = {"shims": [], "ends": [], "lid": [], "skin": []}
+    for move in job.closed.opening:
+        role = job.closed.part(move.parts[0]).role
+        known = {PartRole.SHIM: "shims", PartRole.COVER: "lid", **dict.fromkeys(END_PLATES, "ends")}
+        by[known.get(role, "skin")].append(move)
+    shims, straight = tuple(by["shims"]), not job.bent
+    first = _without_moves(release_steps(job) if lap(job) is None else preparation_steps(job))
+    drawn_in = [*_without_moves(gluing_steps(job)), OpeningStep(drawing_step(job), shims)] if shims else []
+    drawn_in += _without_moves(curing_steps(job))
+    out, proof = (
+        OpeningStep(_skin_removal_words(job), tuple(by["skin"])),
+        _without_moves(pull_test_steps(job)),
+    )
+    led = _without_moves(fan_out_steps(job))
+    if not straight:
+        removal = map(OpeningStep, leave_steps(job.closed), (tuple(by["lid"]), tuple(by["ends"])))
+        return [*first, *drawn_in, *removal, out, *proof, *led]
+    ends, lid = map(OpeningStep, _removal_words(job), (tuple(by["ends"]), tuple(by["lid"])))
+    if lap(job) is None:  # cast in, or no film
+        return [*first, ends, *drawn_in, lid, out, *proof, *led]
+    return [*first, ends, *drawn_in, *proof, lid, out, *led]
+
+
+def _without_moves(lines: list[str]) -> list[OpeningStep]:
+    """Steps in which no part leaves the mold."""
+    return [OpeningStep(words, ()) for words in lines]
+
+
+def _removal_words(job: Job) -> list[str]:
+    """How end plates and cover come off; the cover holds skin and carrier until the shims are out."""
+    slides, tabs = "along y,", ""
+    if job.skin.slot is not None:
+        cast_in = job.design.mold.method == "cast-in" and job.design.film
+        tabs = f" {past_tabs(job.design)}" if cast_in else ""
+        slides += " over the strips," if cast_in else " over the shims (hold these back by their other ends),"
+    fasteners = "clamps" if job.clamped else "bolts"
+    return [
+        "Take the end plates' bolts out; the cover stays on. "
+        + ("Cut the sprue at the gate, and slide" if job.gate else "Slide")
+        + f" the end plates off {slides} with a screwdriver in the notches at their sides.{tabs}",
+        f"Take the cover's {fasteners} off and lift it where it overhung the end plates, with the foam; the "
+        "silicone in the reservoir and the bleeds tears off, or is cut flush.",
+    ]
+
+
+def _skin_removal_words(job: Job) -> str:
+    """How the skin and its cavity part."""
+    carrier = job.closed.first(PartRole.CARRIER)
+    pulls, mount = bores(carrier, CutRole.PULL), bores(carrier, CutRole.MOUNT)
+    other = "by two screws in its mount's threads" if mount else "from its two ends"
+    how = "by two M3 screws in its blind holes" if pulls else other
+    if not split_ridges(job.design):
+        return f"Pull the carrier up {how}; the skin comes out of the cavity with it. Cut the flash there."
+    return (
+        f"Hold the carrier {how} and draw the base plate off downward. Tilt the two outer pieces of the "
+        "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
+        "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
+        "don't cut into a crown."
+    )
 
 
 def bent_screws(screws: Screws, hold: str) -> str:
@@ -48,16 +139,14 @@ def under_heads(washers: int) -> str:
     return f", {washers} washers under each head" if washers else ""
 
 
-def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
+def arcs_to_buy(job: Job) -> list[str]:
     """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
-    slot, radius = skin_of(design).slot, design.skin.curvature_radius_y
+    slot, radius = job.skin.slot, job.design.skin.curvature_radius_y
     if slot is None or radius is None:
         return []
     size = f"{slot.thickness:g} x {slot.depth:g} mm"
-    arms = [
-        f"{s.feature} {s.side} {arc_radius(design, s.feature, s.side):.2f}" for s in section(design).slots
-    ]
-    strain, joint, film = 100 * shim_bend(design), lap(design), design.film
+    arms = [f"{s.feature} {s.side} {arc_radius(job, s.feature, s.side):.2f}" for s in job.section.slots]
+    strain, joint, film = 100 * shim_bend(job), lap(job), job.design.film
     thin = ""
     if joint is not None and film is not None and joint.tail < slot.thickness:
         thin = (
@@ -65,31 +154,16 @@ def arcs_to_buy(design: Design, closed: ClosedMold) -> list[str]:
             "stoned, by micrometer), so that film and shim, glued, pass the notches together"
         )
     return [
-        f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(closed))} mm long, cut or etched "
-        f"as arcs from sheet by shims.dxf, deburred{thin}; "
+        f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(job.closed))} mm long, cut or "
+        f"etched as arcs from sheet by shims.dxf, deburred{thin}; "
         f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
         f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]
 
 
-def arc_length(closed: ClosedMold) -> float:
-    """Return how long the longest shim of a doubly curved mold is along its outer edge, mm."""
-    arcs = [part.body for part in closed.of(PartRole.SHIM) if isinstance(part.body, RevolvedBody)]
-    return max((arc.high - arc.low) * (arc.centre - min(s.start.z for s in arc.outline)) for arc in arcs)
-
-
-def arc_radius(design: Design, ridge: int, side: str) -> float:
-    """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
-    depth, so the distance along them from the axis to the middle of the depth."""
-    poured_design = scaled_for_shrinkage(design)
-    slot = next(s for s in section(poured_design).slots if (s.feature, s.side) == (ridge, side))
-    radius = poured_design.skin.curvature_radius_y or math.inf
-    return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
-
-
-def close_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
+def close_steps(job: Job, back: str) -> list[str]:
     """Return how the mold is closed and filled, after cleaning."""
-    if skin_of(design).slot is None:
+    if job.skin.slot is None:
         ends = f"Lay the carrier on its ledge ({back}); the end plates lean over it and are screwed on next."
     else:
         ends = (
@@ -97,7 +171,7 @@ def close_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
             f"{GRIP:g} mm out at both ends. Lay the carrier on its ledge ({back}). Then the keepers, which "
             "lean over it: pressed down onto the combs while you tighten."
         )
-    rise, tilt = math.degrees(end_angle(design)), design.mold.pour_tilt
+    rise, tilt = math.degrees(end_angle(job.design)), job.design.mold.pour_tilt
     both = (
         "; end a leans by more than that, so its air leaves slowly, through the gap round the carrier"
         if tilt <= rise
@@ -105,7 +179,7 @@ def close_steps(design: Design, closed: ClosedMold, back: str) -> list[str]:
     )
     return [
         ends,
-        f"{'Then the foam, cover' if closed.of(PartRole.SEAL) else 'Cover'} and bolts.",
+        f"{'Then the foam, cover' if job.closed.of(PartRole.SEAL) else 'Cover'} and bolts.",
         f"{DEGAS} Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
         "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
         "the reservoir.",
@@ -125,97 +199,76 @@ def leave_steps(closed: ClosedMold) -> list[str]:
     ]
 
 
-def shim_length(design: Design, closed: ClosedMold) -> int:
-    """Return how long a shim is, whole mm: it stands out at both ends; along its arc in a bent mold."""
-    if design.skin.curvature_radius_y is not None:
-        return math.ceil(arc_length(closed))
-    return math.ceil(scaled_for_shrinkage(design).skin.length + 2 * design.mold.end_plate + 2 * GRIP)
-
-
-def to_buy(design: Design, closed: ClosedMold) -> list[str]:
+def to_buy(job: Job) -> list[str]:
     """Return what to buy to keep the slots of a skin free that is straight along y."""
-    slot = skin_of(design).slot
-    if slot is None or design.mold.method == "cast-in":
+    slot = job.skin.slot
+    if slot is None or job.design.mold.method == "cast-in":
         return []
     size = f"{slot.thickness:g} x {slot.depth:g} mm"
     return [
-        f"{strip_count(design)} shims of spring steel, {size}, {shim_length(design, closed)} mm long: "
+        f"{strip_count(job)} shims of spring steel, {size}, {shim_length(job)} mm long: "
         "slit or "
         "etched from feeler stock, edges deburred"
     ]
 
 
-def comb_step(design: Design) -> str:
+def comb_step(job: Job) -> str:
     """Return how the notches are filled before the keepers are put on."""
-    rod = strip(design)
-    if rod is None or design.mold.method == "shim":
+    rod = strip(job)
+    if rod is None or job.design.mold.method == "shim":
         return (
             f"combs first; lay the shims into the notches, {GRIP:g} mm out at both ends, and pull them "
             "straight; then the keepers, pressed down onto the combs while you tighten."
         )
-    load = weight(rod, silicone(design).density)
+    load = weight(rod, job.silicone.density)
     return (
         "combs first. Lay each strip, primed and dry, into its notches, + "
         f"side {TOWARDS} ({NUMBERS}). Tie a thread to each tab's hole, lead it along y over a rod that lies "
         "a little below the notches on one board with the mold, so that the strip stays upright, and hang "
         f"{rod.hung:.3g} g on each ({rod.tension:.3g} N, {rod.stress:.3g} MPa): it stands on the notches' "
-        f"bottoms, its datum, and is within {placement_error(design):.2g} mm of its place; in silicone it "
+        f"bottoms, its datum, and is within {placement_error(job):.2g} mm of its place; in silicone it "
         "sags by "
         f"{abs(deflection(rod, load)):.2g} mm at most. Then the keepers, pressed down onto the combs while "
         "you tighten. The weights hang until the silicone has cured."
     )
 
 
-def filling_time_words(design: Design) -> str:
+def filling_time_words(job: Job) -> str:
     """Return how fast the silicone may rise round strips that are cast in."""
-    flow = pour(design)
-    if flow is None or design.mold.method == "shim":
+    flow = pour(job)
+    if flow is None or job.design.mold.method == "shim":
         return ""
     return (
-        f" Take {design.mold.fill_time:g} s to fill it: the strips are moved aside by up to "
+        f" Take {job.design.mold.fill_time:g} s to fill it: the strips are moved aside by up to "
         f"{flow.drift:.2g} mm and come back within {5 * flow.settling:.2g} s."
     )
 
 
-def release_steps(design: Design) -> list[str]:
+def release_steps(job: Job) -> list[str]:
     """Return what is done with strips that are cast in before the mold is opened; nothing where none is."""
-    if design.mold.method != "cast-in" or design.film is None:
+    if job.design.mold.method != "cast-in" or job.design.film is None:
         return []
     return [
         "Take the weights off and cut off at the strips' marks what they hung on; the tabs with pads, "
-        f"number and + sign stay. The skin shortens by {100 * release_strain(design):.2g} %, "
+        f"number and + sign stay. The skin shortens by {100 * release_strain(job):.2g} %, "
         "when the strips are released."
     ]
 
 
-NUMBERS = (
-    "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
-    "two at end b, where the reservoir is"
-)
-TOWARDS = "towards the higher numbers in every slot"  # +x
-PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
-PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
-GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
-MIX_GRAMS = 2.0  # g, assumption: the least that is weighed within 1 % on a balance of 0.01 g
-SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
-THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
-ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
-
-
-def strip_count(design: Design) -> int:
+def strip_count(job: Job) -> int:
     """Return how many strips go into the skins of a mold."""
-    skin = skin_of(design)
-    return 2 * skin.count * design.mold.cavities if skin.slot else 0
+    skin = job.skin
+    return 2 * skin.count * job.design.mold.cavities if skin.slot else 0
 
 
-def release_agent_places(design: Design) -> str:
+def release_agent_places(job: Job) -> str:
     """Return where release agent goes, and what it is kept from, so that films hold."""
-    if skin_of(design).slot is None:
+    if job.skin.slot is None:
         return "cavity, end plates and cover; none on the carrier."
-    if design.film is None:
-        shims = "cover and shims" if design.mold.method == "shim" else "cover"
+    if job.design.film is None:
+        shims = "cover and shims" if job.design.mold.method == "shim" else "cover"
         return f"cavity, end plates, {shims}; none on the carrier."
-    if design.mold.method == "cast-in":
+    if job.design.mold.method == "cast-in":
         return (
             "cavity, end plates and cover with a brush, and let it dry; none on the carrier, and none on the "
             "strips, which would not hold."
@@ -228,20 +281,20 @@ def release_agent_places(design: Design) -> str:
     )
 
 
-def masked_length(design: Design) -> float:
+def masked_length(job: Job) -> float:
     """Return how much of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch."""
-    if design.film is None:
+    if job.design.film is None:
         return 0.0
-    bent, lead = design.skin.curvature_radius_y is not None, design.film.lead
-    return tab(design.film)[1] + (max(0.0, lead - design.mold.end_plate) if bent else lead)
+    bent, lead = job.bent, job.design.film.lead
+    return tab(job.design.film)[1] + (max(0.0, lead - job.design.mold.end_plate) if bent else lead)
 
 
-def preparation_steps(design: Design) -> list[str]:
+def preparation_steps(job: Job) -> list[str]:
     """Return how strips are cleaned, masked and primed; nothing without film."""
-    film = design.film
+    film = job.design.film
     if film is None:
         return []
-    if lap(design) is None:
+    if lap(job) is None:
         when, rest = "Make", "between their marks"
         masked = "the lead and both tabs (write number and + side on a tab first) while you prime, and take "
         masked += "it off before they are laid in"
@@ -250,7 +303,7 @@ def preparation_steps(design: Design) -> list[str]:
             "Late in the cure, make",
             f"up to the cut-off mark: the {GLUED_LENGTH:g} mm beyond are glued",
         )
-        masked = f"the last {masked_length(design):g} mm of the wired end (end {film.wiring_side})"
+        masked = f"the last {masked_length(job):g} mm of the wired end (end {film.wiring_side})"
         masked += ", where it stays for now, its number and + side written on it"
     return [
         f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in strips.dxf). Wipe "
@@ -262,9 +315,9 @@ def preparation_steps(design: Design) -> list[str]:
     ]
 
 
-def gluing_steps(design: Design) -> list[str]:
+def gluing_steps(job: Job) -> list[str]:
     """Return how films are glued to their shims; nothing where none is drawn in."""
-    joint, film = lap(design), design.film
+    joint, film = lap(job), job.design.film
     if joint is None or film is None:
         return []
     passes = (
@@ -282,28 +335,28 @@ def gluing_steps(design: Design) -> list[str]:
     ]
 
 
-def drawing_step(design: Design) -> str:
+def drawing_step(job: Job) -> str:
     """Return how shims are drawn out, and films in behind them. Call where there are shims."""
-    end, straight = drawing_end(design), design.skin.curvature_radius_y is None
+    end, straight = drawing_end(job.design), not job.bent
     way = f"{'along y' if straight else 'along its arc'}, towards end {end}"
-    if lap(design) is None:
+    if lap(job) is None:
         return f"Draw each shim out {way}."
     other = "b" if end == "a" else "a"
     stop = f"skin's end {other} (its cut-off mark is at end {end} then)" if straight else f"end plate {other}"
     return (
-        f"Mix {MIX_GRAMS:g} g of the same silicone and draw in {_batches(design)}. Coat both faces of a "
+        f"Mix {MIX_GRAMS:g} g of the same silicone and draw in {_batches(job)}. Coat both faces of a "
         "strip, all "
         f"but the mask, grip its shim with pliers at end {end}, and draw it out {way}, in "
-        f"{drawing_time(design):.2g} s or more: the strip follows it in, wired end last; it is too thin to "
+        f"{drawing_time(job):.2g} s or more: the strip follows it in, wired end last; it is too thin to "
         f"be pushed. Stop when its mask meets the {stop}. If the strip stretches or stays behind, its lap "
         "slips: draw it out, "
         "clean it and begin again. Wipe off what came out at both ends before the next."
     )
 
 
-def _batches(design: Design) -> str:
-    minutes, most, strips = silicone(design).pot_life_min, strips_per_mix(design), strip_count(design)
-    seconds = HANDLING_SECONDS + drawing_time(design)
+def _batches(job: Job) -> str:
+    minutes, most, strips = job.silicone.pot_life_min, strips_per_mix(job), strip_count(job)
+    seconds = HANDLING_SECONDS + drawing_time(job)
     pace = f"at {seconds:.2g} s each"
     if minutes is None or most is None:
         return f"as many strips as half the pot life on its data sheet takes {pace}, then mix again"
@@ -314,10 +367,10 @@ def _batches(design: Design) -> str:
     return f"{most} of the {strips} strips with it, {pace}, {fresh}; then mix again, {mixes} times in all"
 
 
-def curing_steps(design: Design) -> list[str]:
+def curing_steps(job: Job) -> list[str]:
     """Return the wait after films were drawn in; nothing where none was."""
-    material = silicone(design)
-    if lap(design) is None:
+    material = job.silicone
+    if lap(job) is None:
         return []
     long = "as long as its data sheet asks" if material.cure_h is None else f"{material.cure_h:g} h"
     warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
@@ -326,34 +379,33 @@ def curing_steps(design: Design) -> list[str]:
     return [
         f"Let the strips cure in, level and untouched: {long} at {warm}. Above "
         f"{HIGHEST_FILM_TEMPERATURE:g} °C film loses its "
-        "charge."
-        + ("" if design.skin.curvature_radius_y is None else " Then cut the shims off outside the end plate.")
+        "charge." + ("" if not job.bent else " Then cut the shims off outside the end plate.")
     ]
 
 
-def pull_test_steps(design: Design) -> list[str]:
+def pull_test_steps(job: Job) -> list[str]:
     """Return how it is tested that each strip holds; nothing without film."""
-    pull = pull_test(design)
+    pull = pull_test(job)
     if pull is None:
         return []
     why = "a third of what yields the film" if pull.by_film else "a third of what a fair bond takes in shear"
     first, bad, last = "", "the skin is scrap", ""
-    if lap(design) is not None:
+    if lap(job) is not None:
         first, last = "Take the masks off. ", " Cut the glued tails off at their marks, flush with the skin. "
         last += "Number and + sign are on the tabs."
-        if design.skin.curvature_radius_y is None:
+        if not job.bent:
             bad = "ease it out with its shim behind it, which is in place again then, and glue a new one on"
     return [
         f"{first}Pull test: hang {1000 * pull.force / GRAVITY:.3g} g ({pull.force:.2g} N, {why}; the bond is "
         f"sheared by {pull.shear:.2g} MPa) on each lead for 10 s, over a rod, so that it pulls along y. A "
         f"strip that creeps out does not hold: {bad}.{last}",
-        _wired(design),
+        _wired(job),
     ]
 
 
-def _wired(design: Design) -> str:
+def _wired(job: Job) -> str:
     """How a strip's electrodes are tested: what a meter between its pads reads."""
-    value, error, leads = strip_capacitance(design)
+    value, error, leads = strip_capacitance(job)
     return (
         "Measure each strip between its two pads with a capacitance meter, 1 kHz, its clips' own capacitance "
         f"taken off: {value:.2g} ± {error:.1g} pF, and up to {leads:.1g} pF more of its leads. Less than "
@@ -362,17 +414,17 @@ def _wired(design: Design) -> str:
     )
 
 
-def bonding_kit(design: Design) -> list[str]:
+def bonding_kit(job: Job) -> list[str]:
     """Return what is to be bought so that films go in and hold, with amounts; nothing without film."""
-    skin = skin_of(design)
-    film, slot, rod, pull = design.film, skin.slot, strip(design), pull_test(design)
+    skin = job.skin
+    film, slot, rod, pull = job.design.film, skin.slot, strip(job), pull_test(job)
     if film is None or slot is None or rod is None or pull is None:
         return []
-    strips, cast_in, most = strip_count(design), lap(design) is None, strips_per_mix(design)
+    strips, cast_in, most = strip_count(job), lap(job) is None, strips_per_mix(job)
     wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
-    coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * design.skin.length / 100
+    coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * job.design.skin.length / 100
     masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
-    sheets = f"{design.mold.cavities} times, " if design.mold.cavities > 1 else ""
+    sheets = f"{job.design.mold.cavities} times, " if job.design.mold.cavities > 1 else ""
     rows = [
         f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, "
         f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",

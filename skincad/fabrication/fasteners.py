@@ -1,0 +1,277 @@
+"""What holds a mold together and what its bores are for: screws, dowels, the mount, threads and fits."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from skincad.fabrication.job import Job
+from skincad.solids.fasteners import (
+    LENGTHS,
+    METRIC,
+    PITCH,
+    BlindThread,
+    blind_thread,
+    screw_for,
+    standard_length,
+)
+from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import CAVITIES, END_PLATES, PINS, Bore, CutRole, Part, PartRole, bores, unturned
+
+Place = tuple[float, float]  # x and y, mm, from the carrier's middle
+THREADED = frozenset({CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL, CutRole.MOUNT})
+PINNED = frozenset({CutRole.END_PIN, CutRole.COVER_PIN, CutRole.BASE_PIN})
+CLEARING = frozenset({CutRole.END_BOLT, CutRole.COVER_BOLT})
+H13 = 0.18  # mm, source: ISO 286-2, of 3 to 6 mm; ISO 273 has it for the medium series of clearance holes
+H7 = 0.010  # mm, source: ISO 286-2, up to 3 mm: what a dowel pin m6 is pressed into
+_FOR = {
+    CutRole.END_BOLT: "M3 bolt of end plate",
+    CutRole.END_THREAD: "M3 bolt of end plate",
+    CutRole.COVER_BOLT: "M3 bolt of cover",
+    CutRole.COVER_THREAD: "M3 bolt of cover",
+    CutRole.END_PIN: "of end plate",
+    CutRole.COVER_PIN: "of cover",
+    CutRole.BASE_PIN: "of base",
+    CutRole.GATE: "gate",
+    CutRole.VENT: "vent",
+    CutRole.RIVET: "silicone rivet",
+    CutRole.PULL: "M3 screw to pull by",
+    CutRole.MOUNT: "mount",
+    CutRole.FIDUCIAL: "fiducial for a camera",
+    CutRole.RESERVOIR: "riser cup",
+    CutRole.BLEED: "bleed",
+}
+NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
+# mm, source: ISO 8734, nominal lengths of parallel pins of 2 mm
+PIN_LENGTHS = (5, 6, 8, 10, 12, 14, 16, 18, 20)
+
+
+class Screw(NamedTuple):
+    """A thread's name and major diameter, mm (ISO 261)."""
+
+    name: str
+    diameter: float
+
+
+SCREW = Screw("M3", 3.0)
+
+
+def is_pressed(part: Part, role: CutRole) -> bool:
+    """Whether a pin is pressed into this part, and so slides in the other one."""
+    return (part.role, role) in {
+        (PartRole.COVER, CutRole.COVER_PIN),
+        (PartRole.BASE, CutRole.BASE_PIN),
+    } or (part.role in CAVITIES and role is CutRole.END_PIN)
+
+
+def mount_thread(job: Job) -> BlindThread | None:
+    """Return the blind threads of a design's mount; None where it has no screws."""
+    name = job.design.mount and job.design.mount.thread
+    return blind_thread(name, job.lid_process) if name else None
+
+
+def full_thread(job: Job, role: CutRole) -> float | None:
+    """Return how deep a bore has full thread, mm, where that is not all of it."""
+    blind = mount_thread(job) if role is CutRole.MOUNT else None
+    return blind.most if blind and not blind.insert else None
+
+
+def major(thread: str) -> float | None:
+    """Return the major diameter, mm, of what is tapped; None for an insert's hole and for no thread."""
+    name = thread.partition(" ")[0]
+    return METRIC[name].diameter if name in METRIC and "insert" not in thread else None
+
+
+def purpose(job: Job, part: Part, role: CutRole) -> str:
+    """Return what goes into a bore."""
+    if role is CutRole.MOUNT and job.design.mount and (blind := mount_thread(job)):
+        return f"{job.design.mount.thread} screw of mount, engages {blind.least:g} to {blind.most:g}"
+    if role is CutRole.MOUNT_PIN and job.design.mount and job.design.mount.pin:
+        return f"pin {job.design.mount.pin:g} of mount"
+    if role in PINNED:
+        fit = "pressed" if is_pressed(part, role) else "sliding"
+        return f"pin {2 * PIN_RADIUS:g} {_FOR[role]}, {fit}"
+    return _FOR[role]
+
+
+def thread(job: Job, part: Part, role: CutRole) -> str:
+    """Return the thread of a bore, or what brings one; "" where it has none."""
+    if role not in THREADED:
+        return ""
+    if role is CutRole.MOUNT and job.design.mount and (blind := mount_thread(job)):
+        how = f"insert, {blind.insert}" if blind.insert else f"x {blind.most:g}"  # deep, by ISO 6410-1
+        return f"{job.design.mount.thread} {how}"
+    insert = job.fits(part).insert
+    return f"{SCREW.name} insert, {insert}" if insert and role is not CutRole.PULL else SCREW.name
+
+
+def limits(job: Job, part: Part, role: CutRole) -> str:
+    """Return the limits of a bore's diameter, mm: its fit's, where the process keeps it, or the process's."""
+    process = job.process(part)
+    either = f"±{process.tolerance:g}"
+    if role in CLEARING:
+        return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
+    if role is CutRole.MOUNT_PIN:
+        return either if process.layer else f"+{H7:.3f}/0 (H7)"
+    if role in PINNED and is_pressed(part, role):
+        return either if process.layer else f"+{H7:.3f}/0 (H7)"
+    if role in THREADED and (process.thread == "tapped" or role is CutRole.PULL):
+        return "6H"
+    return either
+
+
+class Screws(NamedTuple):
+    """Equal M3 screws: how many, their length, mm, washers under each head, and nuts in all. `bottoming`
+    asks for a bottoming tap at last."""
+
+    pieces: int
+    length: float
+    washers: int = 0
+    nuts: int = 0
+    bottoming: bool = False
+
+    @property
+    def rod(self) -> bool:
+        """Whether there are none so long: a threaded rod with a nut at both ends."""
+        return self.length > LENGTHS[-1]
+
+
+def cover_screws(job: Job) -> Screws | None:
+    """Return the cover's screws; None where clamps hold it."""
+    cover, blocks = job.closed.first(PartRole.COVER), job.closed.of(*CAVITIES)
+    screws = bores(cover, CutRole.COVER_BOLT)
+    if not screws:
+        return None
+    passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
+    thread_length = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
+    split = bool(job.closed.of(PartRole.BASE))
+    long, washers = screw_for(screws[0].length + passed, thread_length, job.cavity_process, bottomed=split)
+    return Screws(len(screws), long, washers)
+
+
+def end_screws(job: Job) -> Screws:
+    """Return the end plates' screws: along y through both plates, or, of a doubly curved mold, into each of
+    the cavity's ends."""
+    if job.bent:
+        count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in job.closed.of(*END_PLATES))
+        threads = bores(job.closed.first(PartRole.CAVITY), CutRole.END_THREAD)
+        process, plate, deep = job.cavity_process, job.design.mold.end_plate, min(b.length for b in threads)
+        long, washers = screw_for(plate, deep, process, bottomed=True)
+        bottoming = process.thread == "tapped" and screw_for(plate, deep, process)[1] > washers
+        return Screws(count, long, washers, bottoming=bottoming)
+    cuts = [cut.role for part in job.closed.of(*END_PLATES) if part.end == "b" for cut in part.cuts]
+    sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
+    count = cuts.count(CutRole.END_BOLT) + tapped
+    through = job.cast.skin.length + 2 * job.design.mold.end_plate
+    long = standard_length(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
+    return Screws(count, long, nuts=0 if tapped else count * (2 if long > LENGTHS[-1] else 1))
+
+
+def dowels(closed: ClosedMold) -> dict[float, int]:
+    """Return how many dowels there are of each greatest length, mm, whole tenths."""
+    pins = (unturned(part).body for part in closed.of(*PINS))
+    return dict(Counter(math.floor(10 * pin.length) / 10 for pin in pins if isinstance(pin, Bore)))
+
+
+def pin_length(most: float) -> float:
+    """Return the longest standard pin of at most this length, mm; below the shortest, what one is cut to."""
+    return max((float(length) for length in PIN_LENGTHS if length <= most), default=most)
+
+
+@dataclass(frozen=True)
+class CarrierMount:
+    """A mount as the carrier has it; lengths mm. Where there are no screws, `thread`, `depth` of its hole and
+    `reach`, from how far to how far a screw may go in, are None."""
+
+    thread: str | None
+    insert: str  # how it is set, "" where the thread is tapped
+    depth: float | None
+    reach: tuple[float, float] | None
+    positions: tuple[Place, ...]
+    pin: float | None
+    pin_position: Place | None
+    fiducials: tuple[Place, ...]
+    fiducial_diameter: float
+    top: float  # where all of them open, over the skin's back
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the mount with units in its keys."""
+        return {
+            "thread": self.thread,
+            "insert": self.insert or None,
+            "positions_mm": [list(at) for at in self.positions],
+            "depth_mm": self.depth,
+            "engagement_mm": self.reach and list(self.reach),
+            "pin_mm": self.pin,
+            "pin_position_mm": self.pin_position and list(self.pin_position),
+            "fiducials_mm": [list(at) for at in self.fiducials],
+            "fiducial_diameter_mm": self.fiducial_diameter if self.fiducials else None,
+            "top_mm": self.top,
+        }
+
+
+def mount_of(job: Job) -> CarrierMount | None:
+    """Return a design's mount, as the first carrier has it; None without one."""
+    mount = job.design.mount
+    if mount is None:
+        return None
+    carrier, blind = job.closed.first(PartRole.CARRIER), mount_thread(job)
+    middle = sum(bore.start[0] for bore in bores(carrier, CutRole.VENT))  # a gang's first skin lies aside
+
+    def places(role: CutRole) -> tuple[Place, ...]:
+        starts = [bore.start for bore in bores(carrier, role)]
+        return tuple((round(x - middle, 9) + 0.0, round(y, 9) + 0.0) for x, y, _ in starts)
+
+    pins, marks = places(CutRole.MOUNT_PIN), places(CutRole.FIDUCIAL)
+    every = bores(carrier, CutRole.MOUNT, CutRole.FIDUCIAL)
+    return CarrierMount(
+        thread=mount.thread,
+        insert=blind.insert if blind else "",
+        depth=blind and blind.depth,
+        reach=(blind.least, blind.most) if blind else None,
+        positions=places(CutRole.MOUNT),
+        pin=mount.pin,
+        pin_position=pins[0] if pins else None,
+        fiducials=marks,
+        fiducial_diameter=mount.fiducial_diameter,
+        top=every[0].start[2] + every[0].length,
+    )
+
+
+def screws_to_buy(job: Job) -> list[str]:
+    """Return what to buy for a mount; its screws' length depends on what the skin is screwed to."""
+    mount = mount_of(job)
+    if mount is None or mount.thread is None or mount.reach is None:
+        return []
+    count, (least, most) = job.design.mold.cavities * len(mount.positions), mount.reach
+    kinds = []
+    if mount.insert:
+        long, wide = METRIC[mount.thread].insert, METRIC[mount.thread].insert_hole
+        size = f"({mount.insert}, {long:g} mm long, in holes of {wide:g} mm)"
+        kinds.append(f"{count} threaded inserts {mount.thread} {size}")
+    if mount.pin is not None:
+        kinds.append(f"a dowel pin of {mount.pin:g} mm for each carrier")
+    kinds.append(f"{count} {mount.thread} screws")
+    return [
+        f"for the mount {', '.join(kinds)}, as long as the flange is thick and {least:g} to {most:g} mm; "
+        "a longer one bears on its hole's end, over the silicone"
+    ]
+
+
+def cleanliness_steps(job: Job) -> list[str]:
+    """Return how a mount is kept from silicone, a step before the mold is closed; none without one."""
+    mount = mount_of(job)
+    if mount is None:
+        return []
+    over = "foam" if job.closed.of(PartRole.SEAL) else "cover"
+    holes = "threads and fiducials" if mount.positions and mount.fiducials else "threads"
+    holes = holes if mount.positions else "fiducials"
+    words = f"The mount's {holes} are blind and lie under the {over}, beside its openings"
+    sealed = ", so no silicone comes to them."
+    words += sealed if over == "foam" else "; fill them flush with wax, for no foam seals there."
+    if job.gate is None:
+        words += " Tape them until the carrier lies on its ledge: silicone wells up through its holes."
+    return [words]

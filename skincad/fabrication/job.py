@@ -1,0 +1,137 @@
+"""A job: what follows from a design for its mold, each resolved once, when it is first asked for.
+
+Rules, patterns, drawings and the sheet receive it. It plans; what is made by it is a `Build` (making.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.inputs.process import Process, processes
+from skincad.inputs.silicone import Silicone
+from skincad.shape.skin import Section, Skin, section, skin_of
+from skincad.solids.ends import gate
+from skincad.solids.layout import Fits, Layout, fits, is_clamped, layout
+from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.plan import CAVITIES, END_PLATES, Part
+from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
+from skincad.solids.skin import skin_part
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A design with its skin, its mold, and by what and how each part is made; `planned` saves the planning
+    of the mold."""
+
+    design: Design
+    planned: ClosedMold | None = field(default=None, repr=False)
+
+    @cached_property
+    def skin(self) -> Skin:
+        """The skin as designed, which is the cured part."""
+        return skin_of(self.design)
+
+    @cached_property
+    def section(self) -> Section:
+        """The section of the skin as designed."""
+        return section(self.design)
+
+    @cached_property
+    def skin_part(self) -> Part:
+        """The skin as designed, as a solid's plan."""
+        return skin_part(self.design)
+
+    @property
+    def bent(self) -> bool:
+        """Whether the skin is curved along y too."""
+        return self.design.skin.curvature_radius_y is not None
+
+    @cached_property
+    def shrinkage(self) -> float:
+        """The linear shrinkage that the mold makes up for."""
+        return shrinkage(self.design)
+
+    @cached_property
+    def cast(self) -> Design:
+        """What is poured, so that it cures to the design: scaled for shrinkage."""
+        return scaled_for_shrinkage(self.design)
+
+    @cached_property
+    def cast_skin(self) -> Skin:
+        """The skin as poured."""
+        return skin_of(self.cast)
+
+    @cached_property
+    def cast_section(self) -> Section:
+        """The section of the skin as poured."""
+        return section(self.cast)
+
+    @cached_property
+    def place(self) -> Layout:
+        """Where the mold's screws, pins and seats lie."""
+        return layout(self.cast, self.cast_section)[0]
+
+    @cached_property
+    def gate(self) -> float | None:
+        """Diameter of the gate, mm; None where silicone is poured into the open trough."""
+        return gate(self.design)
+
+    @cached_property
+    def clamped(self) -> bool:
+        """Whether clamps hold the cover, not bolts."""
+        return is_clamped(self.cast)
+
+    @cached_property
+    def closed(self) -> ClosedMold:
+        """The mold; raises InputError where there is none."""
+        return self.planned or mold(self.design)
+
+    @cached_property
+    def single(self) -> Job:
+        """The job of one skin of a gang: all of them fill alike."""
+        return self if self.design.mold.cavities == 1 else Job(self.design.with_(mold={"cavities": 1}))
+
+    @cached_property
+    def silicone(self) -> Silicone:
+        """What is cast."""
+        return silicone(self.design)
+
+    @cached_property
+    def processes(self) -> dict[str, Process]:
+        """All processes that are known, the workshop's own too, by name."""
+        return processes(self.design.printer)
+
+    @property
+    def cavity_process(self) -> Process:
+        """The process of the cavity."""
+        return self.processes[self.design.mold.process]
+
+    @property
+    def end_process(self) -> Process:
+        """The process of the end plates."""
+        return self.processes[self.design.mold.end_plate_process or self.design.mold.process]
+
+    @property
+    def lid_process(self) -> Process:
+        """The process of carrier and cover."""
+        return self.processes[self.design.mold.lid_process or self.design.mold.process]
+
+    def maker(self, part: Part) -> str:
+        """Return the name of the process that makes a part."""
+        choice = self.design.mold
+        if part.role in CAVITIES:
+            return choice.process
+        if part.role in END_PLATES:
+            return choice.end_plate_process or choice.process
+        return choice.lid_process or choice.process
+
+    def process(self, part: Part) -> Process:
+        """Return the process that makes a part."""
+        return self.processes[self.maker(part)]
+
+    def fits(self, part: Part) -> Fits:
+        """Return the holes of a part."""
+        return fits(self.design, self.maker(part))
