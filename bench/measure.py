@@ -88,7 +88,7 @@ def system(design: Design, fineness: float, order: int = ORDER) -> elements.Cont
     """Return a design's condensed stiffness."""
     pad = pad_of(design)
     mesh = elements.curved(plane_piece(pad, fineness).mesh, order)
-    return elements.even(elements.assemble(mesh, order, pad.materials))
+    return elements.symmetric_system(elements.assemble(mesh, order, pad.materials))
 
 
 def free_block(found: elements.ContactStiffness) -> sparse.csc_matrix:

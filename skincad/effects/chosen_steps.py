@@ -18,7 +18,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Observables, Share, Step
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, Tangential
-from skincad.mechanics.contact.frozen_tangent import STRIDE, FrozenTangentPad, FrozenTangentState
+from skincad.mechanics.contact.frozen_tangent import UPDATE_INTERVAL, FrozenTangentPad, FrozenTangentState
 from skincad.mechanics.contact.state import ContactState
 
 
@@ -26,7 +26,7 @@ def chosen(large: LargePad) -> ChosenPad:
     """Return the pad that takes chosen steps of a `large` one, a stride of its narrowest crest apart."""
     pad = large.pad
     crests = [np.ptp(pad.x[pad.ridge == number]) for number in np.unique(pad.ridge)]
-    interval = STRIDE * float(min(crests))
+    interval = UPDATE_INTERVAL * float(min(crests))
     return ChosenPad(FrozenTangentPad(pad, _Stresses(large), interval, not large.stops))
 
 
@@ -85,7 +85,7 @@ class ChosenPad:
 
     def grip(self, state: FrozenTangentState) -> ContactState:
         """Return the contact of a state."""
-        return state.grip
+        return state.contact
 
     def fault(self, state: FrozenTangentState) -> str | None:  # noqa: ARG002
         """None: chosen steps are looked at, and one that is not sound is not chosen."""
@@ -94,5 +94,5 @@ class ChosenPad:
     def reading(self, before: FrozenTangentState, state: FrozenTangentState) -> Observables:  # noqa: ARG002
         """Return the observables of a state."""
         return Observables.of(
-            state.grip, state.films, state.elastic, state.dissipated, drift=self.held.drift(state)
+            state.contact, state.films, state.elastic, state.dissipated, drift=self.held.drift(state)
         )

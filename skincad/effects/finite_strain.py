@@ -57,7 +57,7 @@ class FiniteStrain(Law):
         from skincad.effects.large_pad import LargePad
         from skincad.mechanics.bodies import elements, plane_body
         from skincad.mechanics.bodies.film_field import strip_stress
-        from skincad.mechanics.contact.frictional_pad import dragged
+        from skincad.mechanics.contact.frictional_pad import frictional_pad_of
 
         needs = frozenset[str]().union(*(term.asks for term in terms))
         if needs:
@@ -68,7 +68,7 @@ class FiniteStrain(Law):
         curved = elements.curved(mesh, order)
         with one_blas_thread():
             body = plane_body.body(curved, order, pad.materials, pad.laws)
-            whole = dragged(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
+            whole = frictional_pad_of(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
         strips = (
             strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
             if films

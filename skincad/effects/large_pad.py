@@ -54,14 +54,14 @@ class LargePad:
 
     def advanced(self, state: FrictionalState, step: Step, shares: Sequence[Share]) -> FrictionalState:
         """Return the converged state at the step's end."""
-        from skincad.mechanics.contact.frictional_pad import to
+        from skincad.mechanics.contact.frictional_pad import advance_to
 
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         with one_blas_thread():
             try:
-                after = to(self.pad, state, step.before, step.after, cone)
+                after = advance_to(self.pad, state, step.before, step.after, cone)
             except GrossSlip as limit:
                 self._check(limit.last)
                 raise
@@ -70,15 +70,15 @@ class LargePad:
 
     def _check(self, state: FrictionalState) -> None:
         """Raise ContactError for a state that goes through itself or the plate, or whose surface folds."""
-        from skincad.mechanics.contact.press_path import fault
+        from skincad.mechanics.contact.press_path import undetected_contact
 
-        wrong = fault(self.pad, state, self.stops)
+        wrong = undetected_contact(self.pad, state, self.stops)
         if wrong is not None:
             raise ContactError(wrong)
 
     def grip(self, state: FrictionalState) -> ContactState:
         """Return the contact of a state."""
-        return state.grip
+        return state.contact
 
     def fault(self, state: FrictionalState) -> str | None:  # noqa: ARG002
         """None: a step costs so much that each is looked at."""
@@ -88,4 +88,4 @@ class LargePad:
         """Return the observables of a state."""
         films = np.zeros((0, 3)) if self.strips is None else self.strips.at(state.values) * self.modulus
         elastic = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
-        return Observables.of(state.grip, films, elastic, state.dissipated)
+        return Observables.of(state.contact, films, elastic, state.dissipated)

@@ -75,7 +75,7 @@ def advanced(skin: Any, terms: list[Term], state: Any, before: Drive, after: Dri
 
 
 def contact(state: Any) -> Any:
-    return getattr(state, "contact", getattr(state, "grip", state))
+    return getattr(state, "contact", state)
 
 
 @cache

@@ -95,7 +95,7 @@ def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     and the plate's work is that and friction's, to the trapezoids' error where points close within a step."""
     run = marched("chosen")
     state = list(run.states.values())[-1]
-    body, pad = state.held.state, run.pad
+    body, pad = state.tangent.state, run.pad
     assert isinstance(body, FrictionalState)
     stored = pad.held.pad.body.energy(body.values) * pad.held.pad.scale * pad.held.pad.unit
     at = max(i for i, reading in enumerate(run.readings) if reading.drift and reading.drift.chosen)
@@ -112,7 +112,7 @@ def test_drift_falls_with_the_square_of_the_stride(monkeypatch: pytest.MonkeyPat
     pull = [Drive(NORMAL * min(i, 10) / 10, 0.012 * max(0, i - 10)) for i in range(41)]
     drifts = []
     for limit in (1 / 12, 1 / 24):
-        monkeypatch.setattr("skincad.effects.chosen_steps.STRIDE", limit)
+        monkeypatch.setattr("skincad.effects.chosen_steps.UPDATE_INTERVAL", limit)
         pad = pad_of(FiniteStrain(steps="chosen"))
         run = march(pad, np.arange(41.0), pull, [Friction(coefficient=1.5)])
         assert run.stopped is None
@@ -128,7 +128,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
         calls.append(1)
         return "the surface folds"
 
-    monkeypatch.setattr(frozen_tangent, "fault", folded)
+    monkeypatch.setattr(frozen_tangent, "undetected_contact", folded)
     way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.02 * i) for i in range(6)]
     run = march(
         pad_of(FiniteStrain(steps="chosen")), np.arange(float(len(way))), way, [Friction(coefficient=1.0)]
@@ -141,7 +141,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
 
 def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
     faults = iter(["the surface folds", None, None, None])
-    monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(faults))
+    monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(faults))
     way = [Drive(0.1 * i, 0.0) for i in (0, 1, 2, 3, 4, 4, 3, 2, 1)]
     run = march(pad_of(FiniteStrain(steps="chosen"), False), np.arange(9.0), way, [Friction(coefficient=1.0)])
     cuts = [reading.drift.cut for reading in run.readings if reading.drift]
@@ -155,7 +155,7 @@ def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
     run = march(pad_of(FiniteStrain(steps="chosen")), np.arange(4.0), way, [Friction(coefficient=0.5)])
     drifts = [reading.drift for reading in run.readings if reading.drift]
     assert [drift.chosen for drift in drifts] == [True, False, False, False]
-    assert 0 < drifts[-1].forces[1].max() < frozen_tangent.STRIDE * way[-1].normal
+    assert 0 < drifts[-1].forces[1].max() < frozen_tangent.UPDATE_INTERVAL * way[-1].normal
     assert drifts[-1].films.max() > 0
 
 

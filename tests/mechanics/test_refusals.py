@@ -142,7 +142,7 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
     check_size = solid.check_size
 
     def seen(forms: Any, line: Any) -> None:
-        sizes.append(3 * forms.held.size * line.at.size)
+        sizes.append(3 * forms.clamped.size * line.at.size)
         check_size(forms, line)
 
     monkeypatch.setattr(solid, "check_size", seen)

@@ -174,7 +174,7 @@ def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
 def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And finite strain in each step is not tried: it would stop there."""
     seen = iter([None, None, None])
-    monkeypatch.setattr(frozen_tangent, "fault", lambda *_: next(seen, "the surface folds"))
+    monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(seen, "the surface folds"))
     simulation = simulate(scene_in(folder), tol=0.01)
     assert simulation.as_json()["tier"] == "corrected"
     assert any(

@@ -108,22 +108,21 @@ def _between(scalar: Index, second: int, slab: Index, size: int) -> tuple[Index,
     return first, last
 
 
-SlabFactors = tuple[
-    bytes, Array, Array, Array
-]  # the points, and with them held: root, side, and what it adds to T
+# A slab with some points held: these points as bytes, root, side, and its contribution to T
+SlabFactors = tuple[bytes, Array, Array, Array]
 
 
 @dataclass(frozen=True)
 class Slab:
     """`points` `(c,)` are its contact unknowns, or points, among all, `joints` its joints' unknowns `(s,)`.
 
-    `own` `(c, c)` is its flexibility with the joints held, `follow` `(c, s)` how the points follow the
+    `flexibility` `(c, c)` is its own with the joints held, `follow` `(c, s)` how the points follow the
     joints, `stiffness` `(s, s)` what it adds to T.
     """
 
     points: Index
     joints: slice
-    own: Array
+    flexibility: Array
     follow: Array
     stiffness: Array
 
@@ -147,15 +146,22 @@ class SlabChain:
             some = by_unknown[:, slab.points]
             points = np.unique(some.indices)
             block = some[points].toarray()
-            own = block @ slab.own @ block.T
-            slabs.append(replace(slab, points=points, own=(own + own.T) / 2, follow=block @ slab.follow))
+            flexibility = block @ slab.flexibility @ block.T
+            slabs.append(
+                replace(
+                    slab,
+                    points=points,
+                    flexibility=(flexibility + flexibility.T) / 2,
+                    follow=block @ slab.follow,
+                )
+            )
         return SlabChain(tuple(slabs), self.fronts, self.free, rows.shape[0])
 
     def __matmul__(self, force: Array) -> Array:
         """Return the movement `(m,)` under forces `(m,)`, or `(m, l)` under `(m, l)`."""
         joints, moved = self.joints_moved(force), np.zeros_like(force)  # a point that none moves stays
         for slab in self.slabs:
-            moved[slab.points] = slab.own @ force[slab.points] + slab.follow @ joints[slab.joints]
+            moved[slab.points] = slab.flexibility @ force[slab.points] + slab.follow @ joints[slab.joints]
         return moved
 
     @property
@@ -178,7 +184,7 @@ class SlabChain:
             raise IndexError("a chain has only blocks of one slab's points")
         slab, joints = self.slabs[number[0]], self._joints_flexibility[number[0]]
         follow = slab.follow[local]
-        return np.asarray(slab.own[np.ix_(local, local)] + follow @ joints @ follow.T)
+        return np.asarray(slab.flexibility[np.ix_(local, local)] + follow @ joints @ follow.T)
 
     @cached_property
     def _places(self) -> Index:
@@ -197,9 +203,9 @@ class SlabChain:
         after = self.free.flexibility
         flexibilities = [after]
         for step in reversed(self.free.steps):
-            if step.own.size:
+            if step.pivots.size:
                 side = blas.dtrsm(1.0, step.root, step.side.T, lower=1, trans_a=1)
-                root = blas.dtrsm(1.0, step.root, np.eye(step.own.size), lower=1)
+                root = blas.dtrsm(1.0, step.root, np.eye(step.pivots.size), lower=1)
                 inner, coupling = root.T @ root + side @ after @ side.T, -side @ after
                 flexibilities.append(np.block([[inner, coupling], [coupling.T, after]]))
                 after = inner
@@ -214,7 +220,7 @@ class SlabChain:
         columns[inside] = sides
         touching = np.zeros(self.size, dtype=bool)
         touching[inside] = True
-        fixed = [self._held(number, touching[slab.points]) for number, slab in enumerate(self.slabs)]
+        fixed = [self._slab_factors(number, touching[slab.points]) for number, slab in enumerate(self.slabs)]
         points = [slab.points[touching[slab.points]] for slab in self.slabs]
         load = np.zeros((self.slabs[-1].joints.stop, sides.shape[1]))
         for slab, at, (_, root, side, _) in zip(self.slabs, points, fixed, strict=True):
@@ -228,11 +234,11 @@ class SlabChain:
                 columns[at] = blas.dtrsm(1.0, root, rest, lower=1, trans_a=1)
         return columns[inside]
 
-    def _held(self, number: int, touching: Array) -> SlabFactors:
+    def _slab_factors(self, number: int, touching: Array) -> SlabFactors:
         """A slab with its points `touching` held; remembered until others are asked for."""
         key, slab = touching.tobytes(), self.slabs[number]
         if number not in self.known or self.known[number][0] != key:
-            root, failed = lapack.dpotrf(slab.own[np.ix_(touching, touching)], lower=1, clean=0)
+            root, failed = lapack.dpotrf(slab.flexibility[np.ix_(touching, touching)], lower=1, clean=0)
             if failed:
                 raise ContactError("the contact flexibility is singular; take a coarser contact mesh")
             side = blas.dtrsm(1.0, root, slab.follow[touching], lower=1)
@@ -266,7 +272,7 @@ class ChainFactors:
         return moved
 
 
-def chained(system: ContactStiffness) -> ChainFactors:
+def condense_by_slabs(system: ContactStiffness) -> ChainFactors:
     """Return a pad condensed slab by slab; ContactError when its stiffness is not positive definite."""
     parts, none = cut(system), np.empty(0, dtype=np.int64)
     ends = np.cumsum([0, *(joint.size for joint in parts.joints)]).tolist()

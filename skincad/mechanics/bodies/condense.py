@@ -130,12 +130,12 @@ LEAF = 3  # triangles; smaller leaves cost more calls, larger ones more arithmet
 
 @dataclass(frozen=True)
 class Front:
-    """Functions `own` that it eliminates, `border` that it leaves coupled; `children` come before it.
+    """It eliminates the functions `pivots` and leaves `border` coupled; `children` come before it.
 
     `triangles` are a leaf's, none of a front with children.
     """
 
-    own: Index
+    pivots: Index
     border: Index
     children: tuple[int, ...]
     triangles: Index
@@ -143,10 +143,10 @@ class Front:
 
 @dataclass(frozen=True)
 class EliminatedFront:
-    """A front's unknowns `own` `(k,)` and `border` `(m,)`, its Cholesky factors `root` `(k, k)`, lower, and
+    """A front's unknowns `pivots` `(k,)` and `border` `(m,)`, its lower Cholesky factors `root` `(k, k)` and
     `side` `(m, k)`, and the lower triangle `rest` `(m, m)` that it leaves."""
 
-    own: Index
+    pivots: Index
     border: Index
     root: Array
     side: Array
@@ -188,7 +188,7 @@ def dissection(functions: list[Index], centres: Array, last: Index) -> list[Fron
 
 def _in_order(fronts: list[Front]) -> list[Front]:
     """Sort each border by elimination, so that it falls into few runs of its parent's rows, in order."""
-    eliminated = np.concatenate([front.own for front in fronts] + [fronts[-1].border])
+    eliminated = np.concatenate([front.pivots for front in fronts] + [fronts[-1].border])
     rank = np.empty(eliminated.max() + 1, dtype=np.int64)
     rank[eliminated] = np.arange(eliminated.size)
     return [replace(front, border=front.border[np.argsort(rank[front.border])]) for front in fronts]
@@ -229,7 +229,7 @@ def eliminated(
     where = np.full(size, -1)
     left: dict[int, tuple[Index, Array]] = {}
     for number, front in enumerate(fronts):
-        unknowns_here, border = unknowns(front.own), unknowns(front.border)
+        unknowns_here, border = unknowns(front.pivots), unknowns(front.border)
         rows = np.concatenate([unknowns_here, border])
         where[rows] = np.arange(rows.size)
         block = np.zeros((rows.size, rows.size), order="F")
@@ -237,8 +237,8 @@ def eliminated(
             for numbers, stiffness in inside(triangle):
                 _add_free(block, where[numbers], stiffness)
         for child in front.children:
-            theirs, rest = left.pop(child)
-            _add_runs(block, rest, where[theirs])
+            child_border, rest = left.pop(child)
+            _add_runs(block, rest, where[child_border])
         where[rows] = -1
         step = _eliminate(block, unknowns_here, border)
         left[number] = border, step.rest
@@ -262,7 +262,7 @@ class FrontFactors:
         solution[self.border] = self.flexibility @ load[self.border]
         for step, part in zip(reversed(self.steps), reversed(parts), strict=True):
             side = part - step.side.T @ solution[step.border]
-            solution[step.own] = linalg.solve_triangular(
+            solution[step.pivots] = linalg.solve_triangular(
                 step.root, side, trans=1, lower=True, check_finite=False
             )
         return solution
@@ -319,9 +319,9 @@ def _eliminate(block: Array, pivots: Index, border: Index) -> EliminatedFront:
 
 
 def _forward(step: EliminatedFront, load: Array) -> Array:
-    """Return the load of a front's own unknowns behind its factor; its border's is updated in place."""
-    if step.own.size == 0:
-        return load[step.own]
-    part = linalg.solve_triangular(step.root, load[step.own], lower=True, check_finite=False)
+    """Return the load of a front's pivots behind its factor; its border's is updated in place."""
+    if step.pivots.size == 0:
+        return load[step.pivots]
+    part = linalg.solve_triangular(step.root, load[step.pivots], lower=True, check_finite=False)
     load[step.border] -= step.side @ part
     return np.asarray(part)

@@ -40,11 +40,11 @@ class Sample:
 
 @dataclass(frozen=True)
 class ContactStiffness:
-    """A condensed stiffness and what the contact needs of it.
+    """A condensed stiffness with its contact unknowns and the sampled contact boundary.
 
-    `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the
-    free unknowns, the contact ones (vertical, on the contact boundary) apart, those on a half's cut among
-    them (see `even`, `odd`); `lift` `(n,)` is the vertical rigid translation by 1. `nodes` are Gauss-Lobatto
+    `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the free
+    unknowns, the contact ones (vertical, on the contact boundary) apart, those on a half's cut among them
+    (see `symmetric_system`); `lift` `(n,)` is the vertical rigid translation by 1. `nodes` are Gauss-Lobatto
     points, `fine` a dense even sampling; `mesh` and `space` (displacements times pressures) are what was
     assembled.
     """
@@ -117,28 +117,28 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
     contact = np.unique(np.concatenate([e.unknowns for e in edges]))
     inside = free.copy()
     inside[contact] = False
-    even = np.linspace(0.0, 1.0, FINE + 1)
+    spacing = np.linspace(0.0, 1.0, FINE + 1)
     return ContactStiffness(
         matrix=matrix,
         interior=np.flatnonzero(inside),
         contact=contact,
         lift=_lift(mesh, space, both.ndof),
         nodes=_merged(_sample(mesh, edges, contact, *lobatto(order))),
-        fine=_sample(mesh, edges, contact, even, np.full(FINE + 1, 1 / FINE)),
+        fine=_sample(mesh, edges, contact, spacing, np.full(FINE + 1, 1 / FINE)),
         mesh=mesh,
         space=both,
     )
 
 
-def even(system: ContactStiffness) -> ContactStiffness:
-    """Return the system for loads that are their own mirror image: on a half's cut x is held."""
+def symmetric_system(system: ContactStiffness) -> ContactStiffness:
+    """Return the system for symmetric loads: on a half's cut x is held."""
     fixed, _ = fe.held_on_cut(system.mesh, system.space.components[0])
     return replace(system, interior=np.setdiff1d(system.interior, fixed))
 
 
-def odd(system: ContactStiffness) -> tuple[Index, Index]:
-    """Return a half's interior and contact unknowns that are free under loads which the mirror turns round:
-    on the cut z is held. `system` is not `even`'s."""
+def antisymmetric_unknowns(system: ContactStiffness) -> tuple[Index, Index]:
+    """Return a half's interior and contact unknowns that are free under antisymmetric loads: on the
+    cut z is held. `system` is the one before `symmetric_system`."""
     _, fixed = fe.held_on_cut(system.mesh, system.space.components[0])
     return np.setdiff1d(system.interior, fixed), np.setdiff1d(system.contact, fixed)
 

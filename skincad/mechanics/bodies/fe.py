@@ -60,8 +60,8 @@ def on_cut(mesh: Any, space: Any) -> Mask:
 
 
 def held_on_cut(mesh: Any, space: Any) -> tuple[Index, Index]:
-    """Return the displacements' unknowns in x and in z that lie on the cut: what loads that are even in x
-    hold, and what odd ones do."""
+    """Return the displacements' unknowns in x and in z that lie on the cut: which of them symmetric loads
+    hold, and which antisymmetric ones do."""
     on = np.flatnonzero(on_cut(mesh, space.components[0]))
     return on + space.Range(0).start, on + space.Range(1).start
 

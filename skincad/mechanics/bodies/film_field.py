@@ -34,7 +34,7 @@ AREA = 1e-9  # relative; the triangles of a strip make up its area
 
 @dataclass(frozen=True)
 class StripBody:
-    """A meshed pad at one order; `held` gives the unknowns in x and in z that lie on x = 0.
+    """A meshed pad at one order; `on_cut` gives the unknowns in x and in z that lie on x = 0.
 
     `along_x` numbers the contact unknowns in x in the order of `system.contact`, those in z.
     """
@@ -45,7 +45,7 @@ class StripBody:
     stress: Any
     moved: Any
     along_x: Index
-    held: tuple[Index, Index]
+    on_cut: tuple[Index, Index]
 
 
 def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> StripBody:
@@ -64,7 +64,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
         stress=stress,
         moved=moved,
         along_x=along_x,
-        held=fe.held_on_cut(mesh, space),
+        on_cut=fe.held_on_cut(mesh, space),
     )
 
 

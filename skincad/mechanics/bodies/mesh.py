@@ -27,7 +27,7 @@ from skincad.shape.skin import Section
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
 SHORTEST = 1e-5  # in units; shorter segments (nanometres) are closed up: netgen fails on them below 1e-6
-GENTLER = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)  # of the asked grading, until netgen finds a mesh
+GRADING_SHARES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)  # of the asked grading, until netgen finds a mesh
 SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
 
 
@@ -82,7 +82,7 @@ def triangles(pad: Pad, sizes: Sizes) -> Any:
     """
     unit = unit_of(pad)
     failure: Exception | None = None
-    for share in GENTLER:
+    for share in GRADING_SHARES:
         try:
             return _geometry(pad, sizes).GenerateMesh(maxh=sizes.bulk / unit, grading=share * sizes.grading)
         except NgException as caught:

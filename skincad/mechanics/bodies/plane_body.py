@@ -1,14 +1,12 @@
-"""A plane body at finite strain: neo-Hookean, or by any law of rubber, and what of it would collide.
+"""A plane body at finite strain: neo-Hookean or by any law of rubber, and contact that its model misses.
 
-Where a model of contact ends: parts of the skin that would touch without being in contact. Only crowns and
-tip fillets meet the plate in the models. A flank that reaches it, two ridges that meet and a slot that closes
-would go through each other unseen; a state that shows one is refused.
+Where the contact model ends: only crowns and tip fillets meet the plate in the models. A flank that reaches
+it, two ridges that meet and a slot that closes would pass through each other undetected; a state that shows
+one is refused.
 
-Bodies have neo-Hooke's energy with the volume's part (plane_body.py) and add this, so that they are
-neo-Hooke's to the last digit where no law is given, and have the same small strain whatever the law.
-
-The rubber body in plane strain: energy, residual and condensed tangent, at any state. Neo-Hookean, or of
-another law, whose energy beyond neo-Hooke's is plane_body.py's.
+The body in plane strain: energy, residual and condensed tangent, at any state. A body has neo-Hooke's energy
+with the volume's part. Another law adds its excess over neo-Hooke's, so that a body without a law is
+neo-Hooke's to the last digit, and small strain is the same whatever the law.
 
 Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
 A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.
@@ -39,7 +37,7 @@ from skincad.mechanics.problem import ContactError
 THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
 
 
-def fault(
+def undetected_contact(
     loops: list[Outline],
     plate: Callable[[Array], Array],
     with_itself: bool = True,
@@ -115,17 +113,17 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     )  # (d / s)^2, squares are s + d and s - d
     measure = 0
     for share, power in law.powers:
-        both = _both(middle, difference, volume, power / 2, of)
+        both = _power_sum(middle, difference, volume, power / 2, of)
         measure = measure + share * (2 / power**2 * both - 2 / power * logarithm)
     return law.energy(measure, of) - plain
 
 
-def _both(middle: Any, difference: Any, volume: Any, half: float, of: Functions) -> Any:
-    """Return (s + d)^b + (s - d)^b - 2, with s - d as J^2 / (s + d), which keeps its digits."""
-    series, chosen = 0.0, [1.0]  # binomials; scipy's are nan for negative integers
+def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Functions) -> Any:
+    """Return (s + d)^b + (s - d)^b - 2, with s - d as J^2 / (s + d): without cancellation."""
+    series, binomials = 0.0, [1.0]  # binomials; scipy's are nan for negative integers
     for i in range(2 * TERMS - 2):
-        chosen.append(chosen[-1] * (half - i) / (i + 1))
-    for binomial in chosen[:0:-2]:
+        binomials.append(binomials[-1] * (half - i) / (i + 1))
+    for binomial in binomials[:0:-2]:
         series = difference * (series + binomial)
     near = 2 * (1 + series) * of.exp(half * of.log(middle))
     root = of.sqrt(of.positive(difference - NEAR, difference, 1.0 + 0 * difference))
@@ -145,9 +143,9 @@ class NeoHookeBody:
     """A meshed pad at one order. `rest` is its tangent at rest with the contact's rows.
 
     `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
-    them as they are eliminated, contact unknowns last, in all steps. Of a half these are for movements that
-    are their own mirror image; `odd` lists the unknowns of those that the mirror turns round, the last
-    `odd_contact` contact ones; a whole pad has none. Newton takes it as an `Elastic`.
+    them as they are eliminated, contact unknowns last, in all steps. Of a half these are for symmetric
+    movements; `antisymmetric` lists the unknowns of antisymmetric ones, the last `antisymmetric_contact`
+    being contact ones; a whole pad has none. Newton takes it as an `Elastic`.
     """
 
     mesh: Any
@@ -156,8 +154,8 @@ class NeoHookeBody:
     rest: ContactStiffness
     free: Mask
     order: Index
-    odd: Index
-    odd_contact: int
+    antisymmetric: Index
+    antisymmetric_contact: int
 
     def residual(self, state: Array) -> Array:
         """Return the energy's derivative `(n,)` by all unknowns, clamped ones included; not finite where
@@ -181,10 +179,12 @@ class NeoHookeBody:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
         return x_of_largest_displacement(outlines(self.rest, step))
 
-    def fault(self, state: Array, plate: float) -> str | None:
+    def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
         loops = outlines(self.rest, state)
-        return fault(loops, lambda x: np.full_like(x, plate), mirrored=self.odd.size > 0)
+        return undetected_contact(
+            loops, lambda x: np.full_like(x, plate), mirrored=self.antisymmetric.size > 0
+        )
 
 
 def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
@@ -212,8 +212,8 @@ def dilatation(h: Any) -> Any:
 
     if h.shape[0] == PLANE:
         return h[0, 0] + h[1, 1] + minor(0, 1)
-    turned = h[1, 2] * h[2, 0] - h[1, 0] * h[2, 2], h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0]
-    determinant = h[0, 0] * minor(1, 2) + h[0, 1] * turned[0] + h[0, 2] * turned[1]
+    minors = h[1, 2] * h[2, 0] - h[1, 0] * h[2, 2], h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0]
+    determinant = h[0, 0] * minor(1, 2) + h[0, 1] * minors[0] + h[0, 2] * minors[1]
     return h[0, 0] + h[1, 1] + h[2, 2] + minor(0, 1) + minor(0, 2) + minor(1, 2) + determinant
 
 
@@ -259,7 +259,7 @@ def body(
     # either, which a logarithm's own derivative, 1 / J, would
     one = ng.Parameter(1.0)
     form = ng.BilinearForm(both, symmetric=True, condense=True)
-    for domain, constants in materials.items():  # apart, as functions of place are dear to evaluate
+    for domain, constants in materials.items():  # one by one: a function of place is expensive to evaluate
         shear, bulk = fe.shear_and_bulk(*constants)
         density = strain_energy(gradient, q, shear, bulk, ng.log)
         if domain in laws:
@@ -270,12 +270,16 @@ def body(
             form += ng.SymbolicEnergy((one * energy).Compile(), **inside)
     form.AssembleLinearization(ng.GridFunction(both).vec)
     system = with_contact(fe.as_csr(form.mat), mesh, both, order)
-    rest = elements.even(system)
+    rest = elements.symmetric_system(system)
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
     free[np.setdiff1d(system.interior, rest.interior)] = False
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
-    odd, contact = elements.odd(system) if rest.interior.size < system.interior.size else (NONE, NONE)
-    turned = np.concatenate([fill_order(rest.matrix, odd), contact]) if odd.size else NONE
+    antisymmetric, contact = (
+        elements.antisymmetric_unknowns(system) if rest.interior.size < system.interior.size else (NONE, NONE)
+    )
+    elimination_antisymmetric = (
+        np.concatenate([fill_order(rest.matrix, antisymmetric), contact]) if antisymmetric.size else NONE
+    )
     return NeoHookeBody(
         mesh=mesh,
         space=both,
@@ -283,8 +287,8 @@ def body(
         rest=rest,
         free=free,
         order=elimination,
-        odd=turned,
-        odd_contact=contact.size,
+        antisymmetric=elimination_antisymmetric,
+        antisymmetric_contact=contact.size,
     )
 
 
@@ -325,13 +329,13 @@ class PlaneLinearised:
         negative = self.small.pivots < 0
         return int(negative[: -len(self.small.flexibility)].sum()), int(negative.sum())
 
-    def odd(self) -> PlaneLinearised | None:
-        """Return the same tangent for what the mirror turns round: on a half's cut z is held and x is not."""
+    def antisymmetric(self) -> PlaneLinearised | None:
+        """Return the same tangent for antisymmetric movements: on a half's cut z is held and x is not."""
         body = self.body
-        if not body.odd.size:
+        if not body.antisymmetric.size:
             return None
-        small = factorise(self.tangent.matrix, body.odd, body.odd_contact)
-        free = np.flatnonzero(np.isin(body.rest.contact, body.odd))
+        small = factorise(self.tangent.matrix, body.antisymmetric, body.antisymmetric_contact)
+        free = np.flatnonzero(np.isin(body.rest.contact, body.antisymmetric))
         flexibility = np.zeros_like(self.flexibility)
         flexibility[np.ix_(free, free)] = small.flexibility
         return replace(self, small=small, flexibility=flexibility)

@@ -152,12 +152,13 @@ AXES = ("x", "z", "y")  # order of the displacement's components
 class SectionForms:
     """The section's scalar functions and pressures at the `points` of its triangles.
 
-    `functions` `(t, f)` numbers each triangle's functions, `centres` `(t, 2)` are its corners' mean; `held`
-    `(n,)` marks functions clamped at the back, `cut` `(n,)` those on x = 0. `plane` has the contact points.
+    `functions` `(t, f)` numbers each triangle's functions, `centres` `(t, 2)` are its corners' mean;
+    `clamped` `(n,)` marks functions clamped at the back, `cut` `(n,)` those on x = 0. `plane` has the contact
+    points.
     """
 
     points: SectionPoints
-    held: Mask
+    clamped: Mask
     cut: Mask
     functions: Index
     centres: Array
@@ -240,7 +241,7 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     strip = line.mean, line.rise
     along = [line.mass, line.slope, line.slope.T, line.stiff]
     along += [one.T @ line.inverse @ other for one in strip for other in strip]
-    size, n = forms.held.size, line.at.size
+    size, n = forms.clamped.size, line.at.size
     functions = forms.functions[:, None, :] + size * np.arange(three)[:, None]
     unknowns = functions.reshape(count, -1, 1) * n + np.arange(n)
     return Prisms(section.reshape(count, 8, -1), np.array(along).reshape(8, -1), unknowns.reshape(count, -1))
@@ -252,13 +253,13 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
     With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain.
     """
     solid = prisms(forms, line)
-    count, layers = forms.held.size, line.at.size
+    count, layers = forms.clamped.size, line.at.size
     free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
     fronts, unknowns = fronts_of(forms, free)
     fixed, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
-    fixed[1] = (forms.plane.lift[count : 2 * count] * forms.held)[:, None]
-    for triangle in np.flatnonzero(forms.held[forms.functions].any(axis=1)).tolist():
+    fixed[1] = (forms.plane.lift[count : 2 * count] * forms.clamped)[:, None]
+    for triangle in np.flatnonzero(forms.clamped[forms.functions].any(axis=1)).tolist():
         corners = solid.unknowns[triangle]
         load[corners] += solid.stiffness(triangle) @ fixed.ravel()[corners]
 
@@ -281,13 +282,19 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
 
 
 def free_unknowns(
-    forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False, odd: bool = False
+    forms: SectionForms,
+    line: AlongY,
+    *,
+    plane: bool = False,
+    clamped_end: bool = False,
+    antisymmetric: bool = False,
 ) -> Mask:
     """Return which unknowns `(component, section function, function along y)` are free, see `condensed`; of a
-    half those of movements that are their own image, or of `odd` ones, which the mirror turns round."""
-    count, layers = forms.held.size, line.at.size
-    free = ~np.tile(forms.held, 3).repeat(layers).reshape(3, count, layers)
-    for component in (1, 2) if odd else (0,):
+    half those of movements that are their own image, or of `antisymmetric` ones, which the mirror turns
+    round."""
+    count, layers = forms.clamped.size, line.at.size
+    free = ~np.tile(forms.clamped, 3).repeat(layers).reshape(3, count, layers)
+    for component in (1, 2) if antisymmetric else (0,):
         free[component, forms.cut] = False
     free[2, :, 0] = False
     free[2, :, -1] &= not clamped_end
@@ -297,7 +304,7 @@ def free_unknowns(
 
 def fronts_of(forms: SectionForms, free: Mask) -> tuple[list[Front], Unknowns]:
     """Return fronts over (component, section function), contact functions last, held ones left out."""
-    count = forms.held.size
+    count = forms.clamped.size
     mask = free.reshape(3 * count, -1)
     numbers = np.arange(mask.size).reshape(mask.shape)
     wanted = np.asarray(mask.any(axis=1))

@@ -17,7 +17,7 @@ from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
 from skincad.mechanics.bodies.elements import ContactStiffness, Outline, SectionPoints, outlines
-from skincad.mechanics.bodies.plane_body import NO_LAWS, fault, x_of_largest_displacement
+from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
 
@@ -28,17 +28,16 @@ class SolidBody:
 
     A state `(n,)` lists displacements (component x, z, y; section function; function along y), then pressures
     (element; function); `free` `(n,)` marks those not held. `of_element` `(e, 3 b)` numbers an element's
-    displacements, `of_triangle` `(t, prisms)` the elements above a triangle. For condense.py are `even` and,
-    of a half, `odd`: for movements that are their own image, and that the mirror turns round. `along`
-    `(points,)` is y of the contact points. Of `rest` the contact unknowns and rows are the solid's, all else
-    the section's.
+    displacements, `of_triangle` `(t, prisms)` the elements above a triangle. `symmetric` and, of a half,
+    `antisymmetric` are the fronts (condense.py) for movements of either parity. `along` `(points,)` is y of
+    the contact points. Of `rest` the contact unknowns and rows are the solid's, all else the section's.
     """
 
     forms: SectionForms
     rest: ContactStiffness
     free: Mask
-    even: tuple[list[Front], Unknowns]
-    odd: tuple[list[Front], Unknowns] | None
+    symmetric: tuple[list[Front], Unknowns]
+    antisymmetric: tuple[list[Front], Unknowns] | None
     elements: Elements
     of_element: Index
     of_triangle: Index
@@ -71,11 +70,11 @@ class SolidBody:
 
     def linearised(self, state: Array, residual: Array) -> SolidLinearised:
         """Return the tangent factorised; ContactError where the contact, held, leaves it indefinite."""
-        return self._linearised(state, residual, self.even)
+        return self._linearised(state, residual, self.symmetric)
 
-    def turned(self, state: Array, residual: Array) -> SolidLinearised | None:
-        """Return the tangent of a half for movements that the mirror turns round; None of a whole pad."""
-        return None if self.odd is None else self._linearised(state, residual, self.odd)
+    def linearised_antisymmetric(self, state: Array, residual: Array) -> SolidLinearised | None:
+        """Return the tangent of a half for antisymmetric movements; None of a whole pad."""
+        return None if self.antisymmetric is None else self._linearised(state, residual, self.antisymmetric)
 
     def _linearised(
         self, state: Array, residual: Array, kind: tuple[list[Front], Unknowns]
@@ -100,15 +99,18 @@ class SolidBody:
         furthest."""
         return x_of_largest_displacement([loop for loops in self.outlines(step) for loop in loops])
 
-    def fault(self, state: Array, plate: float) -> str | None:
+    def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None."""
         cut = bool(self.forms.cut.any())
-        found = (fault(p, lambda x: np.full_like(x, plate), mirrored=cut) for p in self.outlines(state))
-        return next((wrong for wrong in found if wrong), None)
+        faults = (
+            undetected_contact(loops, lambda x: np.full_like(x, plate), mirrored=cut)
+            for loops in self.outlines(state)
+        )
+        return next((wrong for wrong in faults if wrong), None)
 
     def outlines(self, state: Array) -> list[list[Outline]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
-        plane, count = self.forms.plane, self.forms.held.size
+        plane, count = self.forms.plane, self.forms.clamped.size
         loops = []
         for along in (0, -1):
             moved = np.zeros(plane.space.ndof)
@@ -134,9 +136,9 @@ class SolidLinearised:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         return 0, self.small.negative_eigenvalues
 
-    def odd(self) -> SolidLinearised | None:
-        """Return the same tangent for what the mirror turns round: on a half's cut z and y are held."""
-        return self.body.turned(self.state, self.residual)
+    def antisymmetric(self) -> SolidLinearised | None:
+        """Return the same tangent for antisymmetric movements: on a half's cut z and y are held."""
+        return self.body.linearised_antisymmetric(self.state, self.residual)
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
@@ -161,7 +163,7 @@ def solid_body(
 
     `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
     """
-    line, count, height = prisms.line(borders, order), forms.held.size, len(borders) - 1
+    line, count, height = prisms.line(borders, order), forms.clamped.size, len(borders) - 1
     along = line.at.size
     elements = _extruded(forms.points, np.diff(borders), prisms.inside(order), _numbered(forms, laws, height))
     # an element's functions: the section's first, then y's; elements: triangle, then layer
@@ -170,14 +172,14 @@ def solid_body(
     total = len(forms.functions) * height
     of_element = functions.reshape(total, 1, -1) + np.arange(3)[:, None] * count * along
     free = free_unknowns(forms, line, clamped_end=clamped_end)
-    turned = free_unknowns(forms, line, clamped_end=clamped_end, odd=True)
+    free_antisymmetric = free_unknowns(forms, line, clamped_end=clamped_end, antisymmetric=True)
     contact = (forms.plane.contact[:, None] * along + np.arange(along)).ravel()
     return SolidBody(
         forms=forms,
         rest=replace(seen_by_plate(forms.plane, line), contact=contact),
         free=np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
-        even=fronts_of(forms, free),
-        odd=fronts_of(forms, turned) if forms.cut.any() else None,
+        symmetric=fronts_of(forms, free),
+        antisymmetric=fronts_of(forms, free_antisymmetric) if forms.cut.any() else None,
         elements=elements,
         of_element=of_element.reshape(total, -1),
         of_triangle=np.arange(total).reshape(-1, height),

@@ -6,12 +6,12 @@ and x = xi(C) - p ln J (laws/rubber.py), xi's slope by C is f(C) / 2 of f(L) = s
 - 1), and p = f(1). Second derivatives of f(C) are its divided differences in C's eigenvectors: Ogden, Non-
 linear Elastic Deformations, 1984, sec. 6.1.4.
 
-Neo-Hooke's, and where elements have another what that has more (solid_law.py).
+All elements have neo-Hooke's law; those with another law add its excess.
 
-Pressures of order - 2 along y (prisms.py) leave waves along y whose swelling they do not see. Under a
+Pressures of order - 2 along y (prisms.py) do not see the volume change of some waves along y. Under a
 pressure of about G such waves grow without resistance (plain-ridges: from 1.5 N on, ends clamped or free; in
-plane strain not up to 6 N). So a part `unseen` of the bulk modulus acts on the swelling itself, point by
-point, and the rest by the pressure: the same law, and with functions fine enough the same solution.
+plane strain not up to 6 N). So a part `pointwise_bulk` of the bulk modulus acts on the volume change itself,
+point by point, and the rest by the pressure: the same law, and with functions fine enough the same solution.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 
 @dataclass(frozen=True)
 class Excess:
-    """A law's excess at the points `(e, g)` of the elements `own` `(e,)`.
+    """A law's excess at the points `(e, g)` of the elements numbered `elements` `(e,)`.
 
     `slope` and `bend` are f'(x) and f''(x); `square` `(e, g, 3)` C's eigenvalues, `axes` `(e, g, 3, 3)` its
     eigenvectors as columns, `moved` `(e, g, component, axis)` the axes times F, and `pull` `(e, g, 3)` is
@@ -41,7 +41,7 @@ class Excess:
     """
 
     law: Rubber
-    own: Index
+    elements: Index
     slope: Array
     bend: Array
     square: Array
@@ -66,8 +66,8 @@ class Excess:
     def stiffness(self, cofactor: Array, basis: Array, weight: Array) -> Array:
         """Return the elements' stiffness `(e, 3 b, 3 b)`, ln J's apart, at points of `weight` `(e, g)`."""
         size = 3 * basis.shape[-1]
-        blocks = np.empty((len(self.own), size, size))
-        for first in range(0, len(self.own), CHUNK):
+        blocks = np.empty((len(self.elements), size, size))
+        for first in range(0, len(self.elements), CHUNK):
             some = slice(first, first + CHUNK)
             blocks[some] = self._stiffness(some, cofactor[some], basis[some], weight[some])
         return blocks
@@ -106,13 +106,13 @@ class Excess:
         return np.where(near, series, exact)
 
 
-def excess_at(law: Rubber, points: Index, deformed: Array, swell: Array) -> Excess:
+def excess_at(law: Rubber, numbers: Index, deformed: Array, swell: Array) -> Excess:
     """Return a law's excess at F `(e, g, 3, 3)` with J - 1 `(e, g)`."""
     square, axes = np.linalg.eigh(np.swapaxes(deformed, -1, -2) @ deformed)
     slope, bend = law.slopes(_measure(law, square, swell))
     return Excess(
         law=law,
-        own=points,
+        elements=numbers,
         slope=slope,
         bend=bend,
         square=square,
@@ -154,10 +154,11 @@ def _pull(law: Rubber, square: Array, times: int = 0) -> Array:
     return pull
 
 
-# Of the bulk modulus, what acts without the pressure: in G, so that Lame's constant there is G instead of
-# -2 G/3, but at most half of it, so that nu = 0 has a pressure too. Measured on plain-ridges: it reaches 11 N
-# (plane strain 12 N); with 4 or 10 finite strain's change of F9 and of the approach differs by 5e-4
-UNSEEN = 5 / 3
+# The part of the bulk modulus that acts without the pressure: in G, so that Lame's constant there is G
+# instead of -2 G/3, but at most half of it, so that nu = 0 has a pressure too. Measured on plain-ridges: it
+# reaches 11 N (plane strain 12 N); with 4 or 10 finite strain's change of the all-touch force and of the
+# approach differs by 5e-4
+POINTWISE_BULK = 5 / 3
 NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))  # axes in cyclic order
 
 
@@ -166,7 +167,7 @@ class Elements:
     """e elements with g points of `weight` `(e, g)` in volume, b functions of displacements, q of pressure.
 
     `basis` `(e, g, 3, b)` are the functions' gradients by the three axes, `test` `(e, g, q)` the pressure
-    functions. `shear`, `unseen` and `bulk`, the rest of the bulk modulus, are `(e, 1)`. `stretch`
+    functions. `shear`, `pointwise_bulk` and `bulk`, the rest of the bulk modulus, are `(e, 1)`. `stretch`
     `(e, b, b)` is the stiffness of G F:F / 2 and `softening` `(e, q, q)` the inverse of the pressures' part.
     `laws` are laws with the numbers of the elements that have them; all others are neo-Hookean.
     """
@@ -175,7 +176,7 @@ class Elements:
     basis: Array
     test: Array
     shear: Array
-    unseen: Array
+    pointwise_bulk: Array
     bulk: Array
     stretch: Array
     softening: Array
@@ -191,8 +192,8 @@ def elements_of(
     laws: tuple[tuple[Rubber, Index], ...] = (),
 ) -> Elements:
     """Return elements of these moduli, `(e, 1)` both."""
-    unseen = np.minimum(UNSEEN * shear, bulk / 2)
-    bulk = bulk - unseen
+    pointwise_bulk = np.minimum(POINTWISE_BULK * shear, bulk / 2)
+    bulk = bulk - pointwise_bulk
     pulled = _flat(basis) * np.repeat(weight * shear, 3, axis=1)[:, :, None]
     stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
     volume_terms = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
@@ -202,7 +203,7 @@ def elements_of(
         basis=basis,
         test=test,
         shear=shear,
-        unseen=unseen,
+        pointwise_bulk=pointwise_bulk,
         bulk=bulk,
         stretch=stretch,
         softening=softening,
@@ -226,9 +227,11 @@ class Points:
     def volume_stress(self) -> Array:
         """Derivative of the energy by J `(e, g)`: what multiplies the cofactors in the stress."""
         of = self.of
-        stress = self.pressure - of.shear / (1 + self.swell) + (of.unseen - 2 / 3 * of.shear) * self.swell
+        stress = (
+            self.pressure - of.shear / (1 + self.swell) + (of.pointwise_bulk - 2 / 3 * of.shear) * self.swell
+        )
         for more in self.excess:
-            stress[more.own] += of.shear[more.own] * more.volume / (1 + more.swell)
+            stress[more.elements] += of.shear[more.elements] * more.volume / (1 + more.swell)
         return stress
 
 
@@ -238,9 +241,7 @@ def points(of: Elements, displacement: Array, pressure: Array) -> Points:
     deformed = gradient + np.eye(3)
     cofactor = np.stack([np.cross(deformed[:, :, j], deformed[:, :, k]) for _, j, k in NEXT], axis=2)
     swell = _swelling(gradient)
-    excess = tuple(
-        excess_at(law, excess_law, deformed[excess_law], swell[excess_law]) for law, excess_law in of.laws
-    )
+    excess = tuple(excess_at(law, numbers, deformed[numbers], swell[numbers]) for law, numbers in of.laws)
     return Points(of, deformed, cofactor, swell, at_points, excess)
 
 
@@ -252,11 +253,11 @@ def energy(of: Elements, displacement: Array, pressure: Array) -> float:
         return np.inf
     h = np.moveaxis(gradient, (2, 3), (0, 1))
     density = strain_energy(h, _pressure(of, pressure), of.shear, of.bulk, np.log)
-    for law, excess_law in of.laws:
-        density[excess_law] += of.shear[excess_law] * excess_density(
-            law, gradient[excess_law] + np.eye(3), swell[excess_law]
+    for law, numbers in of.laws:
+        density[numbers] += of.shear[numbers] * excess_density(
+            law, gradient[numbers] + np.eye(3), swell[numbers]
         )
-    return float((of.weight * (density + of.unseen / 2 * swell * swell)).sum())
+    return float((of.weight * (density + of.pointwise_bulk / 2 * swell * swell)).sum())
 
 
 def forces(at: Points) -> tuple[Array, Array]:
@@ -264,7 +265,7 @@ def forces(at: Points) -> tuple[Array, Array]:
     of = at.of
     stress = of.shear[:, :, None, None] * at.deformed + at.volume_stress[:, :, None, None] * at.cofactor
     for more in at.excess:
-        stress[more.own] += of.shear[more.own][:, :, None, None] * more.stress()
+        stress[more.elements] += of.shear[more.elements][:, :, None, None] * more.stress()
     by_axis = _flat(np.swapaxes(stress * of.weight[:, :, None, None], 2, 3))
     tested = (at.swell - at.pressure / of.bulk) * of.weight
     return np.swapaxes(by_axis, 1, 2) @ _flat(of.basis), (tested[:, None] @ of.test)[:, 0]
@@ -279,10 +280,10 @@ def coupling(at: Points) -> Array:
 def stiffness(at: Points, coupled: Array) -> Array:
     """Return each element's stiffness `(e, 3 b, 3 b)`, its pressures condensed; `coupled` is `coupling`."""
     of, rows = at.of, _swelling_rows(at)
-    bend = ((1 / (1 + at.swell) ** 2 - 2 / 3) * of.shear + of.unseen) * of.weight
+    bend = ((1 / (1 + at.swell) ** 2 - 2 / 3) * of.shear + of.pointwise_bulk) * of.weight
     for more in at.excess:
-        points = more.own
-        bend[points] -= of.shear[points] * more.volume / (1 + more.swell) ** 2 * of.weight[points]
+        numbers = more.elements
+        bend[numbers] -= of.shear[numbers] * more.volume / (1 + more.swell) ** 2 * of.weight[numbers]
     matrix = np.swapaxes(rows * bend[:, :, None], 1, 2) @ rows
     matrix += np.swapaxes(coupled, 1, 2) @ (of.softening @ coupled)
     count, b = of.stretch.shape[:2]
@@ -296,9 +297,9 @@ def stiffness(at: Points, coupled: Array) -> Array:
         blocks[:, j, :, i] -= block
         blocks[:, k, :, k] += of.stretch
     for more in at.excess:
-        points = more.own
-        matrix[points] += more.stiffness(
-            at.cofactor[points], of.basis[points], of.shear[points] * of.weight[points]
+        numbers = more.elements
+        matrix[numbers] += more.stiffness(
+            at.cofactor[numbers], of.basis[numbers], of.shear[numbers] * of.weight[numbers]
         )
     return matrix
 

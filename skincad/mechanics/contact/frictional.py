@@ -76,10 +76,10 @@ def halved(
     cone: FrictionCoefficients,
     deepest: int = 4,
 ) -> ContactState:
-    """Return `grip` at `end`, in halves where need be; what the parts slipped is added up."""
+    """Return `solve_contact` at `end`, in halves where need be; what the parts slipped is added up."""
 
     def advance(before: ContactState, _start: Drive, end: Drive, _share: float) -> ContactState:
-        return grip(skin(end), before, end, cone)
+        return solve_contact(skin(end), before, end, cone)
 
     return in_halves(advance, before, start, end, joined, deepest)
 
@@ -101,15 +101,15 @@ def between(a: Drive, b: Drive) -> Drive:
 
 
 SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
-SINGLE = 80  # with the worst point alone updated
-SLIGHT = 0.3  # a coefficient below which the sets settle by themselves
-LESS = 0.8  # of the coefficient, for a start
-KEPT = 8  # factorisations of the last sets, for the steps in which they stay
+SINGLE_SWEEPS = 80  # with the worst point alone updated
+EASY_COEFFICIENT = 0.3  # a coefficient below which the sets settle by themselves
+START_SHARE = 0.8  # of the coefficient, for a start
+MAX_FACTORISATIONS = 8  # factorisations of the last sets, for the steps in which they stay
 ROUNDING = 1e-12  # relative; what counts as zero when the sets are updated
-ACCEPTED = 1e-10  # relative; a larger residual is never accepted
+MAX_RESIDUAL = 1e-10  # relative; a larger residual is never accepted
 
 
-def grip(
+def solve_contact(
     skin: Compliance,
     before: ContactState,
     drive: Drive,
@@ -122,7 +122,7 @@ def grip(
     settle or the residual is above 1e-10 of scale: halve the step then.
     """
     if inert is not None:
-        return _Step(skin, before, drive, cone, inert).settled()
+        return _Step(skin, before, drive, cone, inert).solution()
     if drive.normal < 0:
         raise ContactError(f"the plate's normal force must not pull, got {drive.normal:g} N")
     if drive.normal == 0.0:
@@ -130,9 +130,9 @@ def grip(
     step = _Step(skin, before, drive, cone)
     pull = abs(drive.tangential or 0.0)
     if drive.travel is None and not cone.breakpoints and pull > cone.static * drive.normal * (1 - ROUNDING):
-        sliding_state = step.settled(all_slip=float(np.sign(drive.tangential or 0.0)))
+        sliding_state = step.solution(all_slip=float(np.sign(drive.tangential or 0.0)))
         raise GrossSlip(sliding_state, f"{pull:g} N is all that friction holds at {drive.normal:g} N")
-    return step.settled()
+    return step.solution()
 
 
 def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactState:
@@ -206,57 +206,57 @@ class _Step:
         self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
         self.line = self.law.line(before.normal)
 
-    def settled(self, all_slip: float = 0.0) -> ContactState:
+    def solution(self, all_slip: float = 0.0) -> ContactState:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
 
         Much friction makes the sets cycle from where the last step left them, although an equilibrium is
-        near: then the search starts anew from all points sliding, and from all sticking.
+        near: then the search restarts from all points sliding, and from all sticking.
         """
         starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
         sweeps, slides = 0, 0.0
         for status in starts:
-            result, took = self._swept(status, all_slip)
-            sweeps += took
+            result, count = self._sweep(status, all_slip)
+            sweeps += count
             if isinstance(result, ContactState):
                 return result
             slides = result or slides
         if slides:  # less than the static limit, but what has broken off holds the kinetic friction alone
             pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
             words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all points slip"
-            raise GrossSlip(self.settled(all_slip=slides), words)
+            raise GrossSlip(self.solution(all_slip=slides), words)
         raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
 
     def _starts(self) -> Iterator[Status]:
-        """Where to look: the sets before; all that touched sliding either way, or sticking; the sets of less
-        friction."""
+        """Where the search starts: the sets before; all that touched sliding either way, or sticking; the
+        sets of less friction."""
         first = self._start()
         yield first
         ways = (RIGHT, LEFT) if (self.drive.tangential or 0.0) >= 0 else (LEFT, RIGHT)
         for way in (*ways, STICK):
             yield np.where(first != OPEN, way, OPEN).astype(np.int8)
-        if self.cone.static > SLIGHT:
-            weak = _Step(self.skin, self.before, self.drive, self.cone.capped(LESS), self.inert)
+        if self.cone.static > EASY_COEFFICIENT:
+            weak = _Step(self.skin, self.before, self.drive, self.cone.capped(START_SHARE), self.inert)
             try:
-                yield weak.settled().status
+                yield weak.solution().status
             except ContactError:
                 return
 
-    def _swept(self, status: Status, all_slip: float) -> tuple[ContactState | float, int]:
+    def _sweep(self, status: Status, all_slip: float) -> tuple[ContactState | float, int]:
         """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
         and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
         single, self.line = False, self.law.line(self.before.normal)
-        for sweep in range(SWEEPS + SINGLE):
+        for sweep in range(SWEEPS + SINGLE_SWEEPS):
             safe_point()
             solution = self._solve(status, all_slip)
             wrong, wanted = self._violations(solution, status, all_slip)
-            missing = 0.0 if all_slip else self._missing(solution, status)
+            missing = 0.0 if all_slip else self._missing_pull(solution, status)
             if missing:  # nothing sticks, so the travel is not solved for, and no halt is judged by it
                 halts = (status >= RIGHT) & (wanted == STICK)
                 wrong[halts] = self._off_line(solution, status)[halts]
                 wanted[halts] = status[halts]
                 if not wrong.any():
-                    status = self._carried_on(solution, status)
+                    status = self._split_sliding(solution, status)
                     if not (status == STICK).any():
                         return float(np.sign(missing)), sweep + 1
                     continue
@@ -268,19 +268,20 @@ class _Step:
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
-            self._moved_to(solution, change)
+            self._update_lines(solution, change)
             if self.inert is None and not (status != OPEN).any():
                 status[int(np.argmin(solution.w))] = STICK if not all_slip else self._way(all_slip)
-        return 0.0, SWEEPS + SINGLE
+        return 0.0, SWEEPS + SINGLE_SWEEPS
 
-    def _missing(self, solution: _TrialSolution, status: Status) -> float:
-        """What of the pull, N, is not borne: without a sticking point `_solve` does not ask for it."""
+    def _missing_pull(self, solution: _TrialSolution, status: Status) -> float:
+        """The part of the pull, N, that is not borne. Without a sticking point `_solve` does not enforce
+        it."""
         if self.inert is not None or self.drive.tangential is None or (status == STICK).any():
             return 0.0
         missing = self.drive.tangential - float(solution.t.sum())
         return missing if abs(missing) > ROUNDING * self.drive.normal else 0.0
 
-    def _carried_on(self, solution: _TrialSolution, status: Status) -> Status:
+    def _split_sliding(self, solution: _TrialSolution, status: Status) -> Status:
         """The sets of sliding points where the plate's travel bears the pull: points it has passed are
         dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
         closed = np.flatnonzero(status != OPEN)
@@ -321,7 +322,7 @@ class _Step:
         drag, offset = self.law.sliding(self.line, (status == RIGHT).astype(float) - (status == LEFT))
         k, n = closed.size, stuck.size
         travel_given = self.drive.travel is not None or (n == 0 and inert is None)
-        # counted from here, so that a tiny force loses no digits
+        # counted from here, so that a tiny force is not lost in rounding
         first = float(self.gap[closed].min()) if inert is None else inert.approach
         start = self.before.travel if inert is None else inert.travel
         travel = start if self.drive.travel is None else self.drive.travel
@@ -365,7 +366,7 @@ class _Step:
         self, status: Status, closed: Index, stuck: Index, drag: Array, travel_given: bool
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
-        slopes = drag if self.law.bends else np.float64(self.cone.kinetic)
+        slopes = drag if self.law.has_breakpoints else np.float64(self.cone.kinetic)
         key = status.tobytes() + bytes([travel_given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
@@ -394,7 +395,7 @@ class _Step:
         lower, pivots, singular = linalg.lapack.dgetrf(matrix, overwrite_a=True)
         if singular:
             raise ContactError("the contact equations are singular: friction wedges the points")
-        if len(self.solved) >= KEPT:
+        if len(self.solved) >= MAX_FACTORISATIONS:
             self.solved.clear()
         self.solved[key] = lower, pivots
         return lower, pivots
@@ -417,7 +418,7 @@ class _Step:
             wanted[where] = to[where] if isinstance(to, np.ndarray) else to
 
         closed = status != OPEN
-        if self.law.bends:
+        if self.law.has_breakpoints:
             off = self._off_line(solution, status)
             mark(off > 0, off, 1.0, status)
         if not all_slip:
@@ -439,24 +440,24 @@ class _Step:
 
     def _off_line(self, solution: _TrialSolution, status: Status) -> Array:
         """How wrong sliding points' lines are `(m,)`, relative to the forces: by Coulomb's law never."""
-        if not self.law.bends:
+        if not self.law.has_breakpoints:
             return np.zeros(self.m)
         off = np.abs(np.abs(solution.t) - self.law.kinetic * self.law.borne(solution.p))
         off[(status < RIGHT) | (off <= ROUNDING * np.abs(solution.p).max())] = 0.0
         return np.asarray(off / self.force)
 
-    def _moved_to(self, solution: _TrialSolution, change: Index | list[int]) -> None:
+    def _update_lines(self, solution: _TrialSolution, change: Index | list[int]) -> None:
         """Put points on the lines on which their pressures lie."""
-        if self.law.bends:
+        if self.law.has_breakpoints:
             self.line = self.line.copy()
             self.line[change] = self.law.line(solution.p)[change]
 
     def _accepted(self, solution: _TrialSolution, status: Status, all_slip: float) -> ContactState:
         """Measure every condition against its scale; refuse what is not met."""
         residual = self._residual(solution, status, all_slip)
-        if not residual <= ACCEPTED:
+        if not residual <= MAX_RESIDUAL:
             raise ContactError(
-                f"contact and friction are satisfied only to {residual:.1e}, not to {ACCEPTED:g}"
+                f"contact and friction are satisfied only to {residual:.1e}, not to {MAX_RESIDUAL:g}"
             )
         stuck = status == STICK
         # what does not stick sits where it is now; counted from its last anchor, rounding would add up
@@ -481,7 +482,7 @@ class _Step:
         p, t, w = solution.p, solution.t, solution.rounded
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
         excess = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
-        if self.law.bends:
+        if self.law.has_breakpoints:
             excess[slides] = np.abs(excess[slides])  # what slides bears neither more nor less
         largest, length = float(np.abs(p).max()), self.length + abs(solution.d)
         largest = largest or self.force  # nothing touches a plate with mass

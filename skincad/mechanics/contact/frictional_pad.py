@@ -1,17 +1,17 @@
 """A meshed pad at finite strain under a plate with friction, in steps of the plate's travel.
 
-A neo-Hookean pad under a flat plate with Coulomb friction: one step of a march, by Newton. The plate is flat,
+A neo-Hookean pad under a flat plate with Coulomb friction: one step, by Newton. The plate is flat,
 so gaps and slips are linear in the displacements and only the body is linearised. In each iteration the body,
 condensed to its contact points, is a compliance and a place without contact forces; the contact problem with
 *total* forces is then solved exactly (frictional.py), against the anchors of the step's beginning. A tangent
 is kept while the residual falls quickly, from one step to the next too.
 
-Accepted is what balances to RESIDUAL of the contact forces. A tangent that is not positive definite is no
-reason to stop: what a free ridge could not bear, one held by its plate may (press_path.py).
+A state is accepted if it balances to RESIDUAL of the contact forces. A tangent that is not positive definite
+is no reason to stop: the plate may hold a ridge that would buckle if it were free (press_path.py).
 
-A step of a march with finite strain: cut where it does not converge, or driven by the plate's travel. Under a
-force a skin that softens has several equilibria, and Newton jumps between them; under a travel it has one. So
-a pull that does not converge is walked in strides of the travel until its force is passed.
+A step at finite strain is cut where it does not converge, or driven by the plate's travel. Under a force a
+skin that softens has several equilibria, and Newton jumps between them; under a travel it has one. So a pull
+that does not converge is replaced by steps of the travel until its force is passed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from skincad.mechanics.bodies import plane_body
 from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.plane_body import NeoHookeBody, Tangent, under
-from skincad.mechanics.contact.frictional import grip, in_halves, joined
+from skincad.mechanics.contact.frictional import in_halves, joined, solve_contact
 from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
 from skincad.mechanics.contact.state import (
     Compliance,
@@ -40,8 +40,8 @@ from skincad.mechanics.contact.state import (
 from skincad.mechanics.problem import ContactError
 
 ITERATIONS = 40  # in one step; with a kept tangent five to ten are usual
-SLOW = 0.2  # a residual that falls less in an iteration asks for a new tangent
-GROWN = 1e3  # a residual that has grown so much leads nowhere
+SLOW_DECREASE = 0.2  # a residual that falls less in an iteration asks for a new tangent
+MAX_GROWTH = 1e3  # a residual that has grown so much leads nowhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class FrictionalPad:
     touches, `x`, `weight` mm, `ridge`; `top` mm is the highest one's z. `rows` `(2 m, k)`: displacements
     in x, then z, of the unknowns `contact` `(k,)`. A unit of length is `unit` mm, one of force `scale` N.
 
-    `kept` holds the latest tangent alone, for the body has room for no other.
+    `tangents` holds the latest tangent alone, for the body has room for no other.
     """
 
     body: NeoHookeBody
@@ -79,7 +79,7 @@ class FrictionalPad:
     top: float
     unit: float
     scale: float
-    kept: list[Tangential] = field(default_factory=list)
+    tangents: list[Tangential] = field(default_factory=list)
     length: float = 1.0  # mm, of the pad along y
 
     @property
@@ -97,10 +97,10 @@ class FrictionalPad:
 class FrictionalState:
     """An equilibrium: the unknowns `values` `(n,)` in units, which the step changed by `change`, the contact,
     in mm and N, and what friction dissipated in the step, mJ. `residual` is relative to the contact forces'
-    norm, `iterations` what it took; `moves` tells by what the plate's drive changed."""
+    norm, `iterations` counts Newton's steps, and `moves` is the change of the plate's drive."""
 
     values: Array
-    grip: ContactState
+    contact: ContactState
     change: Array
     dissipated: float = 0.0
     residual: float = 0.0
@@ -108,7 +108,9 @@ class FrictionalState:
     moves: tuple[float, ...] = ()
 
 
-def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0) -> FrictionalPad:
+def frictional_pad_of(
+    body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0
+) -> FrictionalPad:
     """Return the pad of a body, `length` mm along y, under its plate; `top` mm is its highest point."""
     along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
     rest = body.rest
@@ -135,24 +137,24 @@ def dragged(body: NeoHookeBody, top: float, unit: float, scale: float, length: f
 
 
 def unloaded(pad: FrictionalPad) -> FrictionalState:
-    """Return the start of a march, of which no tangent is known: the same march gives the same bits."""
-    pad.kept.clear()
+    """Return the unloaded state, with no tangent kept: the same steps give the same bits."""
+    pad.tangents.clear()
     zero = np.zeros(pad.body.free.size)
     return FrictionalState(zero, at_rest(pad.gap.size), zero)
 
 
 def linearised(pad: FrictionalPad, values: Array, residual: Array) -> Tangential:
     """Return the tangent at a state whose `residual` is at hand, and keep it; ContactError without one."""
-    pad.kept.clear()
+    pad.tangents.clear()
     matrix = plane_body.tangent(pad.body, values, residual).matrix
     small = factorise(matrix, pad.order, pad.contact.size)
     compliance = pad.rows @ (pad.rows @ small.flexibility).T * (pad.unit / pad.scale)
     tangential = Tangential(matrix, small, np.asarray(compliance), values)
-    pad.kept.append(tangential)
+    pad.tangents.append(tangential)
     return tangential
 
 
-def moved(linear: Tangential, at: Tangent, push: Array) -> Array:
+def balancing_step(linear: Tangential, at: Tangent, push: Array) -> Array:
     """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
     return at.recover(linear.small.solve(-at.residual - push))
 
@@ -175,31 +177,33 @@ def newton(
     body, values = pad.body, before.values if guess is None else guess
     if drive.normal == 0.0 and drive.tangential in (None, 0.0):
         clear = np.zeros(2 * pad.gap.size)  # of any movement: nothing touches
-        lifted = grip(Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.grip, drive, cone)
+        lifted = solve_contact(
+            Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.contact, drive, cone
+        )
         return FrictionalState(np.zeros_like(values), lifted, -before.values)
     unbalanced, last = body.residual(values), np.inf
     if not np.isfinite(unbalanced).all():
         if guess is not None:
             return newton(pad, before, drive, cone)
         raise ContactError("an element turns inside out")
-    linear = pad.kept[0] if pad.kept else linearised(pad, values, unbalanced)
+    linear = pad.tangents[0] if pad.tangents else linearised(pad, values, unbalanced)
     for i in range(ITERATIONS):
         at = under(body, linear.matrix, unbalanced)
         ahead = values[pad.contact] + linear.small.at_contact(-at.residual)
-        contact, slipping = _contact(_seen(pad, linear, ahead), before.grip, drive, cone)
-        push = pushed(pad, contact)
-        values, unbalanced, share = _taken(body, values, moved(linear, at, push))
+        contact, slipping = _contact(_compliance(pad, linear, ahead), before.contact, drive, cone)
+        push = contact_load(pad, contact)
+        values, unbalanced, share = _damped_step(body, values, balancing_step(linear, at, push))
         scale = float(np.linalg.norm(push))
         size = float(np.linalg.norm((unbalanced + push)[body.free])) / scale
         if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
             whole = replace(contact, residual=max(contact.residual, size))
-            spent = dissipated(before.grip, contact)
+            spent = dissipated(before.contact, contact)
             state = FrictionalState(values, whole, values - before.values, spent, size, i + 1)
             if slipping is not None:
                 raise GrossSlip(state, str(slipping))
             return state
-        if size > SLOW * last or share < 1.0:
-            if size > GROWN * max(last, 1e-3):
+        if size > SLOW_DECREASE * last or share < 1.0:
+            if size > MAX_GROWTH * max(last, 1e-3):
                 break
             linear = linearised(pad, values, unbalanced)
         last = size
@@ -207,8 +211,8 @@ def newton(
 
 
 def dissipated(before: ContactState, after: ContactState) -> float:
-    """Return what friction takes in a step, mJ; a force that turned round had done so before its point
-    slipped."""
+    """Return the energy that friction dissipates in a step, mJ. A force that changed sign did so before its
+    point slipped."""
     mean = (before.tangential + after.tangential) / 2
     mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
     return -float(mean @ after.slipped)
@@ -219,19 +223,19 @@ def _contact(
 ) -> tuple[ContactState, GrossSlip | None]:
     """The contact of the linearised body; where friction does not hold, as it just slips."""
     try:
-        return grip(skin, before, drive, cone), None
+        return solve_contact(skin, before, drive, cone), None
     except GrossSlip as end:
         return end.last, end
 
 
-def _seen(pad: FrictionalPad, linear: Tangential, ahead: Array) -> Compliance:
+def _compliance(pad: FrictionalPad, linear: Tangential, ahead: Array) -> Compliance:
     """The linearised body as the plate sees it; `ahead` `(k,)` is where its contact unknowns go without
     contact forces."""
     free = pad.rows @ ahead * pad.unit
     return Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
 
 
-def pushed(pad: FrictionalPad, contact: ContactState) -> Array:
+def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:
     """Return what the contact adds to the residual `(n,)`, in units."""
     push = np.zeros(pad.body.free.size)
     force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
@@ -239,7 +243,7 @@ def pushed(pad: FrictionalPad, contact: ContactState) -> Array:
     return push
 
 
-def _taken(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array, float]:
+def _damped_step(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array, float]:
     """Return state and residual after a step, and how much of it was taken: all, or the largest half,
     quarter, ... that turns no element inside out, where the energy's logarithm has no value."""
     share = 1.0
@@ -251,21 +255,21 @@ def _taken(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array
     raise ContactError("an element turns inside out")
 
 
-DEEPEST = 5  # halvings of a step
-STEADY = 3  # halvings of a stride of the travel
-LONGER = 2.0  # than the travel that the last softness asks for
-STRIDES = 40  # of the travel in a step of the pull
-CUTS = 30  # of the last stride, by the secant; four to six are usual
+MAX_HALVINGS = 5  # of a step
+TRAVEL_HALVINGS = 3  # of a step of the travel
+TRAVEL_FACTOR = 2.0  # of the travel that the last softness predicts
+MAX_TRAVEL_STEPS = 40  # of the travel in a step of the pull
+MAX_SECANT_STEPS = 30  # of the last step, by the secant; four to six are usual
 SAME_FORCE = 1e-9  # of the normal force
 
 
-def to(
+def advance_to(
     pad: FrictionalPad,
     before: FrictionalState,
     start: Drive,
     end: Drive,
     cone: FrictionCoefficients,
-    deepest: int = DEEPEST,
+    deepest: int = MAX_HALVINGS,
 ) -> FrictionalState:
     """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most, a pull
     that does not is driven by travel. What the parts slipped and dissipated is added up. Raises as `newton`
@@ -275,7 +279,7 @@ def to(
     def advance(before: FrictionalState, start: Drive, end: Drive, _share: float) -> FrictionalState:
         return _whole(pad, before, start, end, cone)
 
-    if end.tangential in (None, start.tangential) or not before.grip.touches.any():
+    if end.tangential in (None, start.tangential) or not before.contact.touches.any():
         return in_halves(advance, before, start, end, _joined, deepest)
     try:
         return _whole(pad, before, start, end, cone)
@@ -288,7 +292,8 @@ def to(
 def _whole(
     pad: FrictionalPad, before: FrictionalState, start: Drive, end: Drive, cone: FrictionCoefficients
 ) -> FrictionalState:
-    """The state at one step's end, looked for where the last equal one leads, then from its own start."""
+    """The state at a step's end; Newton starts where an equal step before leads, then from the step's
+    start."""
     steady = _moves(start, end)
     guesses = (before.values + before.change, None) if steady == before.moves else (None,)
     for guess in guesses:
@@ -297,13 +302,13 @@ def _whole(
         except GrossSlip:
             raise
         except ContactError as refusal:
-            pad.kept.clear()
+            pad.tangents.clear()
             failure = refusal
     raise failure
 
 
 def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
-    """How a drive goes on; equal steps look alike to a few digits."""
+    """The change of a drive in a step, rounded so that equal steps compare equal."""
 
     def change(a: float | None, b: float | None) -> float:
         return float("nan") if a is None or b is None else float(f"{b - a:.6g}")
@@ -315,15 +320,17 @@ def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
 def _driven(
     pad: FrictionalPad, before: FrictionalState, end: Drive, cone: FrictionCoefficients
 ) -> FrictionalState:
-    """Return the state at the end's forces, the plate driven there by its travel; the last stride is cut."""
+    """Return the state at the end's forces, the plate driven there by its travel; the last step is cut."""
     wanted, state, total = float(end.tangential or 0.0), before, None
-    here = float(before.grip.tangential.sum())
+    here = float(before.contact.tangential.sum())
     way = 1.0 if wanted > here else -1.0
-    soft = abs(before.grip.travel) / max(abs(here), 1e-3 * end.normal) or before.grip.approach / end.normal
-    length = LONGER * soft * (wanted - here)
-    for _ in range(STRIDES):
-        last = _by_travel(pad, state, end.normal, state.grip.travel + length, cone)
-        passed = float(last.grip.tangential.sum())
+    soft = (
+        abs(before.contact.travel) / max(abs(here), 1e-3 * end.normal) or before.contact.approach / end.normal
+    )
+    length = TRAVEL_FACTOR * soft * (wanted - here)
+    for _ in range(MAX_TRAVEL_STEPS):
+        last = _by_travel(pad, state, end.normal, state.contact.travel + length, cone)
+        passed = float(last.contact.tangential.sum())
         if way * (passed - wanted) >= 0:
             state_reached = _cut(pad, state, last, end.normal, wanted, cone)
             return state_reached if total is None else _joined(total, state_reached)
@@ -339,8 +346,8 @@ def _driven(
 def _by_travel(
     pad: FrictionalPad, before: FrictionalState, normal: float, travel: float, cone: FrictionCoefficients
 ) -> FrictionalState:
-    start = Drive(normal, travel=before.grip.travel)
-    return to(pad, before, start, Drive(normal, travel=travel), cone, STEADY)
+    start = Drive(normal, travel=before.contact.travel)
+    return advance_to(pad, before, start, Drive(normal, travel=travel), cone, TRAVEL_HALVINGS)
 
 
 def _cut(
@@ -352,13 +359,13 @@ def _cut(
     cone: FrictionCoefficients,
 ) -> FrictionalState:
     """Return the state between two at which the tangential force is the wanted one, by the Illinois rule."""
-    ends = [before.grip.travel, after.grip.travel]
-    missing = [float(s.grip.tangential.sum()) - wanted for s in (before, after)]
+    ends = [before.contact.travel, after.contact.travel]
+    missing = [float(s.contact.tangential.sum()) - wanted for s in (before, after)]
     side = 0
-    for _ in range(CUTS):
+    for _ in range(MAX_SECANT_STEPS):
         travel = (ends[0] * missing[1] - ends[1] * missing[0]) / (missing[1] - missing[0])
         state_reached = _by_travel(pad, before, normal, travel, cone)
-        off = float(state_reached.grip.tangential.sum()) - wanted
+        off = float(state_reached.contact.tangential.sum()) - wanted
         if abs(off) <= SAME_FORCE * normal:
             return state_reached
         new = int(off * missing[1] > 0)
@@ -374,7 +381,7 @@ def _cut(
 def _joined(first: FrictionalState, second: FrictionalState) -> FrictionalState:
     return replace(
         second,
-        grip=joined(first.grip, second.grip),
+        contact=joined(first.contact, second.contact),
         dissipated=first.dissipated + second.dissipated,
         residual=max(first.residual, second.residual),
         iterations=first.iterations + second.iterations,

@@ -5,13 +5,13 @@ w = g - d + C f >= 0, f w = 0 and sum f = F: the optimality of a strictly convex
 so the solution is unique. C is a dense array or, of a long pad, a chain of slabs (bodies/chain.py).
 
 A body that is stable only while its plate holds it has a flexibility that is not definite. The conditions are
-then those of a saddle point, and the solution is the one that sweeps from a set nearby lead to.
+then those of a saddle point, and the solution is the one that sweeps from a nearby set reach.
 
-The contact of a whole pad from its half: what a load on one side alone does to either side. Any load on a pad
-that is its own mirror image is the sum of one that is its own image and one that the mirror turns round, and
-the half bears each on its own: even ones with x held on its cut, odd ones with z held there.
+The contact of a whole pad from its half. Any load on a mirror-symmetric pad is the sum of a symmetric and an
+antisymmetric one. The half is solved for each alone: symmetric loads with x held on its cut, antisymmetric
+ones with z held there.
 
-F9, the smallest force at which all ridges touch, as a smooth function of the design. A ridge is taken out of
+The smallest force at which all ridges touch is a smooth function of the design. A ridge is taken out of
 contact and the minimum of its finely sampled gap is put at zero by root finding on the force. Counting
 touching nodes instead would jump with the mesh.
 """
@@ -28,7 +28,7 @@ from scipy.sparse.linalg import splu
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.interrupt import safe_point
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.chain import SlabChain, chained
+from skincad.mechanics.bodies.chain import SlabChain, condense_by_slabs
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.problem import ContactError, Pad, rise
 
@@ -49,9 +49,8 @@ class NodalContact:
 
 
 Flexibility = Array | SlabChain
-ActiveSetCache = dict[
-    bytes, tuple[Array, Array]
-]  # of one pad: active points to what they carry by gaps and by one
+# Of one pad: for each set of active points the forces on them that close their gaps and that move them by one
+ActiveSetCache = dict[bytes, tuple[Array, Array]]
 
 
 def seen_by(rows: sparse.csr_matrix, flexibility: Flexibility) -> Flexibility:
@@ -130,7 +129,7 @@ def _equilibrium(
 ) -> tuple[Array, float]:
     """Forces and approach that close exactly the active points under the total force."""
     inside, key = np.flatnonzero(active), active.tobytes()
-    first = gap[inside].min()  # counted from here, so that a tiny force loses no digits
+    first = gap[inside].min()  # counted from here, so that a tiny force is not lost in rounding
     if key not in solved:
         solved[key] = _carried(flexibility, inside, gap[inside] - first, definite)
     by_gap, by_one = solved[key]
@@ -211,38 +210,41 @@ class BothSides:
     """The flexibility of a whole pad's contact points: `m` at x >= 0 first, then the images of those `off`
     `(k,)` the cut. As a matrix, `sides @ force` and the blocks of a ridge's points.
 
-    `even` and `odd` are that of the half's points under loads of either parity; of `odd` those on the cut,
-    which do not move, have none.
+    `symmetric` and `antisymmetric` are the flexibility of the half's points under loads of either parity.
+    `antisymmetric` has no points on the cut: they do not move.
     """
 
-    even: Flexibility
-    odd: Flexibility
+    symmetric: Flexibility
+    antisymmetric: Flexibility
     off: Index
 
     @property
     def shape(self) -> tuple[int, int]:
         """As a matrix's."""
-        size = self.even.shape[0] + self.off.size
+        size = self.symmetric.shape[0] + self.off.size
         return size, size
 
     def __matmul__(self, force: Array) -> Array:
         """Return the movement under forces, both `(m + k,)` or `(m + k, l)`."""
-        m = self.even.shape[0]
+        m = self.symmetric.shape[0]
         here, image = force[:m], np.zeros_like(force[:m])
         image[self.off] = force[m:]
-        even, odd = self.even @ ((here + image) / 2), self.odd @ ((here - image) / 2)
-        return np.concatenate([even + odd, (even - odd)[self.off]])
+        symmetric, antisymmetric = (
+            self.symmetric @ ((here + image) / 2),
+            self.antisymmetric @ ((here - image) / 2),
+        )
+        return np.concatenate([symmetric + antisymmetric, (symmetric - antisymmetric)[self.off]])
 
     def __getitem__(self, where: tuple[Index, ...]) -> Array:
         """Return the block at `np.ix_(points, points)`, points of one ridge."""
-        points, m = where[0].ravel(), self.even.shape[0]
+        points, m = where[0].ravel(), self.symmetric.shape[0]
         number = np.concatenate([np.arange(m), self.off])[points]
         side = np.where(points < m, 1.0, -1.0)
         here, local = np.unique(number, return_inverse=True)
         at, there = np.ix_(local, local), np.flatnonzero(np.isin(here, self.off))
-        even, odd = self.even[np.ix_(here, here)], np.zeros((here.size, here.size))
-        odd[np.ix_(there, there)] = self.odd[np.ix_(here[there], here[there])]
-        return np.asarray((even[at] + np.outer(side, side) * odd[at]) / 2)
+        symmetric, antisymmetric = self.symmetric[np.ix_(here, here)], np.zeros((here.size, here.size))
+        antisymmetric[np.ix_(there, there)] = self.antisymmetric[np.ix_(here[there], here[there])]
+        return np.asarray((symmetric[at] + np.outer(side, side) * antisymmetric[at]) / 2)
 
 
 @dataclass(frozen=True)
@@ -254,23 +256,23 @@ class MirroredRidges:
     of_point: Index
 
 
-def on_both_sides(even: Ridges, half: ContactStiffness, ridges: tuple[int, ...]) -> MirroredRidges:
-    """Return the contact of a whole pad with these `ridges`, those of its half under even loads at hand.
+def on_both_sides(symmetric: Ridges, half: ContactStiffness, ridges: tuple[int, ...]) -> MirroredRidges:
+    """Return the contact of a whole pad with these `ridges`, those of its half under symmetric loads at hand.
 
     `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Costs one
     condensation of the half.
     """
-    interior, contact = elements.odd(half)
-    odd = chained(replace(half, interior=interior, contact=contact)).flexibility
+    interior, contact = elements.antisymmetric_unknowns(half)
+    antisymmetric = condense_by_slabs(replace(half, interior=interior, contact=contact)).flexibility
     moving = half.nodes.rows[:, np.flatnonzero(np.isin(half.contact, contact))]
     moving.data[np.abs(moving.data) < ROUNDING] = 0.0
     moving.eliminate_zeros()
     off = np.flatnonzero(moving.getnnz(axis=1))  # a point on the cut is its own image
     image = dict(zip(ridges, reversed(ridges), strict=True))
     return MirroredRidges(
-        BothSides(even.flexibility, odd.seen(moving), off),
-        np.concatenate([even.gap, even.gap[off]]),
-        np.concatenate([even.of_point, [image[r] for r in even.of_point[off].tolist()]]),
+        BothSides(symmetric.flexibility, antisymmetric.seen(moving), off),
+        np.concatenate([symmetric.gap, symmetric.gap[off]]),
+        np.concatenate([symmetric.of_point, [image[r] for r in symmetric.of_point[off].tolist()]]),
     )
 
 
@@ -345,8 +347,9 @@ class Ridges:
 def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) -> float | None:
     """Return the smallest force that makes every ridge touch, or None if none does; 0 for one ridge.
 
-    The last ridge is found by asking, at a candidate's own force, which others do not touch yet. The force
-    `guess` and the points `active` `(m,)` that may touch at it are where the search begins.
+    A candidate for the last ridge is tested at the force at which it touches: another ridge that does not
+    touch yet becomes the next candidate. The search begins at the force `guess`, with the points `active`
+    `(m,)` that may touch at it.
     """
     numbers = ridges.numbers
     if numbers.size == 1:

@@ -1,15 +1,15 @@
-"""A pad that keeps the tangent of a chosen step: linear about it, with what it missed made up for later.
+"""A pad that keeps the tangent of a chosen step (modified Newton) until its points have moved far enough.
 
-At a chosen step the equilibrium is found as frictional_pad.py does, and the body linearised there. In the
-steps between, the pad is a constant compliance, as in small strain, but about the state that it is in: it
-knows how far ridges are pressed, bent and turned, and that a normal force bends them further (P-delta). What
-the linear pad has missed by the next chosen step, its drift, is made up for over the stride that follows, so
-that nothing jumps; its size is the error. Drift grows with the square of a stride. A step is chosen once a
-point that touches has moved by a stride since the last one.
+At a chosen step the equilibrium is found as in frictional_pad.py, and the body is linearised there. In the
+steps between, the pad is a constant compliance about that state: it knows how far ridges are pressed, bent
+and turned, and that a normal force bends them further (P-delta). The next step is chosen once a touching
+point has moved by the update interval. The linear pad's error at that step is its drift. It is corrected
+gradually over the following interval, so that nothing jumps, and its size is the error. Drift grows with the
+square of the interval.
 
-Where no equilibrium is found at finite strain, as where the surface folds (press_path.py), the tangent held
-last is held on, and the error grows with the square of what has moved since. Range: quasi-static, a plate
-that keeps its angle.
+Where finite strain has no equilibrium, as where the surface folds (press_path.py), the last tangent stays,
+and the error grows with the square of the distance moved since. Range: quasi-static, a plate that keeps its
+angle.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
     FrictionalState,
     Tangential,
+    balancing_step,
+    contact_load,
     dissipated,
     linearised,
-    moved,
     newton,
-    pushed,
     unloaded,
 )
-from skincad.mechanics.contact.press_path import fault
+from skincad.mechanics.contact.press_path import undetected_contact
 from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 # Of a crest's width. Measured on yamada-2002-slip at friction 0.5: the largest stress within 1.5 % of finite
 # strain in each of 110 steps, by 14 chosen ones; 0.4 % by 33 at 1 / 30
-STRIDE = 1 / 12
-# What earlier chosen steps missed stays in points that stick: a ridge's forces are off by up to 1.6 times
-# what the last one missed (in 95 % of 40 slips: the first 8 scenes of bench/table_leads.py's seed 1, and
+UPDATE_INTERVAL = 1 / 12
+# The error of earlier chosen steps stays in points that stick: a ridge's forces are off by up to 1.6 times
+# the last one's error (in 95 % of 40 slips: the first 8 scenes of bench/table_leads.py's seed 1, and
 # yamada-2002-slip at friction 0.4)
-STAYS = 2.0
-AGAIN = 0.9  # of the forces at which no equilibrium was found; below both of them it is looked for again
+STICKING_FACTOR = 2.0
+RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
 
 Stresses = Callable[
     [Array, Tangential], tuple[Array, Array]
@@ -53,9 +53,9 @@ Stresses = Callable[
 
 
 class Drift(NamedTuple):
-    """What a linear pad has missed: of each ridge's `forces` `(2, ridges)` N, along x and z, and of the
-    strips' stresses `(strips, 3)`, MPa; whether the step is a `chosen` one, and why no later one could be,
-    or ''."""
+    """Error of a linear pad: of each ridge's `forces` `(2, ridges)` N, along x and z, and of the strips'
+    stresses `films` `(strips, 3)` MPa. `chosen` says whether the step is a chosen one, `cut` why no later
+    one could be, or ''."""
 
     forces: Array
     films: Array
@@ -65,10 +65,10 @@ class Drift(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FrozenTangent:
-    """The tangent held from a chosen step on: the pad as the plate sees it, `skin`; in that step the contact
-    points' forces and places `(2 m,)`, N and mm, the state, and the strips' `films` with what they change by
-    `per_force`. `late` `(2 m,)` mm and `films_late` are what is made up for; `drift` what was missed before;
-    `cut` why no later step could be chosen, at the forces `at`, N."""
+    """The tangent kept from a chosen step on: the pad as the plate sees it, `skin`; in that step the contact
+    points' forces and places `(2 m,)`, N and mm, the state, and the strips' `films` with their change
+    `per_force`. `correction` `(2 m,)` mm and `film_correction` are added gradually; `drift` is the error of
+    the tangent before; `cut` says why no later step could be chosen, at the forces `at`, N."""
 
     skin: Compliance
     force: Array
@@ -77,8 +77,8 @@ class FrozenTangent:
     linear: Tangential
     films: Array
     per_force: Array
-    late: Array
-    films_late: Array
+    correction: Array
+    film_correction: Array
     drift: Drift
     cut: str = ""
     at: tuple[float, float] = (np.inf, np.inf)
@@ -87,30 +87,31 @@ class FrozenTangent:
 @dataclass(frozen=True, eq=False)
 class FrozenTangentState:
     """A state: the contact, the points' places `(2 m,)` mm, the strips' stresses, the energy mJ that the
-    contact has put in, and what friction dissipated in the step; `gone` in strides, how far a point that
-    touches has moved since the chosen step of `held`, at most so far; `chosen` whether this is one."""
+    contact has put in, and the energy that friction dissipated in the step. `distance` is the largest
+    distance that a touching point has moved since the chosen step of `tangent`, in update intervals;
+    `chosen` says whether this is such a step."""
 
-    grip: ContactState
+    contact: ContactState
     place: Array
     films: Array
     elastic: float
     dissipated: float
-    held: FrozenTangent
-    gone: float = 0.0
+    tangent: FrozenTangent
+    distance: float = 0.0
     chosen: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class FrozenTangentPad:
-    """A pad with its strips' stresses; a stride is so many mm, `folds` whether it may fold."""
+    """A pad with its strips' stresses; `folds` says whether its surface may fold."""
 
     pad: FrictionalPad
     stresses: Stresses
-    stride: float
+    interval: float  # mm, how far a point moves between two chosen steps
     folds: bool
 
     def start(self) -> FrozenTangentState:
-        """Return the unloaded pad, its tangent held."""
+        """Return the unloaded pad with its tangent."""
         state = unloaded(self.pad)
         linear = linearised(self.pad, state.values, self.pad.body.residual(state.values))
         zero = np.zeros(2 * self.pad.gap.size)
@@ -125,11 +126,11 @@ class FrozenTangentPad:
             linear=linear,
             films=films,
             per_force=per_force,
-            late=zero,
-            films_late=np.zeros_like(films),
+            correction=zero,
+            film_correction=np.zeros_like(films),
             drift=drift,
         )
-        return FrozenTangentState(state.grip, zero, films, 0.0, 0.0, tangent)
+        return FrozenTangentState(state.contact, zero, films, 0.0, 0.0, tangent)
 
     def advanced(
         self, before: FrozenTangentState, start: Drive, end: Drive, cone: FrictionCoefficients
@@ -137,88 +138,94 @@ class FrozenTangentPad:
         """Return the state at a step's end. Raises GrossSlip, with the last state, and ContactError."""
         if end.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
-        tangent, late = before.held, 1 - min(1.0, before.gone)
-        skin = replace(tangent.skin, free=tangent.skin.free + late * tangent.late)
+        tangent, share = before.tangent, 1 - min(1.0, before.distance)
+        skin = replace(tangent.skin, free=tangent.skin.free + share * tangent.correction)
         try:
-            after = self._seen(before, halved(lambda _: skin, before.grip, start, end, cone), skin, late)
+            after = self._linear_state(
+                before, halved(lambda _: skin, before.contact, start, end, cone), skin, share
+            )
         except GrossSlip as limit:
-            limit.last = self._seen(before, limit.last, skin, late)
+            limit.last = self._linear_state(before, limit.last, skin, share)
             raise
-        forces = end.normal, abs(float(after.grip.tangential.sum()))
-        if after.gone < 1.0 or not self._worth(tangent, forces):
+        forces = end.normal, abs(float(after.contact.tangential.sum()))
+        if after.distance < 1.0 or not self._worth_retrying(tangent, forces):
             return after
         try:
-            return self._chosen(before, after, end, cone)
+            return self._chosen_state(before, after, end, cone)
         except GrossSlip:
             raise
         except ContactError as failure:
-            return replace(after, held=replace(tangent, cut=str(failure), at=forces))
+            return replace(after, tangent=replace(tangent, cut=str(failure), at=forces))
 
     def drift(self, state: FrozenTangentState) -> Drift:
-        """Return what the linear pad has missed by a state, as of the second order in the stride.
+        """Return the linear pad's error at a state, of second order in the distance moved.
 
-        Before the first chosen step nothing is known of it: assumed is as much as points have moved, by a
-        crest's width.
+        Before the first chosen step it is unknown. It is then assumed to be, relative to forces and
+        stresses, the distance moved over a crest's width.
         """
-        missed, cut, grown = state.held.drift, state.held.cut, max(1.0, state.gone**2)
-        if not state.held.state.values.any():
-            part = STRIDE * state.gone
-            borne = np.abs(self._of_ridges(_on_skin(state.grip)))
+        missed, cut, grown = state.tangent.drift, state.tangent.cut, max(1.0, state.distance**2)
+        if not state.tangent.state.values.any():
+            part = UPDATE_INTERVAL * state.distance
+            borne = np.abs(self._of_ridges(_on_skin(state.contact)))
             return Drift(part * borne, part * np.abs(state.films), state.chosen, cut)
         return Drift(missed.forces * grown, missed.films * grown, state.chosen, cut)
 
     @staticmethod
-    def _worth(tangent: FrozenTangent, forces: tuple[float, float]) -> bool:
+    def _worth_retrying(tangent: FrozenTangent, forces: tuple[float, float]) -> bool:
         """Whether an equilibrium is to be looked for, after it was not found under larger forces."""
         normal, pull = forces
-        return not tangent.cut or (normal < AGAIN * tangent.at[0] and pull < AGAIN * tangent.at[1])
-
-    def _seen(
-        self, before: FrozenTangentState, contact: ContactState, skin: Compliance, late: float
-    ) -> FrozenTangentState:
-        """The state that a contact leads to while the tangent is held."""
-        tangent, force = before.held, _on_skin(contact)
-        place = skin.compliance @ force + skin.free
-        films = tangent.films + tangent.per_force @ (force - tangent.force) + late * tangent.films_late
-        stored = before.elastic + float((force + _on_skin(before.grip)) @ (place - before.place)) / 2
-        far = (
-            np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0) / self.stride
+        return not tangent.cut or (
+            normal < RETRY_SHARE * tangent.at[0] and pull < RETRY_SHARE * tangent.at[1]
         )
-        distance, spent = max(before.gone, float(far)), dissipated(before.grip, contact)
+
+    def _linear_state(
+        self, before: FrozenTangentState, contact: ContactState, skin: Compliance, share: float
+    ) -> FrozenTangentState:
+        """The state that a contact leads to while the tangent stays; `share` of the correction is still
+        added."""
+        tangent, force = before.tangent, _on_skin(contact)
+        place = skin.compliance @ force + skin.free
+        films = tangent.films + tangent.per_force @ (force - tangent.force) + share * tangent.film_correction
+        stored = before.elastic + float((force + _on_skin(before.contact)) @ (place - before.place)) / 2
+        far = (
+            np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0)
+            / self.interval
+        )
+        distance, spent = max(before.distance, float(far)), dissipated(before.contact, contact)
         return FrozenTangentState(
-            grip=contact,
+            contact=contact,
             place=place,
             films=films,
             elastic=stored,
             dissipated=spent,
-            held=tangent,
-            gone=distance,
+            tangent=tangent,
+            distance=distance,
             chosen=False,
         )
 
-    def _chosen(
+    def _chosen_state(
         self, before: FrozenTangentState, after: FrozenTangentState, end: Drive, cone: FrictionCoefficients
     ) -> FrozenTangentState:
-        """The same state, the tangent of the equilibrium under this drive held from here on."""
-        pad, tangent = self.pad, after.held
-        start = FrictionalState(tangent.state.values, before.grip, np.zeros_like(tangent.state.values))
+        """The same state with the tangent of the equilibrium under this drive, kept from here on."""
+        pad, tangent = self.pad, after.tangent
+        start = FrictionalState(tangent.state.values, before.contact, np.zeros_like(tangent.state.values))
         guess = self._guess(after)
-        pad.kept.clear()
+        pad.tangents.clear()
         try:
             state = newton(pad, start, end, cone, guess)
         except GrossSlip as limit:
-            limit.last = replace(after, grip=limit.last.grip)
+            limit.last = replace(after, contact=limit.last.contact)
             raise
-        if wrong := fault(pad, state, not self.folds):
+        if wrong := undetected_contact(pad, state, not self.folds):
             raise ContactError(wrong)
-        linear = pad.kept[0]  # of a state that is off by the drift, or nearer
-        true, force = _on_skin(state.grip), _on_skin(after.grip)
+        linear = pad.tangents[0]  # of a state that is off by the drift, or nearer
+        true, force = _on_skin(state.contact), _on_skin(after.contact)
         place = pad.rows @ state.values[pad.contact] * pad.unit
         free = place - linear.compliance @ true
         films, per_force = self.stresses(state.values, linear)
-        films_late = after.films - films - per_force @ (force - true)
-        late = after.place - (linear.compliance @ force + free)
-        drift = Drift(STAYS * np.abs(self._of_ridges(force - true)), np.abs(films_late))
+        film_correction = after.films - films - per_force @ (force - true)
+        correction = after.place - (linear.compliance @ force + free)
+        drift = Drift(STICKING_FACTOR * np.abs(self._of_ridges(force - true)), np.abs(film_correction))
         skin = Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
         now = FrozenTangent(
             skin=skin,
@@ -228,20 +235,20 @@ class FrozenTangentPad:
             linear=linear,
             films=films,
             per_force=per_force,
-            late=late,
-            films_late=films_late,
+            correction=correction,
+            film_correction=film_correction,
             drift=drift,
         )
-        return replace(after, held=now, gone=0.0, chosen=True)
+        return replace(after, tangent=now, distance=0.0, chosen=True)
 
     def _guess(self, after: FrozenTangentState) -> Array | None:
-        """Where the held tangent says the pad is, while it is the body's latest and there is an energy."""
-        pad, tangent = self.pad, after.held
-        if not (pad.kept and pad.kept[0] is tangent.linear and tangent.state.values.any()):
+        """Where the kept tangent says the pad is, while it is the body's latest and there is an energy."""
+        pad, tangent = self.pad, after.tangent
+        if not (pad.tangents and pad.tangents[0] is tangent.linear and tangent.state.values.any()):
             return None
         # of an equilibrium, all that does not balance is the contact's
-        at = under(pad.body, tangent.linear.matrix, -pushed(pad, tangent.state.grip))
-        return tangent.state.values + moved(tangent.linear, at, pushed(pad, after.grip))
+        at = under(pad.body, tangent.linear.matrix, -contact_load(pad, tangent.state.contact))
+        return tangent.state.values + balancing_step(tangent.linear, at, contact_load(pad, after.contact))
 
     def _of_ridges(self, force: Array) -> Array:
         """The sums of both forces on each ridge `(2, ridges)`."""

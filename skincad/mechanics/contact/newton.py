@@ -1,15 +1,12 @@
 """Newton's method for a pressed body at finite strain, loaded step by step, and the state's stability.
 
-Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py.
+Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py; both are `Elastic`.
 
-Whether a pressed body is stable while the plate holds the points that touch it, and which ridge tips over
-where it is not. A body that would buckle if its contact were free may well stand under its plate. What counts
-is the tangent for all movements in which touching points stay on the plate, which rests on them with a dead
-load. Of a mirrored half there are two kinds: those that are their own image, and those that the mirror turns
-round. Under these the plate, which does not turn, stays where it is.
-
-The body is plane (neo_hooke.py) or solid (solid_body.py); what is asked of it is `Elastic`. Stable is what
-stands while the plate holds it (newton.py).
+Whether a pressed body is stable while the plate holds its touching points, and which ridge tips over where it
+is not. A body that would buckle if its contact were free may well stand under its plate. What counts is the
+tangent for all movements in which touching points stay on the plate, which rests on them with a dead load. A
+mirrored half has two kinds, symmetric and antisymmetric ones. Under antisymmetric ones the plate, which does
+not turn, stays where it is.
 
 The plate is flat and without friction, so the contact condition is linear in the vertical displacement:
 the step's contact problem has the true gaps and *total* nodal forces, and only the body is linearised.
@@ -44,9 +41,9 @@ class LinearisedBody(Protocol):
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
 
-    def odd(self) -> LinearisedBody | None:
-        """Return the half of a mirrored body linearised for what the mirror turns round, on whose cut nothing
-        moves up; None of a whole body. ContactError where that is singular."""
+    def antisymmetric(self) -> LinearisedBody | None:
+        """Return the half of a mirrored body linearised for antisymmetric movements, for which nothing on its
+        cut moves up; None of a whole body. ContactError where that is singular."""
 
 
 class Elastic(Protocol):
@@ -74,7 +71,7 @@ class Elastic(Protocol):
     def x_of_largest_displacement(self, step: Array) -> float:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
 
-    def fault(self, state: Array, plate: float) -> str | None:
+    def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
 
 
@@ -95,10 +92,12 @@ def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: Nodal
     if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
         return False  # the plate's own stiffness
     try:
-        odd = linear.odd()
+        antisymmetric = linear.antisymmetric()
     except ContactError:  # it has no such tangent
         return False
-    return odd is None or _held_up(*odd.negative_eigenvalues, _at_points(body, odd, contact)[0])
+    return antisymmetric is None or _held_up(
+        *antisymmetric.negative_eigenvalues, _at_points(body, antisymmetric, contact)[0]
+    )
 
 
 def _held_up(fixed_count: int, free: int, flexibility: Array) -> bool:
@@ -128,8 +127,8 @@ def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: 
 
     Inverse iteration at an equilibrium `state` `(n,)`, from a movement with a part of every other.
     """
-    odd = linear.odd()
-    kinds = [_weakest(body, state, kind, contact) for kind in (linear, odd) if kind is not None]
+    antisymmetric = linear.antisymmetric()
+    kinds = [_weakest(body, state, kind, contact) for kind in (linear, antisymmetric) if kind is not None]
     step, _ = max(kinds, key=lambda found: found[1])
     nodes = body.rest.nodes
     nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
@@ -165,7 +164,7 @@ def _at_contact(body: Elastic, force: Array) -> Array:
     return load
 
 
-STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
+MAX_STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
 ROUNDING = 1e-14  # of E times the unit length: what a residual is worth under the lightest loads
 FALLING = 0.1  # of the last residual, in a step; rounding does not fall
@@ -229,7 +228,7 @@ def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | No
     body, values = pad.body, start
     history: list[float] = []
     unbalanced = body.residual(values)
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         safe_point()
         linear = linearised(body, values, unbalanced)
         ridges, base = seen_by_plate(pad, values, linear)
@@ -257,13 +256,13 @@ def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | No
             )
     raise DivergedError(
         "no equilibrium is found, as where a tip or a fillet folds "
-        f"(residual {history[-1]:.1e} of the contact force after {STEPS} steps)"
+        f"(residual {history[-1]:.1e} of the contact force after {MAX_STEPS} steps)"
     )
 
 
 def _falls(history: list[float]) -> bool:
     """Whether a residual that only rounding would excuse still falls: then it is not rounding."""
-    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < STEPS
+    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < MAX_STEPS
 
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
@@ -316,11 +315,11 @@ def _share(body: Elastic, values: Array, move: Array) -> float:
     return share
 
 
-SMALLEST = 1 / 32  # of the load, the smallest load step
-WALK = 6  # halvings of the way to the threshold before it is given up
+SMALLEST_STEP = 1 / 32  # of the load, the smallest load step
+MAX_HALVINGS = 6  # halvings of the way to the threshold before it is given up
 
 
-def _given(force: float) -> Load:
+def _constant_load(force: float) -> Load:
     return lambda *_: force
 
 
@@ -332,7 +331,7 @@ def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None)
     """
     if guess is not None:
         try:
-            return newton(pad, guess, _given(force))
+            return newton(pad, guess, _constant_load(force))
         except DivergedError:
             pass
     last: PressedState | None = None
@@ -340,25 +339,27 @@ def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None)
     while True:
         target = min(1.0, reached + step)
         try:
-            state = _further(pad, last, target * force)
+            state = _next_state(pad, last, target * force)
         except DivergedError as failure:
             step = (target - reached) / 2
-            if step < SMALLEST:
-                raise _ended(pad, last, failure) from None
+            if step < SMALLEST_STEP:
+                raise _failure_beyond(pad, last, failure) from None
             continue
         if target == 1.0:
             return state
         last, reached = state, target
 
 
-def _further(pad: PressedPad[Elastic], last: PressedState | None, force: float) -> PressedState:
+def _next_state(pad: PressedPad[Elastic], last: PressedState | None, force: float) -> PressedState:
     """The state under `force`, looked for from another one, or from rest."""
     if last is None:
-        return newton(pad, np.zeros(pad.body.free.size), _given(force))
-    return newton(pad, last.values, _given(force), last.contact.active)
+        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force))
+    return newton(pad, last.values, _constant_load(force), last.contact.active)
 
 
-def _ended(pad: PressedPad[Elastic], last: PressedState | None, failure: DivergedError) -> DivergedError:
+def _failure_beyond(
+    pad: PressedPad[Elastic], last: PressedState | None, failure: DivergedError
+) -> DivergedError:
     """The failure beyond the last state, with that state's force and, where the next is not stable, what
     gives way there."""
     if last is None or not isinstance(failure, UnstableError):
@@ -386,23 +387,23 @@ def press_until_all_touch(
         return force
 
     try:
-        return _walked(pad, near, load, guess)
+        return _walk(pad, near, load, guess)
     except DivergedError as failure:
         words, reached = str(failure), failure.reached
     try:
         at_rest = np.zeros(pad.body.free.size)
         ridges, _ = seen_by_plate(pad, at_rest, linearised(pad.body, at_rest, at_rest))
-        return _walked(pad, press_to(pad, load(ridges, None)), load)
+        return _walk(pad, press_to(pad, load(ridges, None)), load)
     except DivergedError:
         raise DivergedError(words, reached) from None
 
 
-def _walked(
+def _walk(
     pad: PressedPad[Elastic], state: PressedState, load: Load, guess: Array | None = None
 ) -> PressedState:
     """The state at the force that `load` asks for, from a state in steps halfway to what it asks there."""
     start = state.values if guess is None else guess
-    for _ in range(WALK):
+    for _ in range(MAX_HALVINGS):
         try:
             return newton(pad, start, load, state.contact.active)
         except DivergedError as failure:
@@ -413,7 +414,7 @@ def _walked(
             wanted = 0.0
         halfway = (state.force + wanted) / 2
         try:
-            state = _further(pad, state, min(halfway, 1.5 * state.force))
+            state = _next_state(pad, state, min(halfway, 1.5 * state.force))
         except DivergedError as failure:
             raise DivergedError(str(failure), state.force) from None
         start = state.values

@@ -13,9 +13,9 @@ it is 0.5 still. The forces hardly feel it: 0.6 % between four meshes at 0.68. A
 0.05, does not help (0.635); at coefficients of 0.8 and 0.6 the tips fold too, at 0.61 and 0.59.
 
 Small strain, plane strain. The plate comes down from the first touch on, its normal force growing from step
-to step; sideways it is free, as in a scene's press. Each step is solved exactly (frictional.py). F9 is where
-the last ridge's finely sampled gap closes: that ridge taken out of contact, by root finding on the force
-within the step in which it begins to touch, as without friction (frictionless.py).
+to step; sideways it is free, as in a scene's press. Each step is solved exactly (frictional.py). All ridges
+touch where the last one's finely sampled gap closes. That force is found with this ridge out of contact, by
+root finding within the step in which it begins to touch, as without friction (frictionless.py).
 """
 
 from __future__ import annotations
@@ -74,10 +74,10 @@ def pinch(loops: list[Outline], plate: float) -> Pinch:
     return tightest
 
 
-def fault(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | None:
+def undetected_contact(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | None:
     """Return what a state has that the model does not know: contact of the skin with itself or, off its
     crests, with the plate; with `creases` a surface that folds too. None for a sound state."""
-    plate = (pad.top - state.grip.approach) / pad.unit
+    plate = (pad.top - state.contact.approach) / pad.unit
     loops = outlines(pad.rest, state.values)
     least = pinch(loops, plate)
     if creases and least.stretch < WRINKLES:
@@ -87,11 +87,11 @@ def fault(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | No
             f"the surface folds onto itself at ridge {ridge}'s {where}: its stretch there is "
             f"{least.stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
         )
-    return plane_body.fault(loops, lambda x: np.full_like(x, plate), with_itself=creases)
+    return plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
 
 
 ROOT = 1e-9  # relative, of the force; steps are known to 1e-10
-FURTHEST = 3.0  # times F9 without friction and the force, up to which F9 with friction is looked for
+SEARCH_FACTOR = 3.0  # of the larger of the force and the all-touch force without friction: the search's end
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class StickingPad:
         return replace(self, ridges=self.ridges.lowered(drops))
 
 
-def gripped(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
+def sticking_pad_of(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
     """Return the pad of an assembled mesh; `unit` is the pad's, mm."""
     space = system.space.components[0]
     along_x = system.contact - space.Range(1).start + space.Range(0).start
@@ -124,8 +124,9 @@ def gripped(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
 
 @dataclass(frozen=True)
 class PressResult:
-    """Where a press ends: F9, None where there is none without friction either, the approach and each
-    ridge's force `(ridges,)` at the asked force, in the pad's units, and the largest residual of a step."""
+    """Result of a press, in the pad's units. `all_touch_force` is None if there is none without friction
+    either; `approach` and `ridge_force` `(ridges,)` are those at the wanted force; `residual` is a step's
+    largest."""
 
     all_touch_force: float | None
     approach: float
@@ -133,13 +134,13 @@ class PressResult:
     residual: float
 
 
-def pressed(
+def press_with_friction(
     pad: StickingPad, coefficient: float, force: float, first: float | None, steps: int
 ) -> PressResult:
-    """Press to `force` and until all ridges touch; `first` is F9 without friction.
+    """Press to `force` and until all ridges touch; `first` is the all-touch force without friction.
 
-    Up to the smaller of both, and from there to the larger, the force rises in so many even `steps`. Raises
-    ContactError where a step's sets do not settle, halved or not, or all do not touch up to FURTHEST.
+    Up to the smaller of both, and from there to the larger, the force rises in `steps` equal steps. Raises
+    ContactError where a step's sets do not settle, halved or not, or all do not touch up to SEARCH_FACTOR.
     """
     path = _Path(pad, FrictionCoefficients(coefficient, coefficient))
     state, load, residual = at_rest(pad.ridges.gap.size), 0.0, 0.0
@@ -161,7 +162,9 @@ def pressed(
         state, load = after, following
         at_force = state if load == force else at_force
     if searching or at_force is None:
-        raise ContactError(f"not all ridges touch at up to {FURTHEST:g} times the force without friction")
+        raise ContactError(
+            f"not all ridges touch at up to {SEARCH_FACTOR:g} times the force without friction"
+        )
     of_point = pad.ridges.of_point
     shares = np.array([at_force.normal[of_point == r].sum() for r in pad.ridges.numbers])
     return PressResult(all_touch, at_force.approach, shares, residual)
@@ -170,11 +173,11 @@ def pressed(
 def _forces(force: float, first: float | None, steps: int) -> list[float]:
     """The forces of a press: `force` itself is one of them."""
     low, high = sorted((force, first or force))
-    even = (np.arange(steps) + 1) / steps
-    forces = [*(low * even[:-1]), low]
+    shares = (np.arange(steps) + 1) / steps
+    forces = [*(low * shares[:-1]), low]
     if high > low:
-        forces += [*(low + (high - low) * even[:-1]), high]
-    further = high * (1 + even)
+        forces += [*(low + (high - low) * shares[:-1]), high]
+    further = high * (1 + shares)
     return [float(level) for level in (*forces, *further, *(high + further))]
 
 

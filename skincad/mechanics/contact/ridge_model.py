@@ -21,18 +21,18 @@ TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where 
 SWEEPS = 4000  # under a force far below what closes the gaps each sweep leaves 98 % of the error
 BATCH = 500  # parts swept together: their forces stay in a processor's cache
 SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
-MOST = 320  # ridges; of more the yield would be that of fewer than 40 parts (manufacture.BATCH_PARTS)
-ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it has lost its digits
+MAX_RIDGES = 320  # ridges; of more the yield would be that of fewer than 40 parts (manufacture.BATCH_PARTS)
+ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it is rounding
 
 
 def ridge_model(ridges: Ridges | MirroredRidges, largest: float, unit: float, scale: float) -> RidgeModel:
     """Return the reduced model of a condensed pad, its tables up to the force `largest` N on one ridge.
 
-    `unit` mm and `scale` N are the pad's units. Raises ContactError for a pad of more than MOST ridges.
+    `unit` mm and `scale` N are the pad's units. Raises ContactError for a pad of more than MAX_RIDGES ridges.
     """
     numbers = np.unique(ridges.of_point)
-    if numbers.size > MOST:
-        raise ContactError(f"it is found of at most {MOST} ridges, not of {numbers.size}")
+    if numbers.size > MAX_RIDGES:
+        raise ContactError(f"the ridge model takes at most {MAX_RIDGES} ridges, got {numbers.size}")
     inside = [np.flatnonzero(ridges.of_point == number) for number in numbers]
     gap = np.array([ridges.gap[points].min() for points in inside])
     force = np.concatenate([[0.0], TABLE * largest / scale])
@@ -62,16 +62,16 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     flexibility = np.diag(1 / stiffness) + model.coupling
     by_one = np.asarray(np.linalg.solve(flexibility, np.ones(model.gap.size)), dtype=np.float64)
     low = model.gap + drop
-    low -= low.min(axis=1, keepdims=True)  # the first touch is 0: a light force loses no digits to the datum
+    low -= low.min(axis=1, keepdims=True)  # the first touch is 0: a light force is not lost in rounding
     rounding = ROUNDING * float(by_one.sum()) * float(np.ptp(low))
     forces = np.empty_like(low)
     for first in range(0, len(low), BATCH):
         some = slice(first, first + BATCH)
-        forces[some] = _settled(model, by_one, low[some].T, force[some], rounding).T
+        forces[some] = _settle(model, by_one, low[some].T, force[some], rounding).T
     return forces
 
 
-def _settled(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding: float) -> Array:
+def _settle(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding: float) -> Array:
     """Forces `(n, s)` of parts with crests at `low` `(n, s)`; `by_one` `(n,)` moves all ridges by one.
 
     A ridge's parts lie together in memory; parts that have settled are swept no further.

@@ -1,8 +1,8 @@
 """The state of a contact with friction, what drives it, and the laws of friction.
 
-What friction bears at a contact point, by its normal force and by its area. By Coulomb's law that is the
-normal force times a coefficient. Other laws say which shear stress is borne at which pressure, straight
-between a few knees and constant beyond the last; one knee is a constant shear stress capped by Coulomb. A
+The force that friction bears at a contact point, by its normal force and its area: by Coulomb's law the
+normal force times a coefficient. Other laws give the shear stress over the pressure, straight between a few
+breakpoints and constant beyond the last; one breakpoint is a constant shear stress capped by Coulomb. A
 sliding point's force is then t = slope p + stress a, both of the line on which its pressure lies: for given
 lines the equations of a step stay linear, and the lines are one more set to be found.
 """
@@ -24,33 +24,34 @@ NO_LINES = np.zeros(0, dtype=np.int64)
 
 @dataclass(frozen=True, eq=False)
 class FrictionLaw:
-    """A point that sticks bears `static`, one that slides `kinetic` times what `borne` says of it. Without
-    knees that is the normal force; with them `static` is 1, and `pressure`, `stress` `(k + 1,)` MPa, both
-    from 0 on, are of points of `area` `(m,)` mm2."""
+    """A point that sticks bears `static`, one that slides `kinetic` times the force `borne`. Without
+    breakpoints that is the normal force; with them `static` is 1, and `pressure`, `stress` `(k + 1,)` MPa,
+    both from 0 on, are of points of `area` `(m,)` mm2."""
 
     static: float
     kinetic: float
-    bends: bool
+    has_breakpoints: bool
     area: Array
     pressure: Array
     stress: Array
 
     def borne(self, normal: Array) -> Array:
-        """Return the force `(m,)` N, static friction's of a law with knees, at normal forces `(m,)` N."""
-        if not self.bends:
+        """Return the force `(m,)` N, static friction's of a law with breakpoints, at normal forces `(m,)`
+        N."""
+        if not self.has_breakpoints:
             return normal
         return self.area * np.interp(normal / self.area, self.pressure, self.stress)
 
     def line(self, normal: Array) -> Index:
-        """Return on which line each point lies `(m,)`, 0 up to the first knee; nothing without knees."""
-        if not self.bends:
+        """Return on which line each point lies `(m,)`, 0 up to the first breakpoint; nothing without any."""
+        if not self.has_breakpoints:
             return NO_LINES
         return np.searchsorted(self.pressure[1:], normal / self.area)
 
     def sliding(self, line: Index, way: Array) -> tuple[Array, Array | None]:
         """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
         is 1 and to -x where it is -1; None where no law has an offset."""
-        if not self.bends:
+        if not self.has_breakpoints:
             return self.kinetic * way, None
         slopes = np.append(np.diff(self.stress) / np.diff(self.pressure), 0.0)
         offsets = self.stress - slopes * self.pressure
@@ -79,8 +80,8 @@ class FrictionCoefficients:
     """Coefficients of friction: `static` holds a point that sticks, `kinetic` drags one that slips.
 
     `breakpoints` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
-    rising: straight from 0 on, by `static`, from knee to knee, and constant beyond the last. Without any the
-    law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
+    rising: straight from 0 on, by `static`, from breakpoint to breakpoint, and constant beyond the last.
+    Without any the law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
     """
 
     static: float
@@ -116,8 +117,9 @@ class Drive:
 
 @dataclass(frozen=True)
 class Inert:
-    """What a plate with mass adds to a step's drive: the forces are less by `stiffness` N/mm times what the
-    plate's approach and travel exceed these two, mm. Counted from there, a heavy plate loses no digits."""
+    """Inertia of a plate with mass in a step: the forces fall by `stiffness` N/mm times the distance of the
+    plate's approach and travel from these two, mm. Counting from there avoids cancellation for a heavy
+    plate."""
 
     stiffness: float
     approach: float

@@ -28,7 +28,7 @@ from scipy import sparse
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
-from skincad.mechanics.contact.frictional import grip, in_halves, joined
+from skincad.mechanics.contact.frictional import in_halves, joined, solve_contact
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
@@ -283,7 +283,7 @@ class Dynamics:
             return self._after(state, drive, contact, free, slower, ops, (inert, pushing))
 
         try:
-            return after(grip(skin, state.contact, pushing, cone, inert))
+            return after(solve_contact(skin, state.contact, pushing, cone, inert))
         except GrossSlip as end:
             raise GrossSlip(after(end.last), str(end)) from None
 

@@ -16,7 +16,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
-from skincad.mechanics.bodies.plane_body import fault
+from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.film.stick import LoadState, PadPiece, StickSolution
 
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
@@ -206,5 +206,7 @@ def collision(
         return over(-x)
 
     outlines = [elements.outlines(body.system, side) for side in moved]
-    collisions = (fault(loops, height) for loops, height in zip(outlines, (over, over_image), strict=False))
+    collisions = (
+        undetected_contact(loops, height) for loops, height in zip(outlines, (over, over_image), strict=False)
+    )
     return next((words for words in collisions if words), None)

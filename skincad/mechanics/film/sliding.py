@@ -126,8 +126,8 @@ def parities(piece: PadPiece, body: StripBody) -> Iterator[tuple[int, Index]]:
     if not piece.mirrored:
         yield 0, np.empty(0, np.int64)
         return
-    yield 1, body.held[0]
-    yield -1, body.held[1]
+    yield 1, body.on_cut[0]
+    yield -1, body.on_cut[1]
 
 
 @dataclass(frozen=True)

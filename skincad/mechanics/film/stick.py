@@ -101,9 +101,9 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
     curved = elements.curved(mesh, order)
     body = film_field.body(curved, order, pad.materials)
     clock.append(perf_counter())
-    even, odd = body.held if piece.mirrored else (np.empty(0, np.int64),) * 2
-    small = condensed_piece(body, even)
-    small_odd = small if not piece.mirrored else condensed_piece(body, odd) if pull else None
+    symmetric, antisymmetric = body.on_cut if piece.mirrored else (np.empty(0, np.int64),) * 2
+    small = condensed_piece(body, symmetric)
+    small_odd = small if not piece.mirrored else condensed_piece(body, antisymmetric) if pull else None
     clock.append(perf_counter())
     push_state, bonded, residual = press_state(piece, body, small, force)
     pull_state = None

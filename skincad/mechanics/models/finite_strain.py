@@ -125,7 +125,7 @@ def at_force(
     reached = 0.0
     try:
         state = press_to(problem, force, guess)
-        wrong = problem.body.fault(state.values, problem.top - state.approach)
+        wrong = problem.body.undetected_contact(state.values, problem.top - state.approach)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached
     if wrong is None:
@@ -163,7 +163,7 @@ def all_touch(
     reached = state.force
     try:
         touching = press_until_all_touch(problem, state, guess)
-        wrong = problem.body.fault(touching.values, problem.top - touching.approach)
+        wrong = problem.body.undetected_contact(touching.values, problem.top - touching.approach)
         if wrong is None:
             return touching, ""
     except DivergedError as failure:

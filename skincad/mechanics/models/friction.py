@@ -18,7 +18,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact.frictionless import all_touch_force, press
-from skincad.mechanics.contact.press_path import gripped, pressed
+from skincad.mechanics.contact.press_path import press_with_friction, sticking_pad_of
 from skincad.mechanics.models.corrected import Errors, apply_change
 from skincad.mechanics.problem import Answer, Pad, SizeError
 
@@ -74,14 +74,14 @@ def solve(
         if points > MOST_POINTS:
             words = f"is computed with friction for at most {MOST_POINTS} contact points"
             raise SizeError("ridge.count", words, points, "take fewer ridges")
-        seen = gripped(pad, system, unit)
+        seen = sticking_pad_of(pad, system, unit)
         if crest_offsets:
             seen = seen.lowered(np.array(crest_offsets) / unit)
         ridges, load = seen.ridges, force / scale
         first = all_touch_force(ridges, load)
         smooth = press(ridges.flexibility, ridges.gap, load)
         shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
-        sticking = pressed(seen, coefficient, load, first, steps)
+        sticking = press_with_friction(seen, coefficient, load, first, steps)
 
     def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> CoarsePress:
         first = None if threshold is None else threshold * scale

@@ -21,10 +21,10 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.chain import ChainFactors, chained
+from skincad.mechanics.bodies.chain import ChainFactors, condense_by_slabs
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.bodies.mesh import PadMesh, default_sizes, plane_piece, triangles, unit_of
-from skincad.mechanics.bodies.plane_body import fault
+from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.contact.frictionless import (
     NodalContact,
     Ridges,
@@ -173,9 +173,9 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     if contact > MOST_CONTACT_UNKNOWNS:
         raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
     assembled = elements.assemble(curved, order, pad.materials)
-    system = elements.even(assembled)
+    system = elements.symmetric_system(assembled)
     clock.append(perf_counter())
-    small = chained(system)
+    small = condense_by_slabs(system)
     clock.append(perf_counter())
     ridges = seen_by_plate(pad, system, small.flexibility, unit)
     if crest_offsets:
@@ -186,7 +186,7 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     residual = max(state.residual, _balance(system, moved, force / scale))
     plate = height_above(pad, ridges, system, state.approach, unit)
     outlines = elements.outlines(system, moved)
-    wrong = fault(outlines, plate, mirrored=meshed.mirrored)
+    wrong = undetected_contact(outlines, plate, mirrored=meshed.mirrored)
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return PlaneSolution(

@@ -192,7 +192,7 @@ def layers_of(meshed: PadMesh, along: Layers) -> prisms.AlongY:
 
 def check_size(forms: prisms.SectionForms, line: prisms.AlongY) -> None:
     """Raise SizeError for more unknowns than fit, before any is solved."""
-    unknowns, contact = 3 * forms.held.size * line.at.size, forms.plane.contact.size * line.at.size
+    unknowns, contact = 3 * forms.clamped.size * line.at.size, forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
         raise SizeError(
             "ridge.count",

@@ -98,7 +98,7 @@ def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: 
     borders = prisms.graded(
         meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
     )
-    unknowns = 3 * forms.held.size * ((borders.size - 1) * along.order + 1)
+    unknowns = 3 * forms.clamped.size * ((borders.size - 1) * along.order + 1)
     if unknowns > MOST_UNKNOWNS:
         raise SizeError(
             "ridge.count",

@@ -13,7 +13,7 @@ from scipy import sparse
 from skincad import load
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import chain, elements
-from skincad.mechanics.bodies.chain import ChainFactors, SlabChain, chained
+from skincad.mechanics.bodies.chain import ChainFactors, SlabChain, condense_by_slabs
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
@@ -44,9 +44,9 @@ def nine_at_once(name: str) -> Condensation:
     return at_once(system_of(name))
 
 
-def assert_close(found: Array, exact: Array, most: float) -> None:
+def assert_close(values: Array, exact: Array, most: float) -> None:
     """No number further off than `most`; pytest.approx takes a Python step for each of a million."""
-    np.testing.assert_allclose(found, exact, rtol=0, atol=most, equal_nan=False)
+    np.testing.assert_allclose(values, exact, rtol=0, atol=most, equal_nan=False)
 
 
 @pytest.fixture(params=[1, 2, 5, 9])
@@ -59,7 +59,7 @@ def of_ridges(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("name", ["plain-ridges", "yamada-2002"])
 def test_a_chain_is_the_flexibility_condensed_at_once(name: str, of_ridges: int) -> None:
     system, random = system_of(name), np.random.default_rng(3)
-    small, whole = chained(system), nine_at_once(name)
+    small, whole = condense_by_slabs(system), nine_at_once(name)
     assert len(small.flexibility.slabs) == round(9 / of_ridges)
     rows = system.nodes.rows
     seen, points = small.flexibility.seen(rows), np.asarray(rows @ whole.flexibility @ rows.T)
@@ -78,18 +78,18 @@ def test_a_chain_is_the_flexibility_condensed_at_once(name: str, of_ridges: int)
 
 def test_what_points_carry_moves_them_so_and_is_found_anew_for_other_points(of_ridges: int) -> None:
     system, random = system_of("plain-ridges"), np.random.default_rng(4)
-    chain, whole = chained(system).flexibility, nine_at_once("plain-ridges").flexibility
+    chain, whole = condense_by_slabs(system).flexibility, nine_at_once("plain-ridges").flexibility
     few = system.contact.size // 20  # some slabs hold none of them
     for inside in (np.arange(few), np.flatnonzero(random.random(chain.size) < 0.5), np.arange(chain.size)):
         sides = random.normal(size=(inside.size, 2))
-        found, exact = chain.carried(inside, sides), np.linalg.solve(whole[np.ix_(inside, inside)], sides)
+        forces, exact = chain.carried(inside, sides), np.linalg.solve(whole[np.ix_(inside, inside)], sides)
         # the forces of a random movement are large, and so is the condition of what they come from
-        assert_close(found, exact, 1e-8 * np.abs(exact).max())
-        assert_close(whole[np.ix_(inside, inside)] @ found, sides, 1e-9)
+        assert_close(forces, exact, 1e-8 * np.abs(exact).max())
+        assert_close(whole[np.ix_(inside, inside)] @ forces, sides, 1e-9)
 
 
 def test_a_chain_gives_no_block_across_slabs() -> None:
-    chain = chained(system_of("plain-ridges")).flexibility
+    chain = condense_by_slabs(system_of("plain-ridges")).flexibility
     first, last = chain.slabs[0].points[:2], chain.slabs[-1].points[:2]
     for where in (np.ix_(np.append(first, last), np.append(first, last)), np.ix_(first, last)):
         with pytest.raises(IndexError, match="one slab"):
@@ -98,14 +98,14 @@ def test_a_chain_gives_no_block_across_slabs() -> None:
 
 def stored(small: ChainFactors) -> int:
     """Numbers that a chain keeps."""
-    own = sum(s.own.size + s.follow.size + s.stiffness.size for s in small.flexibility.slabs)
+    slabs = sum(s.flexibility.size + s.follow.size + s.stiffness.size for s in small.flexibility.slabs)
     joints = sum(s.root.size + s.side.size for s in small.flexibility.free.steps)
-    return int(own + joints + sum(lower.nnz for lower in small.lowers))
+    return int(slabs + joints + sum(lower.nnz for lower in small.lowers))
 
 
 def test_what_a_chain_stores_grows_with_the_ridges() -> None:
     """Between 6, 12 and 24 ridges as much is added for each: the ends cancel, netgen's scatter remains."""
-    few, some, many = (stored(chained(system_of("", 2, ridges))) for ridges in (6, 12, 24))
+    few, some, many = (stored(condense_by_slabs(system_of("", 2, ridges))) for ridges in (6, 12, 24))
     assert (many - some) / 12 == pytest.approx((some - few) / 6, rel=0.1)
 
 
@@ -120,15 +120,15 @@ def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest
         return carried(chain, inside, sides)
 
     monkeypatch.setattr(SlabChain, "carried", counted)
-    taken = []
+    counts = []
     for ridges in (9, 27):
         design = wide(ridges).with_(skin={"curvature_radius": 60.0 * (ridges / 9) ** 2})
         pad = pad_of(design)
-        found = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
-        assert found.all_touch_force
-        taken.append(len(solves))
+        solution = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
+        assert solution.all_touch_force
+        counts.append(len(solves))
         solves.clear()
-    assert 0 < taken[1] < 2 * taken[0]
+    assert 0 < counts[1] < 2 * counts[0]
 
 
 def test_cuts_are_left_out_where_triangles_reach_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,8 +143,8 @@ def test_cuts_are_left_out_where_triangles_reach_too_far(monkeypatch: pytest.Mon
     together = np.concatenate([*parts.interior, *parts.contact, *parts.joints])
     assert np.array_equal(np.sort(together), np.union1d(system.interior, system.contact))
     exact = at_once(system).flexibility
-    found = chained(system).flexibility @ np.eye(len(exact))
-    assert_close(found, exact, ROUNDING * np.abs(exact).max())
+    flexibility = condense_by_slabs(system).flexibility @ np.eye(len(exact))
+    assert_close(flexibility, exact, ROUNDING * np.abs(exact).max())
 
 
 @pytest.mark.parametrize("part", ["interior", "contact"])
@@ -154,7 +154,7 @@ def test_a_stiffness_that_is_not_definite_is_refused(part: str) -> None:
     less[getattr(system, part)[::7]] = -1e3
     bad = replace(system, matrix=sparse.csr_matrix(system.matrix + sparse.diags(less)))
     with pytest.raises(ContactError, match="not positive definite"):
-        chained(bad)
+        condense_by_slabs(bad)
 
 
 def test_one_that_is_definite_slab_by_slab_alone_is_refused() -> None:
@@ -166,14 +166,14 @@ def test_one_that_is_definite_slab_by_slab_alone_is_refused() -> None:
     scaled = sparse.diags(less) @ sparse.diags(system.matrix.diagonal())
     bad = replace(system, matrix=sparse.csr_matrix(system.matrix - scaled))
     with pytest.raises(ContactError, match="not positive definite"):
-        chained(bad)
+        condense_by_slabs(bad)
 
 
 def both(pad: Pad, force: float, monkeypatch: pytest.MonkeyPatch) -> list[linear.PlaneSolution]:
     """A level's answers by the chain and by the pad condensed at once."""
     meshed = plane_piece(pad, 0.5, whole=True)
     one = linear.level(meshed, 2, force)
-    monkeypatch.setattr(linear, "chained", at_once)
+    monkeypatch.setattr(linear, "condense_by_slabs", at_once)
     return [one, linear.level(meshed, 2, force)]
 
 
@@ -208,9 +208,11 @@ def test_inner_ridges_of_a_long_flat_pad_carry_the_same() -> None:
     joint between slabs is to be seen."""
     design = wide(31).with_(skin={"curvature_radius": 1e8}, material={"poisson_ratio": 0.3})
     pad = pad_of(design)
-    found = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
-    assert len(found.ridges.flexibility.slabs) == 6  # type: ignore[union-attr]
-    assert found.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-12)
-    inner = found.ridge_force[12:-12]
+    solution = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
+    assert len(solution.ridges.flexibility.slabs) == 6  # type: ignore[union-attr]
+    assert solution.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-12)
+    inner = solution.ridge_force[12:-12]
     assert inner == pytest.approx(np.full(inner.size, inner.mean()), rel=5e-3)
-    assert found.ridge_force == pytest.approx(found.ridge_force[::-1], rel=2e-2)  # the mesh is not mirrored
+    assert solution.ridge_force == pytest.approx(
+        solution.ridge_force[::-1], rel=2e-2
+    )  # the mesh is not mirrored

@@ -32,11 +32,11 @@ def indefinite(seed: int) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(4))
 def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> None:
     whole = indefinite(seed)
-    found = condense.factorise(sparse.csr_matrix(whole), np.arange(12), 4)
-    assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
-    assert (int((found.pivots[:-4] < 0).sum()), int((found.pivots < 0).sum())) == (0, 2)
+    condensed = condense.factorise(sparse.csr_matrix(whole), np.arange(12), 4)
+    assert condensed.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
+    assert (int((condensed.pivots[:-4] < 0).sum()), int((condensed.pivots < 0).sum())) == (0, 2)
     loads = np.arange(24.0).reshape(12, 2)
-    assert found.at_contact(loads) == pytest.approx(np.linalg.solve(whole, loads)[-4:], rel=1e-9)
+    assert condensed.at_contact(loads) == pytest.approx(np.linalg.solve(whole, loads)[-4:], rel=1e-9)
     with pytest.raises(ContactError, match="not positive definite"):
         condense.condense(sparse.csr_matrix(whole), np.arange(8), np.arange(8, 12))
 
@@ -45,10 +45,10 @@ def test_an_indefinite_matrix_is_condensed_and_its_signs_counted(seed: int) -> N
 def test_fronts_of_an_indefinite_matrix_solve_it_and_count_its_signs(seed: int) -> None:
     whole, one = indefinite(seed), condense.Front(np.arange(8), np.arange(8, 12), (), np.arange(1))
 
-    found = condense.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
-    assert found.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
-    assert found.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
-    assert found.negative_eigenvalues == 2
+    factors = condense.factored(lambda _: [(np.arange(12), whole)], [one], lambda functions: functions, 12)
+    assert factors.flexibility == pytest.approx(np.linalg.inv(whole)[-4:, -4:], rel=1e-9)
+    assert factors.solve(np.arange(12.0)) == pytest.approx(np.linalg.solve(whole, np.arange(12.0)), rel=1e-9)
+    assert factors.negative_eigenvalues == 2
 
 
 def test_another_failure_of_the_factorisation_is_not_called_singular(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,10 +65,10 @@ def test_a_tangent_is_singular_only_where_its_library_says_so() -> None:
     square = SplineGeometry()
     square.AddRectangle((0, 0), (1, 1), bcs=("back", "free", "contact1", "free"))
     square.SetMaterial(1, "skin")
-    made = plane_body.body(Mesh(square.GenerateMesh(maxh=0.5)), 2, {"skin": (1.0, 0.49)})
-    nowhere = np.full(made.free.size, np.nan)
+    body = plane_body.body(Mesh(square.GenerateMesh(maxh=0.5)), 2, {"skin": (1.0, 0.49)})
+    nowhere = np.full(body.free.size, np.nan)
     with pytest.raises(ContactError, match="the tangent stiffness of an element is singular"):
-        plane_body.tangent(made, nowhere, nowhere)
+        plane_body.tangent(body, nowhere, nowhere)
 
 
 @pytest.mark.parametrize("failure", [NgException("Could not allocate localheap"), MemoryError()])

@@ -57,9 +57,9 @@ def cylinder(radius: float, ratio: float) -> Pad:
 def test_patch_uniform_stress(order: int) -> None:
     """At nu = 0 a clamped block shortens uniformly: the elements hold it, so only rounding is left."""
     pad = block(3.0, 2.0, 0.0)
-    found = level(plane_piece(pad), order, 0.5)
-    assert found.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
-    assert found.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
+    solution = level(plane_piece(pad), order, 0.5)
+    assert solution.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
+    assert solution.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.499, 0.4999999])
@@ -84,12 +84,12 @@ def test_hertz(ratio: float) -> None:
     exact = closed_forms.hertz(load, radius, pad.young_modulus, ratio)
     assert exact.half_width == pytest.approx(wanted, rel=1e-14)
     meshed = meshed_piece(pad, Sizes(contact=0.01, ridge=0.5, bulk=0.7, corner=0.05), whole=True)
-    found = level(meshed, 3, load * pad.length)
-    fitted = closed_forms.fitted_line_contact(found.x, found.pressure)
+    solution = level(meshed, 3, load * pad.length)
+    fitted = closed_forms.fitted_line_contact(solution.x, solution.pressure)
     assert fitted.half_width == pytest.approx(exact.half_width, rel=5e-3)
     assert fitted.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-3)
     # and not from the fit: the outermost loaded point lies within one edge of the half-width
-    assert np.abs(found.x[found.pressure > 0]).max() == pytest.approx(wanted, abs=0.01)
+    assert np.abs(solution.x[solution.pressure > 0]).max() == pytest.approx(wanted, abs=0.01)
 
 
 @pytest.mark.slow
@@ -101,14 +101,15 @@ def test_trailing_block_is_a_solve_per_unknown() -> None:
     factor = splu(system.matrix[free][:, free].tocsc())
     sides = np.zeros((free.size, system.contact.size))
     sides[-system.contact.size :] = np.eye(system.contact.size)
-    each = factor.solve(sides)[-system.contact.size :]
+    by_solves = factor.solve(sides)[-system.contact.size :]
     trailing = condense(system.matrix, system.interior, system.contact).flexibility
     # 1e-10: rounding at a condition of 1e8, the film being 3750 times stiffer
-    assert np.abs(trailing - each).max() <= 1e-10 * np.abs(each).max()
+    assert np.abs(trailing - by_solves).max() <= 1e-10 * np.abs(by_solves).max()
 
 
 def test_error_falls_with_the_order() -> None:
-    """Rounded corners: each order divides the error of F9 by 5 or more, against k = 4 on a finer mesh."""
+    """Rounded corners: each order divides the error of the all-touch force by 5 or more, against k = 4 on a
+    finer mesh."""
     pad = pad_of(filleted().with_(**THREE))
     exact = level(plane_piece(pad, 2.0, whole=True), 4, 1.3).all_touch_force or 0.0
     meshed = plane_piece(pad, 0.5, whole=True)
@@ -122,8 +123,8 @@ def test_error_falls_with_the_mesh() -> None:
     """Sharp re-entrant corners leave less than the order's rate; halving still divides by at least 1.5."""
     pad = pad_of(sharp())
     exact = level(plane_piece(pad, 4.0), 3, 4.0).all_touch_force
-    found = [level(plane_piece(pad, fineness), 2, 4.0).all_touch_force for fineness in (0.5, 1.0, 2.0)]
-    errors = [abs((f or 0.0) - (exact or 0.0)) for f in found]
+    values = [level(plane_piece(pad, fineness), 2, 4.0).all_touch_force for fineness in (0.5, 1.0, 2.0)]
+    errors = [abs((f or 0.0) - (exact or 0.0)) for f in values]
     assert errors[1] < errors[0] / 1.5
     assert errors[2] < errors[1] / 1.5
 

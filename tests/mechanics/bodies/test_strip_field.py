@@ -17,15 +17,15 @@ def test_a_mesh_takes_four_linear_forms_whatever_strips_it_has(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each takes a timer of the library's for good, and after 8192 it says so on every line of a study."""
-    made: list[object] = []
+    forms: list[object] = []
     plain = ngs.LinearForm
 
     def counted(*arguments: Any, **options: Any) -> Any:
-        made.append(arguments)
+        forms.append(arguments)
         return plain(*arguments, **options)
 
     monkeypatch.setattr(ngs, "LinearForm", counted)
     at_level(
         small_scene(tmp_path, "yamada-2002-press", "history.steps=2", "readout.ridges=[2]", THIRD), LEVELS[0]
     )
-    assert len(made) == 4
+    assert len(forms) == 4

@@ -18,7 +18,7 @@ def sphere(reach: float, size: float) -> Compliance:
     """Return the square patches of `size` mm within `reach` mm of the axis."""
     count = int(reach / size)
     line = size * np.arange(-count, count + 1)
-    x, y = (each.ravel() for each in np.meshgrid(line, line))
+    x, y = (centres.ravel() for centres in np.meshgrid(line, line))
     inside = np.hypot(x, y) <= reach
     x, y = x[inside], y[inside]
     m = x.size

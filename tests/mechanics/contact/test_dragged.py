@@ -11,14 +11,14 @@ import pytest
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.film_field import strip_stress
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictional import grip
+from skincad.mechanics.contact.frictional import solve_contact
 from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
     FrictionalState,
-    dragged,
+    advance_to,
+    frictional_pad_of,
     linearised,
     newton,
-    to,
     unloaded,
 )
 from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
@@ -40,7 +40,7 @@ def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None =
     mesh = elements.curved(triangles(pad, sizes or default_sizes(pad, fineness)), order)
     scale = pad.young_modulus * unit * pad.length
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return dragged(plane_body.body(mesh, order, materials), pad.top, unit, scale)
+    return frictional_pad_of(plane_body.body(mesh, order, materials), pad.top, unit, scale)
 
 
 @cache
@@ -53,10 +53,10 @@ def three() -> tuple[Pad, FrictionalPad]:
 def march(
     pad: FrictionalPad, drives: list[Drive], cone: FrictionCoefficients, start: FrictionalState | None = None
 ) -> list[FrictionalState]:
-    found = [start or unloaded(pad)]
+    states = [start or unloaded(pad)]
     for before, after in pairwise([Drive(0.0, 0.0), *drives] if start is None else drives):
-        found.append(to(pad, found[-1], before, after, cone))
-    return found[1:]
+        states.append(advance_to(pad, states[-1], before, after, cone))
+    return states[1:]
 
 
 @cache
@@ -73,16 +73,16 @@ def test_a_block_sheared_with_stick_is_simple_shear() -> None:
     pad = block(8.0, 0.5, 0.3)
     what = whole(pad, sizes=Sizes(0.1, 0.1, 0.1, 0.1))
     drives = [Drive(1.0, travel=0.0), *(Drive(1.0, travel=0.05 * i) for i in (1, 2))]
-    found = march(what, drives, STICKY)[-1]
+    state = march(what, drives, STICKY)[-1]
     shear, rest = closed_forms.lame(0.7, 0.3)
-    stretch = 1 - found.grip.approach / 0.5
+    stretch = 1 - state.contact.approach / 0.5
     middle = np.abs(what.x) < 0.3
     nodal = what.weight[middle] * pad.length
-    along = found.grip.tangential[middle] / nodal
-    across = -found.grip.normal[middle] / nodal
-    assert (found.grip.status == STICK)[middle].all()
+    along = state.contact.tangential[middle] / nodal
+    normal = -state.contact.normal[middle] / nodal
+    assert (state.contact.status == STICK)[middle].all()
     assert along.mean() == pytest.approx(closed_forms.neo_hookean_shear(0.2, shear), rel=1e-3)
-    assert across.mean() == pytest.approx(shear * (stretch - 1 / stretch) + rest * (stretch - 1), rel=1e-3)
+    assert normal.mean() == pytest.approx(shear * (stretch - 1 / stretch) + rest * (stretch - 1), rel=1e-3)
 
 
 def test_without_friction_it_is_the_finite_strain_tier() -> None:
@@ -94,10 +94,10 @@ def test_without_friction_it_is_the_finite_strain_tier() -> None:
         PressedPad(plane_body.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
         1.2 / what.scale,
     )
-    found = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
-    assert found.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
-    assert found.grip.normal.sum() == pytest.approx(1.2, rel=1e-10)
-    assert not found.grip.tangential.any()
+    state = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
+    assert state.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
+    assert state.contact.normal.sum() == pytest.approx(1.2, rel=1e-10)
+    assert not state.contact.tangential.any()
 
 
 def test_small_loads_are_small_strain_to_first_order() -> None:
@@ -108,23 +108,25 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
     small = sliding(piece, mesh, 2, True)
     stiff = {"skin": (1.0, piece.pad.poisson_ratio), "film": (3750.0, 0.35)}
     scale = piece.pad.young_modulus * piece.unit * piece.pad.length
-    what = dragged(plane_body.body(elements.curved(mesh, 2), 2, stiff), piece.pad.top, piece.unit, scale)
+    what = frictional_pad_of(
+        plane_body.body(elements.curved(mesh, 2), 2, stiff), piece.pad.top, piece.unit, scale
+    )
     strips = strip_stress(what.body, 2, stiff, piece.slots, piece.thickness, piece.unit)
-    apart = []
+    differences = []
     for force in (1e-3, 5e-4, 2.5e-4):
         # one touching point moves on to the next as it grows: bonded points make the contact the same
         drives = [Drive(force, travel=0.0), Drive(force, 0.3 * force)]
-        found = march(what, drives, STICKY)[-1]
+        state = march(what, drives, STICKY)[-1]
         skin = Compliance(small.compliance, small.gap, np.zeros(2 * small.gap.size))
-        linear = grip(skin, unloaded(what).grip, drives[0], STICKY)
-        linear = grip(skin, linear, drives[1], STICKY)
-        assert (linear.status == found.grip.status).all()
+        linear = solve_contact(skin, unloaded(what).contact, drives[0], STICKY)
+        linear = solve_contact(skin, linear, drives[1], STICKY)
+        assert (linear.status == state.contact.status).all()
         stress = small.strips @ np.concatenate([linear.tangential, -linear.normal])
-        films = strips.at(found.values) * piece.pad.young_modulus
+        films = strips.at(state.values) * piece.pad.young_modulus
         largest = np.abs(stress).max()
-        apart.append([found.grip.travel / linear.travel - 1, np.abs(films - stress).max() / largest])
-    rates = np.log2(np.abs(np.array(apart[:-1]) / np.array(apart[1:])))
-    assert np.abs(apart[-1]).max() < 0.02
+        differences.append([state.contact.travel / linear.travel - 1, np.abs(films - stress).max() / largest])
+    rates = np.log2(np.abs(np.array(differences[:-1]) / np.array(differences[1:])))
+    assert np.abs(differences[-1]).max() < 0.02
     assert rates == pytest.approx(np.ones_like(rates), abs=0.15)
 
 
@@ -148,20 +150,20 @@ def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) ->
     here = newton(what, start, drive(0.0), cone)
     linearised(what, here.values, what.body.residual(here.values))
     skin = predicted(what, here)
-    ahead, back = (newton(what, start, drive(s), cone).grip for s in (1.0, -1.0))
-    guess = grip(skin, start.grip, drive(1.0), cone)
+    ahead, back = (newton(what, start, drive(s), cone).contact for s in (1.0, -1.0))
+    guess = solve_contact(skin, start.contact, drive(1.0), cone)
     assert (ahead.status == back.status).all()
     assert guess.slips[guess.touches].all() != bool(pull)
     for name in ("approach", "travel"):
         slope = (getattr(ahead, name) - getattr(back, name)) / 2
         largest = abs(ahead.approach - back.approach) + abs(ahead.travel - back.travel)
-        assert getattr(guess, name) - getattr(here.grip, name) == pytest.approx(slope, abs=1e-3 * largest)
+        assert getattr(guess, name) - getattr(here.contact, name) == pytest.approx(slope, abs=1e-3 * largest)
 
 
 def predicted(what: FrictionalPad, here: FrictionalState) -> Compliance:
     """The linearised contact at a state, which is in balance with its contact forces."""
-    linear = what.kept[0]
-    force = np.concatenate([here.grip.tangential, -here.grip.normal])
+    linear = what.tangents[0]
+    force = np.concatenate([here.contact.tangential, -here.contact.normal])
     place = what.rows @ here.values[what.contact] * what.unit
     return Compliance(linear.compliance, what.gap, place - linear.compliance @ force)
 
@@ -171,7 +173,7 @@ def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
     what = three()[1]
     m = what.gap.size
     for state in pulled():
-        contact = state.grip
+        contact = state.contact
         moved = what.rows @ state.values[what.contact] * what.unit
         gap = what.gap - contact.approach - moved[m:]
         length, largest = np.ptp(what.gap), contact.normal.max()
@@ -190,14 +192,14 @@ def test_what_the_plate_does_is_stored_or_dissipated() -> None:
     for count in (3, 6, 12):
         drives = [Drive(1.2 * i / count, 0.0) for i in range(1, count + 1)]
         drives += [Drive(1.2, 0.54 * i / count) for i in range(1, count + 1)]
-        found = march(what, drives, FrictionCoefficients(0.5, 0.5))
+        states = march(what, drives, FrictionCoefficients(0.5, 0.5))
         work = 0.0
-        for a, b in pairwise([unloaded(what), *found]):
-            force = [(x.grip.normal.sum(), x.grip.tangential.sum()) for x in (a, b)]
-            moves = b.grip.approach - a.grip.approach, b.grip.travel - a.grip.travel
+        for a, b in pairwise([unloaded(what), *states]):
+            force = [(x.contact.normal.sum(), x.contact.tangential.sum()) for x in (a, b)]
+            moves = b.contact.approach - a.contact.approach, b.contact.travel - a.contact.travel
             work += float(np.mean(force, axis=0) @ moves)
-        stored = what.body.energy(found[-1].values) * what.scale * what.unit
-        missing.append(abs(work - stored - sum(state.dissipated for state in found)) / work)
+        stored = what.body.energy(states[-1].values) * what.scale * what.unit
+        missing.append(abs(work - stored - sum(state.dissipated for state in states)) / work)
     assert missing[1] < 0.01
     assert missing[2] < 0.6 * missing[1] < 0.6 * missing[0]
 
@@ -210,10 +212,10 @@ def test_a_held_load_does_not_creep() -> None:
         state = newton(what, state, drive, FrictionCoefficients(0.5, 0.5))
         assert state.iterations == 1
         assert np.abs(state.change).max() <= 10 * RESIDUAL * np.abs(state.values).max()
-    stuck = first.grip.status == STICK
+    stuck = first.contact.status == STICK
     assert stuck.any()
-    assert (first.grip.anchor[stuck] == state.grip.anchor[stuck]).all()
-    assert state.grip.travel == pytest.approx(first.grip.travel, rel=10 * RESIDUAL)
+    assert (first.contact.anchor[stuck] == state.contact.anchor[stuck]).all()
+    assert state.contact.travel == pytest.approx(first.contact.travel, rel=10 * RESIDUAL)
 
 
 def test_same_march_same_bits() -> None:
@@ -221,7 +223,7 @@ def test_same_march_same_bits() -> None:
     drives = [Drive(0.4, 0.0), Drive(0.8, 0.0), Drive(0.8, 0.1)]
     one, other = (march(three()[1], drives, FrictionCoefficients(0.5, 0.5))[-1] for _ in range(2))
     assert (one.values == other.values).all()
-    assert (one.grip.tangential == other.grip.tangential).all()
+    assert (one.contact.tangential == other.contact.tangential).all()
 
 
 def test_more_friction_than_sticks_changes_nothing() -> None:
@@ -229,7 +231,7 @@ def test_more_friction_than_sticks_changes_nothing() -> None:
     what = three()[1]
     drives = [Drive(0.8, travel=0.0), Drive(0.8, travel=0.1)]
     one, other = (march(what, drives, FrictionCoefficients(mu, mu))[-1] for mu in (20.0, 15.0))
-    assert one.grip.tangential == pytest.approx(other.grip.tangential, abs=1e-8)
+    assert one.contact.tangential == pytest.approx(other.contact.tangential, abs=1e-8)
 
 
 def test_pulling_back_mirrors_everything() -> None:
@@ -237,7 +239,7 @@ def test_pulling_back_mirrors_everything() -> None:
     what = three()[1]
     back = [Drive(0.6, 0.0), Drive(1.2, 0.0), *(Drive(1.2, -0.15 * i) for i in (1, 2, 3))]
     ahead = [Drive(d.normal, -(d.tangential or 0.0)) for d in back]
-    one, other = (march(what, d, FrictionCoefficients(0.5, 0.5))[-1].grip for d in (ahead, back))
+    one, other = (march(what, d, FrictionCoefficients(0.5, 0.5))[-1].contact for d in (ahead, back))
     assert one.travel == pytest.approx(-other.travel, rel=0.01)
     of = [np.array([g.normal[what.ridge == r].sum() for r in (1, 2, 3)]) for g in (one, other)]
     assert of[0] == pytest.approx(of[1][::-1], rel=0.01)
@@ -245,25 +247,27 @@ def test_pulling_back_mirrors_everything() -> None:
 
 def test_gross_slip_tells_the_state_that_slips() -> None:
     with pytest.raises(GrossSlip) as end:
-        to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), FrictionCoefficients(0.5, 0.5))
+        advance_to(
+            three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), FrictionCoefficients(0.5, 0.5)
+        )
     last = end.value.last
     assert isinstance(last, FrictionalState)
-    assert last.grip.slips.all() or last.grip.gross
-    assert last.grip.tangential.sum() == pytest.approx(0.6, rel=1e-9)
+    assert last.contact.slips.all() or last.contact.gross
+    assert last.contact.tangential.sum() == pytest.approx(0.6, rel=1e-9)
     assert last.residual <= RESIDUAL
 
 
 def test_lifting_the_plate_forgets_it() -> None:
     what = three()[1]
-    lifted = to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), FrictionCoefficients(0.5, 0.5))
+    lifted = advance_to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), FrictionCoefficients(0.5, 0.5))
     assert not lifted.values.any()
-    assert not lifted.grip.normal.any()
+    assert not lifted.contact.normal.any()
 
 
 def test_a_step_without_equilibrium_is_refused() -> None:
     """More than the skin bears: an accepted state balances, so this is an error, not a state."""
     with pytest.raises(ContactError):
-        to(three()[1], unloaded(three()[1]), Drive(0.0, 0.0), Drive(60.0, 0.0), SMOOTH, 0)
+        advance_to(three()[1], unloaded(three()[1]), Drive(0.0, 0.0), Drive(60.0, 0.0), SMOOTH, 0)
 
 
 def test_strips_stress_turns_with_the_strip() -> None:
@@ -276,7 +280,7 @@ def test_strips_stress_turns_with_the_strip() -> None:
     mesh = elements.curved(triangles(piece.pad, default_sizes(piece.pad, 0.25)), 2)
     ratio, along = 0.3, 1.3
     both = {"skin": (1.0, ratio), "film": (1.0, ratio)}
-    what = dragged(plane_body.body(mesh, 2, both), piece.pad.top, piece.unit, 1.0)
+    what = frictional_pad_of(plane_body.body(mesh, 2, both), piece.pad.top, piece.unit, 1.0)
     strips = strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit)
     shear, rest = closed_forms.lame(1.0, ratio)
     wanted = [rest * (along - 1), shear / along * (along**2 - 1) + rest * (along - 1), rest * (along - 1)]

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.contact.frictional import grip, halved
+from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.state import (
     LEFT,
     OPEN,
@@ -63,12 +63,12 @@ def test_a_block_bears_what_the_table_says(normal: float, borne: float) -> None:
     driven = march(sticky_block(), dragged_by(normal, 1.0), cone)[-1]
     assert driven.tangential[0] == pytest.approx(borne, rel=1e-12)
     assert driven.status[0] == RIGHT
-    held = march(sticky_block(), [Drive(0.0, 0.0), Drive(normal, 0.0), Drive(normal, -0.99 * borne)], cone)[
-        -1
-    ]
-    assert held.status[0] == STICK
+    sticking = march(
+        sticky_block(), [Drive(0.0, 0.0), Drive(normal, 0.0), Drive(normal, -0.99 * borne)], cone
+    )[-1]
+    assert sticking.status[0] == STICK
     with pytest.raises(GrossSlip, match="more than kinetic friction holds") as end:
-        grip(sticky_block(), held, Drive(normal, -1.01 * borne), cone)
+        solve_contact(sticky_block(), sticking, Drive(normal, -1.01 * borne), cone)
     assert end.value.last.tangential[0] == pytest.approx(-borne, rel=1e-12)
     assert end.value.last.status[0] == LEFT
 
@@ -78,8 +78,8 @@ def test_kinetic_friction_is_the_same_part_of_static_friction_at_any_pressure() 
     cone = capped(4.0, 0.2, 3.0)
     drives = [Drive(0.0, travel=0.0), Drive(2.0, travel=0.0)]
     drives += [Drive(2.0, travel=s * SPRING) for s in (0.2, 0.39, 0.41, 0.8)]
-    found = march(sticky_block(), drives, cone)
-    assert [state.tangential[0] for state in found[2:]] == pytest.approx([0.2, 0.39, 0.3, 0.3], rel=1e-12)
+    states = march(sticky_block(), drives, cone)
+    assert [state.tangential[0] for state in states[2:]] == pytest.approx([0.2, 0.39, 0.3, 0.3], rel=1e-12)
 
 
 def test_friction_by_area_of_a_sphere_follows_the_load_to_two_thirds() -> None:
@@ -88,9 +88,9 @@ def test_friction_by_area_of_a_sphere_follows_the_load_to_two_thirds() -> None:
     half_space = sphere(1.05, 0.09)
     highest = (0.95 / 1.0) ** 3 * 0.1422  # N; its contact is 0.95 mm wide
     loads = np.geomspace(highest / 30, highest, 12)
-    found = [march(half_space, dragged_by(load, 5.0), capped(20.0))[-1] for load in loads]
-    pulls = np.array([float(state.tangential.sum()) for state in found])
-    assert all((state.status != STICK).all() for state in found)
+    states = [march(half_space, dragged_by(load, 5.0), capped(20.0))[-1] for load in loads]
+    pulls = np.array([float(state.tangential.sum()) for state in states])
+    assert all((state.status != STICK).all() for state in states)
     assert np.polyfit(np.log(loads), np.log(pulls), 1)[0] == pytest.approx(2 / 3, abs=0.01)
     assert pulls == pytest.approx([STRESS * hertz_area(load) for load in loads], rel=0.08)
 
@@ -102,9 +102,9 @@ def test_friction_by_area_of_a_cylinder_follows_the_square_root_of_the_load() ->
     widest = 0.19  # mm, half; the mesh is fine up to 0.2
     highest = 10.0 * np.pi * 0.8 / (1 - 0.49999**2) * widest**2 / (4 * 50.0)
     loads = highest * np.geomspace(1 / 16, 1.0, 9)
-    found = [march(here, dragged_by(load, 1.0), capped(2.0, 1e-5))[-1] for load in loads]
-    pulls = [float(state.tangential.sum()) for state in found]
-    assert all((state.status != STICK).all() for state in found)
+    states = [march(here, dragged_by(load, 1.0), capped(2.0, 1e-5))[-1] for load in loads]
+    pulls = [float(state.tangential.sum()) for state in states]
+    assert all((state.status != STICK).all() for state in states)
     assert np.polyfit(np.log(loads), np.log(pulls), 1)[0] == pytest.approx(0.5, abs=0.01)
 
 
@@ -116,7 +116,7 @@ def test_coulomb_is_the_limit_of_a_large_shear_stress(kinetic: float) -> None:
         march(rough_skin(), drives, cone)
         for cone in (FrictionCoefficients(0.7, kinetic), capped(0.7, 1e6, kinetic))
     )
-    assert {int(each) for state in plain for each in state.status} == {OPEN, STICK, RIGHT, LEFT}
+    assert {int(status) for state in plain for status in state.status} == {OPEN, STICK, RIGHT, LEFT}
     for one, other in zip(plain, limit, strict=True):
         assert (one.status == other.status).all()
         for name in ("normal", "tangential", "slipped"):
@@ -147,13 +147,13 @@ def test_a_held_load_does_not_creep() -> None:
     """Part of it slips, the rest sticks: held, it gives back the state that it was given, bit for bit."""
     here, drive = rough_skin(), Drive(1.2, 0.35)
     first = march(here, press_and_pull(1.2, 0.35), BY_AREA)[-1]
-    once = grip(here, first, drive, BY_AREA)
+    once = solve_contact(here, first, drive, BY_AREA)
     assert (once.status >= RIGHT).any()
     assert not once.slips.any()
     stuck = once.status == STICK
     assert stuck.any()
     assert (first.anchor[stuck] == once.anchor[stuck]).all()
-    again = grip(here, once, drive, BY_AREA)
+    again = solve_contact(here, once, drive, BY_AREA)
     assert all(np.array_equal(getattr(once, f.name), getattr(again, f.name)) for f in fields(ContactState))
 
 
@@ -180,7 +180,7 @@ def test_what_gross_slip_takes_does_not_hang_on_the_way_there() -> None:
 
 def test_a_skin_without_areas_is_refused() -> None:
     with pytest.raises(ContactError, match="asks for the area"):
-        grip(block(), at_rest(1), Drive(1.0, 0.0), BY_AREA)
+        solve_contact(block(), at_rest(1), Drive(1.0, 0.0), BY_AREA)
 
 
 @pytest.mark.parametrize("share", [0.95, 0.8, 0.5, 0.45, 0.2])

@@ -11,7 +11,7 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.mesh import PadMesh, half_of, height_of, plane_piece, unit_of
-from skincad.mechanics.bodies.plane_body import THROUGH, fault
+from skincad.mechanics.bodies.plane_body import THROUGH, undetected_contact
 from skincad.mechanics.contact.frictionless import on_both_sides
 from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.models import linear
@@ -36,19 +36,19 @@ def straight(mesh: Any, image: dict[str, str] | None = None) -> Any:
         edges = [(pair, name) for pair, name in edges if name != "cut"]
         edges += [((int(other[b]), int(other[a])), image[name]) for (a, b), name in edges]
         faces += [(kind, tuple(int(other[v]) for v in reversed(corners))) for kind, corners in faces]
-    made = Mesh(dim=2)
-    numbers = [made.Add(MeshPoint(Pnt(x, z, 0))) for x, z in points.tolist()]
+    mirrored = Mesh(dim=2)
+    numbers = [mirrored.Add(MeshPoint(Pnt(x, z, 0))) for x, z in points.tolist()]
     for kind in sorted({kind for kind, _ in faces}):
-        made.Add(FaceDescriptor(surfnr=kind, domin=kind, bc=kind))
-        made.SetMaterial(kind, ("skin", "film")[kind - 1])
+        mirrored.Add(FaceDescriptor(surfnr=kind, domin=kind, bc=kind))
+        mirrored.SetMaterial(kind, ("skin", "film")[kind - 1])
     for kind, corners in faces:
-        made.Add(Element2D(kind, [numbers[v] for v in corners]))
+        mirrored.Add(Element2D(kind, [numbers[v] for v in corners]))
     kinds = sorted({name for _, name in edges})
     for i, name in enumerate(kinds):
-        made.SetBCName(i, name)
+        mirrored.SetBCName(i, name)
     for (a, b), name in edges:
-        made.Add(Element1D([numbers[a], numbers[b]], index=kinds.index(name) + 1))
-    return made
+        mirrored.Add(Element1D([numbers[a], numbers[b]], index=kinds.index(name) + 1))
+    return mirrored
 
 
 def both(pad: Pad, fineness: float = 0.25) -> tuple[PadMesh, PadMesh]:
@@ -73,29 +73,29 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_the_half_tells_of_the_whole(name: str) -> None:
     pad = pad_of(CASES[name]())
-    found, exact = (level(each, ORDER, FORCE) for each in both(pad))
-    assert found.approach == pytest.approx(exact.approach, rel=ROUNDING)
+    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
+    assert half.approach == pytest.approx(exact.approach, rel=ROUNDING)
     scale = ROUNDING * FORCE
-    assert found.all_touch_force == pytest.approx(exact.all_touch_force, rel=ROUNDING, abs=scale)
-    assert found.ridge_force == pytest.approx(exact.ridge_force, abs=scale)
-    assert (found.touching, found.fault) == (exact.touching, exact.fault)
+    assert half.all_touch_force == pytest.approx(exact.all_touch_force, rel=ROUNDING, abs=scale)
+    assert half.ridge_force == pytest.approx(exact.ridge_force, abs=scale)
+    assert (half.touching, half.fault) == (exact.touching, exact.fault)
     right = exact.x >= 0
-    order, same = np.argsort(exact.x[right]), np.argsort(found.x)
-    assert found.x[same] == pytest.approx(exact.x[right][order], abs=1e-9)
+    order, same = np.argsort(exact.x[right]), np.argsort(half.x)
+    assert half.x[same] == pytest.approx(exact.x[right][order], abs=1e-9)
     wanted = exact.pressure[right][order]
-    assert found.pressure[same] == pytest.approx(
+    assert half.pressure[same] == pytest.approx(
         wanted, abs=1e2 * ROUNDING * wanted.max()
     )  # of a small weight
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_loads_on_one_side_are_the_wholes(name: str) -> None:
-    """Even and odd loads of the half give what one load does on either side of the whole."""
+    """Symmetric and antisymmetric loads of the half give what one load does on either side of the whole."""
     pad = pad_of(CASES[name]())
-    found, exact = (level(each, ORDER, FORCE) for each in both(pad))
-    sides = on_both_sides(found.ridges, found.half, pad.ridges)
-    off = np.abs(found.x) > 1e-9
-    x = np.concatenate([found.x, -found.x[off]])
+    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
+    sides = on_both_sides(half.ridges, half.half, pad.ridges)
+    off = np.abs(half.x) > 1e-9
+    x = np.concatenate([half.x, -half.x[off]])
     mine, theirs = np.argsort(x), np.argsort(exact.x)
     assert x[mine] == pytest.approx(exact.x[theirs], abs=1e-9)
     wanted = (exact.ridges.flexibility @ np.eye(x.size))[np.ix_(theirs, theirs)]
@@ -113,8 +113,8 @@ def test_loads_on_one_side_are_the_wholes(name: str) -> None:
 @pytest.mark.parametrize("name", ["odd", "even"])
 def test_the_yields_model_is_the_wholes(name: str) -> None:
     pad = pad_of(CASES[name]())
-    found, exact = (level(each, ORDER, FORCE) for each in both(pad))
-    model = linear._reduced_model(pad, found, FORCE, {})
+    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
+    model = linear._reduced_model(pad, half, FORCE, {})
     wanted = ridge_model(exact.ridges, max(FORCE, exact.all_touch_force or 0.0), exact.unit, exact.scale)
     for mine, theirs in ((model.coupling, wanted.coupling), (model.indentation, wanted.indentation)):
         assert np.abs(mine - theirs).max() <= ROUNDING * np.abs(theirs).max()
@@ -150,23 +150,23 @@ def test_what_crosses_the_middle_of_a_half_meets_its_image() -> None:
         moved = np.zeros(system.lift.size)
         moved[vertices] = shift
         loops = elements.outlines(system, moved)
-        assert fault(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
-        assert fault(loops, lambda x: np.full_like(x, above)) is None
+        assert undetected_contact(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
+        assert undetected_contact(loops, lambda x: np.full_like(x, above)) is None
 
 
 def test_the_cut_is_held_in_one_direction_and_only_there_is_a_half() -> None:
     piece = plane_piece(pad_of(CASES["odd"]()), 0.25)
     systems = [
-        elements.assemble(elements.curved(each.mesh, ORDER), ORDER, each.piece.materials)
-        for each in (piece, plane_piece(piece.whole, 0.25, whole=True))
+        elements.assemble(elements.curved(part.mesh, ORDER), ORDER, part.piece.materials)
+        for part in (piece, plane_piece(piece.whole, 0.25, whole=True))
     ]
     half, whole = systems
     sideways, up = fe.held_on_cut(half.mesh, half.space.components[0])
     points = np.array([v.point for v in half.mesh.vertices])
     on_cut = np.flatnonzero(np.abs(points[:, 0]) < 1e-9)
     assert set(on_cut) == {i for i in sideways if i < half.mesh.nv}
-    assert set(elements.even(half).interior) == set(half.interior) - set(sideways)
-    interior, contact = elements.odd(half)
+    assert set(elements.symmetric_system(half).interior) == set(half.interior) - set(sideways)
+    interior, contact = elements.antisymmetric_unknowns(half)
     assert set(interior) == set(half.interior) - set(up)
     assert len(set(half.contact) - set(contact)) == 1  # the summit of the middle ridge
-    assert elements.even(whole).interior.size == whole.interior.size
+    assert elements.symmetric_system(whole).interior.size == whole.interior.size

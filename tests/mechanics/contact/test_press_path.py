@@ -13,7 +13,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact import press_path
 from skincad.mechanics.contact.frictionless import Ridges, all_touch_force, press
-from skincad.mechanics.contact.press_path import StickingPad, gripped, pressed
+from skincad.mechanics.contact.press_path import StickingPad, press_with_friction, sticking_pad_of
 from skincad.mechanics.contact.state import ContactState
 from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import SHORT, reference
@@ -38,7 +38,7 @@ def meshed() -> StickingPad:
     """Three ridges on a short pad, meshed as coarsely as can be."""
     pad = pad_of(reference().with_(**SHORT))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
-    return gripped(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
+    return sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
 
 
 def first_of(pad: StickingPad) -> float:
@@ -69,11 +69,14 @@ def test_without_friction_it_is_the_frictionless_press() -> None:
     pad = springs((0.0, 0.3, 0.5))
     force, first = 1.2, first_of(pad)
     assert 0 < first < force
-    found, smooth = pressed(pad, 0.0, force, first, 7), press(pad.ridges.flexibility, pad.ridges.gap, force)
-    assert found.all_touch_force == pytest.approx(first, rel=1e-8)
-    assert found.approach == pytest.approx(smooth.approach, rel=1e-12)
+    result, smooth = (
+        press_with_friction(pad, 0.0, force, first, 7),
+        press(pad.ridges.flexibility, pad.ridges.gap, force),
+    )
+    assert result.all_touch_force == pytest.approx(first, rel=1e-8)
+    assert result.approach == pytest.approx(smooth.approach, rel=1e-12)
     by_ridge = np.bincount(pad.ridges.of_point, smooth.force)[1:]
-    np.testing.assert_allclose(found.ridge_force, by_ridge, rtol=1e-10)
+    np.testing.assert_allclose(result.ridge_force, by_ridge, rtol=1e-10)
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.2])
@@ -98,12 +101,12 @@ def assert_same(
     path: list[ContactState] = []
     step = press_path._Path.step
 
-    def watched(*asked: object) -> ContactState:
-        path.append(step(*asked))  # type: ignore[arg-type]
+    def watched(*arguments: object) -> ContactState:
+        path.append(step(*arguments))  # type: ignore[arg-type]
         return path[-1]
 
     monkeypatch.setattr(press_path._Path, "step", watched)
-    found = pressed(pad, mu, force, first_of(pad), steps)
+    result = press_with_friction(pad, mu, force, first_of(pad), steps)
     assert any((state.status >= 2).any() for state in path)  # slips somewhere,
     assert any((state.status == 1).any() for state in path)  # and sticks
     normal, along = relaxed(pad, mu, path, sweeps)
@@ -111,7 +114,7 @@ def assert_same(
     np.testing.assert_allclose(along, path[-1].tangential, atol=1e-6 * force)
     assert normal.sum() == pytest.approx(force, rel=1e-6)
     assert along.sum() == pytest.approx(0.0, abs=1e-6 * force)
-    np.testing.assert_allclose(found.ridge_force.sum(), force)
+    np.testing.assert_allclose(result.ridge_force.sum(), force)
 
 
 @pytest.mark.parametrize("force", [0.3, 3.0])
@@ -119,9 +122,11 @@ def test_the_last_ridge_begins_to_carry_where_all_touch(force: float) -> None:
     """Asked at a force before or after it, and pressed a little less or more than it."""
     pad, mu = springs((0.0, 0.3, 0.5)), 0.5
     first = first_of(pad)
-    found = pressed(pad, mu, force, first, 40).all_touch_force or 0.0
-    assert found != pytest.approx(first, rel=1e-3)
-    less, more = (pressed(pad, mu, share * found, first, 40).ridge_force for share in (0.999, 1.001))
+    all_touch = press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
+    assert all_touch != pytest.approx(first, rel=1e-3)
+    less, more = (
+        press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force for share in (0.999, 1.001)
+    )
     assert (less > 0).sum() == 2
     assert (more > 0).sum() == 3
 
@@ -130,17 +135,19 @@ def test_steps_change_little_and_ever_less() -> None:
     """The error of a step is of first order: with four times the steps it is a quarter, or less."""
     pad = springs((0.0, 0.3, 0.5))
     first = first_of(pad)
-    few, some, many = (pressed(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0 for steps in (5, 20, 160))
+    few, some, many = (
+        press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0 for steps in (5, 20, 160)
+    )
     assert abs(some - many) <= 0.3 * abs(few - many)
     assert abs(some - many) < 5e-3 * many
 
 
 def test_a_single_ridge_touches_at_once_and_what_never_touches_is_none() -> None:
-    assert pressed(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
-    assert pressed(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
+    assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
+    assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
 
 
 def test_ridges_that_friction_keeps_apart_are_said() -> None:
     """Looked for up to a multiple of the force without friction, and no further."""
     with pytest.raises(ContactError, match="not all ridges touch at up to 3 times"):
-        pressed(springs((0.0, 0.3, 0.5)), 0.5, 0.01, 0.01, 5)
+        press_with_friction(springs((0.0, 0.3, 0.5)), 0.5, 0.01, 0.01, 5)

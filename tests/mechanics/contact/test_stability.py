@@ -61,8 +61,8 @@ def spectra(what: PressedPad, state: PressedState) -> tuple[np.ndarray, np.ndarr
 
 def test_what_the_plate_holds_up_is_stable() -> None:
     state = press_to(pad(), 2.6 / SCALE)
-    free, held, _ = spectra(pad(), state)
-    assert free[0] < 0 < held[0]
+    free, under_plate, _ = spectra(pad(), state)
+    assert free[0] < 0 < under_plate[0]
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
     assert linear.negative_eigenvalues == (0, int((free < 0).sum()))
     assert stable(pad().body, linear, state.ridges, state.contact)
@@ -76,12 +76,12 @@ def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPat
     assert last * SCALE == pytest.approx(buckling_force(design_of(1)), rel=0.25)
     monkeypatch.setattr(newton, "stable", lambda *_: True)
     state = press_to(pad(), 1.1 * last)
-    _, held, _ = spectra(pad(), state)
-    assert held[0] < 0
+    _, under_plate, _ = spectra(pad(), state)
+    assert under_plate[0] < 0
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
     assert not stable(pad().body, linear, state.ridges, state.contact)
-    _, held, _ = spectra(pad(), press_to(pad(), last))
-    assert held[0] > 0
+    _, under_plate, _ = spectra(pad(), press_to(pad(), last))
+    assert under_plate[0] > 0
 
 
 def test_the_ridge_that_tips_over_is_named() -> None:
@@ -90,10 +90,10 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     _, _, mode = spectra(what, state)
     nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.x_of_largest_displacement(mode)).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
-    found = tipping_ridge(what.body, state.values, linear, state.contact)
+    tipping = tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])
     assert ridge != 2
-    assert found in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
+    assert tipping in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
 
 
 def sides(count: int) -> tuple[PressedPad, PressedPad]:
@@ -101,33 +101,33 @@ def sides(count: int) -> tuple[PressedPad, PressedPad]:
     design = design_of(count)
     return tuple(
         PressedPad(
-            plane_body.body(elements.curved(each.mesh, 2), 2, each.whole.materials),
-            each.whole.top / each.unit,
+            plane_body.body(elements.curved(piece.mesh, 2), 2, piece.whole.materials),
+            piece.whole.top / piece.unit,
         )
-        for each in both(pad_of(design))
+        for piece in both(pad_of(design))
     )
 
 
 def force_of(what: PressedPad, share: float) -> float:
     """A force on what is meshed that is as much on a ridge, in units."""
-    return share if what.body.odd.size == 0 else share / 2
+    return share if what.body.antisymmetric.size == 0 else share / 2
 
 
 @pytest.mark.parametrize("count", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3))])
 def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The half and the whole are refused at the same force, also where every ridge tips to the same side."""
-    found = []
+    limits = []
     for what in sides(count):
         with pytest.raises(DivergedError) as caught:
             press_to(what, force_of(what, 1.2 * count))
-        found.append((caught.value.reached / force_of(what, 1.0), str(caught.value)))
-    (half, words), (whole, _) = found
+        limits.append((caught.value.reached / force_of(what, 1.0), str(caught.value)))
+    (half, words), (whole, _) = limits
     assert half == pytest.approx(whole, rel=1e-6)  # the same bisection on the same triangles
     if count != 1:
         return
     assert words.startswith("ridge 1 tips over")
     # its own image cannot tip over: by that alone the half would stand far beyond
-    monkeypatch.setattr(plane_body.PlaneLinearised, "odd", lambda _: None)
+    monkeypatch.setattr(plane_body.PlaneLinearised, "antisymmetric", lambda _: None)
     what = sides(count)[0]
     assert press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
 
@@ -135,37 +135,37 @@ def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.Mo
 @pytest.mark.slow
 def test_what_turns_round_is_seen_on_a_solids_half(monkeypatch: pytest.MonkeyPatch) -> None:
     """One ridge between clamped ends, on the same triangles: the same bisection."""
-    found = []
-    for each in both(pad_of(design_of(1))):
-        body = body_of(each, Layers(2.0, 2.0, 2), clamped_end=True)
-        share = each.whole.length / 2 / each.unit / each.sides
+    limits = []
+    for piece in both(pad_of(design_of(1))):
+        body = body_of(piece, Layers(2.0, 2.0, 2), clamped_end=True)
+        share = piece.whole.length / 2 / piece.unit / piece.sides
         with pytest.raises(DivergedError, match="ridge 1 tips over") as caught:
-            press_to(PressedPad(body, each.whole.top / each.unit), 1.2 * share)
-        found.append((caught.value.reached / share, body, share, each))
-    (half, body, share, each), (whole, *_) = found
+            press_to(PressedPad(body, piece.whole.top / piece.unit), 1.2 * share)
+        limits.append((caught.value.reached / share, body, share, piece))
+    (half, body, share, piece), (whole, *_) = limits
     assert half == pytest.approx(whole, rel=1e-6)
-    monkeypatch.setattr(SolidLinearised, "odd", lambda _: None)
-    what = PressedPad(body, each.whole.top / each.unit)
+    monkeypatch.setattr(SolidLinearised, "antisymmetric", lambda _: None)
+    what = PressedPad(body, piece.whole.top / piece.unit)
     assert press_to(what, 1.5 * half * share).force == 1.5 * half * share
 
 
 @pytest.mark.parametrize("count", [1, 3])
-@pytest.mark.parametrize("beyond", [0.9, 1.3])
+@pytest.mark.parametrize("share", [0.9, 1.3])
 def test_both_kinds_of_movements_are_all_there_are(
-    count: int, beyond: float, monkeypatch: pytest.MonkeyPatch
+    count: int, share: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Negative eigenvalues of the whole are those of the half's even and odd movements together, held by the
-    plate or not; the verdict is that of the whole's dense ones."""
+    """Negative eigenvalues of the whole are those of the half's symmetric and antisymmetric movements
+    together, held by the plate or not; the verdict is that of the whole's dense ones."""
     monkeypatch.setattr(newton, "stable", lambda *_: True)
     counted = []
     for what in sides(count):
-        state = press_to(what, force_of(what, beyond * 2.62 / SCALE * count))
+        state = press_to(what, force_of(what, share * 2.62 / SCALE * count))
         linear = what.body.linearised(state.values, what.body.residual(state.values))
-        kinds = [kind for kind in (linear, linear.odd()) if kind is not None]
-        assert len(kinds) == (2 if what.body.odd.size else 1)
+        kinds = [kind for kind in (linear, linear.antisymmetric()) if kind is not None]
+        assert len(kinds) == (2 if what.body.antisymmetric.size else 1)
         verdict = stable(what.body, linear, state.ridges, state.contact)
         counted.append((np.sum([kind.negative_eigenvalues for kind in kinds], axis=0).tolist(), verdict))
-        free, held, _ = spectra(what, state)
+        free, under_plate, _ = spectra(what, state)
     assert counted[0] == counted[1]
     assert counted[1][0][1] == (free < 0).sum()
-    assert counted[1][1] == (held[0] > 0)
+    assert counted[1][1] == (under_plate[0] > 0)

@@ -1,4 +1,4 @@
-"""A march's step at finite strain: cut, driven by travel, and stopped where the surface folds."""
+"""A step at finite strain: cut, driven by travel, and stopped where the surface folds."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.contact import frictional_pad
-from skincad.mechanics.contact.frictional_pad import FrictionalState, newton, to, unloaded
-from skincad.mechanics.contact.press_path import CREASES, WRINKLES, fault, pinch
+from skincad.mechanics.contact.frictional_pad import FrictionalState, advance_to, newton, unloaded
+from skincad.mechanics.contact.press_path import CREASES, WRINKLES, pinch, undetected_contact
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.test_dragged import march, pulled, three
@@ -30,13 +30,13 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(frictional_pad, "newton", failing)
     what = three()[1]
-    found = to(what, unloaded(what), Drive(0.0, 0.0), Drive(0.4, 0.0), CONE)
+    state = advance_to(what, unloaded(what), Drive(0.0, 0.0), Drive(0.4, 0.0), CONE)
     assert tries == [0.4, 0.2, 0.4]
     first = newton(what, unloaded(what), Drive(0.2, 0.0), CONE)
     second = newton(what, first, Drive(0.4, 0.0), CONE)
-    assert found.values == pytest.approx(second.values, abs=1e-8 * np.abs(second.values).max())
-    assert found.dissipated == pytest.approx(first.dissipated + second.dissipated, rel=1e-6)
-    assert found.iterations > second.iterations
+    assert state.values == pytest.approx(second.values, abs=1e-8 * np.abs(second.values).max())
+    assert state.dissipated == pytest.approx(first.dissipated + second.dissipated, rel=1e-6)
+    assert state.iterations > second.iterations
 
 
 def test_a_guess_that_turns_an_element_inside_out_is_not_taken() -> None:
@@ -44,20 +44,20 @@ def test_a_guess_that_turns_an_element_inside_out_is_not_taken() -> None:
     first = newton(what, unloaded(what), Drive(0.2, 0.0), CONE)
     inside_out = np.random.default_rng(1).standard_normal(first.values.size)
     assert not np.isfinite(what.body.residual(inside_out)).all()
-    what.kept.clear()
+    what.tangents.clear()
     wanted = newton(what, first, Drive(0.4, 0.0), CONE)
-    what.kept.clear()
-    found = newton(what, first, Drive(0.4, 0.0), CONE, inside_out)
-    assert (found.values == wanted.values).all()
+    what.tangents.clear()
+    state = newton(what, first, Drive(0.4, 0.0), CONE, inside_out)
+    assert (state.values == wanted.values).all()
 
 
 def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.MonkeyPatch) -> None:
     """Newton is made to fail under every tangential force: the travel finds the same state.
 
-    1e-6: strides of the travel are other steps of friction than the one of the force.
+    1e-6: steps of the travel are other steps of friction than the one of the force.
     """
     what, start = three()[1], pulled()[4]
-    wanted = to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
+    wanted = advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
 
     def failing(pad: Any, before: FrictionalState, end: Drive, *more: Any) -> FrictionalState:
         if end.tangential is not None:
@@ -65,11 +65,11 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
         return newton(pad, before, end, *more)
 
     monkeypatch.setattr(frictional_pad, "newton", failing)
-    found = to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
-    assert found.grip.tangential.sum() == pytest.approx(0.22, abs=2e-9)
-    assert found.grip.travel == pytest.approx(wanted.grip.travel, rel=1e-6)
+    state = advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
+    assert state.contact.tangential.sum() == pytest.approx(0.22, abs=2e-9)
+    assert state.contact.travel == pytest.approx(wanted.contact.travel, rel=1e-6)
     with pytest.raises(ContactError, match=r"the pull cannot grow beyond 0\.\d+ N|Newton finds no"):
-        to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.7), CONE)
+        advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.7), CONE)
 
 
 def loop(stretch: float, height: float) -> Outline:
@@ -82,10 +82,10 @@ def loop(stretch: float, height: float) -> Outline:
 
 
 def test_pinch_finds_the_most_compressed_free_surface() -> None:
-    found = pinch([loop(0.5, 1.0)], 2.0)
-    assert found.stretch == pytest.approx(0.5)
-    assert found.place == pytest.approx([0.5, 1.0])
-    assert found.tip
+    smallest = pinch([loop(0.5, 1.0)], 2.0)
+    assert smallest.stretch == pytest.approx(0.5)
+    assert smallest.place == pytest.approx([0.5, 1.0])
+    assert smallest.tip
     # what bears on the plate cannot fold
     assert pinch([loop(0.5, 1.0)], 1.0).stretch == np.inf
 
@@ -104,13 +104,13 @@ def test_much_friction_folds_the_surface_and_the_reason_names_the_place() -> Non
     state = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], cone)[-1]
     words = None
     for travel in (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6):
-        held = Drive(1.2, travel=state.grip.travel)
-        state = to(what, state, held, Drive(1.2, travel=travel), cone)
-        words = fault(what, state, True)
+        drive = Drive(1.2, travel=state.contact.travel)
+        state = advance_to(what, state, drive, Drive(1.2, travel=travel), cone)
+        words = undetected_contact(what, state, True)
         if words:
             break
     assert travel > 0.4
     assert words is not None
     assert "the surface folds onto itself at ridge " in words
-    assert fault(what, state, False) is None
-    assert 0.5 < state.grip.tangential.sum() / 1.2 < 0.75
+    assert undetected_contact(what, state, False) is None
+    assert 0.5 < state.contact.tangential.sum() / 1.2 < 0.75

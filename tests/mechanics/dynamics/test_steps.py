@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import eigsh
 
 from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.contact.frictional import grip, halved
+from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.state import (
     STICK,
     Compliance,
@@ -318,7 +318,7 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     pad = replace(block(100.0, 1.0, ratio), density=1000.0)
     piece = piece_of(pad, 0.0)
     moving = moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
-    fixed = moving.body.held[1] if piece.mirrored else np.empty(0, dtype=np.int64)
+    fixed = moving.body.on_cut[1] if piece.mirrored else np.empty(0, dtype=np.int64)
     free = np.setdiff1d(moving.free, fixed)
     stiff, mass = (matrix[free][:, free] for matrix in (moving.stiff, moving.mass))
     wanted = shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
@@ -437,9 +437,9 @@ def test_a_step_that_does_not_settle_is_cut(monkeypatch: pytest.MonkeyPatch) -> 
         tries.append(arguments)
         if len(tries) == 1:
             raise ContactError("made to fail")
-        return grip(*arguments)
+        return solve_contact(*arguments)
 
-    monkeypatch.setattr(dynamics, "grip", failing)
+    monkeypatch.setattr(dynamics, "solve_contact", failing)
     pad, tau = springs(4.0, 1.0), 1e-3
     state = replace(begun(pad, 0.0, 1.0), drive=Drive(1.0, travel=0.0))
     state = pad.step(state, Drive(1.0, travel=0.05), tau, GRIPPING, Matter(relaxing=((0.5, tau),)))

@@ -12,7 +12,7 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
-from skincad.mechanics.bodies.plane_body import fault
+from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.check import check
 from skincad.mechanics.contact.newton import (
     RESIDUAL,
@@ -286,9 +286,9 @@ def test_neighbours_that_meet_are_found() -> None:
     state = press_to(pad, 0.03)
     plate = pad.top - state.approach
     pressed_loops, far_loops = (elements.outlines(pad.body.rest, m * state.values) for m in (1, 40))
-    assert fault(pressed_loops, lambda x: 0 * x + plate) is None
-    assert "meets the plate" in (fault(pressed_loops, lambda x: 0 * x + plate - 1.0) or "")
-    assert "onto itself" in (fault(far_loops, lambda x: 0 * x + plate + 100.0) or "")
+    assert undetected_contact(pressed_loops, lambda x: 0 * x + plate) is None
+    assert "meets the plate" in (undetected_contact(pressed_loops, lambda x: 0 * x + plate - 1.0) or "")
+    assert "onto itself" in (undetected_contact(far_loops, lambda x: 0 * x + plate + 100.0) or "")
 
 
 @pytest.mark.slow

@@ -127,7 +127,7 @@ def assembled(forms: SectionForms, along: AlongY) -> sparse.csr_matrix:
     blocks = np.array([solid.stiffness(t) for t in range(len(forms.functions))])
     rows, columns = np.broadcast_arrays(solid.unknowns[:, :, None], solid.unknowns[:, None])
     index = rows.ravel(), columns.ravel()
-    return sparse.csr_matrix((blocks.ravel(), index), shape=2 * (3 * forms.held.size * along.at.size,))
+    return sparse.csr_matrix((blocks.ravel(), index), shape=2 * (3 * forms.clamped.size * along.at.size,))
 
 
 def test_nested_dissection_is_a_solve() -> None:
@@ -137,8 +137,8 @@ def test_nested_dissection_is_a_solve() -> None:
     forms = forms_of(meshed, 2)
     along = line(graded(2.0, 1.0, 2.0), 2)
     solid, matrix = prisms(forms, along), assembled(forms, along)
-    layers, count = along.at.size, forms.held.size
-    free = ~np.tile(forms.held, 3)
+    layers, count = along.at.size, forms.clamped.size
+    free = ~np.tile(forms.clamped, 3)
     functions = [np.concatenate([f + shift * count for shift in range(3)]) for f in forms.functions]
     functions = [f[free[f]] for f in functions]
     numbers = np.arange(matrix.shape[0]).reshape(-1, layers)

@@ -49,7 +49,7 @@ def affine(body: SolidBody, gradient: np.ndarray, pressure: float = 0.0) -> np.n
     along = np.unique(body.along)
     at = np.empty((3, len(points), along.size))
     at[0], at[1], at[2] = points[:, :1], points[:, 1:], along
-    moved = np.zeros((3, body.forms.held.size, along.size))
+    moved = np.zeros((3, body.forms.clamped.size, along.size))
     moved[:, : len(points)] = np.einsum("ij,jvl->ivl", gradient, at)
     tested = np.zeros((len(body.of_element), body.elements.softening.shape[1]))
     tested[:, 0] = pressure  # the constant comes first, of value 1
@@ -141,7 +141,7 @@ def test_a_move_is_newtons() -> None:
 @pytest.mark.parametrize("ratio", [0.0, 0.499])
 def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """With all of the bulk modulus on the pressure, on straight triangles: the same functions, rounding."""
-    monkeypatch.setattr(solid_law, "UNSEEN", 0.0)
+    monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     meshed = meshed_of(block(3.0, 2.0, ratio))
     body = body_of(meshed, FEW)
     rest = np.zeros(body.free.size)
@@ -153,7 +153,7 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
 
 
 def test_at_rest_it_is_close_to_the_solid_tiers() -> None:
-    """What acts on the swelling itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
+    """What acts on the volume change itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
     pad = pad_of(reference())
     meshed = meshed_of(pad)
     other = solve_level(meshed, forms_of(meshed, 2), LAYERS, 4.0, {})
@@ -165,7 +165,7 @@ def test_at_rest_it_is_close_to_the_solid_tiers() -> None:
 def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPatch) -> None:
     """u_y = 0 at both ends, on the same mesh and order, all of the bulk modulus on the pressure. 1e-4: the
     points of integration differ on curved triangles and for a law that is no polynomial."""
-    monkeypatch.setattr(solid_law, "UNSEEN", 0.0)
+    monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     pad = pad_of(reference().with_(**SMALL))
     meshed = meshed_of(pad, whole=True)
     body = body_of(meshed, FEW, clamped_end=True)
@@ -241,10 +241,11 @@ def test_newton_converges_quadratically() -> None:
 
 @pytest.mark.slow
 def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Why a part of the bulk modulus acts on the swelling itself: without it 2 N have no stable state."""
+    """Why a part of the bulk modulus acts on the volume change itself: without it 2 N have no stable
+    state."""
     pad = pad_of(reference().with_(**SMALL))
     assert solve(pad, 2.0, {}, FEW).finite.touching == 3
-    monkeypatch.setattr(solid_law, "UNSEEN", 0.0)
+    monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     with pytest.raises(InputError, match=r"tips over, no equilibrium beyond is stable"):
         solve(pad, 2.0, {}, FEW)
 
@@ -271,14 +272,14 @@ def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
     body = small_body()
     top = 1e3
     rest = np.zeros(body.free.size)
-    assert body.fault(rest, top) is None
-    assert "meets the plate" in (body.fault(rest, -1e3) or "")
-    at_end = rest[: body.displacements].reshape(3, body.forms.held.size, -1)
+    assert body.undetected_contact(rest, top) is None
+    assert "meets the plate" in (body.undetected_contact(rest, -1e3) or "")
+    at_end = rest[: body.displacements].reshape(3, body.forms.clamped.size, -1)
     at_end[1, : body.forms.plane.mesh.nv, -1] = 2e3  # lifted as a whole, at the end alone
-    assert "meets the plate" in (body.fault(rest, top) or "")
+    assert "meets the plate" in (body.undetected_contact(rest, top) or "")
     sideways = affine(body, np.zeros((3, 3)))
     sideways[: body.displacements].reshape(at_end.shape)[0, : body.forms.plane.mesh.nv] = -0.1
-    assert "in the middle" in (body.fault(sideways, top) or "")
+    assert "in the middle" in (body.undetected_contact(sideways, top) or "")
 
 
 def test_other_plates_are_refused() -> None:
@@ -383,7 +384,7 @@ def test_the_boundary_is_looked_at_in_the_middle_and_at_the_end(along: int) -> N
     """A pad of which one cross-section alone has moved, by 0.2 along x: its outline is seen there."""
     body = plain_block(0.3)
     moved = affine(body, np.zeros((3, 3)))
-    sections = moved[: body.displacements].reshape(3, body.forms.held.size, -1)
+    sections = moved[: body.displacements].reshape(3, body.forms.clamped.size, -1)
     sections[0, : len(list(body.forms.plane.mesh.vertices)), along] = 0.2
     middle, end = ([p.moved[:, 0] - p.rest[:, 0] for p in loops] for loops in body.outlines(moved))
     for shift, here in ((middle, along == 0), (end, along == -1)):
