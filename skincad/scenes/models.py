@@ -1,7 +1,7 @@
 """Which model and which meshes a scene runs on, until its error is as small as wanted.
 
 Marches that one is held against, and an error by source: the mesh, the time step, what is left out, and what
-drifts where the skin is linear between chosen steps (mechanics/contact/held.py). Mesh and time step: the
+drifts where the skin is linear between chosen steps (mechanics/contact/frozen_tangent.py). Mesh and time step: the
 change to a march on the mesh before, and to one of fewer steps.
 
 A scene that names no law, and is asked for a tolerance, is marched in small strain first. Where leaving out

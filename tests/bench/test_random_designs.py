@@ -12,8 +12,7 @@ import pytest
 from bench.campaign import soundness
 from bench.campaign.random_designs import drawn
 from bench.campaign.soundness import faults, outcome, summary
-from skincad.inputs.design import Design
-from skincad.solids.mold import ClosedMold
+from skincad.fabrication.job import Job
 
 SEEDS = 60
 CHUNKS = 4  # shared out to the processes
@@ -65,7 +64,7 @@ def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None
     assert any("casting sheet" in fault for fault in told)
     assert any("poured" in fault for fault in told)
 
-    def broken(design: Design, closed: ClosedMold) -> float:
+    def broken(job: Job) -> float:
         raise ZeroDivisionError("on purpose")
 
     monkeypatch.setattr(soundness, "poured_volume", broken)
