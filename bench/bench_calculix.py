@@ -43,11 +43,11 @@ class Row:
     found: PressedPad
 
 
-def own(pad: Pad, tier: str, fineness: float, order: int) -> PressedPad:
-    """Return skincad's level of a tier; its time is the median of a few runs, the first left out."""
+def own(pad: Pad, model: str, fineness: float, order: int) -> PressedPad:
+    """Return skincad's level of a model; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
     for _ in range(REPEATS):
-        solver = linear.level if tier == "linear" else finite_strain.Levels()
+        solver = linear.level if model == "linear" else finite_strain.Levels()
         started, clock = process_time(), perf_counter()
         found = solver(plane_piece(pad, fineness), order, FORCE, ())
         seconds.append(process_time() - started)
@@ -83,14 +83,14 @@ def time_at(error: float, seconds: NDArray[np.float64], errors: NDArray[np.float
     return float(np.exp(np.interp(-np.log(error), -np.log(left), np.log(time))))
 
 
-def compare(pad: Pad, tier: str, start: float | None) -> None:
-    """Print one tier's table and ratios."""
-    ours = [Row(f"skincad {f:g}, {k}", own(pad, tier, f, k)) for f, k in LEVELS]
-    theirs = [Row(f"CalculiX {f:g}", calculix.press(pad, f, FORCE, start)) for f in MESHES[tier]]
-    knowing = MESHES[tier] if start is None else ()
+def compare(pad: Pad, model: str, start: float | None) -> None:
+    """Print one model's table and ratios."""
+    ours = [Row(f"skincad {f:g}, {k}", own(pad, model, f, k)) for f, k in LEVELS]
+    theirs = [Row(f"CalculiX {f:g}", calculix.press(pad, f, FORCE, start)) for f in MESHES[model]]
+    knowing = MESHES[model] if start is None else ()
     halves = [Row(f"its half {f:g}", calculix.press(pad, f, FORCE, whole=False)) for f in knowing]
     best, finest = ours[-1].found, theirs[-1].found
-    print(f"\n{tier}: errors against skincad's finest, and against the program's own finest")
+    print(f"\n{model}: errors against skincad's finest, and against the program's own finest")
     names = ("fineness", "unknowns", "time, s", "share, N", "own, N", "approach")
     print("".join(f"{name:>{width}}" for name, width in zip(names, WIDTHS, strict=True)) + "  shares, N")
     for rows, last in ((ours, best), (theirs, finest), (halves, halves[-1].found if halves else None)):
@@ -102,16 +102,16 @@ def compare(pad: Pad, tier: str, start: float | None) -> None:
             off = f"{f.approach / best.approach - 1:+.1e}"
             cells = (row.setting, str(f.unknowns), f"{f.seconds:.2f}", error, own_error, off)
             print("".join(f"{c:>{width}}" for c, width in zip(cells, WIDTHS, strict=True)) + f"  {half}")
-    ratios(tier, [row.found for row in ours], [*theirs, *halves])
+    ratios(model, [row.found for row in ours], [*theirs, *halves])
 
 
-def ratios(tier: str, ours: list[PressedPad], theirs: list[Row]) -> None:
+def ratios(model: str, ours: list[PressedPad], theirs: list[Row]) -> None:
     """Print the times at equal error, the errors against the last of `ours`."""
     *levels, best = ours
     whole = np.array([level.seconds for level in levels])
     contact = whole - np.array([level.more for level in levels])
     errors = np.array([missed(level, best) for level in levels])
-    print(f"times at equal error, CalculiX's over skincad's (goal {GOALS[tier]:g})")
+    print(f"times at equal error, CalculiX's over skincad's (goal {GOALS[model]:g})")
     for row in theirs:
         error = missed(row.found, best)
         both = [row.found.seconds / time_at(error, time, errors) for time in (whole, contact)]

@@ -1,8 +1,8 @@
-"""What each tier of `check` costs on yamada-2002, and where the linear tier's time goes.
+"""What each model of `check` costs on yamada-2002, and where the linear model's time goes.
 
-`python -m bench.bench_check [tier]...` prints, per tier, its time in times of the linear tier's (a
+`python -m bench.bench_check [model]...` prints, per model, its time in times of the linear model's (a
 median, without program start and imports), its peak memory in a process of its own, and what it finds; then
-the linear tier's stages in times of one sparse factorisation of its own finest matrix.
+the linear model's stages in times of one sparse factorisation of its own finest matrix.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ from threadpoolctl import threadpool_limits
 
 from bench.measure import REPEATS, alone, best, factorise, free_block, system
 from skincad import load
-from skincad.mechanics.models.table import TIERS
+from skincad.mechanics.models.table import MODELS
 
 DESIGN = "yamada-2002"
 SMOOTH = "contact.friction=0"  # what each model leaves out, not what all do
 LINEAR_GOAL = 8.0  # factorisations
-GOALS = {"corrected": 4.0, "finite-strain": 10.0, "solid": 50.0}  # times of the linear tier
+GOALS = {"corrected": 4.0, "finite-strain": 10.0, "solid": 50.0}  # times of the linear model
 
 
-def ready(tier: str) -> bool:
-    """Whether a tier and all that it builds on are there."""
-    return find_spec(TIERS[tier].where.partition(":")[0]) is not None and all(
-        map(ready, TIERS[tier].builds_on)
+def ready(model: str) -> bool:
+    """Whether a model and all that it builds on are there."""
+    return find_spec(MODELS[model].where.partition(":")[0]) is not None and all(
+        map(ready, MODELS[model].builds_on)
     )
 
 
-def measured(tier: str) -> dict[str, Any]:
-    """Return one tier's median time by stage, s, and what it finds."""
+def measured(model: str) -> dict[str, Any]:
+    """Return one model's median time by stage, s, and what it finds."""
     from skincad.mechanics.check import check
 
-    for name in (tier, *TIERS[tier].builds_on):
-        import_module(TIERS[name].where.partition(":")[0])
+    for name in (model, *MODELS[model].builds_on):
+        import_module(MODELS[name].where.partition(":")[0])
     design = load(DESIGN, [SMOOTH])
-    check(design, tier="winkler")
-    runs = [check(design, tier=tier) for _ in range(REPEATS)]
+    check(design, model="winkler")
+    runs = [check(design, model=model) for _ in range(REPEATS)]
     found = runs[0]
     return {
         "seconds": {s: statistics.median(run.seconds[s] for run in runs) for s in found.seconds},
@@ -55,12 +55,12 @@ def number(value: float | None, error: float | None) -> str:
     return "none" if value is None else f"{value:.4f} +- {error or 0.0:.4f}"
 
 
-def tiers(names: list[str]) -> dict[str, dict[str, Any]]:
-    """Print the tiers' table and return its rows."""
+def models(names: list[str]) -> dict[str, dict[str, Any]]:
+    """Print the models' table and return its rows."""
     rows = {name: alone(measured, name) for name in dict.fromkeys(("linear", *names))}
     unit = rows["linear"]["seconds"]["total"]
-    print(f"check {DESIGN}, times of the linear tier's {unit:.3f} s, medians of {REPEATS} runs")
-    print(f"{'tier':>24} {'time':>8} {'goal':>6} {'peak, MB':>9} {'unknowns':>9}  F9, N  /  approach, mm")
+    print(f"check {DESIGN}, times of the linear model's {unit:.3f} s, medians of {REPEATS} runs")
+    print(f"{'model':>24} {'time':>8} {'goal':>6} {'peak, MB':>9} {'unknowns':>9}  F9, N  /  approach, mm")
     for name in names:
         row, goal = rows[name], GOALS.get(name)
         aim = "" if goal is None else f"<={goal:g}"
@@ -71,7 +71,7 @@ def tiers(names: list[str]) -> dict[str, dict[str, Any]]:
 
 
 def stages(row: dict[str, Any]) -> None:
-    """Print the linear tier's stages against one factorisation of the matrix with its unknowns."""
+    """Print the linear model's stages against one factorisation of the matrix with its unknowns."""
     from skincad.mechanics.models.linear import RUNGS
 
     design = load(DESIGN)
@@ -80,11 +80,11 @@ def stages(row: dict[str, Any]) -> None:
         if found.unknowns == row["unknowns"]:
             break
     else:
-        raise RuntimeError("no rung has the linear tier's unknowns")
+        raise RuntimeError("no rung has the linear model's unknowns")
     block = free_block(found)
     once = best(lambda: factorise(block))
     print(
-        f"\nlinear tier in times of one factorisation of its own finest matrix (fineness {rung.fineness:g}, "
+        f"\nlinear model in times of one factorisation of its own finest matrix (fineness {rung.fineness:g}, "
         f"order {rung.order}, {once:.3f} s); goal: total <= {LINEAR_GOAL:g}"
     )
     for stage, seconds in row["seconds"].items():
@@ -93,8 +93,8 @@ def stages(row: dict[str, Any]) -> None:
 
 def main() -> None:
     """Print both tables."""
-    asked = sys.argv[1:] or list(TIERS)
-    rows = tiers([name for name in asked if ready(name)])
+    asked = sys.argv[1:] or list(MODELS)
+    rows = models([name for name in asked if ready(name)])
     for name in asked:
         if not ready(name):
             print(f"{name:>24} is not there")

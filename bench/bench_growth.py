@@ -1,4 +1,4 @@
-"""How the linear tier's time and peak memory grow with ridges and with unknowns.
+"""How the linear model's time and peak memory grow with ridges and with unknowns.
 
 `python -m bench.bench_growth [most ridges]` prints both tables and the slopes of the logarithms; more than
 101 ridges, 998 at most, are a row of their own.
@@ -37,10 +37,10 @@ def wide(template: str, ridges: int) -> Design:
 
 def checked(template: str, ridges: int) -> dict[str, Any]:
     """Return the time by stage and the size of one linear check."""
-    import skincad.mechanics.models.linear  # noqa: F401 the import is not the tier's
+    import skincad.mechanics.models.linear  # noqa: F401 the import is not the model's
     from skincad.mechanics.check import check
 
-    found = check(wide(template, ridges), tier="linear")
+    found = check(wide(template, ridges), model="linear")
     share = (found.all_touch_force.value or 0.0) / found.force
     return {"seconds": found.seconds, "unknowns": found.unknowns, "threshold": share}
 
@@ -86,7 +86,7 @@ def main() -> None:
     for template, largest in (("plain-ridges", most), ("yamada-2002", min(most, MOST_STRIPED))):
         some = [n for n in counts if n <= largest]
         rows = {f"{n} ridges": alone(checked, template, n) for n in some}
-        table(f"{template}, the linear tier to its usual tolerance", rows, [float(n) for n in some])
+        table(f"{template}, the linear model to its usual tolerance", rows, [float(n) for n in some])
     rows = {f"{f:g}, {k}": alone(solved, f, k) for f, k in LADDER}
     sizes = [float(row["unknowns"]) for row in rows.values()]
     table("plain-ridges, one level, by fineness and order", rows, sizes)

@@ -3,12 +3,11 @@
 `python -m bench.bench_ladders [TEMPLATE] [--ladder NAME]... [--minutes M]` climbs the ladders one
 after the other; a ladder that is expected to end after M minutes is not begun, and said.
 
-`python -m bench.bench_ladders --law TEMPLATE...` solves every tier on each template, keeps what the
-first one's took as `skincad accuracy` does, in a folder that is thrown away, and prints what the law then
-expects of each tier against what it took: as it stands, and at the speed of that template's own linear tier,
-as `check` takes it once that is solved; beside it the built-in law at that speed. Times are the processor's:
-what else a busy machine does is not the tiers'.
-"""
+`python -m bench.bench_ladders --law TEMPLATE...` solves every model on each template, keeps what the first
+one's took as `skincad accuracy` does, in a folder that is thrown away, and prints what the law then expects
+of each model against what it took: as it stands, and at the speed of that template's own linear model, as
+`check` takes it once that is solved; beside it the built-in law at that speed. Times are the processor's:
+what else a busy machine does is not the models'."""
 
 from __future__ import annotations
 
@@ -27,7 +26,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.models import table
 from skincad.mechanics.models.table import (
     FOLDER_VARIABLE,
-    TIERS,
+    MODELS,
     own_seconds,
     run,
     save_timings,
@@ -62,7 +61,7 @@ def climb(name: str, design: Design) -> float:
     stages("")
     judged = {
         stage: taken for stage, taken in stages.seconds.items() if prices[stage]
-    }  # a refused tier has none
+    }  # a refused model has none
     for stage, taken in judged.items():
         print(f"  {stage:48}{prices[stage]:10.2f}{taken:10.2f}{taken / prices[stage]:8.2f}")
     for model, why in found.skipped.items():
@@ -75,9 +74,9 @@ def climb(name: str, design: Design) -> float:
 
 
 def solved(design: Design) -> dict[str, Answer]:
-    """Return the answer of each tier that can judge the design, to the mesh that the ladder asks."""
+    """Return the answer of each model that can judge the design, to the mesh that the ladder asks."""
     done: dict[str, Answer] = {}
-    for name in TIERS:
+    for name in MODELS:
         with suppress(InputError, RefusedError):
             if not unsupported_reason(name, design, measured=False):
                 run(name, design, Request(design.contact.force, MESH), done, None)
@@ -96,18 +95,18 @@ def laws(names: list[str]) -> None:
             counted = taken_of(design, done)
             if name == names[0]:
                 save_timings(name, counted)
-            kept, built_in = ({tier: law(tier, design) for tier in done} for law in (own_seconds, by_law))
-            for tier in (tier for tier in done if TIERS[tier].law.exponent):
-                took, linear = done[tier].own_seconds, done["linear"].own_seconds
-                ratios = [told[tier] / told["linear"] * linear / took for told in (kept, built_in)]
-                further = "" if tier in counted else "  on finer meshes than the law counts"
-                line = f"  {name:20}{tier:24}{kept[tier]:10.2f}{took:10.2f}{kept[tier] / took:8.2f}"
+            kept, built_in = ({model: law(model, design) for model in done} for law in (own_seconds, by_law))
+            for model in (model for model in done if MODELS[model].law.exponent):
+                took, linear = done[model].own_seconds, done["linear"].own_seconds
+                ratios = [told[model] / told["linear"] * linear / took for told in (kept, built_in)]
+                further = "" if model in counted else "  on finer meshes than the law counts"
+                line = f"  {name:20}{model:24}{kept[model]:10.2f}{took:10.2f}{kept[model] / took:8.2f}"
                 print(f"{line}{ratios[0]:10.2f}{ratios[1]:10.2f}{further}", flush=True)
 
 
-def by_law(tier: str, design: Design) -> float:
-    """Return what the built-in law expects of a tier's own part, s."""
-    return TIERS[tier].law.at(TIERS[tier].size(design))
+def by_law(model: str, design: Design) -> float:
+    """Return what the built-in law expects of a model's own part, s."""
+    return MODELS[model].law.at(MODELS[model].size(design))
 
 
 def main() -> None:

@@ -1,6 +1,6 @@
 """What a study costs beside its evaluations, and what a second worker saves: ratios of one run.
 
-`python -m bench.bench_studies 40` sweeps 40 designs by the linear tier with one worker and with two, and
+`python -m bench.bench_studies 40` sweeps 40 designs by the linear model with one worker and with two, and
 prints the ratio of the times, an evaluation's time against a check's of its own process, and the bookkeeping.
 """
 

@@ -14,7 +14,7 @@ from PIL import Image
 from bench.error_bars import Row
 
 PANELS = {
-    "mesh of the linear tier": lambda row: row.part == "mesh",
+    "mesh of the linear model": lambda row: row.part == "mesh",
     "model: free ends, finite strain": lambda row: row.part in ("ends", "strain", "method"),
     "model: winkler": lambda row: row.part == "model",
 }

@@ -52,7 +52,7 @@ class Row:
     """
 
     seed: int
-    tier: str
+    model: str
     part: str
     quantity: str
     value: float
@@ -118,7 +118,7 @@ class _Seed:
         self.linear: Answer | None = None
 
     def mesh(self) -> None:
-        """The linear tier's meshes against the rung above, and on top seeds against the last rung."""
+        """The linear model's meshes against the rung above, and on top seeds against the last rung."""
         pad = self._tried("pad", lambda: pad_of(self.design))
         if pad is None:
             return
@@ -171,7 +171,7 @@ class _Seed:
 
     def _add(
         self,
-        tier: str,
+        model: str,
         part: str,
         found: Answer,
         stated: Numbers,
@@ -184,7 +184,7 @@ class _Seed:
             value, true, error = mine[quantity], truth[quantity], stated[quantity]
             if value is None or true is None:
                 if (value is None) != (true is None):
-                    self.refused[f"{tier} {quantity}"] = f"{value} against {true}"
+                    self.refused[f"{model} {quantity}"] = f"{value} against {true}"
                 continue
             if max(*value, *true) <= NOTHING * self.force or error is None:
                 continue  # ridges that touch at once
@@ -193,7 +193,7 @@ class _Seed:
                 continue  # one ridge carries all, or two that are each other's image a half each
             worst = int(np.argmax(missed / np.maximum(error, NOTHING * self.force)))
             told = float(value.mean()), float(error[worst]), float(missed[worst])
-            self.rows.append(Row(self.seed, tier, part, quantity, *told, against, top))
+            self.rows.append(Row(self.seed, model, part, quantity, *told, against, top))
 
     def _tried(self, name: str, work: Callable[[], T]) -> T | None:
         try:
@@ -224,10 +224,10 @@ class _Levels:
 
 
 def climbed(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
-    """Return the linear tier's answer to a tolerance and the number of the rung that it ended on."""
+    """Return the linear model's answer to a tolerance and the number of the rung that it ended on."""
     told: list[str] = []
     found = linear.solve(pad, Request(force, tol), told.append)
-    ends = {f"linear tier: fineness {r.fineness:g}, order {r.order}": i for i, r in enumerate(RUNGS)}
+    ends = {f"linear model: fineness {r.fineness:g}, order {r.order}": i for i, r in enumerate(RUNGS)}
     return found, ends[told[-1]]
 
 
@@ -256,10 +256,10 @@ def _each(found: Answer, of: Callable[[Estimate], float | None]) -> Numbers:
 
 
 def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:
-    """Yield rows by tier, part, quantity and what they are held against: the rung above or the top."""
+    """Yield rows by model, part, quantity and what they are held against: the rung above or the top."""
 
     def key(row: Row) -> tuple[str, ...]:
-        return row.tier, row.part, row.quantity, "top" if row.top else "above"
+        return row.model, row.part, row.quantity, "top" if row.top else "above"
 
     for name in dict.fromkeys(map(key, rows)):
         yield name, [row for row in rows if key(row) == name]

@@ -20,7 +20,7 @@ from skincad.studies.query import Query, evaluate
 from skincad.studies.solving import solve
 from skincad.studies.subject import value_of
 
-START, TIER = "lab-bench", "corrected"
+START, MODEL = "lab-bench", "corrected"
 RANGES = {
     "skin.curvature_radius": (60.0, 400.0),
     "skin.thickness": (4.0, 14.0),
@@ -86,7 +86,7 @@ def ways(
     count: int,
     first: int,
     knobs: int,
-    tier: str = TIER,
+    model: str = MODEL,
     start: str = START,
     ranges: Mapping[str, tuple[float, float]] = RANGES,
 ) -> Iterator[Way]:
@@ -96,14 +96,14 @@ def ways(
         rng = np.random.default_rng([seed, knobs, 41])
         keys = tuple(str(key) for key in rng.choice(list(ranges), knobs, replace=False))
         hidden = {key: float(np.round(rng.uniform(*ranges[key]), 4)) for key in keys}
-        told = evaluate(design, hidden, Query("check", tier))
+        told = evaluate(design, hidden, Query("check", model))
         target = TARGETS[seed % len(TARGETS)]
         seed += 1
         value = told.results[target].value if told.results and not told.refused else None
         if not value:
             continue  # no feasible design
         began = perf_counter()
-        found = solve(design, {target: value}, {key: ranges[key] for key in keys}, tier=tier)
+        found = solve(design, {target: value}, {key: ranges[key] for key in keys}, model=model)
         missed = np.inf
         if found.solutions:
             missed = abs(float(found.solutions[0].reached[target]) / value - 1)
@@ -118,14 +118,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    parser.add_argument("--tier", default=TIER)
+    parser.add_argument("--tier", default=MODEL)
     parser.add_argument("--start", default=START, help="a design's template")
     parser.add_argument("--wide", action="store_true", help="one of the keys of WIDE")
     asked = parser.parse_args()
     ranges = wide(asked.start) if asked.wide else RANGES
     for knobs in [1] if asked.wide else MOST:
         found = []
-        for way in ways(asked.count, asked.seed, knobs, asked.tier, asked.start, ranges):
+        for way in ways(asked.count, asked.seed, knobs, asked.model, asked.start, ranges):
             print(way, flush=True)
             found.append(way)
         took = sorted(way.evaluations for way in found)

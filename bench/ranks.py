@@ -1,5 +1,5 @@
 """Is the better of two designs told apart as surely as is said? Pairs of neighbours in a study,
-ranked by the linear tier, against `solid-finite-strain`.
+ranked by the linear model, against `solid-finite-strain`.
 
 `python -m bench.ranks 30 --seed 100` draws 30 pairs, writes a JSON line of each to out/ranks-SEED.jsonl and
 prints how many are said to be surely different, how many of those rightly, and the same for other values of
@@ -36,7 +36,7 @@ OWNS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)
 
 @dataclass(frozen=True)
 class Pair:
-    """Two designs' all-touch forces, N, by the linear tier with the two parts of their errors, and by the
+    """Two designs' all-touch forces, N, by the linear model with the two parts of their errors, and by the
     best."""
 
     seed: int
@@ -56,7 +56,7 @@ class Pair:
 
     @property
     def right(self) -> bool:
-        """Whether the linear tier's order is the best's."""
+        """Whether the linear model's order is the best's."""
         return (self.linear[0] < self.linear[1]) == (self.best[0] < self.best[1])
 
 
@@ -75,22 +75,22 @@ def drawn(seed: int) -> tuple[Design, Design]:
 def judged(seed: int) -> Pair | None:
     """Return a seed's pair, None where a model refuses one of its designs."""
     found = {}
-    for tier in ("linear", BEST):
-        found[tier] = [evaluate(design, {}, Query("check", tier)) for design in drawn(seed)]
-        if any(each.refused or each.results[KEY].value is None for each in found[tier]):
+    for model in ("linear", BEST):
+        found[model] = [evaluate(design, {}, Query("check", model)) for design in drawn(seed)]
+        if any(each.refused or each.results[KEY].value is None for each in found[model]):
             return None
 
-    def both(tier: str, part: str) -> tuple[float, float]:
-        a, b = (float(getattr(each.results[KEY], part) or 0.0) for each in found[tier])
+    def both(model: str, part: str) -> tuple[float, float]:
+        a, b = (float(getattr(each.results[KEY], part) or 0.0) for each in found[model])
         return a, b
 
-    models = [model_error(each, KEY) for each in found["linear"]]
-    meshes = [error - model for error, model in zip(both("linear", "error"), models, strict=True)]
+    errors = [model_error(each, KEY) for each in found["linear"]]
+    meshes = [error - own for error, own in zip(both("linear", "error"), errors, strict=True)]
     return Pair(
         seed,
         both("linear", "value"),
         (meshes[0], meshes[1]),
-        (models[0], models[1]),
+        (errors[0], errors[1]),
         both(BEST, "value"),
         both(BEST, "error"),
     )

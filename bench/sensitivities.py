@@ -1,7 +1,7 @@
-"""Whether the intervals of the all-touch force's exponents hold the linear tier's.
+"""Whether the intervals of the all-touch force's exponents hold the linear model's.
 
 `python -m bench.sensitivities [SEED ...]`: of all templates, or of random designs; a row for each design and
-key, and how many of each key lie inside. Differences are 3 % each way, of the linear tier at its finest
+key, and how many of each key lie inside. Differences are 3 % each way, of the linear model at its finest
 tolerance that check asks for.
 """
 
@@ -23,7 +23,7 @@ BY, FINEST = 0.03, 5e-3
 
 
 def exponent(design: Design, key: str) -> float | None:
-    """The exponent by the linear tier; None where the key is not given, or a guard or the model refuses."""
+    """The exponent by the linear model; None where the key is not given, or a guard or the model refuses."""
     table, _, name = key.partition(".")
     now = getattr(getattr(design, table), name)
     ends = []

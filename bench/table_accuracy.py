@@ -1,11 +1,10 @@
 """Whether `check --budget` and `check --tol` keep what they promise, on every template.
 
-`python -m bench.table_accuracy [--only KIND] [template]...` (budget, tol, mesh, scene) prints the
-model that a budget buys and how long it took; the model that a tolerance of the whole error takes, its stated
-error of the all-touch force and the true one, against the solid at finite strain; the same for the linear
-tier's mesh alone, against its finest rung; and for scenes what budgets and tolerances take. Times are seconds
-without imports.
-"""
+`python -m bench.table_accuracy [--only KIND] [template]...` (budget, tol, mesh, scene) prints the model that
+a budget buys and how long it took; the model that a tolerance of the whole error takes, its stated error of
+the all-touch force and the true one, against the solid at finite strain; the same for the linear model's mesh
+alone, against its finest rung; and for scenes what budgets and tolerances take. Times are seconds without
+imports."""
 
 from __future__ import annotations
 
@@ -45,7 +44,7 @@ def budgets(names: list[str]) -> int:
             found = check(skincad.load(name, [SMOOTH]), budget=budget)
             spent = found.seconds["total"]
             late += spent > KEPT * budget
-            cells.append(f"{found.tier:>24} {spent:5.2f} s{'!' if spent > KEPT * budget else ' '}")
+            cells.append(f"{found.model:>24} {spent:5.2f} s{'!' if spent > KEPT * budget else ' '}")
         print(f"{name:22}" + "".join(cells), flush=True)
     print(f"{late} of {len(names) * len(BUDGETS)} took more than {KEPT:g} times the budget\n")
     return late
@@ -59,7 +58,7 @@ def wholes(names: list[str]) -> int:
     for name in names:
         design = skincad.load(name, [SMOOTH])
         try:
-            truth = check(design, tier=BEST).all_touch_force
+            truth = check(design, model=BEST).all_touch_force
         except InputError as refusal:
             print(f"{name:22}  no truth: {refusal}")
             continue
@@ -74,9 +73,9 @@ def wholes(names: list[str]) -> int:
             bad = true > stated + (truth.error or 0.0) / scale
             missed += bad
             short = any("not met" in warning for warning in found.warnings)
-            mark = "!" if bad else "-" if short else "+" if found.tier == BEST else " "
+            mark = "!" if bad else "-" if short else "+" if found.model == BEST else " "
             cells.append(
-                f"{found.tier:>28} {found.seconds['total']:6.2f} s {stated:8.1e} {true:8.1e} {mark} "
+                f"{found.model:>28} {found.seconds['total']:6.2f} s {stated:8.1e} {true:8.1e} {mark} "
             )
         print(f"{name:22}" + "".join(cells), flush=True)
     print(f"{missed} of {len(names) * len(WHOLE)} stated too small\n")
@@ -92,7 +91,7 @@ def tolerances(names: list[str]) -> int:
         truth = finest(design)
         cells = []
         for tol in TOLERANCES:
-            found = check(design, tier="linear", tol=tol)
+            found = check(design, model="linear", tol=tol)
             stated, true = apart(found, truth)
             bad = true > tol or any("not met" in warning for warning in found.warnings)
             missed += bad
@@ -154,9 +153,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*", default=template_names())
     parser.add_argument("--only", choices=("budget", "tol", "mesh", "scene"))
     asked = parser.parse_args()
-    for tier in AUTO:  # imports are no part of a budget
-        load(tier)
-    check(skincad.load("plain-ridges"), tier="linear")
+    for model in AUTO:  # imports are no part of a budget
+        load(model)
+    check(skincad.load("plain-ridges"), model="linear")
     for kind, table in {"budget": budgets, "tol": wholes, "mesh": tolerances, "scene": scenes}.items():
         if asked.only in (None, kind):
             table(asked.names)

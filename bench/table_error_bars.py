@@ -43,14 +43,14 @@ def solve(path: Path, seeds: range, minutes: float, plane: bool) -> None:
 
 def table(rows: list[Row]) -> list[str]:
     """Return the table's lines."""
-    head = f"{'tier':18}{'part':8}{'of':18}{'against':8}{'cases':>6}{'held':>8}{'median width':>14}  missed"
+    head = f"{'model':18}{'part':8}{'of':18}{'against':8}{'cases':>6}{'held':>8}{'median width':>14}  missed"
     lines = [head]
-    for (tier, part, quantity, against), mine in groups(rows):
+    for (model, part, quantity, against), mine in groups(rows):
         held = np.mean([row.held for row in mine])
         missed = [f"{row.seed} ({row.true:.2g} > {row.stated:.2g})" for row in mine if not row.held]
         width = float(np.median([row.width for row in mine]))
         lines.append(
-            f"{tier:18}{part:8}{quantity:18}{against:8}{len(mine):6d}{held:8.1%}{width:14.2g}"
+            f"{model:18}{part:8}{quantity:18}{against:8}{len(mine):6d}{held:8.1%}{width:14.2g}"
             f"  {' '.join(missed)}"
         )
     return lines

@@ -34,7 +34,7 @@ class CrestAllowance:
     """A seed's verdicts; forces and lengths in N and mm, None where a model has none."""
 
     seed: int
-    tier: str
+    model: str
     verdict: str
     best: str
     force: float
@@ -97,13 +97,13 @@ def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     """Return a seed's verdicts; `auto` is told this `friction`, the best model that there is none."""
     design, clock, said = drawn(seed), [perf_counter()], ""
     found: list[ContactCheck | None] = []
-    for tier, told in (("auto", friction), (BEST, 0.0)):
+    for model, told in (("auto", friction), (BEST, 0.0)):
         try:
-            found.append(skincad.check(design.with_(contact={"friction": told}), tier=tier))
+            found.append(skincad.check(design.with_(contact={"friction": told}), model=model))
             said += found[-1].out_of_range if found[-1] else ""
         except (InputError, RefusedError) as refusal:
             found.append(None)
-            said += f"{tier}: {refusal} "
+            said += f"{model}: {refusal} "
         clock.append(perf_counter())
     auto, best = found
 
@@ -113,7 +113,7 @@ def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     words = [verdict(of) if of else "none" for of in found]
     return CrestAllowance(
         seed,
-        auto.tier if auto else "",
+        auto.model if auto else "",
         words[0],
         words[1],
         design.contact.force,
@@ -131,7 +131,7 @@ def summary(rows: list[CrestAllowance]) -> list[str]:
     outcomes = Counter((row.verdict, row.best) for row in rows)
     lines = [f"auto {ours:7} best {theirs:7} {n:4}" for (ours, theirs), n in sorted(outcomes.items())]
     lines += [
-        f"taken back: seed {row.seed}, {row.tier}: {row.verdict}, {BEST}: {row.best}; {row.said}"
+        f"taken back: seed {row.seed}, {row.model}: {row.verdict}, {BEST}: {row.best}; {row.said}"
         for row in rows
         if row.taken_back
     ]

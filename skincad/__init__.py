@@ -124,6 +124,8 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
 
     @wraps(function)
     def call(*given: Any, **named: Any) -> R:
+        if "tier" in named and "model" in form.parameters:  # its name before
+            named["model"] = named.pop("tier")
         arguments = form.bind(*given, **named)
         for name in loaded:
             if isinstance(source := arguments.arguments.get(name), str | Path):

@@ -98,7 +98,7 @@ def make_into(design: Design, folder: Path) -> Made:
 def files_into(design: Design, folder: Path, formats: Iterable[str] = ()) -> Made:
     """The same for who looks at files: the verdict that stands in them is by the closed form, not by
     seconds of finite elements."""
-    result = skincad.make(design, tier="winkler")
+    result = skincad.make(design, model="winkler")
     return Made(result, skincad.write(result, folder, formats=formats))
 
 

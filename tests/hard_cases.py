@@ -70,17 +70,17 @@ class Entry:
 
 
 def entries() -> Iterator[Entry]:
-    """All rows, in the file's order; a row with a list of `tiers` is one entry a tier."""
+    """All rows, in the file's order; a row with a list of `models` is one entry a model."""
     for row in tomllib.loads(FILE.read_text("utf-8"))["case"]:
-        tiers, late = row.pop("tiers", None), row.pop("slow_tiers", [])
+        models, late = row.pop("models", None), row.pop("slow_models", [])
         row["like"] = tuple(row.get("like", ()))
-        if tiers is None:
+        if models is None:
             yield Entry(**row)
             continue
-        for tier in (*tiers, *late):
-            arguments = {**row.get("arguments", {}), "tier": tier}
-            name = f"{row['name']}, {tier}"
-            yield Entry(**{**row, "name": name, "arguments": arguments, "slow": tier in late})
+        for model in (*models, *late):
+            arguments = {**row.get("arguments", {}), "model": model}
+            name = f"{row['name']}, {model}"
+            yield Entry(**{**row, "name": name, "arguments": arguments, "slow": model in late})
 
 
 def watched(found: Figures, path: str) -> Any:

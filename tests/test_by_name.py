@@ -79,7 +79,7 @@ def test_answers_are_those_of_what_is_loaded(tmp_path: Path) -> None:
     design = skincad.load_design("plain-ridges")
     (tmp_path / "own.toml").write_text(design.with_(ridge={"height": 0.45}).to_toml())
     assert skincad.section("plain-ridges") == skincad.section(design)
-    by_name, by_design = (skincad.check(given, tier="winkler") for given in ("plain-ridges", design))
+    by_name, by_design = (skincad.check(given, model="winkler") for given in ("plain-ridges", design))
     assert by_name.all_touch_force == by_design.all_touch_force
     assert skincad.section(tmp_path / "own.toml").top < skincad.section(design).top
     assert skincad.gain("transimpedance").name == "transimpedance"

@@ -126,9 +126,9 @@ def test_a_format_is_written_alone(tmp_path: Path) -> None:
         (["check", "yamada-2002", "--force", "nan"], "--force: must be above 0 N"),
         (
             ["check", "yamada-2002", "--tier", "wincler"],
-            "--tier: unknown tier, got 'wincler'; did you mean 'winkler'?",
+            "--tier: unknown model, got 'wincler'; did you mean 'winkler'?",
         ),
-        (["check", "yamada-2002", "--tier", "solid-finite"], "--tier: unknown tier"),
+        (["check", "yamada-2002", "--tier", "solid-finite"], "--tier: unknown model"),
         (["check", "yamada-2002", "--pull", "1"], "--pull: needs --stress"),
         (["check", "plain-ridges", "--stress", "s.png"], "slot: "),
         (["check", "yamada-2002", "--stress", "s.pdf"], "--stress: s.pdf must end in .png"),

@@ -79,7 +79,7 @@ def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:
     """The closed form's verdict on a design, and the numbers that a mesh of it begins with."""
     design = Design(**tables)
-    told = check(design, tier="winkler").as_json()
+    told = check(design, model="winkler").as_json()
     if design.slot and design.skin.curvature_radius_y is None:
         pad = filled_pad(design.with_(contact={"film": "ignored"}))[0]
         told["pad"] = [pad.top, pad.length, pad.young_modulus, pad.poisson_ratio]

@@ -156,7 +156,11 @@ def left(
 FAILURES = {
     "memory": (MemoryError(), 3, "out of memory (MemoryError)"),
     "a library's memory": (RuntimeError("std::bad_alloc"), 3, "out of memory (std::bad_alloc)"),
-    "exhausted": (ExhaustedError("the solid tier needs more memory"), 3, "the solid tier needs more memory"),
+    "exhausted": (
+        ExhaustedError("the solid model needs more memory"),
+        3,
+        "the solid model needs more memory",
+    ),
     "refused": (RefusedError("does not balance"), 1, "does not balance"),
     "a failed check of its own": (
         FaultError("cavity: the print mesh is open"),

@@ -78,7 +78,7 @@ def test_sixty_checks_take_no_more_memory_than_the_sixty_before() -> None:
     design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
 
     def job() -> None:
-        skincad.check(design, force=1.0, tier="linear", tol=0.3)
+        skincad.check(design, force=1.0, model="linear", tol=0.3)
 
     kept(job, CHECKS // 2)
     before = sys.getallocatedblocks()

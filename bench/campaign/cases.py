@@ -113,7 +113,7 @@ def check_figures(case: Case) -> Figures:
         "ridge_force": [f.value for f in found.ridge_force],
         "share_error": max(f.error or 0.0 for f in found.ridge_force),
         "sum": sum(f.value or 0.0 for f in found.ridge_force),
-        "tier": found.tier,
+        "model": found.model,
         "unknowns": found.unknowns,
         "residual": found.residual,
         "yield": None if found.manufacture is None else found.manufacture.passing.value,

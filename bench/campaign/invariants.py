@@ -33,7 +33,7 @@ def faults(case: Case, found: Figures, *, dear: bool = False) -> Iterator[Fault]
         yield from _heavier(case, found)
         yield from _other_units(case, found)
         yield from _mirrored(case, found)
-        yield from _next_tier(case, found) if dear else ()
+        yield from _next_model(case, found) if dear else ()
     if case.kind == "simulate":
         yield from _pulled_back(case, found)
 
@@ -178,12 +178,12 @@ def _again(case: Case, **arguments: Any) -> Figures | None:
         return None
 
 
-def _next_tier(case: Case, found: Figures) -> Iterator[Fault]:
+def _next_model(case: Case, found: Figures) -> Iterator[Fault]:
     """The error holds against the next model, with that one's own; both within their range."""
-    above = NEXT.get(found["tier"])
+    above = NEXT.get(found["model"])
     if above is None or found["beyond"]:
         return
-    other = _again(case, tier=above)
+    other = _again(case, model=above)
     if other is None or other["beyond"]:
         return
     for key, error in (("all_touch_force", "all_touch_error"), ("approach", "approach_error")):
@@ -192,7 +192,7 @@ def _next_tier(case: Case, found: Figures) -> Iterator[Fault]:
             continue
         if not abs(one - two) <= sum(widths):
             yield (
-                f"error bar of {found['tier']}, {key}",
+                f"error bar of {found['model']}, {key}",
                 f"{one:.6g} +- {widths[0]:.3g}, {above} {two:.6g} +- {widths[1]:.3g}",
             )
 

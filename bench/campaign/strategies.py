@@ -131,7 +131,7 @@ def checks(draw: DrawFn) -> Case:
     tables = draw(designs(ridges=15))
     tables["material"] = _material(dice)
     tables["contact"]["plate"] = _plate(dice, tables["skin"]["width"])
-    arguments: dict[str, Any] = {"tier": dice.one(CHECKED), "tol": dice.one([0.05, 0.02, 0.2])}
+    arguments: dict[str, Any] = {"model": dice.one(CHECKED), "tol": dice.one([0.05, 0.02, 0.2])}
     if dice.happens(0.5):
         # near where all touch, by the elastic foundation's own scale: modulus x length x sag of the circle
         skin = tables["skin"]

@@ -55,7 +55,7 @@ def random_skin(number: int) -> Skin:
     while True:
         try:
             design = _drawn(draw, f"random-{number}")
-            needed = skincad.check(design, tier="winkler").all_touch_force.value
+            needed = skincad.check(design, model="winkler").all_touch_force.value
             force = float(np.clip(needed * draw.uniform(0.9, 1.6), 0.2, 60.0))
             return Skin(design.name, design, force)
         except InputError:

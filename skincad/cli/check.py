@@ -17,10 +17,10 @@ from skincad.cli.options import (
     DesignArgument,
     ForceOption,
     JsonOption,
+    ModelOption,
     PrinterOption,
     SetOption,
     SiliconesOption,
-    TierOption,
     leave,
     say,
     show,
@@ -39,13 +39,13 @@ def check(
     force: ForceOption = None,
     tol: Annotated[
         float | None,
-        typer.Option("--tol", metavar="REL", help="Relative error to meet; with --tier, the mesh's alone."),
+        typer.Option("--tol", metavar="REL", help="Relative error to meet; with --model, the mesh's alone."),
     ] = None,
     budget: BudgetOption = None,
     measured: Annotated[
         Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
     ] = None,
-    tier: TierOption = "auto",
+    model: ModelOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     stress: Annotated[
@@ -80,7 +80,7 @@ def check(
         check_request(design, design.contact.force if force is None else force, (tangential or 0.0,))
     with stage_bar(4) as progress:
         result = skincad.check(
-            design, force=force, tol=tol, budget=budget, tier=tier, measured=measured, progress=progress
+            design, force=force, tol=tol, budget=budget, model=model, measured=measured, progress=progress
         )
         films = None
         if stress is not None:

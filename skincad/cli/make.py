@@ -19,13 +19,13 @@ from skincad.cli.options import (
     DesignArgument,
     FormatOption,
     JsonOption,
+    ModelOption,
     OpenOption,
     OutOption,
     PrinterOption,
     ScenesOption,
     SetOption,
     SiliconesOption,
-    TierOption,
     deliver,
     leave,
     out_folder,
@@ -43,7 +43,7 @@ def make(
     checked: Annotated[
         bool, typer.Option("--check/--no-check", help="Ask whether all ridges touch, or leave that out.")
     ] = True,
-    tier: TierOption = "auto",
+    model: ModelOption = "auto",
     budget: BudgetOption = None,
     preview: Annotated[
         bool,
@@ -85,7 +85,7 @@ def make(
             design,
             strict=strict,
             checked=checked,
-            tier=tier,
+            model=model,
             budget=budget,
             preview=preview,
             solids=solids,

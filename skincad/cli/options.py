@@ -73,7 +73,7 @@ BudgetOption = Annotated[
     float | None,
     typer.Option("--budget", metavar="S", help="Seconds to spend; gives the best answer they allow."),
 ]
-TierOption = Annotated[
+ModelOption = Annotated[
     str,
     typer.Option(
         "--model",

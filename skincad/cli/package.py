@@ -12,10 +12,10 @@ from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     DesignArgument,
     JsonOption,
+    ModelOption,
     PrinterOption,
     SetOption,
     SiliconesOption,
-    TierOption,
     deliver,
     out_folder,
 )
@@ -32,7 +32,7 @@ def package(
             "--for", metavar="KIND", help="mujoco, urdf, taxels or mesh; repeat for several; default: all."
         ),
     ] = [],  # noqa: B006
-    tier: TierOption = "auto",
+    model: ModelOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     folder: Annotated[
@@ -51,6 +51,6 @@ def package(
     design = skincad.load(source, settings, printer=printer, silicones=silicones)
     target = out_folder(folder, Path(design.name, "package"), "package", ())
     with stage_bar(STAGES) as progress:
-        result = skincad.package(design, kinds, tier=tier, progress=progress)
+        result = skincad.package(design, kinds, model=model, progress=progress)
         written = skincad.write(result, target, progress=progress)
     deliver(result, as_json, written)

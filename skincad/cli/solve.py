@@ -42,7 +42,7 @@ def solve(
     ],
     settings: SetOption = [],  # noqa: B006
     force: ForceOption = None,
-    tier: Annotated[
+    model: Annotated[
         str | None,
         typer.Option(
             "--model",
@@ -91,7 +91,7 @@ def solve(
             subject,
             wishes,
             varied,
-            tier=tier,
+            model=model,
             tol=tol,
             force=force,
             evaluations=evaluations,

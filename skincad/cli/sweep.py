@@ -51,7 +51,7 @@ def sweep(
         ),
     ] = [],  # noqa: B006
     force: ForceOption = None,
-    tier: Annotated[
+    model: Annotated[
         str | None,
         typer.Option("--model", "--tier", help="The model of all checks; default: linear."),
     ] = None,
@@ -85,7 +85,7 @@ def sweep(
             varied,
             sample=sample,
             rank=ranks,  # type: ignore[arg-type]
-            tier=tier,
+            model=model,
             tol=tol,
             force=force,
             folder=target,

@@ -5,7 +5,7 @@ Bonded strips are thin stiff solids in silicone; a membrane line without bending
 A loose strip lies in an empty slot and carries nothing, so it feels nothing either, until the slot's walls
 meet it; a scene warns where walls meet, for contact within a slot is not in the model. Range: isotropic film.
 Without this effect the slots are full of silicone, and the signal is the silicone's stress in the films'
-place. Reference: film/stress.py's patches and contour integrals; loose, the linear tier on the same pad.
+place. Reference: film/stress.py's patches and contour integrals; loose, the linear model on the same pad.
 """
 
 from __future__ import annotations

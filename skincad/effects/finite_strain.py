@@ -5,7 +5,7 @@ under a flat plate that keeps its angle. Where the skin's surface folds the marc
 (mechanics/contact/press_path.py). A step linearises the body several times, so it costs some hundred times
 one of small strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is
 meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it
-then lies (mechanics/bodies/film_field.py). Reference: the finite-strain tier without friction, simple shear
+then lies (mechanics/bodies/film_field.py). Reference: the finite-strain model without friction, simple shear
 with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
 """
 

@@ -3,7 +3,7 @@
 Range: small strain, quasi-static. What changes is how far ridges go down under normal forces, by ridge, from
 a coarse solid (mechanics/models/corrected.py). Left out: shear in three dimensions, how pressure and slip
 vary along y, and that near its ends a film is stressed otherwise; a film's stress follows the changed forces
-as in plane strain. Reference: the corrected tier's approach and shares (tests/effects/test_free_ends.py).
+as in plane strain. Reference: the corrected model's approach and shares (tests/effects/test_free_ends.py).
 """
 
 from __future__ import annotations

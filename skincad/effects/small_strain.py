@@ -1,7 +1,7 @@
 """Small strain, plane strain: the law of every scene that names no other.
 
 Range: nominal strains of a ridge up to about 0.1; the result's `left_out` says where a scene lies. The pad is
-condensed once, so a step is a contact problem alone. Reference: the linear tier's verification table.
+condensed once, so a step is a contact problem alone. Reference: the linear model's verification table.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Result
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import tier_of
+from skincad.mechanics.models.table import model_named
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
@@ -190,7 +190,7 @@ def make(
     *,
     strict: bool = False,
     checked: bool = True,
-    tier: str = "auto",
+    model: str = "auto",
     budget: float | None = None,
     preview: bool = False,
     solids: bool = False,
@@ -199,7 +199,7 @@ def make(
 ) -> MakeResult:
     """Build a design's skin and mold, measure and judge them; `skincad.write` writes the files.
 
-    `tier` and `budget` s are those of `check`; without `checked` nobody asks whether all ridges touch.
+    `model` and `budget` s are those of `check`; without `checked` nobody asks whether all ridges touch.
     `preview` makes meshes and findings alone: no check, nothing measured on the meshes, and no exact solid,
     nor the files that show one, unless `solids` asks for them.
     `scenes` are what `simulate` found of this skin: `load_scene(name, skin=design)`; the report shows them.
@@ -210,7 +210,7 @@ def make(
     from skincad.fabrication.fasteners import mount_of
 
     checked, solids = checked and not preview, solids or not preview
-    _check_choices(checked, tier, budget)
+    _check_choices(checked, model, budget)
     _check_scenes(design, scenes)
     job = Job(design)
     cavity = job.closed.first(PartRole.SKIN).volume  # bad input is refused before the CAD kernel loads
@@ -221,7 +221,7 @@ def make(
         from skincad.mechanics.check import check
 
         with watch.stage("contact check"):
-            verdict = check(design, tier=tier, budget=budget)
+            verdict = check(design, model=model, budget=budget)
     build, reports = _build(job, verdict, tuple(scenes), watch, solids, not preview)
     return MakeResult(
         name=design.name,
@@ -256,13 +256,13 @@ def summary(check: ContactCheck | None, findings: tuple[Finding, ...]) -> str:
     return f"mold: {counted(findings)}; contact: {check.verdict if check else 'not checked'}"
 
 
-def _check_choices(checked: bool, tier: str, budget: float | None) -> None:
-    """Raise InputError for a tier or a budget of a check that is left out, and for one that there is not."""
-    for key, value in (("tier", None if tier == "auto" else tier), ("budget", budget)):
+def _check_choices(checked: bool, model: str, budget: float | None) -> None:
+    """Raise InputError for a model or a budget of a check that is left out, and for one that there is not."""
+    for key, value in (("model", None if model == "auto" else model), ("budget", budget)):
         if value is not None and not checked:
             raise InputError(key, "is the check's, which is left out", value, "leave one of them out")
-    if tier != "auto":
-        tier_of(tier)
+    if model != "auto":
+        model_named(model)
     require_goals(None, budget, "0.05")
 
 

@@ -42,7 +42,7 @@ class Reply(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """The newest of each kind; None where there was none yet. `better` are the verdicts of better tiers than
+    """The newest of each kind; None where there was none yet. `better` are the verdicts of better models than
     the closed form as they came, `verdict` the last one, as `skincad check` has it."""
 
     view: Reply[DesignView] | None = None
@@ -57,7 +57,7 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class Timing:
+class ReplyTiming:
     """When, s of `perf_counter`, a move came, and when its picture and first verdict had been handed on."""
 
     moved_at: float
@@ -76,7 +76,7 @@ class Desk:
     def __init__(self, subject: Editable, source: str, observer: Callable[[str], None]) -> None:
         self.source, self._observer = source, observer
         self.session, self.answers = start_session(subject), Answers()
-        self.timings: deque[Timing] = deque(maxlen=1000)
+        self.timings: deque[ReplyTiming] = deque(maxlen=1000)
         self.move_time = perf_counter()
         self.lock = RLock()
         self._quick = LatestRunner(self._work)
@@ -175,7 +175,7 @@ class Desk:
                 return
             if is_design:
                 self._answer("closed_form", closed_form=Reply(subject, closed_form(session)))
-            self.timings.append(Timing(moved_at, drawn_at, perf_counter()))
+            self.timings.append(ReplyTiming(moved_at, drawn_at, perf_counter()))
             ends = perf_counter() + QUIET
             while perf_counter() < ends and not newer():
                 sleep(0.01)
@@ -195,11 +195,11 @@ class Desk:
             stage, left = what
             more = f", about {left:.0f} s left" if left else ""
             self._answer("stage", stage=f"{stage}{more}")
-        elif kind == "tier":
+        elif kind == "model":
             with self.lock:
                 before = self.answers.better
                 verdicts = before.what if before is not None and before.of == subject else ()
-                others = tuple(verdict for verdict in verdicts if verdict.tier != what.tier)
+                others = tuple(verdict for verdict in verdicts if verdict.model != what.model)
             self._answer("better", better=Reply(subject, (*others, what)))
         elif kind in ("verdict", "signals"):
             self._answer(kind, **{kind: Reply(subject, what)}, trouble=None)
@@ -223,7 +223,7 @@ def closed_form(session: Session) -> ContactCheck | str:
     from skincad.mechanics.check import check
 
     try:
-        return check(session.design, tier="winkler")
+        return check(session.design, model="winkler")
     except (InputError, RefusedError) as refusal:
         return str(refusal)
 

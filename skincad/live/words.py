@@ -57,13 +57,13 @@ def best(desk: Desk) -> ContactCheck | str | None:
 
 
 def verdict_html(desk: Desk) -> str:
-    """Return the best verdict there is, and all tiers' forces with their error bars."""
+    """Return the best verdict there is, and all models' forces with their error bars."""
     answers, verdict = desk.answers, best(desk)
     if isinstance(verdict, ContactCheck):
         last = answers.verdict is not None and answers.verdict.what is verdict
         note = "the verdict of <code>skincad check</code>" if last else "better models follow"
-        tier = NAMES.get(verdict.tier, f"{verdict.tier} tier")
-        words = f"<b>{escape(checks.verdict(verdict))}</b><br>By the {tier}; {note}."
+        model = NAMES.get(verdict.model, f"{verdict.model} model")
+        words = f"<b>{escape(checks.verdict(verdict))}</b><br>By the {model}; {note}."
         headline = _box({"passes": GREEN, "fails": RED}.get(verdict.verdict, AMBER), words)
     else:
         headline = _box(AMBER, escape(verdict or "..."))
@@ -96,7 +96,7 @@ def lines_html(lines: Sequence[str]) -> str:
 
 
 def _rows(desk: Desk) -> str:
-    """A row for each tier: its name, an error bar on a common scale, its force."""
+    """A row for each model: its name, an error bar on a common scale, its force."""
     answers, rows = desk.answers, []
     if answers.closed_form is not None and isinstance(answers.closed_form.what, ContactCheck):
         rows.append((answers.closed_form.what, desk.is_current(answers.closed_form)))
@@ -104,7 +104,7 @@ def _rows(desk: Desk) -> str:
         rows += [(check, desk.is_current(answers.better)) for check in answers.better.what]
     final = answers.verdict
     if final is not None and desk.is_current(final):
-        rows = [row for row in rows if row[0].tier != final.what.tier] + [(final.what, True)]
+        rows = [row for row in rows if row[0].model != final.what.model] + [(final.what, True)]
     rows = [row for row in rows if row[0].all_touch_force.value is not None]
     if not rows:
         return ""
@@ -128,7 +128,7 @@ def _bar(check: ContactCheck, fresh: bool, top: float, scale: float) -> str:
     value, error = force.value or 0.0, force.error or 0.0
     ink = "#222" if fresh else "#a9adb5"
     low, high = max(0.0, value - error) * scale, min((value + error) * scale, BARS[0])
-    name = NAMES.get(check.tier, check.tier.replace("corrected-finite-strain", "corr.-finite-str."))
+    name = NAMES.get(check.model, check.model.replace("corrected-finite-strain", "corr.-finite-str."))
     name += "" if fresh else " (older)"
     return (
         f"<text x='-4' y='{middle + 3.5}' text-anchor='end' fill='{ink}'>{escape(name)}</text>"

@@ -44,14 +44,14 @@ class Signals:
 
 
 def check_design(design: Design, tell: Tell) -> None:
-    """Tell each tier's verdict, then the last one as `skincad check` has it, its advice as it is found."""
+    """Tell each model's verdict, then the last one as `skincad check` has it, its advice as it is found."""
     from skincad.mechanics.check import check
     from skincad.studies.advice import advising, seconds_for_advice
 
     def stage(what: str, left: float | None = None, /) -> None:
         tell("stage", (what, left))
 
-    contact_check = check(design, progress=stage, on_verdict=lambda verdict: tell("tier", verdict))
+    contact_check = check(design, progress=stage, on_verdict=lambda verdict: tell("model", verdict))
     tell("verdict", contact_check)
     for more in advising(design, contact_check, stage, seconds_for_advice(contact_check)):
         tell("verdict", more)

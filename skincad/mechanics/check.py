@@ -25,15 +25,15 @@ from skincad.inputs.process import processes
 from skincad.mechanics.left_out import LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
-    TIERS,
+    MODELS,
     expected_seconds,
     is_small_strain,
     load,
+    model_named,
     overhead_seconds,
     prerequisites,
     run,
     seconds_at_size,
-    tier_of,
     timing_cache,
     unsupported_reason,
 )
@@ -87,20 +87,20 @@ def check(
     force: float | None = None,
     tol: float | None = None,
     budget: float | None = None,
-    tier: str = "auto",
+    model: str = "auto",
     measured: Path | str | None = None,
     progress: Progress | None = None,
     on_verdict: OnVerdict | None = None,
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
 
-    `tier` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
+    `model` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
     relative error of the all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget`
-    in seconds, no further than it may last. If a tier refuses, the verdict of the one before stands. With a
-    tier named, `tol` and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights
-    (columns ridge, crest_mm), to judge that part. `on_verdict` is called with each tier's verdict as soon as
+    in seconds, no further than it may last. If a model refuses, the verdict of the one before stands. With a
+    model named, `tol` and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights
+    (columns ridge, crest_mm), to judge that part. `on_verdict` is called with each model's verdict as soon as
     it is known. Passed means: all touch, and the all-touch force with its error still lies at or below the
-    force. Raises InputError for a force, tolerance, budget or tier out of range.
+    force. Raises InputError for a force, tolerance, budget or model out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -113,16 +113,18 @@ def check(
     notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
     notes += (trouble,) if (trouble := timing_cache().trouble) else ()
     climb = Climb(design, load, crest_offsets, notes, progress, on_verdict)
-    if tier == "auto":
+    if model == "auto":
         return climb.auto(tol, budget)
-    tier_of(tier)
-    if reason := unsupported_reason(tier, design, bool(crest_offsets)):
-        raise InputError("tier", reason, tier, "leave it out")
-    verdict = climb.verdict_of(tier, Request(load, tol, budget, crest_offsets, ridge_model=not crest_offsets))
+    model_named(model)
+    if reason := unsupported_reason(model, design, bool(crest_offsets)):
+        raise InputError("model", reason, model, "leave it out")
+    verdict = climb.verdict_of(
+        model, Request(load, tol, budget, crest_offsets, ridge_model=not crest_offsets)
+    )
     return with_shortfall(verdict, tol, verdict.model_error)
 
 
-MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear tier is still tried
+MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear model is still tried
 MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is solved
 # The mesh's share of a requested tolerance: of models that leave effects out, and of complete ones
 MESH_SHARE, FULL_MODEL_MESH_SHARE = 0.3, 0.5
@@ -132,11 +134,11 @@ DEFAULT_BUDGET = 120.0
 LARGE_PAD_SECONDS = (
     12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
 )
-OnVerdict = Callable[[ContactCheck], object]  # called with each tier's verdict as soon as it is known
+OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
 
 
 class Climb:
-    """One check: the tiers solved so far, and the verdict of each."""
+    """One check: the models solved so far, and the verdict of each."""
 
     def __init__(
         self,
@@ -153,24 +155,24 @@ class Climb:
         self.solved: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        self.tiers = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
+        self.models = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
         self.friction = PlateFriction(design, force, crest_offsets)
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
-        """Try better tiers until the tolerance is met, the verdict is clear or the budget is used."""
+        """Try better models until the tolerance is met, the verdict is clear or the budget is used."""
         request = Request(self.force, None, None, self.crest_offsets, ridge_model=not self.crest_offsets)
-        name = self.tiers[self._first_index(tol)]
+        name = self.models[self._first_index(tol)]
         large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE_PAD_SECONDS
         if name != "winkler" and (budget is not None or large):
             return self._within_budget(request, tol, budget)
         return self._climb_from(name, request, tol, budget)
 
     def _within_budget(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
-        """Start with the linear tier if it fits into the budget or DEFAULT_BUDGET, else use the closed
+        """Start with the linear model if it fits into the budget or DEFAULT_BUDGET, else use the closed
         form."""
         limit = DEFAULT_BUDGET if budget is None else budget
-        least = self.tiers[0] == "winkler"
-        name = "linear" if "linear" in self.tiers else self.tiers[0]
+        least = self.models[0] == "winkler"
+        name = "linear" if "linear" in self.models else self.models[0]
         load(name)  # the library's import is no part of the budget
         self.started = perf_counter()
         try:
@@ -182,14 +184,14 @@ class Climb:
                 raise LateError(expected_seconds(name, self.design, set()))
             return self._climb_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
         except LateError as late:
-            check = self._tier("winkler", replace(request, tol=FINEST_TOLERANCE))
-            words = f"the linear tier would take about {about(late.seconds)} of the budget of {limit:g} s"
+            check = self._model("winkler", replace(request, tol=FINEST_TOLERANCE))
+            words = f"the linear model would take about {about(late.seconds)} of the budget of {limit:g} s"
             if budget is None:
                 words = (
-                    f"the linear tier would take about {about(late.seconds)}, and without --budget a check "
+                    f"the linear model would take about {about(late.seconds)}, and without --budget a check "
                     f"takes about {DEFAULT_BUDGET:g} s at most"
                 )
-            check = replace(check, warnings=(*check.warnings, words), next_tier=(name, late.seconds))
+            check = replace(check, warnings=(*check.warnings, words), next_model=(name, late.seconds))
             return with_shortfall(check, tol, 0.0)
 
     def _climb_from(
@@ -203,12 +205,12 @@ class Climb:
                 max(limit - self._spent() - self._yield_seconds(), MIN_BUDGET) if limit and timed else None
             )
             try:
-                check = self._tier(name, replace(request, tol=mesh_tolerance(name, tol), budget=remaining))
+                check = self._model(name, replace(request, tol=mesh_tolerance(name, tol), budget=remaining))
             except (InputError, RefusedError) as refusal:
                 check = check or self._best_solved(request, refusal)
                 if check is None:
                     raise
-                later = self.tiers[self.tiers.index(name) + 1 :]
+                later = self.models[self.models.index(name) + 1 :]
                 by_force = isinstance(refusal, InputError) and refusal.key == "force"
                 if (
                     later
@@ -225,51 +227,51 @@ class Climb:
                 if tol is None
                 else self._meets_tolerance(check, tol)
             )
-            if check.next_tier is None or (
+            if check.next_model is None or (
                 not exceeds_model(self.design, check) and (check.out_of_range or satisfied)
             ):
                 break
-            if limit is not None and self._spent() + check.next_tier[1] > limit:
+            if limit is not None and self._spent() + check.next_model[1] > limit:
                 break
-            name, request = check.next_tier[0], replace(request, must_fit=False)
+            name, request = check.next_model[0], replace(request, must_fit=False)
         check = without_mesh_tolerance(self._with_yield(check))
         check = replace(check, warnings=(*check.warnings, *overrun("", self._spent(), budget)))
         return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
 
     def _best_solved(self, request: Request, refusal: Exception) -> ContactCheck | None:
-        """The verdict of the best tier solved before one refused.
+        """The verdict of the best model solved before one refused.
 
         For a pad too large for any mesh it is the closed form's.
         """
-        solved = [name for name in self.tiers if name in self.solved]
-        if not solved and isinstance(refusal, SizeError) and self.tiers[0] == "winkler":
+        solved = [name for name in self.models if name in self.solved]
+        if not solved and isinstance(refusal, SizeError) and self.models[0] == "winkler":
             solved = ["winkler"]
-        return self._tier(solved[-1], replace(request, must_fit=False)) if solved else None
+        return self._model(solved[-1], replace(request, must_fit=False)) if solved else None
 
     def _first_index(self, tol: float | None) -> int:
-        """Index of the first tier that may meet the tolerance, judged by Winkler's strains.
+        """Index of the first model that may meet the tolerance, judged by Winkler's strains.
 
-        Without a tolerance it is the linear tier.
+        Without a tolerance it is the linear model.
         """
-        first = self.tiers.index("linear") if "linear" in self.tiers else 0
+        first = self.models.index("linear") if "linear" in self.models else 0
         if tol is None or self.crest_offsets:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
-        for i, name in enumerate(self.tiers):
+        for i, name in enumerate(self.models):
             bounds = self._bounds(name, rough)
             value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
             relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
             if relative - self._irreducible(bounds, tol) <= tol:
                 return i
-        return len(self.tiers) - 1
+        return len(self.models) - 1
 
     def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
-        """Error bounds of the effects that a tier neglects."""
-        effects = (*TIERS[name].leaves_out, *self.friction.left_out(name))
+        """Error bounds of the effects that a model neglects."""
+        effects = (*MODELS[name].leaves_out, *self.friction.left_out(name))
         return left_out(effects, self.design, answer, self.force)
 
     def _irreducible(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
-        """The relative error that no tier removes, if it alone exceeds the tolerance, else 0.
+        """The relative error that no model removes, if it alone exceeds the tolerance, else 0.
 
         The rest of the error must then meet the tolerance.
         """
@@ -277,12 +279,12 @@ class Climb:
         return part if part > tol - FINEST_TOLERANCE else 0.0
 
     def _meets_tolerance(self, check: ContactCheck, tol: float) -> bool:
-        """Whether the tolerance is met, as far as any tier can."""
+        """Whether the tolerance is met, as far as any model can."""
         spared = self._irreducible(check.left_out, tol) * (check.all_touch_force.value or 0.0)
         return relative_error(check, spared) <= tol
 
     def _is_settled(self, check: ContactCheck) -> bool:
-        """Whether the verdict is clear, or an error that no tier removes keeps it open."""
+        """Whether the verdict is clear, or an error that no model removes keeps it open."""
         return is_decided(check) or is_undecidable(check, self.friction.lasting_error(check.left_out))
 
     def _seconds_until_end(self, name: str) -> float:
@@ -293,16 +295,16 @@ class Climb:
         return perf_counter() - self.started
 
     def verdict_of(self, name: str, request: Request) -> ContactCheck:
-        """Return the verdict by one tier, with its yield."""
-        return self._with_yield(self._tier(name, request))
+        """Return the verdict by one model, with its yield."""
+        return self._with_yield(self._model(name, request))
 
-    def _tier(self, name: str, request: Request) -> ContactCheck:
-        """The verdict by one tier; tiers solved before are reused."""
+    def _model(self, name: str, request: Request) -> ContactCheck:
+        """The verdict by one model; models solved before are reused."""
         started = self._spent()
-        for tier in (*prerequisites(name), name):
-            if self.progress and tier not in (*self.solved, "winkler"):
-                self.progress(f"{tier} tier", self._seconds(name))
-            answer = run(tier, self.design, request, self.solved, self.progress)
+        for model in (*prerequisites(name), name):
+            if self.progress and model not in (*self.solved, "winkler"):
+                self.progress(f"{model} model", self._seconds(name))
+            answer = run(model, self.design, request, self.solved, self.progress)
         refuse_crushed(self.design, self.force, name, answer.approach.value or 0.0)
         remaining = None if request.budget is None else request.budget - (self._spent() - started)
         answer = self.friction.applied_to(
@@ -319,17 +321,17 @@ class Climb:
 
     def _with_yield(self, check: ContactCheck) -> ContactCheck:
         """The last verdict with its yield. Earlier verdicts get no yield."""
-        known, result, reserved = self.with_model_errors[check.tier], None, self._yield_seconds()
+        known, result, reserved = self.with_model_errors[check.model], None, self._yield_seconds()
         failed: tuple[str, ...] = ()
-        if not (self.crest_offsets or check.out_of_range or check.tier == "winkler"):
+        if not (self.crest_offsets or check.out_of_range or check.model == "winkler"):
             try:
                 with resource_guard("the yield"):
                     result = self._manufacture(known)
             except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
                 failed = (no_yield(failure),)
         # the solid's yield solves the plane model, whose fault counts
-        beyond_reason = check.out_of_range or self._fault(check.tier, known)
-        following = check.next_tier
+        beyond_reason = check.out_of_range or self._fault(check.model, known)
+        following = check.next_model
         return replace(
             check,
             out_of_range=beyond_reason,
@@ -337,11 +339,11 @@ class Climb:
             manufacture=None if beyond_reason else result,
             seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
             warnings=(*check.warnings, *failed),
-            next_tier=following and (following[0], following[1] + self._yield_seconds() - reserved),
+            next_model=following and (following[0], following[1] + self._yield_seconds() - reserved),
         )
 
     def _manufacture(self, answer: Answer) -> Yield | None:
-        """Yield and sensitivities of the design; the ridge model's force is scaled to the tier's."""
+        """Yield and sensitivities of the design; the ridge model's force is scaled to the model's."""
         threshold, parts = answer.all_touch_force.value, answer.ridge_model
         if threshold is None or self.design.ridge.count == 1:
             return None
@@ -370,14 +372,14 @@ class Climb:
             all_touch_force=answer.all_touch_force,
             approach=answer.approach,
             ridge_force=answer.ridge_force,
-            tier=name,
+            model=name,
             unknowns=answer.unknowns,
             residual=answer.residual,
             seconds={"total": self._spent(), **answer.seconds},
             warnings=warnings,
             left_out=bounds,
             models_tried=tuple(self.runs),
-            next_tier=self._next(name),
+            next_model=self._next(name),
             plate=design.contact.plate.shape,
             out_of_range=beyond_reason,
             tipping=tipping(design, answer),
@@ -402,7 +404,7 @@ class Climb:
         )
 
     def _yield_times(self, answer: Answer) -> dict[str, float]:
-        """Time of the yield: of its ridge model, which the linear tier built, and of the sample of parts."""
+        """Time of the yield: of its ridge model, which the linear model built, and of the sample of parts."""
         return (
             {"yield": answer.seconds.get("yield", 0.0) + self.sampling_seconds}
             if self.sampling_seconds
@@ -410,24 +412,24 @@ class Climb:
         )
 
     def _next(self, name: str) -> tuple[str, float] | None:
-        """The next tier that neglects less, and its predicted seconds."""
-        current, order = TIERS[name], list(TIERS)
+        """The next model that neglects less, and its predicted seconds."""
+        current, order = MODELS[name], list(MODELS)
         better = [
             other
-            for other in self.tiers
+            for other in self.models
             if order.index(other) > order.index(name)
-            and (name == "winkler" or len(TIERS[other].leaves_out) <= len(current.leaves_out))
+            and (name == "winkler" or len(MODELS[other].leaves_out) <= len(current.leaves_out))
         ]
         if not better:
             return None
         return better[0], self._seconds(better[0])
 
     def _seconds(self, name: str) -> float:
-        """Predicted seconds of a tier from here, by its law at the speed seen so far, with the yield."""
+        """Predicted seconds of a model from here, by its law at the speed seen so far, with the yield."""
         return expected_seconds(name, self.design, set(self.solved)) * self._speed() + self._yield_seconds()
 
     def _speed(self) -> float:
-        """Measured over predicted seconds of the linear tier; 1 if that is not solved."""
+        """Measured over predicted seconds of the linear model; 1 if that is not solved."""
         plane = self.solved.get("linear")
         if plane is None:
             return 1.0
@@ -436,18 +438,18 @@ class Climb:
 
 
 def exceeds_model(design: Design, check: ContactCheck) -> bool:
-    """Whether a small-strain tier found large strains, so that a better tier must judge."""
-    return is_small_strain(check.tier) and (bool(check.out_of_range) or exceeds_small_strain(design, check))
+    """Whether a small-strain model found large strains, so that a better model must judge."""
+    return is_small_strain(check.model) and (bool(check.out_of_range) or exceeds_small_strain(design, check))
 
 
 def _law_seconds(name: str, design: Design) -> float:
     """Return the seconds of a model by its law alone: the same on every machine."""
-    return TIERS[name].law.at(TIERS[name].size(design))
+    return MODELS[name].law.at(MODELS[name].size(design))
 
 
 def mesh_tolerance(name: str, tol: float | None) -> float:
     """Return the mesh tolerance, relative, that `auto` sets for a tolerance `tol` of the whole."""
-    share = MESH_SHARE if TIERS[name].leaves_out else FULL_MODEL_MESH_SHARE
+    share = MESH_SHARE if MODELS[name].leaves_out else FULL_MODEL_MESH_SHARE
     return FINEST_TOLERANCE if tol is None else min(FINEST_TOLERANCE, share * tol)
 
 

@@ -37,7 +37,7 @@ at 2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2
 pressed in three dimensions with full stick: 0.4 of what the free ends change is taken back. Judged on four
 others (height 0.9, R 40, crown 0.06, thickness 6 mm) it holds, for F by 2 % at the tightest.
 
-tests/mechanics/test_left_out.py holds a part of them against the tiers that compute the effect.
+tests/mechanics/test_left_out.py holds a part of them against the models that compute the effect.
 """
 
 from __future__ import annotations
@@ -74,9 +74,8 @@ def end_compliance(design: Design) -> Array:
 def force_changes(design: Design, forces: Array) -> Array:
     """Return the changes of normal forces `forces` `(n, ridges)` N by free ends; they sum to 0 at each step.
 
-    Each touching ridge is the Winkler tier's spring. It carries less by its stiffness times the extra sinking
-    beyond the mean of the touching ridges.
-    """
+    Each touching ridge is the Winkler model's spring. It carries less by its stiffness times the extra
+    sinking beyond the mean of the touching ridges."""
     touching = forces > 0
     sunk = forces @ end_compliance(design)
     mean = (sunk * touching).sum(axis=1) / np.maximum(touching.sum(axis=1), 1)
@@ -222,7 +221,7 @@ def _spanned(design: Design, ridges: int) -> float:
 
 
 def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:
-    """Return the bounds of the effects that a tier leaves out of its answer at `force` N."""
+    """Return the bounds of the effects that a model leaves out of its answer at `force` N."""
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
         FINITE_STRAIN: lambda: finite_strain(design, answer, force),

@@ -4,7 +4,7 @@ Sensitivities of the all-touch force to each dimension and the modulus, by the c
 exponent is percent of force per percent of the key. The closed form alone misleads where a key acts on the
 base that ridges share: it gives the base under a ridge to skin.width / ridge.count, where it is rather the
 pitch, and knows no edges. So each key has an interval round the closed form's exponent, set against the
-linear tier on the ten templates and the random designs of seeds 0 to 9 (bench/sensitivities.py), which lie
+linear model on the ten templates and the random designs of seeds 0 to 9 (bench/sensitivities.py), which lie
 inside. Judged on seeds 10 to 19 it holds 70 of 78 exponents, at worst 3.0 half-widths off (seed 13, whose
 radius counts by -1.59, not -1.0 ± 0.2).
 
@@ -52,7 +52,7 @@ EXPONENT_MARGINS = {
     "ridge.tip_width": 0.4,
 }
 FREE_ENDS = 0.3  # assumption, of the length's: what free ends add, which the plane does not know
-PROPORTIONAL_MARGIN = 0.01  # of what is proportional: rounding, and the linear tier's mesh
+PROPORTIONAL_MARGIN = 0.01  # of what is proportional: rounding, and the linear model's mesh
 CONFINEMENT_MARGIN = (
     0.4  # by which a thicker base may count for more than its springs; at least it counts for nothing
 )
@@ -144,8 +144,8 @@ BATCH_PARTS, FULL_BATCH_RIDGES = 512, 32
 STUDENT, NORMAL = 2.36, 1.96  # spreads that hold 95 %: of a mean of 8, and of a known spread
 SEED = 20021  # fixed, so that the same design has the same yield
 MODEL_MISCLASSIFIES = 0.02  # share, measured against the condensed model in test_manufacture.py
-SCALED_MISCLASSIFIES = 0.06  # share, where a better tier has scaled the force; by the condensed solid, there
-SCALED_FROM = 0.05  # of the force; a larger change is a better tier's
+SCALED_MISCLASSIFIES = 0.06  # share, where a better model has scaled the force; by the condensed solid, there
+SCALED_FROM = 0.05  # of the force; a larger change is a better model's
 HALVINGS = 50
 SECTIONS = 32  # of an interval at once, five halvings: up to 500 parts together take hardly longer than one
 NUDGE = 0.02  # of the largest difference between crests; for the derivative by each crest
@@ -157,7 +157,7 @@ def manufacture(
     """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, at `force` N.
 
     The threshold is known to `uncertainty` N, and the error of the yield covers that. The threshold may come
-    from a better tier than the model. That tier's effects are then taken as a change of stiffness, so the
+    from a better model than the model. That model's effects are then taken as a change of stiffness, so the
     force is scaled (measured in test_manufacture.py for free ends).
     """
     with one_blas_thread():

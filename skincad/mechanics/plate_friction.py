@@ -1,7 +1,7 @@
-"""Friction between skin and plate in a check: bounded, or computed once for all tiers.
+"""Friction between skin and plate in a check: bounded, or computed once for all models.
 
-Tiers press without friction. Without `contact.friction`, a bound for friction is part of the error. With it,
-each tier's answer gets the change that friction makes on a coarse mesh (models/friction.py). The closed form
+Models press without friction. Without `contact.friction`, a bound for friction is part of the error. With it,
+each model's answer gets the change that friction makes on a coarse mesh (models/friction.py). The closed form
 keeps the bound, since a mesh costs a thousand times as much. At 0 nothing is left out.
 """
 
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from skincad.base.errors import ExhaustedError, InputError, resource_guard
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import ALONG, FREE_ENDS, FRICTION, LeftOut
-from skincad.mechanics.models.table import TIERS
+from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import Answer, ContactError
 
 if TYPE_CHECKING:
@@ -34,21 +34,21 @@ class PlateFriction:
         self.failed = ""
         self.seconds = 0.0
 
-    def left_out(self, tier: str) -> tuple[str, ...]:
-        """Names of the friction effects that a tier neglects.
+    def left_out(self, model: str) -> tuple[str, ...]:
+        """Names of the friction effects that a model neglects.
 
-        Friction along y matters where ends are free, unless bonded strips hold the ridges. No tier computes
+        Friction along y matters where ends are free, unless bonded strips hold the ridges. No model computes
         it.
         """
         if self.coefficient == 0.0:
             return ()
-        unknown = self._unknown or tier == CLOSED_FORM
-        free = tier != CLOSED_FORM and FREE_ENDS not in TIERS[tier].leaves_out
+        unknown = self._unknown or model == CLOSED_FORM
+        free = model != CLOSED_FORM and FREE_ENDS not in MODELS[model].leaves_out
         along = free and self.design.film_state != "bonded"
         return (*([FRICTION] if unknown else []), *([ALONG] if along else []))
 
     def lasting_error(self, bounds: tuple[LeftOut, ...]) -> float:
-        """The relative error of the all-touch force that no tier removes."""
+        """The relative error of the all-touch force that no model removes."""
         lasting = (FRICTION, ALONG) if self._unknown else (ALONG,)
         return math.fsum(bound.threshold for bound in bounds if bound.effect in lasting)
 
@@ -57,13 +57,13 @@ class PlateFriction:
         """Whether the coefficient is not given, or of no use."""
         return self.coefficient is None or bool(self.failed)
 
-    def applied_to(self, tier: str, answer: Answer, available: float | None, price: float) -> Answer:
-        """Return a tier's answer with friction, if that is known and the tier is not the closed form.
+    def applied_to(self, model: str, answer: Answer, available: float | None, price: float) -> Answer:
+        """Return a model's answer with friction, if that is known and the model is not the closed form.
 
         If friction cannot be computed, or its `price`, s, exceeds the `available` time, a warning says so and
         its bound stays.
         """
-        if not self.coefficient or tier == CLOSED_FORM:
+        if not self.coefficient or model == CLOSED_FORM:
             return answer
         if self.solved is None and not self.failed:
             if available is not None and price > available:

@@ -61,7 +61,7 @@ class SizeError(InputError):
 
 
 class LateError(RefusedError):
-    """A tier that would take longer than its budget; `seconds` are those expected in all."""
+    """A model that would take longer than its budget; `seconds` are those expected in all."""
 
     def __init__(self, seconds: float) -> None:
         super().__init__(f"would take about {seconds:.2g} s")
@@ -167,7 +167,7 @@ def no_yield(failure: Exception) -> str:
 
 @dataclass(frozen=True)
 class Request:
-    """A request to a tier: at `force` N, to a relative tolerance, or the best within `budget` s.
+    """A request to a model: at `force` N, to a relative tolerance, or the best within `budget` s.
 
     `crest_offsets`, mm, are those of one measured part, positive where a crest is lower than designed.
     `ridge_model` asks for the model of the yield too. With `must_fit` a first mesh that would overrun the
@@ -197,11 +197,11 @@ DeformedPiece = tuple[DeformedLoop, ...]  # of the section: its outer loop and i
 
 @dataclass(frozen=True)
 class Answer:
-    """A tier's answer at `force` N: estimates with their discretisation error, work and residual.
+    """A model's answer at `force` N: estimates with their discretisation error, work and residual.
 
     `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form. `fault`
     names an undetected contact of the skin with itself or the plate, "" if there is none. `own_seconds` is
-    the tier's own time, without the tiers that it builds on. `deformed` is the section under the force.
+    the model's own time, without the models that it builds on. `deformed` is the section under the force.
     """
 
     touching: int
@@ -266,7 +266,7 @@ def pad_of(design: Design) -> Pad:
     """
     bent = design.skin.curvature_radius_y
     if bent is not None:
-        rule = "is handled by the winkler tier only: the others take the skin as straight along y"
+        rule = "is handled by the winkler model only: the others take the skin as straight along y"
         raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
@@ -300,15 +300,15 @@ def one_ridge(pad: Pad) -> Pad:
     return replace(pad, section=Section((*crest, *base)), strips=(), voids=())
 
 
-def check_flat(plate: Plate, tier: str, other: str) -> None:
-    """Raise InputError for a plate that a tier does not support; `other` is the tier to take."""
+def check_flat(plate: Plate, model: str, other: str) -> None:
+    """Raise InputError for a plate that a model does not support; `other` is the model to take."""
     if plate.shape != "flat":
-        rule = f"must be 'flat' for the {tier} tier"
-        raise InputError("contact.plate.shape", rule, plate.shape, f"take the {other} tier")
+        rule = f"must be 'flat' for the {model} model"
+        raise InputError("contact.plate.shape", rule, plate.shape, f"take the {other} model")
 
 
 def check_pad(pad: Pad) -> None:
-    """Raise InputError for a pad that no tier can solve."""
+    """Raise InputError for a pad that no model can solve."""
     if not 0 <= pad.poisson_ratio <= 0.4999999:
         raise InputError("material.poisson_ratio", "must be from 0 to 0.4999999", pad.poisson_ratio)
     if not (pad.young_modulus > 0 and math.isfinite(pad.young_modulus)):

@@ -79,12 +79,12 @@ def height(design: Design) -> float:
     return skin_of(design).height
 
 
-def refuse_crushed(design: Design, force: float, tier: str, approach: float) -> None:
-    """Raise InputError where a tier finds the skin pressed flat: `approach` mm at `force` N."""
+def refuse_crushed(design: Design, force: float, model: str, approach: float) -> None:
+    """Raise InputError where a model finds the skin pressed flat: `approach` mm at `force` N."""
     skin = height(design)
     if approach >= skin:
         most = force * skin / approach
-        words = f"must stay below about {most:.3g} N, which press the skin flat in the {tier} tier"
+        words = f"must stay below about {most:.3g} N, which press the skin flat in the {model} model"
         raise InputError("force", words, force, "take a smaller force")
 
 

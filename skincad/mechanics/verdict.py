@@ -17,9 +17,9 @@ Verdict = Literal["passes", "fails", "undecided"]
 
 
 class ModelRun(NamedTuple):
-    """A tier tried: its all-touch force, its seconds beyond the tiers before, and its unknowns."""
+    """A model tried: its all-touch force, its seconds beyond the models before, and its unknowns."""
 
-    tier: str
+    model: str
     all_touch_force: Estimate
     seconds: float
     unknowns: int
@@ -64,7 +64,7 @@ class ContactCheck(Result):
 
     Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
     model's, by effect. `residual` is the largest relative violation of contact and equilibrium.
-    `models_tried` holds the tiers before, `next_tier` the next with the seconds expected.
+    `models_tried` holds the models before, `next_model` the next with the seconds expected.
     """
 
     shown_by = "skincad.outputs.checks"
@@ -75,14 +75,14 @@ class ContactCheck(Result):
     all_touch_force: Estimate
     approach: Estimate
     ridge_force: tuple[Estimate, ...]
-    tier: str
+    model: str
     unknowns: int
     residual: float
     seconds: dict[str, float]
     warnings: tuple[str, ...]
     left_out: tuple[LeftOut, ...] = ()
     models_tried: tuple[ModelRun, ...] = ()
-    next_tier: tuple[str, float] | None = None
+    next_model: tuple[str, float] | None = None
     manufacture: Yield | None = None
     plate: str = "flat"
     out_of_range: str = ""  # why the verdict is outside the model's range
@@ -92,7 +92,9 @@ class ContactCheck(Result):
     changes_notes: tuple[str, ...] = ()  # what the search for changes could not do
     search_cut_short: bool = False  # whether that search took cheaper models to end in time
     friction: float | None = None  # the plate's coefficient; None where it is not known
-    deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False)  # by the linear tier, if it solved
+    deformed: tuple[DeformedPiece, ...] = field(
+        default=(), compare=False
+    )  # by the linear model, if it solved
 
     @property
     def verdict(self) -> Verdict:
@@ -120,8 +122,8 @@ class ContactCheck(Result):
         by_friction, by_both = self._friction_errors
         if any(FRICTION_DECIDES in warning for warning in self.warnings):
             return "give contact.friction: without friction's error it is decided."
-        if self.next_tier and not is_undecidable(self, by_both):
-            model, seconds = self.next_tier
+        if self.next_model and not is_undecidable(self, by_both):
+            model, seconds = self.next_model
             return f"`--model {model}` (about {about(seconds)}) may decide."
         if by_friction and not is_undecidable(self, by_both - by_friction):
             return "give contact.friction: its error alone leaves this open."
@@ -134,7 +136,7 @@ class ContactCheck(Result):
     def _friction_errors(self) -> tuple[float, float]:
         """Relative errors of the all-touch force that no better model removes: of friction, and with friction
         along y. Zero for the closed form, as better models include both."""
-        parts = {part.effect: part.threshold for part in self.left_out if self.tier != "winkler"}
+        parts = {part.effect: part.threshold for part in self.left_out if self.model != "winkler"}
         return parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
 
     @property
@@ -174,17 +176,17 @@ class ContactCheck(Result):
             ],
             "approach_mm": self.approach.as_json(),
             "ridge_force_N": [f.as_json() for f in self.ridge_force],
-            "tier": self.tier,
+            "tier": self.model,
             "climbed": [
                 {
-                    "tier": run.tier,
+                    "tier": run.model,
                     "all_touch_force_N": run.all_touch_force.as_json(),
                     "seconds": run.seconds,
                     "unknowns": run.unknowns,
                 }
                 for run in self.models_tried
             ],
-            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
+            "next_tier": self.next_model and {"tier": self.next_model[0], "seconds": self.next_model[1]},
             "unknowns": self.unknowns,
             "residual": self.residual,
             **self._manufacture(),
@@ -226,7 +228,7 @@ def relative_error(check: ContactCheck, spared: float) -> float:
 
 
 def with_shortfall(check: ContactCheck, tol: float | None, spared: float) -> ContactCheck:
-    """Say that the tolerance is not met, where no tier's own warning does."""
+    """Say that the tolerance is not met, where no model's own warning does."""
     reached = relative_error(check, spared)
     if tol is None or reached <= tol or check.out_of_range or any("not met" in w for w in check.warnings):
         return check
@@ -251,12 +253,12 @@ def with_open_friction(check: ContactCheck) -> ContactCheck:
 
 
 def before_refusal(check: ContactCheck, name: str, refusal: Exception) -> ContactCheck:
-    """Return the last verdict before tier `name` refused; out of range if the force is too large for it."""
+    """Return the last verdict before model `name` refused; out of range if the force is too large for it."""
     if isinstance(refusal, InputError) and refusal.key == "force":
-        reason = f"the force {refusal.rule} (according to the {name} tier)"
-        return replace(check, out_of_range=reason, next_tier=None, manufacture=None)
-    words = f"the {name} tier, which leaves out less, cannot judge this: {refusal}"
-    return replace(check, warnings=(*check.warnings, words), next_tier=None)
+        reason = f"the force {refusal.rule} (according to the {name} model)"
+        return replace(check, out_of_range=reason, next_model=None, manufacture=None)
+    words = f"the {name} model, which leaves out less, cannot judge this: {refusal}"
+    return replace(check, warnings=(*check.warnings, words), next_model=None)
 
 
 def without_mesh_tolerance(check: ContactCheck) -> ContactCheck:
@@ -273,7 +275,7 @@ def is_decided(check: ContactCheck) -> bool:
 
 
 def is_undecidable(check: ContactCheck, stays: float) -> bool:
-    """Whether the force lies within the relative error `stays`, which no better tier removes."""
+    """Whether the force lies within the relative error `stays`, which no better model removes."""
     force = check.all_touch_force
     if force.value is None or force.error is None:
         return False

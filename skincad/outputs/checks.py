@@ -104,14 +104,14 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 
 
 def _model_lines(check: ContactCheck) -> list[str]:
-    lines = [f"  model          {check.tier}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
+    lines = [f"  model          {check.model}, {check.unknowns} unknowns, {check.seconds['total']:.2f} s"]
     lines += [
-        f"  tried first    {run.tier}: {_shown(run.all_touch_force)}, {run.seconds:.2f} s"
+        f"  tried first    {run.model}: {_shown(run.all_touch_force)}, {run.seconds:.2f} s"
         for run in check.models_tried
     ]
-    if check.next_tier and not check.next_step:
-        tier, seconds = check.next_tier
-        lines.append(f"  more accurate  --model {tier}, about {about(seconds)} more")
+    if check.next_model and not check.next_step:
+        model, seconds = check.next_model
+        lines.append(f"  more accurate  --model {model}, about {about(seconds)} more")
     return lines
 
 

@@ -19,7 +19,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import spread_of
 from skincad.mechanics.manufacture import sensitivities
 from skincad.mechanics.models import winkler
-from skincad.mechanics.models.table import TIERS, prerequisites
+from skincad.mechanics.models.table import MODELS, prerequisites
 from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits
@@ -59,7 +59,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
     `drawing` the SVG with its dimensions."""
     design = build.design
     source = retyped(design, "designs", load_design, file="design.toml")
-    check_command = None if build.check is None else f"skincad check {source} --tier {build.check.tier}"
+    check_command = None if build.check is None else f"skincad check {source} --model {build.check.model}"
     scenes: list[ScenePart] = []
     if build.scenes:  # without any, nothing of a scene is imported
         from skincad.outputs.report_scenes import scene_part
@@ -155,7 +155,7 @@ def _head(build: Build, make_command: str, scenes: list[ScenePart]) -> str:
 def _basis(check: ContactCheck) -> str:
     margin = "" if check.margin is None else f", {check.margin:.2f} N of margin to the worst case"
     left = ", ".join(part.effect for part in check.left_out)
-    return f"By the {check.tier} model{margin}; what it leaves out is in the error: {left or 'nothing'}."
+    return f"By the {check.model} model{margin}; what it leaves out is in the error: {left or 'nothing'}."
 
 
 def _verdict_sections(build: Build, check: ContactCheck | None, command: str, source: str) -> list[str]:
@@ -250,7 +250,7 @@ def verdict_section(check: ContactCheck, command: str) -> str:
     rows += [("approach", str(check.approach)), ("plate", check.plate)]
     if check.friction is not None:
         rows.append(("friction of the plate", f"{check.friction:g}"))
-    rows.append(("model", f"{check.tier}, {check.unknowns} unknowns"))
+    rows.append(("model", f"{check.model}, {check.unknowns} unknowns"))
     rows += [("note", warning) for warning in check.warnings]
     verdict_table = table(("verdict", "value"), rows)
     return (
@@ -277,27 +277,27 @@ def forces_figure(check: ContactCheck, command: str) -> str:
     """Return the force on each ridge."""
     address = data_url(svg(ridge_force_figure(check)), SVG)
     return figure(
-        address, f"Force on each ridge at {check.force:g} N, by the {check.tier} model.", command, "half"
+        address, f"Force on each ridge at {check.force:g} N, by the {check.model} model.", command, "half"
     )
 
 
 def models_section(build: Build, check: ContactCheck, command: str) -> str:
     """Return the models tried on the way, and their error against time."""
-    design, known = build.design, {run.tier: run.unknowns for run in check.models_tried}
-    known[check.tier] = check.unknowns
+    design, known = build.design, {run.model: run.unknowns for run in check.models_tried}
+    known[check.model] = check.unknowns
     springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
-    models = [(run.tier, run.all_touch_force, run.unknowns) for run in check.models_tried]
-    models.append((check.tier, check.all_touch_force, check.unknowns))
+    models = [(run.model, run.all_touch_force, run.unknowns) for run in check.models_tried]
+    models.append((check.model, check.all_touch_force, check.unknowns))
     if "winkler" not in {name for name, *_ in models}:
         models.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
 
     def seconds(name: str) -> float:
         names = (*prerequisites(name), name)
-        return math.fsum(TIERS[n].law.at(known.get(n) or TIERS[n].size(design)) for n in names)
+        return math.fsum(MODELS[n].law.at(known.get(n) or MODELS[n].size(design)) for n in names)
 
     rows, points = [], []
     for name, force, unknowns in models:
-        left = SPRINGS if name == "winkler" else (*TIERS[name].leaves_out, *plate.left_out(name))
+        left = SPRINGS if name == "winkler" else (*MODELS[name].leaves_out, *plate.left_out(name))
         rows.append((name, ", ".join(left) or "none of these", unknowns, f"{seconds(name):.2g}", str(force)))
         if force.value and force.error:
             points.append((name, seconds(name), force.error / force.value))
@@ -364,7 +364,7 @@ def sensitivity_section(build: Build, check: ContactCheck | None, source: str) -
     sweep_command = (
         f"skincad sweep {source} --vary {first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3"
     )
-    sweep_command += " --tier linear"
+    sweep_command += " --model linear"
     address = data_url(svg(sensitivity_figure(changes)), SVG)
     caption = (
         "Change of the all-touch force for 1 % more of each key, by the closed form. To confirm the first:"

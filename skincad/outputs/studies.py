@@ -43,7 +43,7 @@ SHOWN = 6  # members of the front, in words and as designs
 
 def solution_lines(solution: Solution) -> list[str]:
     """Return what `solve` prints."""
-    count, model = len(solution.evaluations), solution.question.tier
+    count, model = len(solution.evaluations), solution.question.model
     effort = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
     refused = [evaluation.refused for evaluation in solution.evaluations if evaluation.refused]
     return [
@@ -145,14 +145,14 @@ def sweep_names() -> list[str]:
 
 def sweep_lines(sweep: SweepResult) -> list[str]:
     """Return what `sweep` prints."""
-    count, model = len(sweep.rows), sweep.question.tier
+    count, model = len(sweep.rows), sweep.question.model
     rows = [f"{sweep.name}: {count} rows{f' by {model}' if model else ''}, {_verdicts(sweep)}."]
     for ranking in sweep.rankings:
         rows += _ranking_lines(sweep, ranking)
-    if sweep.next_tier:
-        tier, seconds = sweep.next_tier
+    if sweep.next_model:
+        name, seconds = sweep.next_model
         cost = f"its {len(sweep.rankings[0].ties[0])} rows take about {seconds:.2g} s"
-        rows.append(f"  finer          --tier {tier} may settle the first tie: {cost}")
+        rows.append(f"  finer          --model {name} may settle the first tie: {cost}")
     rows += _refusals([row for row in sweep.rows if row.refused])
     rows.append(
         f"  tried          {sweep.evaluations} evaluations, {sweep.reused} reused, {sweep.seconds:.3g} s"
@@ -214,7 +214,7 @@ def table(sweep: SweepResult) -> tuple[list[str], list[list[Any]]]:
         cells = {key: row.results[key].value for key in sweep.keys if key in row.results}
         cells |= {f"{key}.error": _error(row, key) for key in errors}
         values = [row.values[knob.key] for knob in sweep.knobs]
-        rows.append([number, *values, row.passed, row.refused or None, row.tier, *map(cells.get, columns)])
+        rows.append([number, *values, row.passed, row.refused or None, row.model, *map(cells.get, columns)])
     return [*head, *columns], rows
 
 
@@ -326,8 +326,9 @@ def front_lines(optimisation: Optimisation) -> list[str]:
         rows += [
             f"  {'start':14} {', '.join(worded(k, e) for k, e in optimisation.start.objectives.items())}"
         ]
-    tier = optimisation.rows.question.tier
-    by = f"{len(optimisation.rows.rows)} designs{f' by {tier}' if tier else ''}, {optimisation.judged} judged"
+    model = optimisation.rows.question.model
+    designs = f"{len(optimisation.rows.rows)} designs{f' by {model}' if model else ''}"
+    by = f"{designs}, {optimisation.judged} judged"
     spent = (
         f"{optimisation.evaluations} evaluations, {optimisation.reused} reused, {optimisation.seconds:.3g} s"
     )
@@ -355,7 +356,7 @@ def _values(member: Member) -> str:
 
 
 def _member_lines(member: Member) -> list[str]:
-    by = f" ({member.tier})" if member.tier else ""
+    by = f" ({member.model})" if member.model else ""
     rows = [f"    {'objective':12} {worded(key, value)}{by}" for key, value in member.objectives.items()]
     return rows + [
         f"    {'constraint' if satisfied else 'BROKEN':12} {worded(key, value)}"

@@ -1,8 +1,8 @@
 """Which model and which meshes a scene runs on, until its error is as small as wanted.
 
 Marches that one is held against, and an error by source: the mesh, the time step, what is left out, and what
-drifts where the skin is linear between chosen steps (mechanics/contact/frozen_tangent.py). Mesh and time step: the
-change to a march on the mesh before, and to one of fewer steps.
+drifts where the skin is linear between chosen steps (mechanics/contact/frozen_tangent.py). Mesh and time
+step: the change to a march on the mesh before, and to one of fewer steps.
 
 A scene that names no law, and is asked for a tolerance, is marched in small strain first. Where leaving out
 finite strain changes more than the tolerance, it is marched with finite strain in chosen steps

@@ -276,7 +276,7 @@ def simulate(
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
     A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
-    strain in chosen steps next, then in each (scenes/models.py): `tier` and `scene` of the result say so.
+    strain in chosen steps next, then in each (scenes/models.py): `model` and `scene` of the result say so.
     Without `tol` the model is the scene's own.
 
     `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes

@@ -20,7 +20,7 @@ from skincad.mechanics.check import check, exceeds_model, mesh_tolerance
 from skincad.mechanics.verdict import Change, ContactCheck
 from skincad.shape.skin import skin_of
 from skincad.studies.query import first_able
-from skincad.studies.solving import TIERS
+from skincad.studies.solving import MODELS
 from skincad.studies.subject import changed, value_of
 
 DIGITS = 2  # of a value that is proposed
@@ -154,18 +154,18 @@ class _Search:
 
     def __post_init__(self) -> None:
         for run in self.verdict.models_tried:
-            self.forces[run.tier] = run.all_touch_force
-        self.forces[self.verdict.tier] = self.verdict.all_touch_force
-        self.usual = self.verdict.tier if self.verdict.tier in TIERS else first_able(TIERS, self.design)
+            self.forces[run.model] = run.all_touch_force
+        self.forces[self.verdict.model] = self.verdict.all_touch_force
+        self.usual = self.verdict.model if self.verdict.model in MODELS else first_able(MODELS, self.design)
 
     def plan(self) -> None:
         """Choose the models for a change: the best pair for which the time that is left will do."""
         left = math.inf if self.deadline is None else self.deadline - perf_counter()
-        before = {run.tier: run.seconds for run in self.verdict.models_tried}
+        before = {run.model: run.seconds for run in self.verdict.models_tried}
         whole = self.verdict.seconds["total"]
         once = (
             whole
-            if self.usual == self.verdict.tier
+            if self.usual == self.verdict.model
             else before.get("linear", 0.0) + before.get(self.usual, 0.0)
         )
         search = {self.usual: EVALUATIONS * (once or whole), "winkler": 0.0}
@@ -186,7 +186,7 @@ class _Search:
             return check(
                 design,  # type: ignore[arg-type]
                 force=self.verdict.force,
-                tier=model,
+                model=model,
                 tol=mesh_tolerance(model, None),
             )
         except (InputError, RefusedError):
@@ -227,7 +227,7 @@ def _checked(
 ) -> tuple[Change | None, float | None]:
     """Return the change if it passes; else by what factor it fell short, None where that is not known."""
     verdict = search.verdict
-    model = verdict.tier if search.checks else search.guide
+    model = verdict.model if search.checks else search.guide
     better = search.force(model, key, after)
     if better is None:
         return None, None
@@ -325,8 +325,8 @@ def _other_silicone(design: Design, search: _Search) -> Change | None:
     if softer:
         names = " and ".join(other for other, _ in softer[:AGAIN])
         search.notes.append(
-            f"it takes about {wanted:.2g} MPa; the {search.verdict.tier} model can't confirm that the design "
-            f"passes with {names}"
+            f"it takes about {wanted:.2g} MPa; the {search.verdict.model} model can't confirm that the "
+            f"design passes with {names}"
         )
         return None
     search.notes.append(

@@ -97,11 +97,11 @@ def optimise(
 
 def _searching(study: Study, subject: Subject) -> Query:
     """What is asked of each design; of a scene a model is that of the checks beside, if there are any."""
-    tier = study.tier
-    if isinstance(subject, Design) and tier is None:
-        tier = first_able(RANKED_BY, subject)
+    model = study.model
+    if isinstance(subject, Design) and model is None:
+        model = first_able(RANKED_BY, subject)
     beside = isinstance(subject, Scene) and "check" in RobustObjective(study).others()
-    return question_of(subject, tier=None if beside else tier)
+    return question_of(subject, model=None if beside else model)
 
 
 def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:
@@ -160,7 +160,7 @@ class _Hunt:
     def coarse(self, who: Workers) -> tuple[Array, list[Member]]:
         """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
         place, members = self.place({}), list[Member]()
-        if self.question.kind != "check" or self.question.tier == GUIDE:
+        if self.question.kind != "check" or self.question.model == GUIDE:
             return place, members
         for _ in range(MAPPED):
             evaluations = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
@@ -227,7 +227,7 @@ class _Hunt:
         """Return what the judge says of some values, of none the subject's own; None where it refuses."""
         values = values or {k.key: k.start for k in self.knobs if k.start is not None}
         ((evaluation, results),) = self._told([values], "judge", who)
-        return None if results is None else self.weighing.member(values, results, evaluation.tier)
+        return None if results is None else self.weighing.member(values, results, evaluation.model)
 
     def correct(self, member: Member | None, who: Workers) -> None:
         """Take from a judged design how the judge differs from the cheaper models."""
@@ -259,7 +259,7 @@ class _Hunt:
             knobs=self.knobs,
             rows=rows,
             rankings=ranked,
-            next_tier=None,
+            next_model=None,
             evaluations=0,
             reused=0,
             seconds=0.0,
@@ -312,21 +312,21 @@ class _Hunt:
     def _question(self, model: Model) -> Query:
         if self.question.kind != "check" or model == "search":
             return self.question
-        return replace(self.question, tier=GUIDE if model == "guide" else self.study.judge)
+        return replace(self.question, model=GUIDE if model == "guide" else self.study.judge)
 
     def _beside(self, kind: Kind, model: Model) -> Query:
         """What is asked beside the question: another result of the same design."""
         if kind != "check":
             return Query(kind)
         design = self.subject.design if isinstance(self.subject, Scene) else self.subject
-        cheap = self.study.tier or first_able(RANKED_BY, design)  # type: ignore[arg-type]
+        cheap = self.study.model or first_able(RANKED_BY, design)  # type: ignore[arg-type]
         return Query(kind, self.study.judge if model == "judge" else cheap)
 
     def _run(self, question: Query) -> Run:
         if question not in self.runs:
             same_kind = question.kind == self.question.kind or not isinstance(self.subject, Scene)
             subject = self.subject if same_kind else self.subject.design  # type: ignore[union-attr]
-            cheap = question.tier == GUIDE and GUIDE not in (self.study.tier, self.study.judge)
+            cheap = question.model == GUIDE and GUIDE not in (self.study.model, self.study.judge)
             self.runs[question] = Run(subject, question, None if cheap else self.log)
         return self.runs[question]
 

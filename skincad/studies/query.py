@@ -28,7 +28,7 @@ from skincad.base.progress import Progress
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check, require_force
-from skincad.mechanics.models.table import tier_of, unsupported_reason
+from skincad.mechanics.models.table import model_named, unsupported_reason
 from skincad.scenes.scene import Scene
 from skincad.studies.subject import Subject, Value, changed, fingerprint
 
@@ -121,11 +121,11 @@ Kind = Literal["check", "make", "simulate", "circuit"]
 
 @dataclass(frozen=True)
 class Query:
-    """What is asked: a check at `force` N (the design's own if None) by a tier, its mesh to `tol`; a make,
+    """What is asked: a check at `force` N (the design's own if None) by a model, its mesh to `tol`; a make,
     with that check; a scene's simulation to `tol`; or a circuit's gain."""
 
     kind: Kind
-    tier: str | None = None
+    model: str | None = None
     tol: float | None = None
     force: float | None = None
 
@@ -148,36 +148,36 @@ class Evaluation:
     results: Mapping[str, Estimate] = field(default_factory=dict)
     passed: bool | None = None
     refused: str = ""
-    tier: str = ""
+    model: str = ""
     seconds: float = 0.0
     when: str = ""
     version: str = __version__
 
 
 def question_of(
-    subject: Subject, *, tier: str | None = None, tol: float | None = None, force: float | None = None
+    subject: Subject, *, model: str | None = None, tol: float | None = None, force: float | None = None
 ) -> Query:
     """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
 
-    Raises InputError for a tier, tolerance or force that there is none of, or where there is none.
+    Raises InputError for a model, tolerance or force that there is none of, or where there is none.
     """
     require_goals(tol, None, "0.05")
     if isinstance(subject, Design):
         if force is not None:
             require_force(force)
-        if tier not in (None, "auto"):
-            tier_of(tier)
-        return Query("check", tier, tol, force)
-    for name, value in (("tier", tier), ("force", force)):
+        if model not in (None, "auto"):
+            model_named(model)
+        return Query("check", model, tol, force)
+    for name, value in (("model", model), ("force", force)):
         if value is not None:
             what = "a scene" if isinstance(subject, Scene) else "a circuit"
             raise InputError(name, f"is for a design, and {subject.name} is {what}", value, "leave it out")
     return Query("simulate", tol=tol) if isinstance(subject, Scene) else Query("circuit")
 
 
-def first_able(tiers: Sequence[str], design: Design) -> str:
-    """Return the first of these tiers that can judge a design; the last ones of all lists take any."""
-    return next(name for name in tiers if not unsupported_reason(name, design, False))
+def first_able(models: Sequence[str], design: Design) -> str:
+    """Return the first of these models that can judge a design; the last ones of all lists take any."""
+    return next(name for name in models if not unsupported_reason(name, design, False))
 
 
 def evaluate(subject: Subject, values: Mapping[str, Value], question: Query) -> Evaluation:
@@ -207,7 +207,7 @@ def told_by(
 ) -> Evaluation:
     """Return the evaluation that a result's JSON tells."""
     refused = refused or data.get("beyond_range") or ""
-    tier = data.get("tier", "")
+    model = data.get("tier", "")
     results = {name: estimate for name, estimate in measures(data).items() if name not in ECHOED}
     return Evaluation(
         key=key,
@@ -215,7 +215,7 @@ def told_by(
         results=results,
         passed=data.get("passed"),
         refused=refused,
-        tier=tier,
+        model=model,
         seconds=seconds,
         when=when,
     )
@@ -236,7 +236,7 @@ def _unmade(subject: Subject, values: Mapping[str, Value], question: Query) -> s
 
 
 def _check(subject: Any, question: Query) -> Any:
-    return check(subject, force=question.force, tier=question.tier or "auto", tol=question.tol)
+    return check(subject, force=question.force, model=question.model or "auto", tol=question.tol)
 
 
 def _make(subject: Any, _: Query) -> Any:
@@ -316,14 +316,14 @@ class Evaluator:
 
     def guide(self, values: Mapping[str, Value]) -> list[float] | None:
         """Return what the closed form says, without counting it as an evaluation; None where it does not."""
-        evaluation = evaluate(self.subject, values, replace(self.question, tier=GUIDE))
+        evaluation = evaluate(self.subject, values, replace(self.question, model=GUIDE))
         self.name(evaluation)
         return self.told(evaluation)
 
     @property
     def guided(self) -> bool:
         """Whether there is a closed form that is cheaper than what is asked."""
-        return self.question.kind == "check" and self.question.tier != GUIDE and not self.unlike
+        return self.question.kind == "check" and self.question.model != GUIDE and not self.unlike
 
     def off(self, evaluation: Evaluation) -> float:
         """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""

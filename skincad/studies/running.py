@@ -171,7 +171,7 @@ def evaluation_of(data: dict[str, Any]) -> Evaluation:
     return Evaluation(values=dict(data["values"]), results=results, **{k: data[k] for k in _PLAIN})
 
 
-_PLAIN = ("key", "passed", "refused", "tier", "seconds", "when", "version")
+_PLAIN = ("key", "passed", "refused", "model", "seconds", "when", "version")
 
 
 def _slot(key: str) -> int:

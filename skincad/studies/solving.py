@@ -125,7 +125,7 @@ class Solution(Result):
             "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
             "solutions": [entry.as_json() for entry in self.solutions],
             "closest": self.closest and self.closest.as_json(),
-            "tier": self.question.tier,
+            "tier": self.question.model,
             "evaluations": len(self.evaluations),
             "refused": sum(bool(entry.refused) for entry in self.evaluations),
             "feasible": self.feasible,
@@ -261,7 +261,7 @@ ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
 CHEAP = 200  # evaluations of one number at most, where they take milliseconds
 FINE = 1 / 32  # of the range: how far cuts places may be before there is no value, where they are cheap
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
-TIERS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
+MODELS = ("corrected", "linear", "winkler")  # the first that takes the design: one for all its evaluations
 Values = dict[str, Value]
 
 
@@ -270,7 +270,7 @@ def solve(
     target: Mapping[str, float],
     vary: Mapping[str, RangeText],
     *,
-    tier: str | None = None,
+    model: str | None = None,
     tol: float = TOL,
     force: float | None = None,
     evaluations: int | None = None,
@@ -282,7 +282,7 @@ def solve(
     `vary` have dots, as `skin.curvature_radius`, and a range (low, high), a list of choices or "all". One
     number: the values in its range that the search meets, or none after a search of the whole range. Several:
     those with the least change from the start, as parts of their ranges. Choices are tried one by one. Every
-    check is by one `tier`, the best for small strains if None or "auto": the numbers of two models differ by
+    check is by one `model`, the best for small strains if None or "auto": the numbers of two models differ by
     more than `tol`, which is relative to what is wanted. Raises InputError for keys, ranges and tolerances
     that can't be used.
     """
@@ -291,9 +291,9 @@ def solve(
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = tuple(knob for knob in varied if knob not in stepped)
     lists = [knob.values() for knob in stepped]
-    question = question_of(subject, tier=tier, force=force)
-    if isinstance(subject, Design) and tier in (None, "auto"):
-        question = replace(question, tier=first_able(TIERS, subject))
+    question = question_of(subject, model=model, force=force)
+    if isinstance(subject, Design) and model in (None, "auto"):
+        question = replace(question, model=first_able(MODELS, subject))
     evaluator = Evaluator(subject, question, target, progress)
     if evaluator.guided:
         try:
@@ -301,7 +301,7 @@ def solve(
         except InputError:  # a dearer model's result may have more numbers: its first answer names them
             evaluator.unlike = True
     notes: list[str] = []
-    step = FINE if question.kind == "circuit" or question.tier == GUIDE else STEP
+    step = FINE if question.kind == "circuit" or question.model == GUIDE else STEP
     most = evaluations or (SEVERAL if len(smooth) > 1 else CHEAP if step == FINE else ONE)
     solved: list[SolutionPoint] = []
     complete = True

@@ -22,7 +22,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.result import Result
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
-from skincad.mechanics.models.table import tier_of
+from skincad.mechanics.models.table import model_named
 from skincad.studies.optimisers import Archive, Outcome
 from skincad.studies.query import Kind, resolved, slack
 from skincad.studies.subject import Subject, Value, changed, load_subject
@@ -89,10 +89,16 @@ class Study(Document):
         description="cma, nsga2 or sobol; if not given, the one that suits the keys and objectives",
     )
     evaluations: int = Field(default=200, ge=1, le=1_000_000, description="of the model that searches, about")
-    tier: str | None = Field(default=None, description="the model that searches; linear if not given")
+    model: str | None = Field(default=None, description="the model that searches; linear if not given")
     judge: str = Field(default="auto", description="the model that has the last word on what is found")
     robust: bool = Field(default=True, description="judge by the worse end of each error, not by the value")
     seed: int = Field(default=1, ge=0, le=2**31, description="of the optimiser; the same seed asks the same")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _second_name(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """`model` was called `tier` before."""
+        return {"model" if key == "tier" else key: value for key, value in data.items()}
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
@@ -103,14 +109,14 @@ class Study(Document):
             raise InputError("vary", "names no key", remedy='as in "ridge.height" = "0.4:0.6"')
         if not self.objectives:
             raise InputError("objectives", "names none", remedy="add [[objectives]]")
-        for key, tier in (("tier", self.tier), ("judge", self.judge)):
-            if tier not in (None, "auto"):
+        for key, model in (("model", self.model), ("judge", self.judge)):
+            if model not in (None, "auto"):
                 try:
-                    tier_of(str(tier))
+                    model_named(str(model))
                 except InputError as failure:
-                    raise InputError(key, failure.rule, tier, failure.remedy) from None
-        if self.tier == "auto":
-            raise InputError("tier", "must be one model, for all to be compared by", "auto", "try linear")
+                    raise InputError(key, failure.rule, model, failure.remedy) from None
+        if self.model == "auto":
+            raise InputError("model", "must be one model, for all to be compared by", "auto", "try linear")
         if self.optimiser == "cma" and len(self.objectives) > 1:
             raise InputError("optimiser", "must be nsga2 or sobol for several objectives", "cma")
         return self
@@ -180,7 +186,7 @@ class RobustObjective:
         margins = np.nan_to_num(limits, nan=-1.0) if model == "guide" else limits
         return Outcome(place, np.array(self._losses(results, model)), margins)
 
-    def member(self, values: Mapping[str, float | int | str], results: Results, tier: str) -> Member:
+    def member(self, values: Mapping[str, float | int | str], results: Results, model: str) -> Member:
         """Return what the judge's results make of a design."""
         met: dict[str, bool] = {}
         for limit, side in self._limits():
@@ -191,7 +197,7 @@ class RobustObjective:
             dict(values),
             {key: results[key] for key in wanted},
             {key: (results[key], good) for key, good in met.items()},
-            tier,
+            model,
         )
 
     def correct(self, member: Member, results: Results, model: Model) -> None:
@@ -280,7 +286,7 @@ class Member:
     values: Mapping[str, Value]
     objectives: Mapping[str, Estimate]
     constraints: Mapping[str, tuple[Estimate, bool]]
-    tier: str
+    model: str
 
     @property
     def allowed(self) -> bool:
@@ -295,7 +301,7 @@ class Member:
             "constraints": {
                 key: {**estimate.as_json(), "kept": met} for key, (estimate, met) in self.constraints.items()
             },
-            "tier": self.tier or None,
+            "tier": self.model or None,
         }
 
 
@@ -355,7 +361,7 @@ class Optimisation(Result):
             "front": [member.as_json() for member in self.front],
             "closest": self.closest and self.closest.as_json(),
             "start": self.start and self.start.as_json(),
-            "tier": self.rows.question.tier,
+            "tier": self.rows.question.model,
             "judge": self.study.judge,
             "judged": self.judged,
             "untried": self.untried,

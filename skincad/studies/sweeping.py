@@ -20,7 +20,7 @@ from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
 from skincad.base.result import Result
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import TIERS, expected_seconds, unsupported_reason
+from skincad.mechanics.models.table import MODELS, expected_seconds, unsupported_reason
 from skincad.studies.query import Evaluation, Query, first_able, question_of, resolved, worded
 from skincad.studies.running import Log, Run, Values
 from skincad.studies.running import workers as working
@@ -103,7 +103,7 @@ def difference_error(a: Evaluation, b: Evaluation, key: str) -> float | None:
     one, other = a.results[key], b.results[key]
     if one.error is None or other.error is None:
         return None
-    if a.tier != b.tier or not a.tier:
+    if a.model != b.model or not a.model:
         return math.hypot(one.error, other.error)
     shared = model_error(a, key), model_error(b, key)
     own_errors = [max(e - m, 0.0) for e, m in zip((one.error, other.error), shared, strict=True)]
@@ -136,7 +136,7 @@ UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a de
 class SweepResult(Result):
     """All `rows`, in the order of the values, refused ones with their reason; `rankings` the asked orders.
 
-    `evaluations` is how many were computed now, `reused` how many a log or another row had; `next_tier` the
+    `evaluations` is how many were computed now, `reused` how many a log or another row had; `next_model` the
     model that may tell the first tie apart, and its seconds; `seconds` the wall time of this run.
     """
 
@@ -146,7 +146,7 @@ class SweepResult(Result):
     knobs: tuple[DesignVariable, ...]
     rows: tuple[Evaluation, ...]
     rankings: tuple[Ranking, ...]
-    next_tier: tuple[str, float] | None
+    next_model: tuple[str, float] | None
     evaluations: int
     reused: int
     seconds: float
@@ -197,8 +197,8 @@ class SweepResult(Result):
             "ranked_by": [{"key": ranking.key, "goal": ranking.goal} for ranking in self.rankings],
             "ranking": [{"row": rank.row, "wins": rank.wins} for rank in first.ranks] if first else [],
             "ties": [list(tie) for tie in first.ties] if first else [],
-            "next_tier": self.next_tier and {"tier": self.next_tier[0], "seconds": self.next_tier[1]},
-            "tier": self.question.tier,
+            "next_tier": self.next_model and {"tier": self.next_model[0], "seconds": self.next_model[1]},
+            "tier": self.question.model,
             "evaluations": self.evaluations,
             "reused": self.reused,
             "seconds": {"total": self.seconds},
@@ -211,7 +211,7 @@ class SweepResult(Result):
             "results": results,
             "passed": row.passed,
             "refused": row.refused or None,
-            "tier": row.tier or None,
+            "tier": row.model or None,
         }
 
     def arrays(self) -> dict[str, Any]:
@@ -246,7 +246,7 @@ def sweep(
     *,
     sample: int | None = None,
     rank: Mapping[str, Goal] | None = None,
-    tier: str | None = None,
+    model: str | None = None,
     tol: float | None = None,
     force: float | None = None,
     folder: Path | str | None = None,
@@ -258,7 +258,7 @@ def sweep(
     """Return the answers of a design's check, a scene's simulation or a circuit's gain at many values.
 
     `vary` is by key: (low, high, count), a list of choices or "all"; their grid is taken, or with `sample`
-    that many Sobol points of the ranges. Checks are by one `tier`, `linear` if None, and ranked by `rank`,
+    that many Sobol points of the ranges. Checks are by one `model`, `linear` if None, and ranked by `rank`,
     a result's key and "min" or "max", if nothing is said by the smallest all-touch force. With a `folder`
     each finished evaluation goes into its log at once, and what that has already is not asked again, unless
     `fresh`. Rows
@@ -269,9 +269,9 @@ def sweep(
     began = perf_counter()
     varied = knobs(subject, vary)
     points = points_of(subject, vary, sample)
-    question = question_of(subject, tier=tier, tol=tol, force=force)
-    if isinstance(subject, Design) and tier is None:
-        question = replace(question, tier=first_able(RANKED_BY, subject))
+    question = question_of(subject, model=model, tol=tol, force=force)
+    if isinstance(subject, Design) and model is None:
+        question = replace(question, model=first_able(RANKED_BY, subject))
     run = Run(subject, question, log_in(folder, fresh=fresh))
     wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
     for goal in wanted.values():
@@ -291,7 +291,7 @@ def sweep(
     if run.log is not None:
         run.log.close()
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
-    following = _next_tier(subject, question, rankings[0]) if rankings else None
+    following = _next_model(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
     return SweepResult(
         subject=subject,
@@ -299,7 +299,7 @@ def sweep(
         knobs=varied,
         rows=tuple(rows),
         rankings=rankings,
-        next_tier=following,
+        next_model=following,
         evaluations=run.evaluated,
         reused=run.reused,
         seconds=seconds,
@@ -361,17 +361,17 @@ def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | Non
     return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
 
 
-def _next_tier(subject: Subject, question: Query, ranking: Ranking) -> tuple[str, float] | None:
+def _next_model(subject: Subject, question: Query, ranking: Ranking) -> tuple[str, float] | None:
     """The next model that leaves less out, and its seconds for the rows that tie for the first place."""
     if question.kind != "check" or not ranking.ties or not ranking.ranks or not isinstance(subject, Design):
         return None
     first = ranking.ties[0]
-    if ranking.ranks[0].row not in first or question.tier not in TIERS:
+    if ranking.ranks[0].row not in first or question.model not in MODELS:
         return None
     # the closed form's error is not told by what it leaves out
-    names, rough = list(TIERS), question.tier == "winkler"
-    least = math.inf if rough else len(TIERS[question.tier].leaves_out)
-    for name in names[names.index(question.tier) + 1 :]:
-        if not unsupported_reason(name, subject, False) and len(TIERS[name].leaves_out) <= least:
+    names, rough = list(MODELS), question.model == "winkler"
+    least = math.inf if rough else len(MODELS[question.model].leaves_out)
+    for name in names[names.index(question.model) + 1 :]:
+        if not unsupported_reason(name, subject, False) and len(MODELS[name].leaves_out) <= least:
             return name, len(first) * expected_seconds(name, subject, set())
     return None

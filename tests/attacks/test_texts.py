@@ -183,7 +183,7 @@ def test_a_silicones_name_stays_text_in_every_file(name: str, build: Build, tmp_
 def test_a_choice_of_a_sweep_stays_text() -> None:
     names = [*hostile_names(2)][:5]
     design = skincad.load("plain-ridges", ["silicones.own={based_on='ecoflex-00-30'}", "material.name=own"])
-    sweep = skincad.sweep(design, {"silicones.own.name": names}, tier="winkler")
+    sweep = skincad.sweep(design, {"silicones.own.name": names}, model="winkler")
     head, *rows = read_back(sweep_csv(sweep))
     cells = [row[head.index("silicones.own.name")] for row in rows]
     assert [cell.removeprefix("'") for cell in cells] == names

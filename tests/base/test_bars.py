@@ -41,13 +41,13 @@ def test_on_a_terminal_the_stage_and_the_time_left_are_shown(monkeypatch: pytest
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(sys, "stderr", shown := Terminal())
     with stage_bar(3) as progress:
-        progress("linear tier", 100.4)
+        progress("linear model", 100.4)
     with step_bar(50) as tick:
         tick("fineness 0.5, order 2", 20, 65.4)
     with stage_bar(3) as progress:
         progress("solids")
     text = shown.getvalue()
-    assert "linear tier" in text
+    assert "linear model" in text
     assert "1:40 left" in text
     assert "20/50" in text
     assert "1:05 left" in text

@@ -90,7 +90,7 @@ def assembled(design: Design) -> list[float]:
 
 
 def linear(design: Design) -> list[float | None]:
-    result = skincad.check(design, force=1.0, tier="linear", tol=0.3)
+    result = skincad.check(design, force=1.0, model="linear", tol=0.3)
     return [result.approach.value, result.all_touch_force.value, *(e.value for e in result.ridge_force)]
 
 

@@ -95,7 +95,7 @@ def results(folder: Path) -> dict[str, Any]:
     design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
     scene = small_scene(folder, "yamada-2002-press", *FEW)
     circuit = load_circuit("yamada-2002")
-    check = skincad.check(design, force=1.0, tier="linear", tol=0.3)
+    check = skincad.check(design, force=1.0, model="linear", tol=0.3)
     rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
     part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)

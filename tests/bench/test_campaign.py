@@ -79,9 +79,9 @@ WRONG: dict[str, tuple[str, str, dict[str, Any], dict[str, Any]]] = {
     "area closure": ("section", "plain-ridges", {}, {"area": 1.0}),
     "volume closure": ("solid", "plain-ridges", {}, {"mesh_volume": 1.0}),
     "mesh is open": ("solid", "plain-ridges", {}, {"watertight": False}),
-    "balance": ("check", "plain-ridges", {"tier": "winkler"}, {"force": 5.0}),
-    "units": ("check", "plain-ridges", {"tier": "winkler"}, {"approach": 0.2}),
-    "mirror image": ("check", "plain-ridges", {"tier": "winkler"}, {"ridge_force": [4.0] + [0.0] * 8}),
+    "balance": ("check", "plain-ridges", {"model": "winkler"}, {"force": 5.0}),
+    "units": ("check", "plain-ridges", {"model": "winkler"}, {"approach": 0.2}),
+    "mirror image": ("check", "plain-ridges", {"model": "winkler"}, {"ridge_force": [4.0] + [0.0] * 8}),
 }
 
 

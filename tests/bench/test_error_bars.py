@@ -78,18 +78,18 @@ def test_a_bound_of_what_is_left_out_is_of_each_value_and_of_the_mean_share() ->
 def test_a_seed_gives_the_same_rows_again() -> None:
     first, again = (outcome(25, solids=False, ends=False).rows for _ in range(2))
     assert first == again
-    assert {r.tier for r in first} == {"winkler", "linear, tol 0.05", "linear, tol 0.005"}
+    assert {r.model for r in first} == {"winkler", "linear, tol 0.05", "linear, tol 0.005"}
 
 
 @pytest.mark.slow
 def test_bars_of_random_designs_hold(record_property: Callable[[str, object], None]) -> None:
-    """By tier and part, over all quantities: of some 20 cases one may miss. Every other seed is also held
+    """By model and part, over all quantities: of some 20 cases one may miss. Every other seed is also held
     against the model with free ends, which costs four times the rest."""
     rows = [r for seed in SEEDS for r in outcome(seed, solids=False, ends=seed % 2 == 0).rows]
     told = "\n".join(table(rows))
     record_property("summary", told)
     print(told)
-    for key in dict.fromkeys((r.tier, r.part) for r in rows):
-        mine = [r for r in rows if (r.tier, r.part) == key]
+    for key in dict.fromkeys((r.model, r.part) for r in rows):
+        mine = [r for r in rows if (r.model, r.part) == key]
         assert np.mean([r.held for r in mine]) >= HELD, told
         assert np.median([r.width for r in mine]) <= WIDEST, told

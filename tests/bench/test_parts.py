@@ -12,7 +12,7 @@ from bench import bench_calculix, bench_check, bench_growth, calculix
 from bench.measure import alone, factorise, free_block, slope, system
 from skincad.mechanics.bodies.mesh import default_sizes
 from skincad.mechanics.check import check
-from skincad.mechanics.models.table import TIERS
+from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import pad_of
 from tests.mechanics.designs import filleted, yamada
 
@@ -89,7 +89,7 @@ def test_wide_designs_sag_alike(template: str, ridges: int) -> None:
 
     assert sag(wide) == pytest.approx(sag(nine))
     assert wide.contact.force / ridges == pytest.approx(nine.contact.force / 9)
-    assert check(wide, tier="winkler").ridges == ridges
+    assert check(wide, model="winkler").ridges == ridges
 
 
 def test_matrix_of_a_check_is_its_own() -> None:
@@ -108,8 +108,8 @@ def test_alone_measures_another_process() -> None:
 
 def test_alone_hands_on_what_went_wrong() -> None:
     with pytest.raises(RuntimeError, match="KeyError"):
-        alone(bench_check.measured, "no-such-tier")
+        alone(bench_check.measured, "no-such-model")
 
 
-def test_every_tier_has_a_row() -> None:
-    assert [name for name in TIERS if bench_check.ready(name)][:3] == ["winkler", "linear", "corrected"]
+def test_every_model_has_a_row() -> None:
+    assert [name for name in MODELS if bench_check.ready(name)][:3] == ["winkler", "linear", "corrected"]

@@ -24,13 +24,13 @@ LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none"
 
 
 def test_a_loose_film_leaves_the_slots_empty(tmp_path: Path) -> None:
-    """A scene's last step against the linear tier."""
+    """A scene's last step against the linear model."""
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=2", *LOOSE)
     here = at_level(scene, LEVELS[1]).march.readings[-1].approach
-    there = check(scene.design.with_(contact={"film": "loose"}), force=1.3, tier="linear").approach.value
+    there = check(scene.design.with_(contact={"film": "loose"}), force=1.3, model="linear").approach.value
     press = ("yamada-2002-press", THIRD, "history.steps=2", "readout.ridges=[]")
     bonded = at_level(small_scene(tmp_path, *press), LEVELS[0])
-    # two meshes and orders: 0.5 % is the tier's own; bonded strips make 4 % of difference
+    # two meshes and orders: 0.5 % is the model's own; bonded strips make 4 % of difference
     assert here == pytest.approx(there, rel=5e-3)
     assert bonded.march.readings[-1].approach < 0.99 * here
 

@@ -1,4 +1,4 @@
-"""Free ends in a scene: the corrected tier's approach and shares, and what they may not be named with."""
+"""Free ends in a scene: the corrected model's approach and shares, and what they may not be named with."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def shares(simulation: object) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_approach_and_shares_are_the_corrected_tiers(tmp_path: Path) -> None:
+def test_approach_and_shares_are_the_corrected_models(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, *PRESS, ENDS)
     plane, simulation = at_level(small_scene(tmp_path, *PRESS), LEVELS[1]), at_level(scene, LEVELS[1])
-    tier = check(scene.design.with_(contact={"film": "bonded"}), force=1.3, tier="corrected")
-    wanted = np.array([force.value for force in tier.ridge_force])
-    approach = tier.approach.value
-    # 1 %: nine ridges agree to 0.6 % (ends.py), the tier's own error is 0.5 %
+    model = check(scene.design.with_(contact={"film": "bonded"}), force=1.3, model="corrected")
+    wanted = np.array([force.value for force in model.ridge_force])
+    approach = model.approach.value
+    # 1 %: nine ridges agree to 0.6 % (ends.py), the model's own error is 0.5 %
     assert simulation.march.readings[-1].approach == pytest.approx(approach, rel=0.01)
     assert shares(simulation) == pytest.approx(wanted, abs=0.01 * wanted.mean())
     # and it is the ends that do it
@@ -53,9 +53,9 @@ def test_outer_ridges_of_nine_bear_more(tmp_path: Path) -> None:
     plane, simulation = (
         at_level(load_scene(scene[0], [*scene[1], *bare, *more]), LEVELS[1]) for more in ([], [ENDS])
     )
-    tier = check(simulation.scene.design, force=4.0, tier="corrected")
-    wanted = np.array([force.value for force in tier.ridge_force])
-    assert simulation.march.readings[-1].approach == pytest.approx(tier.approach.value, rel=0.005)
+    model = check(simulation.scene.design, force=4.0, model="corrected")
+    wanted = np.array([force.value for force in model.ridge_force])
+    assert simulation.march.readings[-1].approach == pytest.approx(model.approach.value, rel=0.005)
     assert shares(simulation) == pytest.approx(wanted, abs=0.005 * wanted.mean())
     assert shares(plane)[0] < 0.6 * wanted[0]
 

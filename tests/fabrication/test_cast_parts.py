@@ -63,7 +63,7 @@ def judged(name: str) -> JudgedDesign:
     model = ridge_model(solved.ridges, force, unit_of(pad), solved.scale)
     upper = check.all_touch_force.upper
     assert upper is not None
-    # what a better tier and the error add is taken as a change of stiffness, as the yield takes it
+    # what a better model and the error add is taken as a change of stiffness, as the yield takes it
     force_needed = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])
 
     def passes(crests: Array) -> Mask:

@@ -33,9 +33,9 @@ def unchecked(small: Design) -> MakeResult:
 
 
 def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: MakeResult) -> None:
-    judged = skincad.make(small, tier="winkler")
+    judged = skincad.make(small, model="winkler")
     assert judged.check is not None
-    assert judged.check.tier == "winkler"
+    assert judged.check.model == "winkler"
     assert (judged.passed, unchecked.passed) == (False, True)
     assert unchecked.check is None
     assert unchecked.findings == judged.findings

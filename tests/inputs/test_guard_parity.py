@@ -29,7 +29,7 @@ def small(**change: dict[str, object]) -> Design:
 
 
 def by_check(design: Design, force: float, folder: Path) -> str:
-    return check(design, force=force, tier="linear", tol=0.05).out_of_range
+    return check(design, force=force, model="linear", tol=0.05).out_of_range
 
 
 def by_scene(design: Design, force: float, folder: Path) -> str:

@@ -48,11 +48,11 @@ def as_designed(path: Path, design: Design) -> Path:
     return path
 
 
-def test_a_missing_file_and_a_wrong_tier_are_refused(tmp_path: Path, yamada: Design) -> None:
+def test_a_missing_file_and_a_wrong_model_are_refused(tmp_path: Path, yamada: Design) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         check(yamada, measured=tmp_path / "none.csv")
-    with pytest.raises(InputError, match="measured: is not judged by the winkler tier"):
-        check(yamada, measured=as_designed(tmp_path / "crests.csv", yamada), tier="winkler")
+    with pytest.raises(InputError, match="measured: is not judged by the winkler model"):
+        check(yamada, measured=as_designed(tmp_path / "crests.csv", yamada), model="winkler")
 
 
 ROWS = ((1.0, 4.5156), (2.0, -0.25), (3.0, 1.5e-7), (1e3, 10.0))

@@ -118,7 +118,7 @@ def test_an_entry_of_a_list_that_is_not_there_is_told() -> None:
     for ask in (
         lambda: load_design("yamada-2002", ["ridge.heights.1=0.5"]),
         lambda: changed(design, {"ridge.heights.1": 0.5}),
-        lambda: skincad.sweep(design, {"ridge.heights.1": (0.4, 0.5, 2)}, tier="winkler"),
+        lambda: skincad.sweep(design, {"ridge.heights.1": (0.4, 0.5, 2)}, model="winkler"),
     ):
         with pytest.raises(InputError) as refused:
             ask()
@@ -169,7 +169,7 @@ def test_one_ridge_needs_no_pitch() -> None:
             2 * (sizes["root_width"] + 2 * sizes["root_fillet"]),
         )
         assert skincad.section(bare) == skincad.section(pitched)
-        one, other = (skincad.check(design, tier="winkler") for design in (bare, pitched))
+        one, other = (skincad.check(design, model="winkler") for design in (bare, pitched))
         assert one.approach.lower <= other.approach.value <= one.approach.upper
         assert Design(**tomllib.loads(bare.to_toml())) == bare
     with pytest.raises(InputError, match=r"ridge.pitch: is missing; give ridge.pitch a value"):

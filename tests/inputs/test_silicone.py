@@ -236,7 +236,7 @@ def test_the_ends_of_the_range_are_in_it(yamada: Design) -> None:
 def foreign(design: Design) -> tuple[list[str], list[str]]:
     """What make and check say of a name with another's modulus."""
     findings = [str(f) for f in design_findings(Job(design)) if f.rule == "silicone"]
-    return findings, [w for w in check(design, tier="winkler").warnings if "modulus" in w]
+    return findings, [w for w in check(design, model="winkler").warnings if "modulus" in w]
 
 
 def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:

@@ -17,7 +17,7 @@ from skincad.live.shapes import view
 from skincad.live.words import best, findings_html, state_html, verdict_html
 
 LONG = 120.0  # s, for a check on a machine with much else to do
-# it passes by the linear tier, so that nothing finer is asked, nor any advice
+# it passes by the linear model, so that nothing finer is asked, nor any advice
 SMALL = ["ridge.count=3", "skin.width=5", "skin.length=8", "contact.force=0.5"]
 
 
@@ -49,7 +49,7 @@ def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> No
             answer.pop(key)
     assert reply == said
     assert desk.answers.better is not None
-    assert desk.answers.better.what[0].tier == "linear"
+    assert desk.answers.better.what[0].model == "linear"
     assert {"session", "view", "closed_form", "findings", "better", "verdict"} <= seen.keys()
 
 
@@ -59,7 +59,7 @@ def test_answers_are_older_once_the_design_moves_on_and_fresh_again_after_undo(d
         view=Reply(design, view(design)),
         closed_form=Reply(design, closed_form(desk.session)),
         findings=Reply(design, ()),
-        verdict=Reply(design, skincad.check(design, tier="winkler")),
+        verdict=Reply(design, skincad.check(design, model="winkler")),
     )
     assert desk.is_current(desk.answers.verdict)
     assert best(desk) is desk.answers.verdict.what  # type: ignore[union-attr]

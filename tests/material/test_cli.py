@@ -12,7 +12,7 @@ import pytest
 import skincad
 from tests.conftest import run_skincad
 
-# yamada-2002 at 0.8 MPa, first touch at 0.25 mm, by tiers solid and finite-strain (test_fit.py)
+# yamada-2002 at 0.8 MPa, first touch at 0.25 mm, by models solid and finite-strain (test_fit.py)
 FORCE = [0.0, 0.5, 1.0, 2.0, 3.0, 4.0]
 APPROACH = [0.25, 0.29856, 0.32620, 0.36780, 0.40368, 0.43460]
 

@@ -255,7 +255,7 @@ def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
 def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) -> None:
     """The curve is 10 % softer than plane strain at 1.3 N, and finite strain makes it stiffer by 3 %."""
     at = float(np.interp(4 / 3, small.force, small.small))
-    plane = skincad.check(PAD, tier="linear", force=4 / 3).approach.value or 0.0
+    plane = skincad.check(PAD, model="linear", force=4 / 3).approach.value or 0.0
     assert at / plane == pytest.approx(1.10, abs=0.01)
     strained = float(np.interp(4 / 3, curve.force, curve.strained))
     assert strained == pytest.approx(0.9695, abs=3e-3)  # STRAINED_AT
@@ -294,7 +294,7 @@ def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curv
     assert any("the design's range so far was 0.5 to 0.5 MPa" in w for w in fit.warnings)
 
 
-# Approach of yamada-2002, mm, by tiers `solid`, `finite-strain` and `linear` at their default tolerance:
+# Approach of yamada-2002, mm, by models `solid`, `finite-strain` and `linear` at their default tolerance:
 # `skincad check yamada-2002 --tier T --force F`
 FORCE = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 SOLID = np.array([0.04887, 0.07718, 0.12026, 0.15858, 0.19138])
@@ -304,7 +304,7 @@ FINITE_OVER_LINEAR = np.array([0.044572, 0.06856, 0.10492, 0.13580, 0.16255]) / 
 
 
 @pytest.mark.slow
-def test_the_tiers_own_approaches_give_back_their_modulus() -> None:
+def test_the_models_own_approaches_give_back_their_modulus() -> None:
     """By a finer solid and finer finite strain; 1 % of E is worth 0.5 % of approach, the solid's error."""
     curve = finite_strain_curve(small_strain_curve(yamada(), 0.8, Stopwatch()), yamada(), 6.0, Stopwatch())
     approach = np.append(0.0, SOLID * FINITE_OVER_LINEAR) + 0.25

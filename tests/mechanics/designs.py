@@ -11,7 +11,7 @@ from skincad.mechanics.check import check
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import Answer, Request
 
-linear_check = partial(check, tier="linear")  # the verdict by one model, whatever it leaves out
+linear_check = partial(check, model="linear")  # the verdict by one model, whatever it leaves out
 BARE = {"slot": None, "film": None, "contact": {"film": "ignored"}}
 
 
@@ -23,7 +23,7 @@ SHORT: dict[str, Any] = {"ridge": {"count": 3}, "skin": {**THREE["skin"], "lengt
 def plane(
     design: Design, *, force: float | None = None, tol: float | None = None, budget: float | None = None
 ) -> Answer:
-    """The linear tier's answer alone: no yield, which takes as long again, and no verdict."""
+    """The linear model's answer alone: no yield, which takes as long again, and no verdict."""
     return linear.answer(design, Request(force or design.contact.force, tol, budget))
 
 

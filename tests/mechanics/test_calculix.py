@@ -22,10 +22,10 @@ pytestmark = pytest.mark.xdist_group("calculix")  # pressed() is shared
 
 @pytest.mark.slow
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
-@pytest.mark.parametrize("tier", ["linear", "finite-strain"])
-def test_calculix_gives_the_same_shares(tier: str) -> None:
+@pytest.mark.parametrize("model", ["linear", "finite-strain"])
+def test_calculix_gives_the_same_shares(model: str) -> None:
     pad = pad_of(filleted())
-    theirs, ours = pressed(None, large=tier != "linear"), own(pad, tier, 0.5, 3)
+    theirs, ours = pressed(None, large=model != "linear"), own(pad, model, 0.5, 3)
     # 0.01 N of a mean share of 0.44: the coarse mesh is off by 0.0025 N, large strain shifts shares by 0.02
     assert np.abs(theirs.shares - ours.shares).max() <= 0.01
     assert theirs.shares.sum() == pytest.approx(FORCE, rel=1e-3)  # CalculiX's own convergence

@@ -1,4 +1,4 @@
-"""A skin curved along y too, in the winkler tier: against a solid under the same gaps, and its limits."""
+"""A skin curved along y too, in the winkler model: against a solid under the same gaps, and its limits."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_solid_lies_inside_when_few_ridges_are_pressed(thickness: float, radius:
 
 
 def assert_solid_inside(design: Design, radius: float, force: float) -> None:
-    spring = check(bent(design, radius), tier="winkler", force=force)
+    spring = check(bent(design, radius), model="winkler", force=force)
     threshold, approach, shares = solid_under_bent_gaps(design, radius, force)
     for one, other in (
         (spring.all_touch_force, threshold),
@@ -127,7 +127,7 @@ def test_shares_balance_at_any_force(force: float) -> None:
 
 
 def test_a_nearly_straight_skin_is_the_straight_one() -> None:
-    straight, verdict = check(yamada(), tier="winkler"), check(bent(yamada(), 1e8), tier="winkler")
+    straight, verdict = check(yamada(), model="winkler"), check(bent(yamada(), 1e8), model="winkler")
     # 0.4 um of fall at the ends of 12 mm, against gaps of 0.13 mm
     assert verdict.all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
     assert verdict.approach.value == pytest.approx(straight.approach.value, rel=1e-5)
@@ -138,19 +138,19 @@ def test_the_rounder_the_fewer_newtons() -> None:
     assert forces == sorted(forces, reverse=True)
 
 
-def test_auto_stays_with_the_only_tier_that_knows_it() -> None:
+def test_auto_stays_with_the_only_model_that_knows_it() -> None:
     verdict = check(bent(yamada(), 30.0), tol=0.1)
-    assert verdict.tier == "winkler"
-    assert verdict.next_tier is None
+    assert verdict.model == "winkler"
+    assert verdict.next_model is None
     assert verdict.manufacture is None
     assert any("the tolerance 0.1 is not met" in w for w in verdict.warnings)
     assert any("slopes of up to" in w and "along y" in w for w in verdict.warnings)
 
 
-@pytest.mark.parametrize("tier", [name for name in AUTO if name != "winkler"] + ["solid", "finite-strain"])
-def test_every_other_tier_is_refused(tier: str) -> None:
+@pytest.mark.parametrize("model", [name for name in AUTO if name != "winkler"] + ["solid", "finite-strain"])
+def test_every_other_model_is_refused(model: str) -> None:
     with pytest.raises(InputError, match=r"skin.curvature_radius_y"):
-        check(bent(yamada(), 30.0), tier=tier)
+        check(bent(yamada(), 30.0), model=model)
 
 
 def test_a_straight_pad_is_not_taken_for_it() -> None:
@@ -181,7 +181,7 @@ def test_the_slope_that_is_told_is_where_the_plate_cuts_the_crest(radius: float)
     """A crest along y is a circle of radius R + h; a plate d below its top cuts it where it slopes by
     sqrt(1 - (1 - d / (R + h))^2)."""
     design = bent(yamada().with_(slot=None, film=None), radius)
-    verdict = check(design, force=0.5, tier="winkler")
+    verdict = check(design, force=0.5, model="winkler")
     depth = (verdict.approach.value or 0.0) / (radius + design.ridge.height)  # the middle ridge touches first
     slope = math.sqrt(1 - (1 - depth) ** 2)
     assert f"slopes of up to {slope:.2g} along y" in " ".join(verdict.warnings)
@@ -191,7 +191,7 @@ def test_the_slope_that_is_told_is_where_the_plate_cuts_the_crest(radius: float)
 def test_the_bars_at_usual_sizes_are_what_was_measured_and_little_more(radius: float) -> None:
     """In 47 cases F9 was up to 2.07 times, the approach 1.53 times and a share 0.17 of the mean off."""
     design = bent(yamada().with_(slot=None, film=None), radius)
-    verdict = check(design, tier="winkler")
+    verdict = check(design, model="winkler")
     threshold, approach = verdict.all_touch_force, verdict.approach
     assert 1.07 <= (threshold.error or 0.0) / (threshold.value or 1.0) <= 1.5
     assert 0.53 <= (approach.error or 0.0) / (approach.value or 1.0) <= 0.8

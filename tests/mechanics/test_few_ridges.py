@@ -13,7 +13,7 @@ from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import TIERS
+from skincad.mechanics.models.table import MODELS
 
 FEW = (1, 2, 3, 4)
 COARSE = 0.5  # relative: the coarsest mesh, as it is the path that is tested and not the number
@@ -26,7 +26,7 @@ COSTLY = (
 def judge(design: Design, model: str) -> bool:
     """Whether a model has a verdict on a design, and does not refuse it."""
     try:
-        verdict = skincad.check(design, tier=model, tol=COARSE)
+        verdict = skincad.check(design, model=model, tol=COARSE)
     except (InputError, RefusedError):
         return False
     forces = np.array([share.value for share in verdict.ridge_force], dtype=float)
@@ -76,6 +76,6 @@ def test_random_designs_with_few_ridges_crash_no_model(first: int) -> None:
 def test_few_ridges_of_every_template_crash_no_model(name: str) -> None:
     for ridges in FEW:
         design = skincad.load(name, [f"ridge.count={ridges}"])
-        for model in TIERS:
+        for model in MODELS:
             if model != "solid-finite-strain" or name in COSTLY:
                 judge(design, model)

@@ -28,7 +28,7 @@ FAST = ((1e6, 1e-2), (1e6, 1e-7), (120.0, 3e-6))
     [case if case in FAST else pytest.param(*case, marks=pytest.mark.slow) for case in GAPS],
 )
 def test_touching_ridges_are_meshed(radius: float, gap: float) -> None:
-    """On all tiers' meshes; where triangles grow fast, netgen alone fails on gaps of 1e-3 mm and less."""
+    """On all models' meshes; where triangles grow fast, netgen alone fails on gaps of 1e-3 mm and less."""
     pad = pad_of(sharp().with_(skin={"curvature_radius": radius}, ridge={"root_width": 1.0 - gap}))
     for sizes in (default_sizes(pad, 0.5), *(coarse_sizes(pad, fineness) for fineness in (1.0, 1.5))):
         assert len(triangles(pad, sizes).Elements2D()) > 50

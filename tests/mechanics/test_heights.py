@@ -69,7 +69,7 @@ def test_lower_ridges_are_as_a_measured_part_with_lower_crests(tmp_path: Path) -
         f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(skin_of(even).crests, drops, strict=True), 1)
     ]
     (tmp_path / "crests.csv").write_text("ridge,crest_mm\n" + "\n".join(rows))
-    part = check(even, tier="linear", force=FORCE, measured=tmp_path / "crests.csv")
+    part = check(even, model="linear", force=FORCE, measured=tmp_path / "crests.csv")
     designed = plane(three(UNLIKE), force=FORCE)
     first = designed.all_touch_force.value
     assert first == pytest.approx(part.all_touch_force.value, rel=0.02)
@@ -88,7 +88,7 @@ def test_springs_of_unlike_ridges_by_hand() -> None:
     approach = 0.3
     assert winkler.line_forces(design, approach) == pytest.approx(stiffness * (approach - gaps), rel=1e-10)
     for force in (0.1, 1.0, 4.0):  # one ridge carries, some, all
-        verdict = check(design, tier="winkler", force=force)
+        verdict = check(design, model="winkler", force=force)
         carried = stiffness * np.maximum((verdict.approach.value or 0.0) - gaps, 0.0)
         assert carried.sum() == pytest.approx(force, rel=1e-9)
         assert values(verdict.ridge_force) == pytest.approx(carried, rel=1e-9, abs=1e-12)
@@ -110,10 +110,10 @@ def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
 @pytest.mark.parametrize("crown", [0.0, 0.03])
-def test_the_linear_tier_lies_inside_the_springs_error(share: float, crown: float) -> None:
+def test_the_linear_model_lies_inside_the_springs_error(share: float, crown: float) -> None:
     """Levelled crests have hardly a gap; what leaning crowns add to it counts then."""
     design = yamada().with_(**BARE, ridge={"levelling": share, "crown": crown, "tip_fillet": 0.0})
-    spring, solid = check(design, tier="winkler"), plane(design, tol=0.05)
+    spring, solid = check(design, model="winkler"), plane(design, tol=0.05)
     for one, other in (
         (spring.all_touch_force, solid.all_touch_force),
         (spring.approach, solid.approach),
@@ -139,7 +139,7 @@ def test_crowns_highest_points_over_their_summits() -> None:
 def test_the_highest_ridge_says_when_one_tips_over() -> None:
     tall = three((0.5, 0.5, 1.5))
     assert buckling_force(tall) == buckling_force(three().with_(ridge={"height": 1.5}))
-    verdict = check(tall, tier="winkler", force=0.01)
+    verdict = check(tall, model="winkler", force=0.01)
     assert ridge_strain(tall, verdict) == ridge_strain(three(), verdict)  # by width and length
 
 

@@ -1,4 +1,4 @@
-"""A pad of any law in both tiers of finite strain and in scenes: neo-Hooke's as a special case."""
+"""A pad of any law in both models of finite strain and in scenes: neo-Hooke's as a special case."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ def numbers(of: PlaneSolution) -> np.ndarray:
     return np.array([of.all_touch_force, of.approach, *of.ridge_force])
 
 
-def test_ogdens_alpha_2_is_the_neo_hookean_tier() -> None:
+def test_ogdens_alpha_2_is_the_neo_hookean_model() -> None:
     assert numbers(three(NEO)) == pytest.approx(numbers(three(None)), rel=1e-9)
 
 
-def test_a_neo_hookean_law_is_the_tier_without_one_to_the_bit() -> None:
+def test_a_neo_hookean_law_is_the_model_without_one_to_the_bit() -> None:
     assert (numbers(three(NeoHooke(mu=7.0))) == numbers(three(None))).all()
 
 
@@ -62,7 +62,7 @@ def test_a_law_that_stiffens_gives_way_less(law: Rubber) -> None:
 
 
 @pytest.mark.slow
-def test_a_scene_without_friction_is_the_tiers_state() -> None:
+def test_a_scene_without_friction_is_the_models_state() -> None:
     """Silicone in the slots has the law too. 1e-8: Newton's residual of both."""
     law = Gent(mu=1.0, j_m=2.0)
     one = yamada().with_(ridge={"count": 1}, skin={"width": 3.0}, contact={"film": "ignored"})

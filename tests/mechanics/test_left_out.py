@@ -1,4 +1,4 @@
-"""What a tier leaves out, against the tier that computes it."""
+"""What a model leaves out, against the model that computes it."""
 
 from __future__ import annotations
 

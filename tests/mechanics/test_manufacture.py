@@ -159,7 +159,7 @@ def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["yamada-2002", "plain-ridges"])
 def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: str) -> None:
-    """What the yield of better tiers rests on: free ends as a change of stiffness alone."""
+    """What the yield of better models rests on: free ends as a change of stiffness alone."""
     design = load(name)
     force, sigma = design.contact.force, 0.03
     answer = corrected.answer(design, Request(force, 0.05, ridge_model=True))
@@ -192,7 +192,7 @@ def two_springs(gap: float, unit: float, scale: float) -> RidgeModel:
 @pytest.mark.parametrize("stiffer", [1.0, 1.03, 0.8, 1.5])
 def test_yield_and_slopes_of_two_springs_are_those_by_hand(stiffer: float) -> None:
     """Both touch where the force is above the difference of the crests, which scatters by sqrt(2) sigma. A
-    better tier's threshold is a change of the springs' stiffness."""
+    better model's threshold is a change of the springs' stiffness."""
     unit, scale, gap, sigma = 0.5, 3.0, 0.2, 0.04  # mm, N, of the unit, mm
     all_touch, force = gap * scale, 0.75
     result = manufacture(
@@ -230,8 +230,8 @@ def test_a_modulus_that_scatters_more_than_the_crests_is_the_larger_loss() -> No
     assert sure.interval == pytest.approx((lowest, 1.0), rel=1e-12)
 
 
-def test_a_better_tiers_misjudged_share_is_what_was_measured_and_little_more() -> None:
-    """4.7 % of the parts at worst, in the test above; by the linear tier's own 2 %."""
+def test_a_better_models_misjudged_share_is_what_was_measured_and_little_more() -> None:
+    """4.7 % of the parts at worst, in the test above; by the linear model's own 2 %."""
     assert 0.047 <= SCALED_MISCLASSIFIES <= 0.08
     assert MODEL_MISCLASSIFIES < SCALED_MISCLASSIFIES
 

@@ -70,10 +70,10 @@ def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
 
 
-@pytest.mark.parametrize("tier", ["winkler", "linear"])
-def test_a_plate_that_is_higher_everywhere_is_the_flat_one(tier: str) -> None:
+@pytest.mark.parametrize("model", ["winkler", "linear"])
+def test_a_plate_that_is_higher_everywhere_is_the_flat_one(model: str) -> None:
     raised = PLAIN.with_(contact={"plate": {"shape": "step", "height": 0.3, "position": -100.0}})
-    answer, same = (run(tier, design, Request(2.2, 0.9), {}, None) for design in (raised, PLAIN))
+    answer, same = (run(model, design, Request(2.2, 0.9), {}, None) for design in (raised, PLAIN))
     assert answer.approach.value == pytest.approx(same.approach.value, rel=1e-4)  # first touch is sampled
     assert shares(answer) == pytest.approx(shares(same), abs=1e-4)
 

@@ -1,4 +1,4 @@
-"""Friction of the plate in a check: left out of all tiers, of none, or computed once."""
+"""Friction of the plate in a check: left out of all models, of none, or computed once."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactChec
 
 @pytest.mark.parametrize(("coefficient", "left"), [(None, True), (0.0, False), (0.5, True)])
 def test_the_closed_form_computes_no_friction(coefficient: float | None, left: bool) -> None:
-    verdict, without = (check(small(c), tier="winkler") for c in (coefficient, 0.0))
+    verdict, without = (check(small(c), model="winkler") for c in (coefficient, 0.0))
     assert of(verdict) == (["friction"] if left else [])
     assert verdict.all_touch_force.value == without.all_touch_force.value
     assert (verdict.all_touch_force.error > without.all_touch_force.error) == left
@@ -71,7 +71,7 @@ def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.Monk
     monkeypatch.setattr(pressing, "solve", fails)
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    verdict = check(load("yamada-2002").with_(contact={"friction": 15.0}), tier="linear")
+    verdict = check(load("yamada-2002").with_(contact={"friction": 15.0}), model="linear")
     assert of(verdict) == ["free ends", "finite strain", "friction"]
     assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
 
@@ -80,13 +80,13 @@ def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), tier="linear", budget=2.1)
+    verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
     assert "friction" in of(verdict)
     assert any("contact.friction is left out" in w and "would take about" in w for w in verdict.warnings)
 
 
 @pytest.mark.parametrize(
-    ("name", "tier", "effects"),
+    ("name", "model", "effects"),
     [
         ("plain-ridges", "corrected", ["finite strain", "friction", "friction along y"]),
         ("plain-ridges", "linear", ["free ends", "finite strain", "friction"]),
@@ -95,17 +95,17 @@ def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.
     ],
 )
 def test_along_y_it_counts_where_ends_are_free(
-    name: str, tier: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
+    name: str, model: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.1)
-    assert of(check(load(name), tier=tier)) == effects
+    assert of(check(load(name), model=model)) == effects
     assert friction_along(load(name)).threshold < 0.15
 
 
 @pytest.mark.parametrize(
-    ("tol", "tier", "said"),
+    ("tol", "model", "said"),
     [
         (0.4, "linear", False),
         (0.335, "corrected", False),  # linear would do without friction
@@ -116,42 +116,42 @@ def test_along_y_it_counts_where_ends_are_free(
     ],
 )
 def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
-    tol: float, tier: str, said: bool, monkeypatch: pytest.MonkeyPatch
+    tol: float, model: str, said: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), tol=tol)
-    assert verdict.tier == tier
+    assert verdict.model == model
     missed = [w for w in verdict.warnings if "not met" in w]
     assert bool(missed) == said
     assert all("friction may change it by 0.03: give contact.friction" in w for w in missed)
 
 
 @pytest.mark.parametrize(
-    ("value", "tier", "hangs"),
+    ("value", "model", "hangs"),
     [
         (2.9, "linear", False),
         (3.7, "corrected-finite-strain", False),  # 3.7 N and 4 %
-        (3.9, "solid-finite-strain", True),  # 1 % and 3 %: a better tier might move it
-        (3.99, "corrected-finite-strain", False),  # no tier moves it far enough
+        (3.9, "solid-finite-strain", True),  # 1 % and 3 %: a better model might move it
+        (3.99, "corrected-finite-strain", False),  # no model moves it far enough
     ],
 )
-def test_no_tier_is_climbed_for_what_friction_leaves_open(
-    value: float, tier: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
+def test_no_model_is_climbed_for_what_friction_leaves_open(
+    value: float, model: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch, value)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), force=4.0)
-    assert verdict.tier == tier
+    assert verdict.model == model
     words = "the verdict depends on friction, which is not known: give contact.friction"
     assert (words in verdict.warnings) == hangs
 
 
 def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A tier by name is asked for its mesh's error alone."""
+    """A model by name is asked for its mesh's error alone."""
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    verdict = check(load("yamada-2002"), tier="linear", tol=0.005)
+    verdict = check(load("yamada-2002"), model="linear", tol=0.005)
     assert [w for w in verdict.warnings if "not met" in w] == [
         "the all-touch force's error is 0.01 of its value: the tolerance 0.005 is not met"
     ]
@@ -165,7 +165,7 @@ def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.Monkey
     monkeypatch.setitem(LEFT, "friction along y", 0.2)
     monkeypatch.setattr(PlateFriction, "applied_to", lambda *arguments: arguments[2])
     verdict = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
-    assert verdict.tier == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
+    assert verdict.model == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
     assert [w for w in verdict.warnings if "not met" in w] == [
         "the all-touch force's error is 0.31 of its value: the tolerance 0.12 is not met; "
         "friction along y may change it by 0.2"

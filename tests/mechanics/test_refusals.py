@@ -77,14 +77,14 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
 ) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(small, 0.5, 3) - 1)
     monkeypatch.setattr(linear, "_level", unsolved)
-    with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
+    with pytest.raises(SizeError, match=r"ridge\.count: the linear model takes at most"):
         linear_check(small)
     for options in ({}, {"tol": 0.01}, {"budget": 500.0}):
         verdict = check(small, **options)
-        assert verdict.tier == "winkler"
-        assert verdict.all_touch_force == check(small, tier="winkler").all_touch_force
+        assert verdict.model == "winkler"
+        assert verdict.all_touch_force == check(small, model="winkler").all_touch_force
         assert any(
-            "tier, which leaves out less, cannot judge this: ridge.count" in w for w in verdict.warnings
+            "model, which leaves out less, cannot judge this: ridge.count" in w for w in verdict.warnings
         )
 
 
@@ -98,14 +98,14 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 6000)
     monkeypatch.setattr(linear, "triangles", counted)
     verdict = check(wide(250))
-    assert (verdict.tier, verdict.ridges, meshed) == ("winkler", 250, [1])
+    assert (verdict.model, verdict.ridges, meshed) == ("winkler", 250, [1])
 
 
 def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
     most = linear.MOST_CONTACT_UNKNOWNS
     design = load("plain-ridges", ["ridge.count=999", "skin.width=1000", "skin.curvature_radius=1e6"])
     linear._check_coarsest(pad_of(design), most, "linear")
-    with pytest.raises(SizeError, match=r"ridge\.count: the finite-strain tier takes at most 6000"):
+    with pytest.raises(SizeError, match=r"ridge\.count: the finite-strain model takes at most 6000"):
         finite_strain.solve(pad_of(design), Request(450.0))
 
 
@@ -122,15 +122,15 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
     )
 
 
-def test_a_better_tier_that_is_too_large_leaves_the_one_before(
+def test_a_better_model_that_is_too_large_leaves_the_one_before(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(solid, "MOST_CONTACT", 10)
     verdict = check(small, tol=0.02)
-    assert verdict.tier == "linear"
+    assert verdict.model == "linear"
     assert verdict.all_touch_force == linear_check(small, tol=climbing.FINEST_TOLERANCE).all_touch_force
     assert any(
-        "the corrected tier, which leaves out less, cannot judge this: ridge.count" in w
+        "the corrected model, which leaves out less, cannot judge this: ridge.count" in w
         for w in verdict.warnings
     )
 
@@ -148,12 +148,12 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
     monkeypatch.setattr(solid, "check_size", seen)
     monkeypatch.setattr(solid, "solve_level", unsolved)
     with pytest.raises(AssertionError, match="solved, and then refused"):
-        check(small, tier="solid")
+        check(small, model="solid")
     assert len(sizes) == 2
     # what the first level takes, and not all do
     monkeypatch.setattr(solid, "MOST_UNKNOWNS", min(sizes))
     with pytest.raises(SizeError, match="three dimensions take at most"):
-        check(small, tier="solid")
+        check(small, model="solid")
 
 
 @pytest.mark.slow

@@ -42,16 +42,16 @@ def test_a_single_ridge_and_heights_of_ones_own() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("key", "by"), [("skin.curvature_radius", 0.02), ("ridge.pitch", 0.02)])
-def test_the_error_holds_what_the_linear_tier_finds(key: str, by: float) -> None:
+def test_the_error_holds_what_the_linear_model_finds(key: str, by: float) -> None:
     """Differences of 2 % are far above the mesh's own. On another pad: bench/sensitivities.py."""
     design = skincad.load("milled-pad").with_(ridge={"count": 7}, skin={"thickness": 3.0})
     table, _, name = key.partition(".")
     now = getattr(getattr(design, table), name)
     low, high = (
-        skincad.check(design.with_(**{table: {name: now * (1 + sign * by)}}), tier="linear").all_touch_force
+        skincad.check(design.with_(**{table: {name: now * (1 + sign * by)}}), model="linear").all_touch_force
         for sign in (-1, 1)
     )
-    middle = skincad.check(design, tier="linear").all_touch_force.value
+    middle = skincad.check(design, model="linear").all_touch_force.value
     assert low.value is not None
     assert high.value is not None
     assert middle is not None

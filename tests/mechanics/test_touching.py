@@ -23,9 +23,9 @@ from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import check
 from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.models import linear, table
-from skincad.mechanics.models import table as tiers
+from skincad.mechanics.models import table as models
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.models.table import TIERS, expected_seconds, own_seconds
+from skincad.mechanics.models.table import MODELS, expected_seconds, own_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
@@ -64,7 +64,7 @@ def judged() -> ContactCheck:
 @pytest.mark.slow
 def test_yamada_passes() -> None:
     verdict = check(yamada())
-    assert (verdict.passed, verdict.touching, verdict.tier) == (True, 9, "corrected")
+    assert (verdict.passed, verdict.touching, verdict.model) == (True, 9, "corrected")
 
 
 def test_plain_ridges_pass_with_all_nine(judged: ContactCheck) -> None:
@@ -89,7 +89,7 @@ def test_ridges_start_to_touch_at_the_stated_force() -> None:
 
 @pytest.fixture(scope="module")
 def by_linear() -> ContactCheck:
-    """By the linear tier alone."""
+    """By the linear model alone."""
     return linear_check(filleted())
 
 
@@ -207,7 +207,7 @@ def test_101_ridges() -> None:
 def test_too_many_ridges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 6000)
     skin = {"curvature_radius": 1e6, "width": 999.0}
-    with pytest.raises(InputError, match=r"ridge\.count: the linear tier takes at most"):
+    with pytest.raises(InputError, match=r"ridge\.count: the linear model takes at most"):
         linear_check(reference().with_(skin=skin, ridge={"count": 900}))
 
 
@@ -245,17 +245,17 @@ def test_a_crushing_force_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", template_names())
-@pytest.mark.parametrize("tier", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
-def test_every_template_is_checked(tier: str, name: str) -> None:
-    verdict = check(load(name), tier=tier, tol=0.05)
+@pytest.mark.parametrize("model", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
+def test_every_template_is_checked(model: str, name: str) -> None:
+    verdict = check(load(name), model=model, tol=0.05)
     assert verdict.ridges == len(verdict.ridge_force)
     assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(verdict.force, rel=1e-9)
 
 
-@pytest.mark.parametrize("tier", ["solid-finite", "liner"])
-def test_unknown_tiers_say_what_to_do(tier: str) -> None:
-    with pytest.raises(InputError, match=r"^tier: .*; "):
-        check(yamada(), tier=tier)
+@pytest.mark.parametrize("model", ["solid-finite", "liner"])
+def test_unknown_models_say_what_to_do(model: str) -> None:
+    with pytest.raises(InputError, match=r"^model: .*; "):
+        check(yamada(), model=model)
 
 
 @pytest.mark.parametrize("bad", [{"force": 0.0}, {"force": float("nan")}, {"tol": 0.0}, {"tol": 1.5}])
@@ -278,8 +278,8 @@ def test_json_has_the_contracts_keys() -> None:
 def test_progress_is_told() -> None:
     reports: list[tuple[str, float | None]] = []
     linear_check(small(), tol=0.05, progress=lambda stage, left=None: reports.append((stage, left)))
-    assert [stage.partition(":")[0] for stage, _ in reports] == ["linear tier"] * 3
-    assert reports[0][1] > 0  # the whole tier's, by its law
+    assert [stage.partition(":")[0] for stage, _ in reports] == ["linear model"] * 3
+    assert reports[0][1] > 0  # the whole model's, by its law
     assert [left for _, left in reports[1:]] == [None, None]
 
 
@@ -299,7 +299,7 @@ def test_a_budget_that_is_no_time_is_refused(budget: float) -> None:
         check(load("yamada-2002"), budget=budget)
 
 
-UNDECIDED = 0.12  # N; small ridges all touch at 0.11 N, to a third by the linear tier
+UNDECIDED = 0.12  # N; small ridges all touch at 0.11 N, to a third by the linear model
 
 
 def small() -> Design:
@@ -309,25 +309,25 @@ def small() -> Design:
 
 def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
     verdict = judged
-    assert verdict.tier == "corrected"
-    assert [tier for tier, *_ in verdict.models_tried] == ["linear"]
+    assert verdict.model == "corrected"
+    assert [model for model, *_ in verdict.models_tried] == ["linear"]
     before = verdict.models_tried[0][1]
-    assert before.value < 4.0 < before.upper  # what the linear tier leaves open
+    assert before.value < 4.0 < before.upper  # what the linear model leaves open
     assert verdict.all_touch_force.upper < 4.0
     assert verdict.passed
-    assert check(small()).tier == "linear"  # clear at once
+    assert check(small()).model == "linear"  # clear at once
 
 
 SLOW = [
-    pytest.param(tol, tier, marks=pytest.mark.slow)
-    for tol, tier in ((0.15, "corrected"), (0.01, "solid-finite-strain"))
+    pytest.param(tol, model, marks=pytest.mark.slow)
+    for tol, model in ((0.15, "corrected"), (0.01, "solid-finite-strain"))
 ]
 
 
-@pytest.mark.parametrize(("tol", "tier"), [(0.95, "winkler"), (0.45, "linear"), *SLOW])
-def test_auto_takes_the_cheapest_tier_that_meets_the_tolerance(tol: float, tier: str) -> None:
+@pytest.mark.parametrize(("tol", "model"), [(0.95, "winkler"), (0.45, "linear"), *SLOW])
+def test_auto_takes_the_cheapest_model_that_meets_the_tolerance(tol: float, model: str) -> None:
     verdict = check(small() if tol > 0.1 else yamada(), tol=tol)
-    assert verdict.tier == tier
+    assert verdict.model == model
     assert verdict.all_touch_force.error <= tol * verdict.all_touch_force.value
     assert not any("not met" in w for w in verdict.warnings)
 
@@ -338,7 +338,7 @@ def test_the_error_is_the_meshs_and_the_models(by_linear: ContactCheck) -> None:
     assert 0 < mesh < 0.01 * verdict.all_touch_force.value < 0.1 * verdict.model_error
     assert [bound.effect for bound in verdict.left_out] == ["free ends", "finite strain"]
     assert verdict.margin == pytest.approx(4.0 - verdict.all_touch_force.upper)
-    assert verdict.next_tier[0] == "corrected"
+    assert verdict.next_model[0] == "corrected"
 
 
 @pytest.mark.slow
@@ -347,7 +347,7 @@ def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     verdict = linear_check(yamada(), force=40.0, tol=0.05)
     assert "meets the plate" in verdict.out_of_range
     assert not verdict.passed
-    assert "meets the plate" in check(filleted(), tier="solid", force=40.0, tol=0.05).out_of_range
+    assert "meets the plate" in check(filleted(), model="solid", force=40.0, tol=0.05).out_of_range
     shallow = reference().with_(ridge={"height": 0.1, "crown": 0.02})
     assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).out_of_range
 
@@ -364,69 +364,69 @@ def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch
     for hopeless in (climbing.MAX_BUDGET_RATIO, math.inf):
         monkeypatch.setattr(climbing, "MAX_BUDGET_RATIO", hopeless)
         verdict = check(yamada(), budget=1e-3)
-        assert verdict.tier == "winkler"
+        assert verdict.model == "winkler"
         assert any("would take about" in w and "of the budget of 0.001 s" in w for w in verdict.warnings)
-        assert verdict.next_tier[0] == "linear"
-        assert verdict.next_tier[1] > 1e-3
+        assert verdict.next_model[0] == "linear"
+        assert verdict.next_model[1] > 1e-3
 
 
 @pytest.mark.slow
 def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
-    """Three plain ridges: clear by the linear tier, and much of the budget is left."""
+    """Three plain ridges: clear by the linear model, and much of the budget is left."""
     hard = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 1.5})
-    assert check(hard).tier == "linear"
+    assert check(hard).model == "linear"
     verdict = check(hard, budget=1e3)
-    assert verdict.next_tier is None
-    assert [tier for tier, *_ in verdict.models_tried][:2] == ["linear", "corrected"]
+    assert verdict.next_model is None
+    assert [model for model, *_ in verdict.models_tried][:2] == ["linear", "corrected"]
 
 
 def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict() -> None:
-    """Three ridges at 1.3 N are clear by the linear tier, and strained by 0.12."""
+    """Three ridges at 1.3 N are clear by the linear model, and strained by 0.12."""
     pad = small()
-    assert check(pad, force=0.65).tier == "linear"
+    assert check(pad, force=0.65).model == "linear"
     first = linear_check(pad, force=1.3)
     assert first.passed
     assert any("small-strain range" in w for w in first.warnings)
     verdict = check(pad, force=1.3)
-    assert verdict.tier == "corrected-finite-strain"
+    assert verdict.model == "corrected-finite-strain"
     assert verdict.passed
 
 
 @pytest.mark.slow
 def test_two_models_of_one_law_agree_on_a_steep_pad() -> None:
     """By the small strains of `linear` it passes from 1.9 N on; what auto asks then the solid says too."""
-    verdict, best = (check(load("steep-fingertip"), tier=tier) for tier in ("auto", "solid-finite-strain"))
-    assert (verdict.tier, verdict.passed, best.passed) == ("corrected-finite-strain", True, True)
+    verdict, best = (check(load("steep-fingertip"), model=model) for model in ("auto", "solid-finite-strain"))
+    assert (verdict.model, verdict.passed, best.passed) == ("corrected-finite-strain", True, True)
     for of in (attrgetter("all_touch_force"), attrgetter("approach")):
         assert abs(of(verdict).value - of(best).value) <= of(verdict).error + of(best).error
 
 
 @pytest.mark.slow
-def test_a_force_out_of_a_better_tiers_range_has_no_verdict() -> None:
+def test_a_force_out_of_a_better_models_range_has_no_verdict() -> None:
     """The small strains of `corrected` would say that all touch; at finite strain a ridge tips over."""
     hard = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 12.0})
     verdict = check(hard, tol=0.01)
-    assert verdict.tier == "corrected"
+    assert verdict.model == "corrected"
     assert not verdict.passed
     assert "finite-strain model's range" in verdict.out_of_range
-    assert verdict.next_tier is None
+    assert verdict.next_model is None
 
 
-def test_a_tier_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_model_that_refuses_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
     refused = ["corrected"]
 
     def refuse(name: str) -> Any:
         def answer(*_: object) -> Answer:
             raise RefusedError("it does not balance")
 
-        return answer if name in refused else load_tier(name)
+        return answer if name in refused else load_model(name)
 
-    load_tier = tiers.load
-    monkeypatch.setattr(tiers, "load", refuse)
+    load_model = models.load
+    monkeypatch.setattr(models, "load", refuse)
     for options in ({}, {"tol": 0.1}):  # with the tolerance corrected comes first, built on linear
         verdict = check(small(), force=UNDECIDED, **options)
-        assert verdict.tier == "linear"
-        assert any("the corrected tier" in w and "does not balance" in w for w in verdict.warnings)
+        assert verdict.model == "linear"
+        assert any("the corrected model" in w and "does not balance" in w for w in verdict.warnings)
         assert any("not met" in w for w in verdict.warnings) == bool(options)
     refused.append("linear")
     with pytest.raises(RefusedError, match="does not balance"):
@@ -440,19 +440,19 @@ NOTHING_LEFT = {
 
 
 @pytest.mark.parametrize("kind", NOTHING_LEFT)
-def test_a_tier_that_runs_out_of_memory_leaves_what_it_builds_on(
+def test_a_model_that_runs_out_of_memory_leaves_what_it_builds_on(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def too_large(*_: object) -> Answer:
         raise NOTHING_LEFT[kind]()
 
-    load_tier, lacking = tiers.load, {"corrected"}
-    monkeypatch.setattr(tiers, "load", lambda name: too_large if name in lacking else load_tier(name))
+    load_model, lacking = models.load, {"corrected"}
+    monkeypatch.setattr(models, "load", lambda name: too_large if name in lacking else load_model(name))
     verdict = check(small(), tol=0.1)  # begins with corrected
-    assert verdict.tier == "linear"
-    assert any("the corrected tier needs more memory" in w for w in verdict.warnings)
+    assert verdict.model == "linear"
+    assert any("the corrected model needs more memory" in w for w in verdict.warnings)
     lacking.add("linear")
-    with pytest.raises(ExhaustedError, match="the linear tier needs more memory than there is"):
+    with pytest.raises(ExhaustedError, match="the linear model needs more memory than there is"):
         check(small())
 
 
@@ -460,17 +460,17 @@ def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: 
     def too_large(*_: object) -> Answer:
         raise MemoryError
 
-    load_tier = tiers.load
-    monkeypatch.setattr(tiers, "load", lambda name: too_large if name == "corrected" else load_tier(name))
+    load_model = models.load
+    monkeypatch.setattr(models, "load", lambda name: too_large if name == "corrected" else load_model(name))
     verdict = check(small(), force=UNDECIDED)
-    assert verdict.tier == "linear"
-    assert any("the corrected tier needs more memory" in w for w in verdict.warnings)
+    assert verdict.model == "linear"
+    assert any("the corrected model needs more memory" in w for w in verdict.warnings)
 
 
-def test_a_tier_is_priced_by_its_unknowns() -> None:
+def test_a_model_is_priced_by_its_unknowns() -> None:
     plain, strips = filleted(), yamada()
-    for tier in TIERS:
-        assert own_seconds(tier, plain) <= own_seconds(tier, strips)
+    for model in MODELS:
+        assert own_seconds(model, plain) <= own_seconds(model, strips)
     solved = {"linear", "corrected"}
     assert expected_seconds("corrected-finite-strain", plain, set()) == pytest.approx(
         expected_seconds("corrected-finite-strain", plain, solved)
@@ -482,7 +482,7 @@ def test_a_tier_is_priced_by_its_unknowns() -> None:
 
 
 @pytest.mark.parametrize("hopeful", [True, False])
-def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
+def test_within_a_budget_the_linear_model_is_taken_where_its_law_lets_it(
     hopeful: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A budget a little above or below its law's seconds over HOPELESS: solved, or not even loaded."""
@@ -494,15 +494,15 @@ def test_within_a_budget_the_linear_tier_is_taken_where_its_law_lets_it(
         first, down = Estimate(3.0, 0.0, "N"), Estimate(0.1, 0.0, "mm")
         return Answer(9, first, down, shares, 10, 0.0, {"mesh": 1e-3})
 
-    law, load_tier = expected_seconds("linear", yamada(), set()), tiers.load
-    monkeypatch.setattr(tiers, "load", lambda name: plane if name == "linear" else load_tier(name))
+    law, load_model = expected_seconds("linear", yamada(), set()), models.load
+    monkeypatch.setattr(models, "load", lambda name: plane if name == "linear" else load_model(name))
     budget = law / climbing.MAX_BUDGET_RATIO * (1.01 if hopeful else 0.99)
     verdict = check(yamada(), budget=budget, tol=0.45)
-    assert verdict.tier == ("linear" if hopeful else "winkler")
+    assert verdict.model == ("linear" if hopeful else "winkler")
     assert len(budgets) == hopeful
     late = [w for w in verdict.warnings if "would take about" in w]
     assert late == (
-        [] if hopeful else [f"the linear tier would take about {law:.2g} s of the budget of {budget:g} s"]
+        [] if hopeful else [f"the linear model would take about {law:.2g} s of the budget of {budget:g} s"]
     )
 
 
@@ -511,16 +511,16 @@ LEFT = {"free ends": 0.2, "finite strain": 0.1}
 
 
 class MadeUp:
-    """Tiers that take twice their price in seconds of a clock of their own, and answer at once: F9 of `value`
-    N with 1 % of it as the mesh's error (`mesh`); what is left out of a model is LEFT."""
+    """Models that take twice their price in seconds of a clock of their own, and answer at once: F9 of
+    `value` N with 1 % of it as the mesh's error (`mesh`); what is left out of a model is LEFT."""
 
     def __init__(self, patch: pytest.MonkeyPatch, value: float = 3.0) -> None:
         self.value, self.mesh, self.now, self.sampling = value, 0.01, 100.0, 0.0
         self.asked: dict[str, Request] = {}
         self.refusals: dict[str, Exception] = {}
-        winkler = tiers.load("winkler")
+        winkler = models.load("winkler")
         patch.setattr(
-            tiers, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
+            models, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
         )
         patch.setattr(climbing, "perf_counter", lambda: self.now)
         patch.setattr(climbing, "expected_seconds", self.expected_seconds)
@@ -542,18 +542,18 @@ class MadeUp:
 
     def expected_seconds(self, name: str, _: Any, solved: set[str]) -> float:
         return math.fsum(
-            PRICES.get(tier, 3.0) for tier in {*tiers.prerequisites(name), name} - solved - {"winkler"}
+            PRICES.get(model, 3.0) for model in {*models.prerequisites(name), name} - solved - {"winkler"}
         )
 
     def overhead_seconds(self, what: str, design: Design) -> float:
-        return self.sampling if what == "yield" else tiers.overhead_seconds(what, design)
+        return self.sampling if what == "yield" else models.overhead_seconds(what, design)
 
     def bound(self, effect: str) -> LeftOut:
         return LeftOut(effect, LEFT[effect], LEFT[effect], LEFT[effect])
 
 
 @pytest.mark.parametrize(
-    ("tol", "tier", "climbed"),
+    ("tol", "model", "climbed"),
     [
         (0.9, "winkler", []),  # its own bar is 0.8
         (0.35, "linear", []),
@@ -564,16 +564,16 @@ class MadeUp:
         (0.001, "solid-finite-strain", ["corrected-finite-strain"]),
     ],
 )
-def test_a_tolerance_begins_with_the_first_tier_that_may_meet_it(
-    tol: float, tier: str, climbed: list[str], monkeypatch: pytest.MonkeyPatch
+def test_a_tolerance_begins_with_the_first_model_that_may_meet_it(
+    tol: float, model: str, climbed: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake = MadeUp(monkeypatch)
     verdict = check(yamada(), tol=tol)
-    assert (verdict.tier, [name for name, *_ in verdict.models_tried]) == (tier, climbed)
-    model = {"linear": 0.3, "corrected": 0.1}.get(tier, 0.0)
-    if tier != "winkler":
-        assert verdict.all_touch_force.error == pytest.approx((0.01 + model) * 3.0, rel=1e-12)
-        mesh = fake.asked[tier].tol
+    assert (verdict.model, [name for name, *_ in verdict.models_tried]) == (model, climbed)
+    error = {"linear": 0.3, "corrected": 0.1}.get(model, 0.0)
+    if model != "winkler":
+        assert verdict.all_touch_force.error == pytest.approx((0.01 + error) * 3.0, rel=1e-12)
+        mesh = fake.asked[model].tol
         assert 0.2 * min(tol, 0.02) <= (mesh or 0.0) <= 0.5 * tol  # a part of it is the mesh's
     assert [w for w in verdict.warnings if "not met" in w] == (
         ["the all-touch force's error is 0.01 of its value: the tolerance 0.001 is not met"]
@@ -588,17 +588,17 @@ def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: p
     fake = MadeUp(monkeypatch, 3.9)
     fake.refusals["finite-strain"] = InputError("force", "must lie below 3 N", 4.0)
     verdict = check(yamada(), force=4.0)
-    assert (verdict.tier, verdict.passed, verdict.out_of_range) == ("solid-finite-strain", True, "")
+    assert (verdict.model, verdict.passed, verdict.out_of_range) == ("solid-finite-strain", True, "")
     fake.refusals["solid"] = InputError("force", "must lie below 3.5 N", 4.0)
     verdict = check(yamada(), force=4.0)
-    assert (verdict.tier, verdict.passed) == ("corrected", False)
+    assert (verdict.model, verdict.passed) == ("corrected", False)
     assert (
-        verdict.out_of_range == "the force must lie below 3.5 N (according to the solid-finite-strain tier)"
+        verdict.out_of_range == "the force must lie below 3.5 N (according to the solid-finite-strain model)"
     )
 
 
 @pytest.mark.parametrize(
-    ("value", "tier", "climbed", "passed"),
+    ("value", "model", "climbed", "passed"),
     [
         (3.0, "linear", [], True),  # 3 N and 31 % are less than 4 N
         (6.0, "linear", [], False),
@@ -609,13 +609,13 @@ def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: p
     ],
 )
 def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
-    value: float, tier: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
+    value: float, model: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch, value)
     reports: list[tuple[str, float | None]] = []
     verdict = check(yamada(), force=4.0, progress=lambda stage, left=None: reports.append((stage, left)))
-    assert (verdict.tier, [name for name, *_ in verdict.models_tried], verdict.passed) == (
-        tier,
+    assert (verdict.model, [name for name, *_ in verdict.models_tried], verdict.passed) == (
+        model,
         climbed,
         passed,
     )
@@ -624,15 +624,15 @@ def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
     )
     following = {"linear": ("corrected", 4.0), "corrected": ("corrected-finite-strain", 9.0)}
     last = ("solid-finite-strain", 22.0)
-    expected_next = None if tier == "solid-finite-strain" else following.get(tier, last)
-    assert verdict.next_tier == expected_next
+    expected_next = None if model == "solid-finite-strain" else following.get(model, last)
+    assert verdict.next_model == expected_next
     # the first by the law's machine, the others at the speed seen: half as fast
-    assert reports[:2] == [("linear tier", 1.0), ("corrected tier", 4.0)][: 1 + bool(climbed)]
+    assert reports[:2] == [("linear model", 1.0), ("corrected model", 4.0)][: 1 + bool(climbed)]
     assert not any("not met" in w for w in verdict.warnings)
 
 
 @pytest.mark.parametrize(
-    ("budget", "tier", "late"),
+    ("budget", "model", "late"),
     [
         (0.66, "winkler", "would take about 1 s of the budget"),  # by its law, as long as 1.5 budgets
         (0.68, "winkler", "would take about 2 s of the budget"),  # tried, and too slow here
@@ -645,18 +645,18 @@ def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
         (37.1, "solid-finite-strain", ""),
     ],
 )
-def test_a_budget_is_climbed_as_far_as_the_next_tier_fits(
-    budget: float, tier: str, late: str, monkeypatch: pytest.MonkeyPatch
+def test_a_budget_is_climbed_as_far_as_the_next_model_fits(
+    budget: float, model: str, late: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """At half the laws' speed the tiers end after 2, 6, 15 and 37 s, however clear the verdict is."""
+    """At half the laws' speed the models end after 2, 6, 15 and 37 s, however clear the verdict is."""
     fake = MadeUp(monkeypatch)
     verdict = check(yamada(), budget=budget)
-    assert verdict.tier == tier
+    assert verdict.model == model
     assert [w for w in verdict.warnings if "budget" in w] == (
-        [f"the linear tier {late} of {budget:g} s"] if late else []
+        [f"the linear model {late} of {budget:g} s"] if late else []
     )
     if late:
-        assert verdict.next_tier == ("linear", 1.0 if budget < 0.67 else 2.0)
+        assert verdict.next_model == ("linear", 1.0 if budget < 0.67 else 2.0)
         return
     ends = {"linear": 0.0, "corrected": 2.0, "finite-strain": 6.0, "solid": 15.0}
     for name, expected in ends.items():
@@ -669,14 +669,14 @@ def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fake = MadeUp(monkeypatch)
-    assert check(yamada(), budget=100.0, tol=0.4).tier == "linear"
-    assert check(yamada(), budget=100.0, tol=0.2).tier == "corrected"
-    assert check(yamada(), budget=6.1, tol=0.05).tier == "corrected"
+    assert check(yamada(), budget=100.0, tol=0.4).model == "linear"
+    assert check(yamada(), budget=100.0, tol=0.2).model == "corrected"
+    assert check(yamada(), budget=6.1, tol=0.05).model == "corrected"
     monkeypatch.setitem(PRICES, "corrected", 5.0)
     monkeypatch.setattr(fake, "expected_seconds", lambda *_: 0.5)
     monkeypatch.setattr(climbing, "expected_seconds", fake.expected_seconds)
     slow = check(yamada(), budget=4.0, tol=0.2)
-    assert slow.tier == "corrected"
+    assert slow.model == "corrected"
     assert [w for w in slow.warnings if "took" in w] == ["took 12 s, more than the budget of 4 s"]
 
 
@@ -684,25 +684,27 @@ def test_a_pad_too_large_for_any_mesh_has_the_closed_forms_verdict(monkeypatch: 
     fake = MadeUp(monkeypatch)
     fake.refusals["linear"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
     verdict = check(yamada())
-    assert (verdict.tier, verdict.next_tier) == ("winkler", None)
+    assert (verdict.model, verdict.next_model) == ("winkler", None)
     assert any(
-        w.startswith("the linear tier, which leaves out less, cannot judge this") for w in verdict.warnings
+        w.startswith("the linear model, which leaves out less, cannot judge this") for w in verdict.warnings
     )
     fake.refusals["linear"] = InputError("ridge.count", "too many", 900, "take fewer ridges")
     with pytest.raises(InputError, match="too many"):
         check(yamada())
 
 
-def test_a_force_that_a_better_tier_calls_too_large_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_force_that_a_better_model_calls_too_large_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     fake = MadeUp(monkeypatch, 3.5)
     fake.refusals["corrected"] = InputError("force", "must be below 3 N", 4.0)
     fake.refusals["solid"] = InputError("force", "must be below 3.2 N", 4.0)  # asked after the plane ones
     verdict = check(yamada(), force=4.0)
-    assert (verdict.tier, verdict.passed, verdict.next_tier) == ("linear", False, None)
-    assert verdict.out_of_range == "the force must be below 3.2 N (according to the solid-finite-strain tier)"
+    assert (verdict.model, verdict.passed, verdict.next_model) == ("linear", False, None)
+    assert (
+        verdict.out_of_range == "the force must be below 3.2 N (according to the solid-finite-strain model)"
+    )
     fake.refusals["corrected"] = RefusedError("it does not balance")
     verdict = check(yamada(), force=4.0)
-    assert (verdict.tier, verdict.out_of_range, verdict.next_tier) == ("linear", "", None)
+    assert (verdict.model, verdict.out_of_range, verdict.next_model) == ("linear", "", None)
 
 
 def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_next(
@@ -720,22 +722,22 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
         return object()
 
     monkeypatch.setattr(fake, "answer", with_parts)
-    winkler = tiers.load("winkler")
+    winkler = models.load("winkler")
     monkeypatch.setattr(
-        tiers, "load", lambda name: winkler if name == "winkler" else partial(fake.answer, name)
+        models, "load", lambda name: winkler if name == "winkler" else partial(fake.answer, name)
     )
     monkeypatch.setattr(manufacturing, "manufacture", sampled)
     verdict = check(yamada(), force=4.0)
     assert [name for name, *_ in verdict.models_tried] == ["linear", "corrected"]
-    # each tier's own time (see above); the yield's model took the linear tier 50 s
+    # each model's own time (see above); the yield's model took the linear model 50 s
     assert [seconds for _, _, seconds, _ in verdict.models_tried] == pytest.approx([2.0, 4.0])
     assert verdict.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
     assert verdict.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
     # not the 2 * 1.5 of its law
-    assert verdict.next_tier == ("solid-finite-strain", pytest.approx(22.0 + 2.5))
+    assert verdict.next_model == ("solid-finite-strain", pytest.approx(22.0 + 2.5))
     # within a budget it has its place before it is known what it takes
-    for budget, tier in ((8.9, "linear"), (9.1, "corrected")):
+    for budget, model in ((8.9, "linear"), (9.1, "corrected")):
         within = check(yamada(), force=4.0, budget=budget)
-        assert (within.tier, within.manufacture is None) == (tier, False)
+        assert (within.model, within.manufacture is None) == (model, False)
         assert fake.asked["linear"].budget == pytest.approx(budget - 1.5)
         assert not any("budget" in w for w in within.warnings)

@@ -96,7 +96,7 @@ def test_beyond_its_range_a_model_says_why() -> None:
 
 def test_a_skin_pressed_flat_is_refused_with_the_force_that_would_do_so(design: Design) -> None:
     refuse_crushed(design, 8.0, "linear", 4.599)
-    with pytest.raises(InputError, match=r"below about 4 N, which press the skin flat in the linear tier"):
+    with pytest.raises(InputError, match=r"below about 4 N, which press the skin flat in the linear model"):
         refuse_crushed(design, 8.0, "linear", 9.2)
     with pytest.raises(InputError, match="below about 8 N"):
         refuse_crushed(design, 8.0, "linear", 4.6 + 1e-12)

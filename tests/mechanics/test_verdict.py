@@ -24,10 +24,10 @@ def near_the_needed_force(model: str, members: int) -> Iterator[ContactCheck]:
         bent = {"skin": {"curvature_radius_y": None}} if design.skin.curvature_radius_y else {}
         design = design.with_(**bent, contact={"plate": {"shape": "flat"}})
         try:
-            needed = check(design, tier=model, tol=0.05).all_touch_force.value
+            needed = check(design, model=model, tol=0.05).all_touch_force.value
             if not needed or needed < 0.01 * design.contact.force:  # 0.01: FLOOR, known in parts of the force
                 continue
-            verdict = check(design, tier=model, tol=0.05, force=needed * dice.uniform(1 - NEAR, 1 + NEAR))
+            verdict = check(design, model=model, tol=0.05, force=needed * dice.uniform(1 - NEAR, 1 + NEAR))
         except (InputError, RefusedError):  # crushed by such a force
             continue
         members -= 1
@@ -73,9 +73,9 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(
     monkeypatch.setattr(climbing, "DEFAULT_BUDGET", 0.0)
     design = load("plain-ridges", ["contact.force=3.0"])
     early = check(design)
-    assert (early.tier, early.verdict) == ("linear", "undecided")
+    assert (early.model, early.verdict) == ("linear", "undecided")
     assert early.next_step.startswith("`--model corrected` (about ")
-    assert check(design, tol=0.3).tier != "linear"
+    assert check(design, tol=0.3).model != "linear"
 
 
 def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +83,7 @@ def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest
     monkeypatch.setattr(climbing, "DEFAULT_BUDGET", 1e-6)
     monkeypatch.setattr(climbing, "LARGE_PAD_SECONDS", 0.0)
     verdict = check(load("plain-ridges", ["contact.force=3.0"]))
-    assert verdict.tier == "winkler"
+    assert verdict.model == "winkler"
     assert any("without --budget a check takes about" in note for note in verdict.warnings)
-    assert verdict.next_tier is not None
-    assert verdict.next_tier[0] == "linear"
+    assert verdict.next_model is not None
+    assert verdict.next_model[0] == "linear"

@@ -100,7 +100,7 @@ def test_one_symbol_means_one_thing_in_the_contact_steps() -> None:
 
 def test_the_steps_end_in_the_closed_forms_verdict() -> None:
     design = skincad.load("yamada-2002")
-    check = skincad.check(design, tier="winkler")
+    check = skincad.check(design, model="winkler")
     values = {step.result.symbol: step.result.value for step in contact_calculations(design)}
     assert values["F"] == check.all_touch_force.value
     assert values["delta"] == check.approach.value

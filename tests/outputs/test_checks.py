@@ -13,7 +13,7 @@ from skincad.outputs.checks import lines, verdict
 
 @pytest.fixture(scope="module")
 def passed() -> ContactCheck:
-    return check(load("plain-ridges"), force=5.0, tier="linear", tol=0.05)
+    return check(load("plain-ridges"), force=5.0, model="linear", tol=0.05)
 
 
 def test_each_ending_has_its_words(passed: ContactCheck) -> None:
@@ -56,7 +56,7 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
 def test_an_undecided_check_says_what_may_decide_it(passed: ContactCheck) -> None:
     unclear = replace(passed, all_touch_force=Estimate(4.8, 0.5, "N"))
     assert lines(unclear)[1].startswith("Next: `--model corrected` (about ")
-    last = replace(unclear, next_tier=None, left_out=())
+    last = replace(unclear, next_model=None, left_out=())
     expected = "Next: no model here can decide it. The design passes from 5.3 N and fails below 4.3 N."
     assert lines(last)[1] == expected
     assert unclear.as_json()["next_step"] == unclear.next_step

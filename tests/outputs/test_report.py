@@ -79,7 +79,7 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def checked(yamada: Design) -> Build:
-    return job_of(yamada, skincad.check(yamada, tier="linear"))
+    return job_of(yamada, skincad.check(yamada, model="linear"))
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def felt(tmp_path_factory: pytest.TempPathFactory) -> Simulation:
 @pytest.fixture(scope="module")
 def whole(felt: Simulation) -> str:
     design = felt.scene.design
-    return page_of(job_of(design, skincad.check(design, tier="winkler"), (felt,)))
+    return page_of(job_of(design, skincad.check(design, model="winkler"), (felt,)))
 
 
 @pytest.fixture(scope="module", params=["checked", "unchecked", "whole"])
@@ -152,11 +152,11 @@ def test_commands_are_ones_that_there_are(text: str, tmp_path: Path, monkeypatch
 
 def test_a_copied_check_gives_the_printed_verdict(yamada: Design, tmp_path: Path) -> None:
     design = yamada.with_(ridge={"height": 0.6})
-    page = Page(page_of(job_of(design, skincad.check(design, tier="winkler"))))
+    page = Page(page_of(job_of(design, skincad.check(design, model="winkler"))))
     command = next(c for c in page.commands if c.startswith("skincad check "))
-    assert command == "skincad check yamada-2002 --set ridge.height=0.6 --tier winkler"
+    assert command == "skincad check yamada-2002 --set ridge.height=0.6 --model winkler"
     process = run_skincad(*shlex.split(command)[1:], "--no-advice", cwd=tmp_path)
-    verdict = skincad.check(design, tier="winkler")
+    verdict = skincad.check(design, model="winkler")
     assert str(verdict.all_touch_force) in process.stdout
 
 
@@ -191,7 +191,7 @@ def test_what_the_models_leave_out_is_what_the_error_has(checked: Build) -> None
 @pytest.mark.parametrize("name", [*VARIANTS, "plain-ridges", "fingertip-soft"])
 def test_every_kind_of_design_has_a_report(name: str) -> None:
     design = design_of(name)
-    page = Page(page_of(job_of(design, skincad.check(design, tier="winkler"))))
+    page = Page(page_of(job_of(design, skincad.check(design, model="winkler"))))
     assert not page.wrong
     assert {"verdict", "models", "yield", "sensitivities", "findings", "calculation", "sheet"} <= {*page.ids}
 
@@ -298,7 +298,7 @@ def test_the_command_runs_a_scene_for_the_report(felt: Simulation, tmp_path: Pat
 def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
     from tests.outputs.browser import shown
 
-    skincad.write(skincad.make(skincad.load(name), tier="winkler"), tmp_path / "made", formats="html")
+    skincad.write(skincad.make(skincad.load(name), model="winkler"), tmp_path / "made", formats="html")
     file = tmp_path / "made" / "report.html"
     assert file.stat().st_size <= 3_000_000  # bytes: what a person still forwards
     with shown(file) as seen:

@@ -33,7 +33,7 @@ def small(yamada: skincad.Design) -> skincad.Design:
 
 @pytest.fixture(scope="module")
 def results(small: skincad.Design, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    result = skincad.make(small, tier="winkler")  # its shape is that of all verdicts
+    result = skincad.make(small, model="winkler")  # its shape is that of all verdicts
     folder = tmp_path_factory.mktemp("results")
     rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
     (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))

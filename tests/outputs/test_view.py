@@ -34,11 +34,11 @@ DESIGNS = {
 def page_of(name: str, folder: Path) -> Path:
     """The page of one of DESIGNS, with the skin under its load where it is straight."""
     template, settings = DESIGNS[name]
-    tier = "winkler" if name == "bent" else "linear"
+    model = "winkler" if name == "bent" else "linear"
     design = skincad.load(template, settings)
     result = skincad.make(design, preview=True)
     build = result.built()
-    judged = replace(result, build=replace(build, check=skincad.check(design, tier=tier)))
+    judged = replace(result, build=replace(build, check=skincad.check(design, model=model)))
     skincad.write(judged, folder, formats="html")
     return folder / "view.html"
 
@@ -91,7 +91,7 @@ def test_the_load_is_the_checks(yamada_page: Path) -> None:
     load = told(yamada_page)["load"]
     design = skincad.load("yamada-2002")
     rest, moved = (array(load[key]).reshape(-1, 3) for key in ("rest", "moved"))
-    check = skincad.check(design, tier="linear")
+    check = skincad.check(design, model="linear")
     fall = load["plate"][0] - load["plate"][1]
     assert fall == pytest.approx(
         check.approach.value, rel=3e-3

@@ -84,8 +84,8 @@ def run(arguments: tuple[str, ...]) -> tuple[int, str]:
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tuple[int, str]]]:
-    """One folder that all commands have written into, and what each said; by a cheap tier and a short ladder:
-    JSON is as strict of them."""
+    """One folder that all commands have written into, and what each said; by a cheap model and a short
+    ladder: JSON is as strict of them."""
     folder = tmp_path_factory.mktemp("all")
     out = folder / "out"
     small_scene(folder, SCENE[0], *THIRDS)  # its files

@@ -30,7 +30,7 @@ def plain(force: float = 3.5) -> Design:
 
 
 def advised(design: Design) -> ContactCheck:
-    return advise(design, check(design, tier="winkler"))
+    return advise(design, check(design, model="winkler"))
 
 
 def changes(design: Design) -> tuple[Change, ...]:
@@ -46,7 +46,7 @@ def test_each_change_passes_alone_and_is_hardly_larger_than_it_has_to_be() -> No
         "skin.length",
     ]
     for change in found:
-        again = check(changed(plain(), {change.key: change.after}), tier="winkler")  # type: ignore[arg-type]
+        again = check(changed(plain(), {change.key: change.after}), model="winkler")  # type: ignore[arg-type]
         assert again.passed
         assert again.all_touch_force == change.all_touch_force
         # the aim is 0.97 of the force, found within 0.03, and two digits are told
@@ -95,14 +95,14 @@ def test_a_named_silicone_is_changed_to_another_one(force: float) -> None:
     harder = [name for name, modulus in moduli.items() if moduli[str(change.after)] < modulus < 0.8]
     for name, passes in [(change.after, True), *((name, False) for name in harder)]:
         # 0.95, the aim: a silicone within 5 % of the limit is left out
-        verdict = check(changed(named(force), {"material.name": name}), tier="winkler")  # type: ignore[arg-type]
+        verdict = check(changed(named(force), {"material.name": name}), model="winkler")  # type: ignore[arg-type]
         assert (verdict.all_touch_force.upper or 0.0) <= (force if passes else math.inf)
         assert passes or (verdict.all_touch_force.upper or 0.0) > 0.95 * force
     assert str(change) == f"material.name dragon-skin-30 -> {change.after}"
 
 
 def test_that_no_silicone_is_soft_enough_is_a_note() -> None:
-    advised = advise(named(0.05), check(named(0.05), tier="winkler"))
+    advised = advise(named(0.05), check(named(0.05), model="winkler"))
     assert not any(change.key.startswith("material.") for change in advised.changes or ())
     (note,) = advised.changes_notes
     assert note.startswith("no silicone in the list was found soft enough: it takes about 0.0")
@@ -113,7 +113,7 @@ def test_that_no_silicone_is_soft_enough_is_a_note() -> None:
 def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
     """ecoflex-00-50 is soft enough, but the closed form's range ends before the strain that it needs."""
     design = skincad.load("plain-ridges").with_(contact={"force": 1.0})
-    (note,) = advise(design, check(design, tier="winkler")).changes_notes
+    (note,) = advise(design, check(design, model="winkler")).changes_notes
     assert note.startswith(
         "it takes about 0.18 MPa; the winkler model can't confirm that the design passes with"
     )
@@ -121,7 +121,7 @@ def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
 
 def test_advice_in_no_time_is_estimated_and_says_so() -> None:
     """With a budget of 0 s each change is the closed form's, scaled by the verdict's all-touch force."""
-    verdict = check(plain(2.0), tier="linear", tol=0.05)
+    verdict = check(plain(2.0), model="linear", tol=0.05)
     advised = advise(plain(2.0), verdict, budget=0.0)
     assert {change.model for change in advised.changes or ()} == {"winkler"}
     assert all((change.all_touch_force.upper or 0.0) <= 2.0 for change in advised.changes or ())
@@ -132,13 +132,13 @@ def test_advice_in_no_time_is_estimated_and_says_so() -> None:
     assert first.startswith("  may pass       ")
     assert first.endswith(" alone, estimated with the winkler model")
     assert last.startswith("  note           to end within 0 s, ridge.levelling, skin.curvature_radius")
-    whole = advise(plain(2.0), check(plain(2.0), tier="winkler"), budget=1e6)
+    whole = advise(plain(2.0), check(plain(2.0), model="winkler"), budget=1e6)
     assert whole.as_json()["changes_searched"] == "complete"
     assert all(change.model == "" for change in whole.changes or ())
 
 
 def test_changes_are_a_list_in_json_always() -> None:
-    verdict = check(plain(8.0), tier="winkler")
+    verdict = check(plain(8.0), model="winkler")
     assert (verdict.as_json()["changes"], verdict.as_json()["changes_searched"]) == ([], None)
 
 
@@ -151,7 +151,7 @@ def test_heights_of_ones_own_are_not_levelled_as_well() -> None:
 
 def test_the_cause_is_in_millimetres() -> None:
     """The outer of nine ridges stand 4 mm of arc from the middle: 60.5 (1 - cos(4 / 60)) lower."""
-    found = check(plain(), tier="winkler")
+    found = check(plain(), model="winkler")
     said = cause(plain(), found)
     assert said.startswith("the lowest crest lies 0.13 mm below the highest, of ridges 0.5 mm high")
     assert said.endswith(f"at 3.5 N the plate comes {found.approach.value:.2g} mm down")
@@ -160,14 +160,14 @@ def test_the_cause_is_in_millimetres() -> None:
 @pytest.mark.slow
 def test_finite_elements_advise_what_they_let_pass_themselves() -> None:
     design = reference().with_(**SHORT, contact={"force": 0.1, "friction": 0.0})
-    found = check(design, tier="linear", tol=0.05)
+    found = check(design, model="linear", tol=0.05)
     assert found.changes is None  # not asked
     told = advise(design, found)
     assert not told.passed
     assert told.changes
     assert "mm below the highest" in told.cause
     for change in told.changes:
-        assert check(changed(design, {change.key: change.after}), tier="linear").passed  # type: ignore[arg-type]
+        assert check(changed(design, {change.key: change.after}), model="linear").passed  # type: ignore[arg-type]
 
 
 def test_advice_is_for_designs_that_fail() -> None:
@@ -175,11 +175,11 @@ def test_advice_is_for_designs_that_fail() -> None:
     found = advised(design)
     assert (found.passed, found.changes, found.cause) == (True, None, "")
     with pytest.raises(InputError, match="not on plain-ridges"):
-        advise(design, check(skincad.load("yamada-2002"), tier="winkler"))
+        advise(design, check(skincad.load("yamada-2002"), model="winkler"))
 
 
 def test_advice_is_told_line_by_line() -> None:
-    found = check(plain(), tier="winkler")
+    found = check(plain(), model="winkler")
     steps = list(advising(plain(), found))
     assert [len(each.changes or ()) for each in steps] == [0, 1, 2, 3, 4]
     assert steps[-1] == advise(plain(), found)
@@ -193,7 +193,7 @@ def test_advice_is_told_line_by_line() -> None:
 
 
 def test_that_nothing_would_pass_is_told_last() -> None:
-    first, last = advising(plain(0.01), check(plain(0.01), tier="winkler"))
+    first, last = advising(plain(0.01), check(plain(0.01), model="winkler"))
     assert (first.changes, last.changes) == (None, ())
     assert len(advice_lines(first)) == 1
     assert advice_lines(last)[1:] == ["  would pass     no single change that was tried"]

@@ -9,12 +9,12 @@ from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.studies.query import measures, resolved, slack, unit_of_key, worded
 
-CHECK = measures(skincad.check(skincad.load_design("yamada-2002"), tier="winkler").as_json())
+CHECK = measures(skincad.check(skincad.load_design("yamada-2002"), model="winkler").as_json())
 GAIN = measures(skincad.gain(skincad.load_circuit("transimpedance")).as_json())
 
 
 def test_estimates_keep_their_error_and_unit() -> None:
-    found = skincad.check(skincad.load_design("yamada-2002"), tier="winkler")
+    found = skincad.check(skincad.load_design("yamada-2002"), model="winkler")
     assert CHECK["all_touch_force_N"] == found.all_touch_force
     assert CHECK["ridge_force_N.3"] == found.ridge_force[2]
     assert GAIN["cutoff_Hz"].unit == "Hz"

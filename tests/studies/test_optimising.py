@@ -28,7 +28,7 @@ def study(**changes: Any) -> Study:
         "name": "try",
         "about": "lab-bench",
         "vary": VARY,
-        "tier": "winkler",
+        "model": "winkler",
         "judge": "winkler",
         "evaluations": 200,
         "objectives": [{"key": "approach"}],
@@ -50,7 +50,7 @@ def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
             "skin.thickness": (6.0, 10.0, 5),
             "skin.curvature_radius": (90.0, 200.0, 12),
         },
-        tier="winkler",
+        model="winkler",
     )
     allowed = [
         row.results["approach_mm"].upper or 0.0
@@ -68,7 +68,7 @@ def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
 
 def test_the_front_is_what_the_judge_says(found: Optimisation) -> None:
     design = found.design()
-    again = skincad.check(design, tier="winkler")  # type: ignore[arg-type]
+    again = skincad.check(design, model="winkler")  # type: ignore[arg-type]
     assert again.approach == found.front[0].objectives["approach_mm"]
     with pytest.raises(InputError):
         found.design(2)
@@ -97,7 +97,7 @@ def test_a_better_judge_has_the_last_word() -> None:
     """Judged by another model than the one that searches: its numbers, and its limit kept."""
     judged = optimise(study(judge="linear", evaluations=60))
     (best,) = judged.front
-    assert best.tier == "linear"
+    assert best.model == "linear"
     assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
 
 
@@ -212,7 +212,7 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
     scene = found.design()
     assert isinstance(scene, Scene)
     assert kept
-    assert margin.value == pytest.approx(skincad.check(scene.design, tier=judge).margin, rel=1e-12)
+    assert margin.value == pytest.approx(skincad.check(scene.design, model=judge).margin, rel=1e-12)
     # 80 mm has too little left of 4 N, so that the radius ends where the limit is just kept: within what a
     # third of the evaluations leave after the judge has moved it last
     assert margin.value == pytest.approx(1.0, abs=0.1)
@@ -229,7 +229,7 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
     vary = {"circuit.amplifier.feedback_resistance": "1e6:1e10", "readout.bandwidth_Hz": "1000:20000"}
     goals = [{"key": "longest_lead_time", "goal": "max"}]
     found = optimise(
-        study(about="steady-pull", vary=vary, evaluations=20, tier=None, objectives=goals, constraints=[])
+        study(about="steady-pull", vary=vary, evaluations=20, model=None, objectives=goals, constraints=[])
     )
     assert found.feasible
     assert len(marches) == 1

@@ -15,10 +15,14 @@ KEY = "all_touch_force_N"
 
 
 def row(
-    value: float | None, error: float | None, model: float = 0.0, tier: str = "linear", refused: str = ""
+    value: float | None,
+    error: float | None,
+    error_of_model: float = 0.0,
+    model: str = "linear",
+    refused: str = "",
 ) -> Evaluation:
-    told = {KEY: Estimate(value, error, "N"), "model_error_N": Estimate(model, None, "N")}
-    return Evaluation(str(value), {}, told, None, refused, tier)
+    told = {KEY: Estimate(value, error, "N"), "model_error_N": Estimate(error_of_model, None, "N")}
+    return Evaluation(str(value), {}, told, None, refused, model)
 
 
 def test_what_two_designs_share_of_a_models_error_is_no_error_of_their_difference() -> None:

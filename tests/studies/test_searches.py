@@ -31,7 +31,7 @@ CHOICES: dict[str, list[Any]] = {
 
 
 def study(vary: dict[str, Any], aims: Sequence[str], **changes: Any) -> Study:
-    plain = {"name": "try", "about": "plain-ridges", "tier": "winkler", "judge": "winkler", "vary": vary}
+    plain = {"name": "try", "about": "plain-ridges", "model": "winkler", "judge": "winkler", "vary": vary}
     return Study(**{**plain, "objectives": [{"key": key} for key in aims], **changes})
 
 
@@ -56,7 +56,7 @@ def allowed_rows(wanted: Study) -> tuple[list[Row], int]:
     """The losses of all combinations that keep the limits, by the pessimistic end; and how many there are."""
     subject = wanted.subject()
     vary = {knob.key: list(knob.values()) for knob in knobs(subject, dict(wanted.vary))}
-    rows = sweep(subject, vary, tier="winkler").rows
+    rows = sweep(subject, vary, model="winkler").rows
     kept = []
     for row in rows:
         if row.refused:

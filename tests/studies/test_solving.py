@@ -18,14 +18,14 @@ CIRCUIT = skincad.load_circuit("transimpedance")
 
 
 def quick(target: dict[str, float], vary: dict[str, Any], **options: Any) -> Solution:
-    return solve(DESIGN, target, vary, tier="winkler", **options)
+    return solve(DESIGN, target, vary, model="winkler", **options)
 
 
 def test_a_value_gives_what_was_wanted_when_it_is_asked_anew() -> None:
     found = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
     (one,) = found.solutions
     again = skincad.check(
-        DESIGN.with_(skin={"curvature_radius": one.values["skin.curvature_radius"]}), tier="winkler"
+        DESIGN.with_(skin={"curvature_radius": one.values["skin.curvature_radius"]}), model="winkler"
     )
     assert again.all_touch_force == one.reached["all_touch_force_N"]
     assert again.all_touch_force.value == pytest.approx(1.5, rel=TOL)
@@ -42,7 +42,7 @@ def test_the_interval_is_where_the_error_leaves_it_open() -> None:
     assert 20 <= low < float(one.values["skin.curvature_radius"]) < high <= 200
     error = one.reached["all_touch_force_N"].error or 0.0
     ends = [
-        skincad.check(DESIGN.with_(skin={"curvature_radius": end}), tier="winkler").all_touch_force.value
+        skincad.check(DESIGN.with_(skin={"curvature_radius": end}), model="winkler").all_touch_force.value
         or 0.0
         for end in (low, high)
         if end not in (20, 200)
@@ -118,7 +118,7 @@ def test_a_search_that_runs_out_denies_nothing() -> None:
 def test_a_key_that_the_closed_form_does_not_know_is_solved() -> None:
     """The closed form says the same for every crown: corrected needs 2.73 N at 0.01 mm, 2.44 N at 0.09 mm."""
     found = solve(DESIGN, {"all_touch_force": 2.45}, {"ridge.crown": (0.01, 0.09)})
-    assert found.question.tier == "corrected"
+    assert found.question.model == "corrected"
     assert found.solutions[0].reached["all_touch_force_N"].value == pytest.approx(2.45, rel=TOL)
 
 
@@ -133,14 +133,14 @@ def test_a_resonance_between_wide_steps_is_found() -> None:
 @pytest.mark.slow  # about seven evaluations of a second
 def test_a_number_that_only_the_better_model_tells_is_solved_for() -> None:
     found = solve(
-        PLAIN, {"modulus_sensitivity": 3.0}, {"skin.curvature_radius": (40, 120)}, tier="linear"
+        PLAIN, {"modulus_sensitivity": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear"
     )  # 3.8 N/MPa at its own 60 mm; the closed form's result has no such number
     assert found.feasible
 
 
 def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean 'modulus_sensitivity'"):
-        solve(PLAIN, {"modulus_sensitivty": 3.0}, {"skin.curvature_radius": (40, 120)}, tier="linear")
+        solve(PLAIN, {"modulus_sensitivty": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear")
 
 
 @pytest.mark.parametrize(
@@ -206,6 +206,6 @@ def test_what_can_not_be_asked_is_said(
         quick(target, vary, **options)
 
 
-def test_a_tier_is_a_designs() -> None:
+def test_a_model_is_a_designs() -> None:
     with pytest.raises(InputError, match="is for a design"):
-        solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.gain": (1e3, 1e5)}, tier="linear")
+        solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.gain": (1e3, 1e5)}, model="linear")

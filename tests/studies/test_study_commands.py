@@ -43,7 +43,7 @@ def test_solve_tells_the_value_and_writes_the_design(
     assert "# solved for all_touch_force 1.5 N" in written
     assert "# Fig" in written or "# paper" in written  # the template's own comments stay
     solved = skincad.load_design(copy)
-    assert skincad.check(solved, tier="winkler").all_touch_force.value == pytest.approx(1.5, rel=5e-3)
+    assert skincad.check(solved, model="winkler").all_touch_force.value == pytest.approx(1.5, rel=5e-3)
     assert solved.with_(skin=dict(skincad.load_design("yamada-2002").skin)) == skincad.load_design(
         "yamada-2002"
     )

@@ -26,7 +26,7 @@ def swept() -> SweepResult:
     return sweep(
         DESIGN,
         {**VARY, "skin.width": [11.0, 2.0]},
-        tier="winkler",
+        model="winkler",
         rank={"all_touch_force": "min", "approach": "max"},
     )
 
@@ -40,7 +40,7 @@ def test_a_grid_is_every_combination_in_order(swept: SweepResult) -> None:
             continue
         length, name = row.values["skin.length"], row.values["material.name"]
         design = DESIGN.with_(skin={"length": length}, material={"name": name})
-        assert row.results["all_touch_force_N"] == skincad.check(design, tier="winkler").all_touch_force
+        assert row.results["all_touch_force_N"] == skincad.check(design, model="winkler").all_touch_force
     assert swept.refused == 8
 
 
@@ -116,19 +116,19 @@ def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult
 
 
 def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:
-    told = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, tier="winkler"))
+    told = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, model="winkler"))
     assert told.count("  refused ") == 1
     assert "refused        2; the first: ridge.root_width" in told
 
 
 def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     folder = tmp_path / "study"
-    found = sweep(DESIGN, VARY, tier="winkler", folder=folder)
+    found = sweep(DESIGN, VARY, model="winkler", folder=folder)
     written = skincad.write(found, folder)
     there = {path.name for path in folder.iterdir()}
     assert there == {*sweep_names(), "sweep.json", "evaluations.jsonl", ".skincad-claims"} - {"front.png"}
     assert {name for name, _ in written.files} <= there
-    again = sweep(DESIGN, VARY, tier="winkler", folder=folder)
+    again = sweep(DESIGN, VARY, model="winkler", folder=folder)
     assert (again.evaluations, again.reused) == (0, 8)
     skincad.write(again, folder)
     from pyarrow import parquet
@@ -171,7 +171,7 @@ def test_scenes_and_circuits_are_swept_too() -> None:
     )
     assert found.question.kind == "circuit"
     assert not found.refused
-    assert found.next_tier is None
+    assert found.next_model is None
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_scenes_and_circuits_are_swept_too() -> None:
         ({"skin.length": (8, 12)}, {}, "needs a number of values"),
         ({"skin.length": (8, 12)}, {"sample": 0}, "must be from 1"),
         ({"skin.length": (8, 12, 400), "skin.width": (11, 12, 400)}, {}, "at most 100000 rows"),
-        ({"skin.length": (8, 12, 2)}, {"tier": "lineer"}, "did you mean 'linear'"),
+        ({"skin.length": (8, 12, 2)}, {"model": "lineer"}, "did you mean 'linear'"),
         ({"skin.length": (8, 12, 2)}, {"force": -1.0}, "force"),
         ({"skin.length": (8, 12, 2)}, {"workers": 0}, "workers"),
         ({"skin.length": (8, 12, 2)}, {"rank": {"all_touch_force": "least"}}, "KEY=min or KEY=max"),
@@ -191,4 +191,4 @@ def test_scenes_and_circuits_are_swept_too() -> None:
 )
 def test_what_can_not_be_asked_is_said(vary: dict[str, Any], options: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        sweep(DESIGN, vary, **{"tier": "winkler", **options})
+        sweep(DESIGN, vary, **{"model": "winkler", **options})

@@ -1,6 +1,6 @@
 """Full stick: the linear pad whose touching points move with the plate.
 
-First the plate presses without friction, as in the linear tier. Then every point that carries load is bonded
+First the plate presses without friction, as in the linear model. Then every point that carries load is bonded
 to it, and it moves without turning until the tangential force is there and the normal force as before. What
 sticks, and how much shear it has locked in, depends on the path: this is the path press, then pull.
 

@@ -1,12 +1,12 @@
 """A plane model corrected by the change from a coarse plane to a coarse solid pad.
 
-The corrected tier: the fine plane-strain answer with a correction for free ends from a coarse solid. The
+The corrected model: the fine plane-strain answer with a correction for free ends from a coarse solid. The
 correction compares two solutions on one coarse mesh of the section, so the mesh's error cancels.
 
 The compliance that free ends add to a pad's ridges, from a coarse solid. Each ridge is moved down as one,
 along x and y. The ridges' stiffness is a small matrix, computed in plane strain and in three dimensions on
 the same coarse mesh. The difference of the inverses is smooth and belongs to the bulk. It is added to the
-fine section's compliance. Ends that are free to bulge can only soften a pad. Against the corrected tier
+fine section's compliance. Ends that are free to bulge can only soften a pad. Against the corrected model
 (yamada-2002 6, 12 and 48 mm long, plain-ridges) the approach at 4 N is within 0.6 %, a share within 0.8 % of
 the mean one; the ends themselves change them by 3 to 31 % and by 2 to 19 %.
 """
@@ -49,7 +49,7 @@ MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less 
 
 # Errors of the change itself. Measured against a finer solid on three templates (test_solid.py) and eight
 # variants of length, thickness, height, fillet and Poisson's ratio: at most 0.26 %, 0.5 % and 0.41 %; of
-# twelve random designs the approach was up to 1.0 % off the solid tier's, the all-touch force up to 0.6 %
+# twelve random designs the approach was up to 1.0 % off the solid model's, the all-touch force up to 0.6 %
 APPROACH_ERROR = 0.01  # of the approach
 THRESHOLD_ERROR = 0.01  # of the all-touch force
 SHARE_ERROR = 0.01  # of the mean share
@@ -66,16 +66,16 @@ class Ends:
 def answer(
     design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
 ) -> Answer:
-    """Return the linear tier's answer `fine`, solved here if None, corrected for free ends.
+    """Return the linear model's answer `fine`, solved here if None, corrected for free ends.
 
-    Errors are the linear tier's discretisation error plus that of the change. The change holds for small
-    strains, as the linear tier does.
+    Errors are the linear model's discretisation error plus that of the change. The change holds for small
+    strains, as the linear model does.
     """
     started = perf_counter()
     if fine is None:
         fine = linear.answer(design, request, progress)
     if progress:
-        progress("corrected tier: coarse solid with free ends")
+        progress("corrected model: coarse solid with free ends")
     spent: dict[str, float] = {}
     ends = free_ends(plain_pad(design), request.force, spent, crest_offsets=request.crest_offsets)
     errors = Errors(APPROACH_ERROR, THRESHOLD_ERROR, SHARE_ERROR)

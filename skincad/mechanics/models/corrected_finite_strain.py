@@ -1,8 +1,8 @@
 """Finite strain in the plane, corrected by the small-strain change to a solid pad.
 
-The tier corrected-finite-strain: the effect of free ends times the effect of finite strain. Each effect is
-another tier's. In three dimensions finite strain changes the all-touch force by 0.6 of its change in plane
-strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the tier solid-finite-strain).
+The model corrected-finite-strain: the effect of free ends times the effect of finite strain. Each effect is
+another model's. In three dimensions finite strain changes the all-touch force by 0.6 of its change in plane
+strain, the approach by 0.86 (yamada-2002 and plain-ridges, by the model solid-finite-strain).
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ INTERACTION = 0.5  # of finite strain's change in plane strain: error, as free e
 
 
 def answer(
-    design: Design,  # noqa: ARG001  as every tier
+    design: Design,  # noqa: ARG001  as every model
     request: Request,
     progress: Progress | None,  # noqa: ARG001
     small: Answer,
     ends: Answer,
     finite: Answer,
 ) -> Answer:
-    """Return `ends`, the corrected tier's answer, times the ratio of finite to small strain in plane strain.
+    """Return `ends`, the corrected model's answer, times the ratio of finite to small strain in plane strain.
 
-    `small` is the linear tier's answer, `finite` that of finite strain. Errors of both changes add up, and
+    `small` is the linear model's answer, `finite` that of finite strain. Errors of both changes add up, and
     PLANE of finite strain's change.
     """
     shares, error = _shares(small, ends, finite, request.force)

@@ -1,7 +1,7 @@
 """Finite strain in the plane, on ever finer meshes.
 
-The finite-strain tier: plane strain of the silicone's law, neo-Hooke's where a design names none, under a
-flat plate, and the error of each number. Levels and rungs are the linear tier's, and so is the error: two
+The finite-strain model: plane strain of the silicone's law, neo-Hooke's where a design names none, under a
+flat plate, and the error of each number. Levels and rungs are the linear model's, and so is the error: two
 orders on one mesh (linear.py), and the clamped ends on top (EDGE_*). That it bounds the truth is measured in
 its test. The pad's free ends are still left out.
 
@@ -46,14 +46,14 @@ EDGE_STATE = 6e-4
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
-    """Return the finite-strain tier's verdict on a design."""
+    """Return the finite-strain model's verdict on a design."""
     return solve(pad_of(design), request, progress)
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
     """Return touching ridges, all-touch force, approach and shares of a pad, with discretisation errors.
 
-    `tol` and `budget` as in the linear tier. Raises InputError for a force beyond the model's range. Where
+    `tol` and `budget` as in the linear model. Raises InputError for a force beyond the model's range. Where
     the force at which all touch is beyond it, that value is None and a warning says so.
     """
     check_flat(pad.plate, "finite-strain", "linear")

@@ -2,7 +2,7 @@
 
 The effect of friction between skin and plate, from a coarse pad pressed with friction and without. Both are
 solved on one coarse mesh of the section, in small strain and plane strain, so the mesh's error cancels (as in
-corrected.py). Any tier's answer gets the difference. Friction keeps the tips from spreading: the approach
+corrected.py). Any model's answer gets the difference. Friction keeps the tips from spreading: the approach
 falls. Where the pad is thin or a ridge leans, the last ridge needs more force. Friction along y is left out
 (left_out.py).
 """

@@ -208,13 +208,13 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     )
 
 
-def too_large(contact: int, most: int, tier: str) -> SizeError:
-    """Return a tier's refusal of a pad with so many contact unknowns, more than `most`."""
+def too_large(contact: int, most: int, model: str) -> SizeError:
+    """Return a model's refusal of a pad with so many contact unknowns, more than `most`."""
     return SizeError(
         "ridge.count",
-        f"the {tier} tier takes at most {most} contact unknowns",
+        f"the {model} model takes at most {most} contact unknowns",
         contact,
-        "take fewer ridges or the winkler tier",
+        "take fewer ridges or the winkler model",
     )
 
 
@@ -283,7 +283,7 @@ RUNGS = (
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
-    """Return the linear tier's verdict on a design."""
+    """Return the linear model's verdict on a design."""
     return solve(pad_of(design), request, progress)
 
 
@@ -310,13 +310,13 @@ def climb(
     pad: Pad,
     request: Request,
     at: LevelSolver,
-    tier: str,
+    model: str,
     progress: Progress | None = None,
     most: int | None = None,
 ) -> tuple[Answer, PlaneSolution]:
-    """Return a tier's answer and best level; `at` solves one level, and meshes are refined as in `solve`.
+    """Return a model's answer and best level; `at` solves one level, and meshes are refined as in `solve`.
 
-    A level takes `most` contact unknowns, by default this tier's limit.
+    A level takes `most` contact unknowns, by default this model's limit.
     """
     most = MOST_CONTACT_UNKNOWNS if most is None else most
     check_pad(pad)
@@ -325,9 +325,9 @@ def climb(
     ):  # the first touch is later, and that is all
         request = replace(request, crest_offsets=())
     whole = bool(request.crest_offsets)  # crests of one part are not mirrored
-    _check_coarsest(pad, most, tier)
+    _check_coarsest(pad, most, model)
     budget = request.budget
-    levels = _Levels(pad, request, at, tier, progress, whole, most, perf_counter())
+    levels = _Levels(pad, request, at, model, progress, whole, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     reached = climbing.climb(
         levels.solved,
@@ -352,7 +352,7 @@ class _Levels:
     pad: Pad
     request: Request
     at: LevelSolver
-    tier: str
+    model: str
     progress: Progress | None
     whole: bool
     most: int
@@ -371,12 +371,12 @@ class _Levels:
         mesh = self.meshes[refinement.fineness]
         contact = contact_unknowns(mesh, refinement.order)
         if contact > self.most:
-            raise too_large(contact, self.most, self.tier)
+            raise too_large(contact, self.most, self.model)
         for order in (refinement.order - 1, refinement.order):
             if (refinement.fineness, order) in self.levels:
                 continue
             if self.progress:
-                self.progress(f"{self.tier} tier: fineness {refinement.fineness:g}, order {order}")
+                self.progress(f"{self.model} model: fineness {refinement.fineness:g}, order {order}")
             solution = self.at(mesh, order, self.request.force, self.request.crest_offsets)
             self.levels[refinement.fineness, order] = solution
             _add(self.seconds, solution.seconds)
@@ -421,7 +421,7 @@ def _first_rung(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def _check_coarsest(pad: Pad, most: int, tier: str) -> None:
+def _check_coarsest(pad: Pad, most: int, model: str) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
     if MOST_A_RIDGE * len(pad.ridges) <= most:
         return
@@ -429,7 +429,7 @@ def _check_coarsest(pad: Pad, most: int, tier: str) -> None:
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
     expected = SINGLE_RIDGE_FACTOR * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
     if expected > most:
-        raise too_large(round(expected), most, tier)
+        raise too_large(round(expected), most, model)
 
 
 def _estimated(

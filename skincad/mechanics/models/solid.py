@@ -1,6 +1,6 @@
 """Small strain of the solid pad, on ever finer meshes.
 
-The solid tier: the pad's finite length with its free ends, small strain, exact contact. A level is one
+The solid model: the pad's finite length with its free ends, small strain, exact contact. A level is one
 section mesh, one order in it and one set of layers along y. A rung solves the section at two orders and the
 layers at two gradings. Functions are products, so what finer layers change is nearly the same at both orders:
 it is added, and the differences are the errors. Meshes are refined until the tolerance is met.
@@ -198,7 +198,7 @@ def check_size(forms: prisms.SectionForms, line: prisms.AlongY) -> None:
             "ridge.count",
             f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
             max(unknowns, contact),
-            "take fewer ridges, a shorter skin or the linear tier",
+            "take fewer ridges, a shorter skin or the linear model",
         )
 
 
@@ -237,7 +237,7 @@ RUNGS = (
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
-    """Return the solid tier's verdict on a design."""
+    """Return the solid model's verdict on a design."""
     return solve(pad_of(design), request, progress)
 
 
@@ -269,7 +269,7 @@ def _climb(
     pad: Pad, refinement: SolidRung, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
-        progress(f"solid tier: fineness {refinement.fineness:g}, order {refinement.order}")
+        progress(f"solid model: fineness {refinement.fineness:g}, order {refinement.order}")
     meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, refinement.fineness)))
     lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order - 1))
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order))

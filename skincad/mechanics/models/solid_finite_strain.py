@@ -1,11 +1,11 @@
 """Finite strain of the solid pad.
 
-The tier with free ends and finite strain: the solid's answer with a correction for finite strain. The
+The model with free ends and finite strain: the solid's answer with a correction for finite strain. The
 correction compares small and finite strain on one coarse mesh of the section with the same prisms, so the
 mesh's error cancels (as in corrected.py).
 
 Range: to where a ridge buckles or its tip folds, or parts meet that the model does not know, as in the
-finite-strain tier. A force beyond it is refused.
+finite-strain model. A force beyond it is refused.
 """
 
 from __future__ import annotations
@@ -52,15 +52,15 @@ class Strains:
 def answer(
     design: Design, request: Request, progress: Progress | None = None, fine: Answer | None = None
 ) -> Answer:
-    """Return the solid tier's answer `fine`, solved here if None, corrected for finite strain.
+    """Return the solid model's answer `fine`, solved here if None, corrected for finite strain.
 
-    Errors are the solid tier's discretisation error plus that of the change. Raises InputError for a force
+    Errors are the solid model's discretisation error plus that of the change. Raises InputError for a force
     beyond the model's range; if the all-touch force is beyond it, it is None and a warning says so.
     """
     began = perf_counter()
     check_flat(design.contact.plate, "solid-finite-strain", "solid")
     if progress:
-        progress("solid-finite-strain tier: coarse solid, small and finite strain")
+        progress("solid-finite-strain model: coarse solid, small and finite strain")
     spent: dict[str, float] = {}
     strains = solve(plain_pad(design), request.force, spent)  # first: it may refuse the force
     if fine is None:
@@ -104,7 +104,7 @@ def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: 
             "ridge.count",
             f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
             unknowns,
-            "take fewer ridges, a shorter skin or the corrected-finite-strain tier",
+            "take fewer ridges, a shorter skin or the corrected-finite-strain model",
         )
     return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=meshed.piece.laws)
 

@@ -1,15 +1,14 @@
 """The models of a check: what each leaves out, which designs it takes, and what it costs.
 
-Measured times of tiers on this machine: `skincad accuracy` writes them, the cost model reads them. They stand
-in one JSON file, `cost-law.json`, in the user's cache folder. A person can read it and may delete it at any
-time. Times of another machine or of other versions are not used. A file that cannot be read is ignored with a
-warning.
+Measured times of models on this machine: `skincad accuracy` writes them, the cost model reads them. They
+stand in one JSON file, `cost-law.json`, in the user's cache folder. A person can read it and may delete it at
+any time. Times of another machine or of other versions are not used. A file that cannot be read is ignored
+with a warning.
 
-Cost model: predicted times, and the size of a problem that they depend on. The tiers' laws stand in table.py,
-those of the yield and of friction here. They were fitted to the templates (`skincad accuracy`, ladder
-contact) on one core of an idle AMD EPYC. Measurements on this machine scale them. A check also scales them by
-the time of its linear tier.
-"""
+Cost model: predicted times, and the size of a problem that they depend on. The models' laws stand in
+table.py, those of the yield and of friction here. They were fitted to the templates (`skincad accuracy`,
+ladder contact) on one core of an idle AMD EPYC. Measurements on this machine scale them. A check also scales
+them by the time of its linear model."""
 
 from __future__ import annotations
 
@@ -39,8 +38,8 @@ FOLDER_VARIABLE = "SKINCAD_CACHE"  # the environment variable that moves the cac
 FILE_NAME = "cost-law.json"
 
 
-class TierTiming(BaseModel):
-    """Time of a tier's own part on a design: the size for its cost model, and seconds."""
+class ModelTiming(BaseModel):
+    """Time of a model's own part on a design: the size for its cost model, and seconds."""
 
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
     size: PositiveFloat
@@ -48,18 +47,18 @@ class TierTiming(BaseModel):
 
 
 class _File(BaseModel):
-    """The file: `measured` by tier and design."""
+    """The file: `measured` by model and design."""
 
-    what: str = "seconds of check's tiers on this machine, by tier and design; may be deleted at any time"
+    what: str = "seconds of check's models on this machine, by model and design; may be deleted at any time"
     machine: dict[str, Any]
-    measured: dict[str, dict[str, TierTiming]]
+    measured: dict[str, dict[str, ModelTiming]]
 
 
 @dataclass(frozen=True)
 class TimingCache:
-    """Timings by tier and design; `trouble` says why the file is ignored, "" if it is read or missing."""
+    """Timings by model and design; `trouble` says why the file is ignored, "" if it is read or missing."""
 
-    timings: Mapping[str, Mapping[str, TierTiming]] = field(default_factory=dict)
+    timings: Mapping[str, Mapping[str, ModelTiming]] = field(default_factory=dict)
     trouble: str = ""
 
 
@@ -91,15 +90,15 @@ def timing_cache() -> TimingCache:
     return _read(path, stamp.st_mtime_ns, stamp.st_size)
 
 
-def save_timings(design: str, timings: Mapping[str, TierTiming]) -> Path:
-    """Write the timings of tiers on a design to the cache file, replacing earlier ones; return its path.
+def save_timings(design: str, timings: Mapping[str, ModelTiming]) -> Path:
+    """Write the timings of models on a design to the cache file, replacing earlier ones; return its path.
 
     Raises OSError or RuntimeError if the file cannot be written.
     """
     path = cache_file()
-    measured = {tier: dict(by_design) for tier, by_design in timing_cache().timings.items()}
-    for tier, one in timings.items():
-        measured.setdefault(tier, {})[design] = one
+    measured = {model: dict(by_design) for model, by_design in timing_cache().timings.items()}
+    for model, one in timings.items():
+        measured.setdefault(model, {})[design] = one
     text = _File(machine=_here(), measured=measured).model_dump_json(indent=1)
     path.parent.mkdir(parents=True, exist_ok=True)
     whole = path.with_name(
@@ -144,7 +143,7 @@ class CostModel:
         return float(self.seconds * (size / self.size) ** self.exponent)
 
 
-# Beside the tiers, by ridges. Yield: 0.17 s with 3, 0.4 to 0.7 with 9, 1.0 to 1.3 with 20, 4.9 with 40;
+# Beside the models, by ridges. Yield: 0.17 s with 3, 0.4 to 0.7 with 9, 1.0 to 1.3 with 20, 4.9 with 40;
 # within a factor of 1.6, but 2.6 too low on fingertip-soft. Friction: 0.3, 3.8 and 15 s with 9, 33 and 60
 OVERHEAD = {"yield": CostModel(9, 0.47, 1.3), "friction": CostModel(9, 0.3, 2.06)}
 
@@ -194,10 +193,10 @@ def _solid_unknowns(pad: Pad, order: int) -> float:
 
 
 @dataclass(frozen=True)
-class Tier:
+class ContactModel:
     """`where` is module and function of its `answer(design, request, progress, *answers it builds on)`.
 
-    `law` is the time of its own part, without the tiers in `builds_on`, by its `size` of a design. Flags say
+    `law` is the time of its own part, without the models in `builds_on`, by its `size` of a design. Flags say
     whether it supports `shaped_plates`, `measured` crests and `doubly_curved` skins.
     """
 
@@ -212,11 +211,11 @@ class Tier:
 
 
 _ROOM = "skincad.mechanics.models."
-TIERS = {
-    "winkler": Tier(
+MODELS = {
+    "winkler": ContactModel(
         f"{_ROOM}winkler:answer", CostModel(1.0, 4e-4, 0.0), any_size, shaped_plates=True, doubly_curved=True
     ),
-    "linear": Tier(
+    "linear": ContactModel(
         f"{_ROOM}linear:answer",
         CostModel(9_800, 0.45, 1.05),
         plane_unknowns,
@@ -224,7 +223,7 @@ TIERS = {
         shaped_plates=True,
         measured=True,
     ),
-    "corrected": Tier(
+    "corrected": ContactModel(
         f"{_ROOM}corrected:answer",
         CostModel(8_700, 0.27, 1.25),
         coarse_solid_unknowns,
@@ -233,28 +232,28 @@ TIERS = {
         shaped_plates=True,
         measured=True,
     ),
-    "finite-strain": Tier(
+    "finite-strain": ContactModel(
         f"{_ROOM}finite_strain:answer",
         CostModel(9_800, 1.8, 1.3),
         plane_unknowns,
         (FREE_ENDS,),
         measured=True,
     ),
-    "corrected-finite-strain": Tier(
+    "corrected-finite-strain": ContactModel(
         f"{_ROOM}corrected_finite_strain:answer",
         CostModel(1.0, 1e-3, 0.0),
         any_size,
         builds_on=("linear", "corrected", "finite-strain"),
         measured=True,
     ),
-    "solid": Tier(
+    "solid": ContactModel(
         f"{_ROOM}solid:answer",
         CostModel(75_000, 8.0, 1.65),
         solid_unknowns,
         (FINITE_STRAIN,),
         shaped_plates=True,
     ),
-    "solid-finite-strain": Tier(
+    "solid-finite-strain": ContactModel(
         f"{_ROOM}solid_finite_strain:answer",
         CostModel(8_700, 0.9, 1.6),
         coarse_solid_unknowns,
@@ -264,65 +263,65 @@ TIERS = {
 AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
 
 
-def tier_of(name: str) -> Tier:
-    """Return a tier by name; raises InputError for an unknown one."""
-    if name not in TIERS:
-        raise InputError("tier", "unknown tier", name, did_you_mean(name, [*TIERS, "auto"]))
-    return TIERS[name]
+def model_named(name: str) -> ContactModel:
+    """Return a model by name; raises InputError for an unknown one."""
+    if name not in MODELS:
+        raise InputError("model", "unknown model", name, did_you_mean(name, [*MODELS, "auto"]))
+    return MODELS[name]
 
 
 def is_small_strain(name: str) -> bool:
-    """Return whether a tier takes strains as small."""
-    return name == "winkler" or FINITE_STRAIN in TIERS[name].leaves_out
+    """Return whether a model takes strains as small."""
+    return name == "winkler" or FINITE_STRAIN in MODELS[name].leaves_out
 
 
 def unsupported_reason(name: str, design: Design, measured: bool) -> str:
-    """Return why a tier cannot judge this design (or a measured part of it), or ""."""
-    tier, shape = tier_of(name), design.contact.plate.shape
-    if shape != "flat" and not tier.shaped_plates:
-        return f"contact.plate.shape: must be 'flat' for the {name} tier"
-    if design.skin.curvature_radius_y is not None and not tier.doubly_curved:
-        return f"skin.curvature_radius_y: must not be given for the {name} tier, which takes y as straight"
-    if measured and not tier.measured:
-        return f"measured: is not judged by the {name} tier"
+    """Return why a model cannot judge this design (or a measured part of it), or ""."""
+    model, shape = model_named(name), design.contact.plate.shape
+    if shape != "flat" and not model.shaped_plates:
+        return f"contact.plate.shape: must be 'flat' for the {name} model"
+    if design.skin.curvature_radius_y is not None and not model.doubly_curved:
+        return f"skin.curvature_radius_y: must not be given for the {name} model, which takes y as straight"
+    if measured and not model.measured:
+        return f"measured: is not judged by the {name} model"
     return ""
 
 
 def prerequisites(name: str) -> list[str]:
-    """Return all tiers that a tier builds on, in the order in which they must be solved."""
+    """Return all models that a model builds on, in the order in which they must be solved."""
     return list(
-        dict.fromkeys(base for other in TIERS[name].builds_on for base in (*prerequisites(other), other))
+        dict.fromkeys(base for other in MODELS[name].builds_on for base in (*prerequisites(other), other))
     )
 
 
 def seconds_at_size(name: str, size: float) -> float:
-    """Return the seconds of a tier's own part at a size."""
-    return TIERS[name].law.at(size) * machine_factor(name)
+    """Return the seconds of a model's own part at a size."""
+    return MODELS[name].law.at(size) * machine_factor(name)
 
 
 def machine_factor(name: str = "") -> float:
-    """Return measured over predicted seconds on this machine: the tier's median, or if it was not measured
-    that of all tiers; 1 if none was.
+    """Return measured over predicted seconds on this machine: the model's median, or if it was not measured
+    that of all models; 1 if none was.
 
     The exponent stays the law's: it is the method's, and a few designs say little about it.
     """
-    ratios_by_tier = {
-        tier: [timing.seconds / TIERS[tier].law.at(timing.size) for timing in by_design.values()]
-        for tier, by_design in timing_cache().timings.items()
-        if tier in TIERS
+    ratios_by_model = {
+        model: [timing.seconds / MODELS[model].law.at(timing.size) for timing in by_design.values()]
+        for model, by_design in timing_cache().timings.items()
+        if model in MODELS
     }
-    every = [ratio for ratios in ratios_by_tier.values() for ratio in ratios]
-    return median(ratios_by_tier.get(name) or every or [1.0])
+    every = [ratio for ratios in ratios_by_model.values() for ratio in ratios]
+    return median(ratios_by_model.get(name) or every or [1.0])
 
 
 def own_seconds(name: str, design: Design) -> float:
-    """Return the seconds of a tier's own part."""
-    return seconds_at_size(name, TIERS[name].size(design))
+    """Return the seconds of a model's own part."""
+    return seconds_at_size(name, MODELS[name].size(design))
 
 
 def expected_seconds(name: str, design: Design, solved: set[str]) -> float:
-    """Return the seconds of a tier and its prerequisites, without those in `solved`."""
-    return math.fsum(own_seconds(tier, design) for tier in {*prerequisites(name), name} - solved)
+    """Return the seconds of a model and its prerequisites, without those in `solved`."""
+    return math.fsum(own_seconds(model, design) for model in {*prerequisites(name), name} - solved)
 
 
 def overhead_seconds(what: str, design: Design) -> float:
@@ -333,14 +332,14 @@ def overhead_seconds(what: str, design: Design) -> float:
 def run(
     name: str, design: Design, request: Request, solved: dict[str, Answer], progress: Progress | None
 ) -> Answer:
-    """Return a tier's answer; it and its prerequisites are stored in `solved` and never solved twice.
+    """Return a model's answer; it and its prerequisites are stored in `solved` and never solved twice.
 
     Raises ExhaustedError where memory or another resource does not suffice.
     """
     if name not in solved:
-        tier = TIERS[name]
-        on = [run(other, design, request, solved, progress) for other in tier.builds_on]
-        with resource_guard(f"the {name} tier"):
+        model = MODELS[name]
+        on = [run(other, design, request, solved, progress) for other in model.builds_on]
+        with resource_guard(f"the {name} model"):
             answer, began = load(name), perf_counter()
             result = answer(design, request, progress, *on)
             solved[name] = replace(result, own_seconds=perf_counter() - began)
@@ -348,7 +347,7 @@ def run(
 
 
 def load(name: str) -> Callable[..., Answer]:
-    """Import and return a tier's function."""
-    module, _, function = TIERS[name].where.partition(":")
+    """Import and return a model's function."""
+    module, _, function = MODELS[name].where.partition(":")
     answer: Callable[..., Answer] = getattr(import_module(module), function)
     return answer

@@ -1,22 +1,22 @@
 """The closed form: each ridge a row of independent springs (Winkler), and its error.
 
-Error bounds of the Winkler tier: calibrated constants, and indicators from the design. Springs are too soft
+Error bounds of the Winkler model: calibrated constants, and indicators from the design. Springs are too soft
 where silicone is confined (a thin, wide, nearly incompressible layer), where many ridges press one base, and
 where unloaded ridges hold up the base around loaded ones. They are too stiff where a tip touches with a part
 of its crown or with one edge. In the usual range the calibrated constants dominate, beyond it these
 indicators.
 
-The indicators' constants were set against the linear tier on 81 pads of bench/campaign (`wide`, seeds 0 to
+The indicators' constants were set against the linear model on 81 pads of bench/campaign (`wide`, seeds 0 to
 80; the all-touch force F from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
 plain-ridges with 12 to 60 ridges (base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999), and, what idle ridges do
 to the shares, on seeds 1000 to 1099. Judged on 100 others (seeds 2000 to 2099) the bars hold the approach of
 all, F of 99 and the shares of 98, at worst 1.31 bars off; in the median they are 3 (approach) and 4 (F) times
 too wide.
 
-The Winkler tier: each ridge a spring of its own, in closed form. It ranks designs in less than a millisecond.
-It leaves out that ridges push each other down through the common base, so the all-touch force is 25 to 35 %
-below plane strain (docs/facts.md), more on thick skins; The second half of this module says how far off it
-may be.
+The Winkler model: each ridge a spring of its own, in closed form. It ranks designs in less than a
+millisecond. It leaves out that ridges push each other down through the common base, so the all-touch force is
+25 to 35 % below plane strain (docs/facts.md), more on thick skins; The second half of this module says how
+far off it may be.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
 about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square
@@ -43,7 +43,7 @@ from skincad.mechanics.problem import Answer, Request, rise
 from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, plane_modulus
 from skincad.shape.skin import skin_of
 
-# Half-widths against the linear tier at usual sizes, set on the variants of test_winkler.py
+# Half-widths against the linear model at usual sizes, set on the variants of test_winkler.py
 # and 40 random designs (bench/error_bars.py); with the indicators below they hold on all of 36
 # others (seeds 100 to 135), F 3 times too wide in the median, the approach 7 times
 THRESHOLD_ERROR = 0.8  # of F: 25 to 35 % low at usual sizes, 43 % at twice the thickness
@@ -309,7 +309,7 @@ def _approach(design: Design, force: float, factor: float = 1.0) -> float:
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
     """Return the Winkler verdict on a design; the error is the model's and ignores the tolerance."""
     if progress:
-        progress("winkler tier: closed form")
+        progress("winkler model: closed form")
     started, force = perf_counter(), request.force
     gaps, approach = crest_gaps(design), _approach(design, force)
     doubly, last = design.skin.curvature_radius_y is not None, float(gaps.max())
@@ -358,10 +358,10 @@ def _step_moved(design: Design) -> Iterator[Design]:
 
 def _left_out(design: Design, approach: float) -> Iterator[str]:
     if design.skin.curvature_radius_y is None:
-        yield "winkler tier: ridges are taken as independent springs; slots and film are left out"
+        yield "winkler model: ridges are taken as independent springs; slots and film are left out"
         return
     slope = _end_slope(design, approach)
-    yield "winkler tier: ridges are taken as rows of independent springs; slots and film are left out"
+    yield "winkler model: ridges are taken as rows of independent springs; slots and film are left out"
     off = f"that is {slope**2 / 2:.1%} off"
     yield f"contact is taken as vertical: with slopes of up to {slope:.2g} along y {off}"
 

@@ -97,11 +97,11 @@ class Package(Result):
 
 
 def package(
-    design: Design, kinds: Iterable[str] | str = (), *, tier: str = "auto", progress: Progress | None = None
+    design: Design, kinds: Iterable[str] | str = (), *, model: str = "auto", progress: Progress | None = None
 ) -> Package:
     """Return a design as a package for `kinds` of simulators, all of KINDS if there are none.
 
-    `tier` is the model of the check that MuJoCo's springs follow. Raises InputError for an unknown kind, for
+    `model` is the model of the check that MuJoCo's springs follow. Raises InputError for an unknown kind, for
     a plate that is not flat where MuJoCo is asked for, or for a carrier that cannot be made; RefusedError
     where a check or a response is beyond its model's range.
     """
@@ -116,7 +116,7 @@ def package(
     # the stages of springs, but not the time left of each of their checks
     untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
     with watch.stage("springs"):
-        ridge_springs = springs(design, tier, untimed) if "mujoco" in chosen else None
+        ridge_springs = springs(design, model, untimed) if "mujoco" in chosen else None
     with watch.stage("response"):
         places = taxels(design) if "taxels" in chosen else None
         response = _response(design, notes, progress) if "taxels" in chosen else None
@@ -310,7 +310,7 @@ def _of_springs(package: Package, springs: Springs) -> Iterator[tuple[str, str, 
     verdict, (armature, damping) = springs.verdict, slide_damping(springs)
     yield (
         f"springs: approach {verdict.approach} and ridge forces at {verdict.force:g} N",
-        f"the check, {verdict.tier} tier",
+        f"the check, {verdict.model} model",
         f"exactly there; at other loads see the table; flat plate, timestep up to {STEP:g} s",
     )
     yield (

@@ -74,10 +74,10 @@ class Springs(Record):
         """Force of the check, N."""
         return self.verdict.force
 
-    @reported(meaning="the check's model")
-    def tier(self) -> str:
+    @reported(meaning="the check's model", key="tier")
+    def model(self) -> str:
         """Name of the check's model."""
-        return self.verdict.tier
+        return self.verdict.model
 
     @reported("mm", "approach after the first touch")
     def approach(self) -> Estimate:
@@ -101,7 +101,7 @@ class Springs(Record):
         return np.asarray(np.linalg.cholesky(self.stiffness).T)
 
 
-def springs(design: Design, tier: str = "auto", progress: Progress | None = None) -> Springs:
+def springs(design: Design, model: str = "auto", progress: Progress | None = None) -> Springs:
     """Return the springs of a design under a flat plate at the design's own force.
 
     Raises InputError for a plate that is not flat; RefusedError for a check beyond its model's range.
@@ -110,11 +110,10 @@ def springs(design: Design, tier: str = "auto", progress: Progress | None = None
         rule = "must be 'flat' for mujoco: its springs are those of a skin under a flat plate"
         remedy = "--set contact.plate=none, or leave mujoco out by --for"
         raise InputError("contact.plate.shape", rule, design.contact.plate.shape, remedy)
-    verdict = check(design, tier=tier, progress=progress)
+    verdict = check(design, model=model, progress=progress)
     if verdict.out_of_range:
         raise RefusedError(f"no springs for mujoco: {verdict.out_of_range}; take a smaller contact.force")
-    model = _reduced(design, verdict.force, progress)
-    nominal = _fit(design, verdict, model)
+    nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))
     elsewhere, refused = [], []
     for force in (span * verdict.force for span in SPANS):
         try:
@@ -191,7 +190,7 @@ def _secant(model: RidgeModel, forces: Array) -> Array:
 
 def _compare_at(design: Design, model: Springs, force: float, progress: Progress | None) -> LoadComparison:
     approach, shares = plate_response(model, force)
-    other = check(design, force=force, tier=model.verdict.tier, progress=progress)
+    other = check(design, force=force, model=model.verdict.model, progress=progress)
     return LoadComparison(
         force=force,
         approach=approach,

@@ -12,7 +12,7 @@ from skincad.base.machine import machine
 from skincad.base.progress import Progress
 from skincad.base.result import Result
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import TierTiming, save_timings, without_home
+from skincad.mechanics.models.table import ModelTiming, save_timings, without_home
 from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_of
 
 MOST_REPEATS = 100
@@ -28,16 +28,16 @@ class Accuracy(Result):
     machine: dict[str, Any]
     repeats: int
     seconds: float
-    cache_note: str = ""  # in words, where what the tiers took is kept
+    cache_note: str = ""  # in words, where what the models took is kept
 
     @property
-    def taken(self) -> dict[str, TierTiming]:
-        """What each tier's own part took."""
-        return {tier: one for ladder in self.ladders for tier, one in ladder.timings.items()}
+    def taken(self) -> dict[str, ModelTiming]:
+        """What each model's own part took."""
+        return {model: one for ladder in self.ladders for model, one in ladder.timings.items()}
 
     def keep(self) -> Accuracy:
-        """Keep what the tiers took in the user's cache folder, for the laws of time that `check` chooses by;
-        return the result that says where, or why not. Nothing where no tier was timed."""
+        """Keep what the models took in the user's cache folder, for the laws of time that `check` chooses by;
+        return the result that says where, or why not. Nothing where no model was timed."""
         if not self.taken:
             return self
         try:
@@ -62,7 +62,7 @@ class Accuracy(Result):
                 for ladder in self.ladders
             },
             "cost_law": {
-                "taken": {tier: one.model_dump() for tier, one in self.taken.items()},
+                "taken": {model: one.model_dump() for model, one in self.taken.items()},
                 "kept": self.cache_note,
             },
             "machine": self.machine,

@@ -20,8 +20,8 @@ from skincad.mechanics.models import finite_strain, linear, solid
 from skincad.mechanics.models.linear import LevelSolver
 from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
 from skincad.mechanics.models.table import (
-    TIERS,
-    TierTiming,
+    MODELS,
+    ModelTiming,
     own_seconds,
     plane_unknowns,
     run,
@@ -32,7 +32,7 @@ from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
 from skincad.mechanics.validity import refuse_crushed
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
 
-AIM = {  # the tier whose finest setting another's mesh and method aim at
+AIM = {  # the model whose finest setting another's mesh and method aim at
     **{name: name for name in ("linear", "finite-strain", "solid", "solid-finite-strain")},
     "corrected": "solid",
 }
@@ -121,7 +121,7 @@ def measures_of(truths: Mapping[str, Truth], best: str) -> tuple[ErrorMeasure, .
     return tuple(measures)
 
 
-MESH = 5e-3  # relative; what `check` asks of a tier's mesh
+MESH = 5e-3  # relative; what `check` asks of a model's mesh
 BEST = ("solid-finite-strain", "corrected-finite-strain", "solid", "corrected", "linear")
 OWN = "as check takes it"
 ALONE = ("winkler", "corrected")  # short enough to be solved again from nothing
@@ -138,15 +138,15 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 
 SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
 FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that climbed to its second rung, else up to 1.4
-ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which tiers are tried
-SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid tier
-# time of a level in that of its tier; its unknowns in those of the tier's first rung are (order - 0.65) times
-# this (yamada-2002, 2 % off)
-OF_TIER, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
+ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which models are tried
+SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid model
+# time of a level in that of its model; its unknowns in those of the model's first rung are (order - 0.65)
+# times this (yamada-2002, 2 % off)
+OF_MODEL, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
-    """Return every tier that can judge the design at its own force; the plane ones mesh by mesh."""
+    """Return every model that can judge the design at its own force; the plane ones mesh by mesh."""
     runs = _ContactRuns(design, repeats, progress)
     for name in ORDER:
         runs.attempt(name)
@@ -158,20 +158,20 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     return Ladder("contact", title, trials, measures, skipped=runs.skipped, timings=timings)
 
 
-def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, TierTiming]:
-    """Return what the tiers' own parts took, as their laws count it: not what takes as long for every design,
-    nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
+def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, ModelTiming]:
+    """Return what the models' own parts took, as their laws count it: not what takes as long for every
+    design, nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
     timings = {}
     for name, answer in answers.items():
-        tier, size = TIERS[name], TIERS[name].size(design)
-        counts = tier.law.exponent > 0 and size > SMALL * tier.law.size
-        if counts and (tier.builds_on or answer.unknowns < FINER * size):
-            timings[name] = TierTiming(size=size, seconds=answer.own_seconds)
+        model, size = MODELS[name], MODELS[name].size(design)
+        counts = model.law.exponent > 0 and size > SMALL * model.law.size
+        if counts and (model.builds_on or answer.unknowns < FINER * size):
+            timings[name] = ModelTiming(size=size, seconds=answer.own_seconds)
     return timings
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
-    """Return the stages and their expected seconds, by the tiers' laws."""
+    """Return the stages and their expected seconds, by the models' laws."""
     seconds: dict[str, float] = {}
     for name in (name for name in ORDER if not unsupported_reason(name, design, measured=False)):
         alone = repeats if name in ALONE else 1
@@ -179,7 +179,7 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
             size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
             seconds[_level(name, *level)] = repeated(
-                OF_TIER * seconds_at_size(name, size), 1 if last else repeats
+                OF_MODEL * seconds_at_size(name, size), 1 if last else repeats
             )
         if name in LEVELS:
             continue
@@ -193,7 +193,7 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
 
 
 def _own(name: str, design: Design) -> float:
-    """A tier's own seconds; nothing for one that refuses the design, as it will when it is tried."""
+    """A model's own seconds; nothing for one that refuses the design, as it will when it is tried."""
     try:
         return own_seconds(name, design)
     except (InputError, RefusedError):
@@ -212,13 +212,13 @@ class _ContactRuns:
         self.done: dict[str, Answer] = {}
 
     def attempt(self, name: str) -> None:
-        """Try a tier; one that cannot judge the design is skipped with its reason."""
+        """Try a model; one that cannot judge the design is skipped with its reason."""
         reason = unsupported_reason(name, self.design, measured=False)
         try:
             if not reason and name in LEVELS:
                 self._levels(name)
             elif not reason:
-                self._tier(name)
+                self._model(name)
         except (InputError, RefusedError) as refusal:
             reason = str(refusal)
         if reason:
@@ -247,7 +247,7 @@ class _ContactRuns:
         self.truth[name] = Truth(finest, own_errors, words)
         self.found += errors[:-1]
 
-    def _tier(self, name: str) -> None:
+    def _model(self, name: str) -> None:
         if name == "solid":
             self._solid_levels()
         self._tell(_stage(name))
@@ -269,14 +269,14 @@ class _ContactRuns:
         self.found.append(row)
         if name != "winkler":
             own_errors = (stated(force, NEGLIGIBLE * self.request.force), stated(approach, 0.0))
-            words = f"tier {name}; its stated error, {own_errors[0]:.1e} of the all-touch force and "
+            words = f"model {name}; its stated error, {own_errors[0]:.1e} of the all-touch force and "
             words += f"{own_errors[1]:.1e} of the approach, is "
             self.truth[name] = Truth(
                 row, own_errors, words + "checked against finer meshes in tests/mechanics"
             )
 
     def _solid_levels(self) -> None:
-        """The solid's coarsest levels, which its tier adds up."""
+        """The solid's coarsest levels, which its model adds up."""
         pad, first_level = pad_of(self.design), solid.RUNGS[0]
         for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
             setting = f"order {first_level.order - 1}, {label} layers"

@@ -85,7 +85,7 @@ def test_a_block_sheared_with_stick_is_simple_shear() -> None:
     assert normal.mean() == pytest.approx(shear * (stretch - 1 / stretch) + rest * (stretch - 1), rel=1e-3)
 
 
-def test_without_friction_it_is_the_finite_strain_tier() -> None:
+def test_without_friction_it_is_the_finite_strain_model() -> None:
     """On one mesh, to ten times the residuals."""
     pad, what = three()
     unit = unit_of(pad)

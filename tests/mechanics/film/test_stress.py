@@ -188,7 +188,7 @@ def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
 
 
 def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> film_field.StripBody:
-    """Pressed without the module under test: the linear tier's steps, on the whole pad."""
+    """Pressed without the module under test: the linear model's steps, on the whole pad."""
     body = film_field.body(elements.curved(mesh, order), order, materials)
     system, unit = body.system, unit_of(pad)
     small = condense(system.matrix, system.interior, system.contact)

@@ -1,4 +1,4 @@
-"""The corrected tier against the solid refined, and what it keeps."""
+"""The corrected model against the solid refined, and what it keeps."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from tests.mechanics.models.test_solid import FORCE, assert_inside, refined
 def test_refined_solid_lies_inside() -> None:
     answer = corrected.answer(reference().with_(**THREE), Request(FORCE))
     assert_inside(answer, refined())
-    # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear tier's own error aside
+    # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear model's own error aside
     assert answer.approach.value == pytest.approx(refined().approach, rel=5e-3)
     assert answer.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
 
 
 def test_shares_sum_to_the_force() -> None:
-    verdict = check(yamada().with_(**THREE), force=FORCE, tier="corrected", tol=0.05)
+    verdict = check(yamada().with_(**THREE), force=FORCE, model="corrected", tol=0.05)
     assert verdict.touching == 3
     assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(FORCE, rel=1e-9)
     assert verdict.residual < 1e-6
@@ -113,7 +113,7 @@ def test_one_ridge_needs_no_force() -> None:
 
 @pytest.mark.slow
 def test_a_tolerance_below_the_changes_error_is_said() -> None:
-    verdict = check(reference().with_(**THREE), force=FORCE, tier="corrected", tol=4e-3)
+    verdict = check(reference().with_(**THREE), force=FORCE, model="corrected", tol=4e-3)
     assert any("the tolerance 0.004 is not met" in w for w in verdict.warnings)
 
 
@@ -133,7 +133,7 @@ def test_a_lower_crest_delays_the_touch_with_free_ends_too() -> None:
     design = reference()
     drops = (0.01, *(0.0,) * 8)
     plane, ends = (
-        tier.answer(design, Request(4.0, 0.05, crest_offsets=drops)) for tier in (linear, corrected)
+        model.answer(design, Request(4.0, 0.05, crest_offsets=drops)) for model in (linear, corrected)
     )
     base = linear.answer(design, Request(4.0, 0.05)), corrected.answer(design, Request(4.0, 0.05))
     delay = [
@@ -147,7 +147,7 @@ def test_a_lower_crest_delays_the_touch_with_free_ends_too() -> None:
 @pytest.mark.slow
 def test_a_shaped_plate_is_corrected() -> None:
     tilted = reference().with_(contact={"plate": {"shape": "tilted", "tilt": 0.3}})
-    plane, ends = (tier.answer(tilted, Request(4.0, 0.05)) for tier in (linear, corrected))
+    plane, ends = (model.answer(tilted, Request(4.0, 0.05)) for model in (linear, corrected))
     assert 0.6 < (ends.all_touch_force.value or 0.0) / (plane.all_touch_force.value or 1.0) < 0.95
     assert (ends.ridge_force[0].value or 0.0) > (ends.ridge_force[-1].value or 0.0)
 

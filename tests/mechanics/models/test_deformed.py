@@ -14,7 +14,7 @@ FEW = ["ridge.count=3", "skin.width=5.0", "contact.force=1.0"]
 @pytest.fixture(scope="module", params=["bonded", "loose"])
 def verdict(request: pytest.FixtureRequest) -> ContactCheck:
     design = skincad.load("yamada-2002", [*FEW, f"contact.film={request.param}"])
-    return skincad.check(design, tier="linear")
+    return skincad.check(design, model="linear")
 
 
 def test_the_pressure_carries_the_force(verdict: ContactCheck) -> None:
@@ -53,4 +53,4 @@ def test_the_back_stays_and_the_crests_come_down(verdict: ContactCheck) -> None:
 
 
 def test_a_closed_form_draws_none() -> None:
-    assert skincad.check(skincad.load("yamada-2002"), tier="winkler").deformed == ()
+    assert skincad.check(skincad.load("yamada-2002"), model="winkler").deformed == ()

@@ -1,4 +1,4 @@
-"""The neo-Hookean tier: closed forms, tangent, limits, docs/facts.md's numbers, and what it refuses."""
+"""The neo-Hookean model: closed forms, tangent, limits, docs/facts.md's numbers, and what it refuses."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ def test_all_touch_force_is_where_the_last_ridge_starts() -> None:
 
 @pytest.mark.parametrize("force", [0.04, pytest.param(0.004, marks=pytest.mark.slow)])
 def test_light_loads_are_linear(force: float) -> None:
-    """The distance to the linear tier is of the order of the strain, which is approach over ridge height."""
+    """The distance to the linear model is of the order of the strain, which is approach over ridge height."""
     design = reference().with_(**THREE)
     one, other = solved(design, force, 0.9), linear.answer(design, Request(force, 0.9))
     strain = value(other.approach) / design.ridge.height
@@ -292,15 +292,15 @@ def test_neighbours_that_meet_are_found() -> None:
 
 
 @pytest.mark.slow
-def test_the_check_offers_the_tier() -> None:
-    verdict = check(yamada().with_(**THREE), force=1.3, tier="finite-strain", tol=COARSE)
-    assert (verdict.tier, verdict.touching) == ("finite-strain", 3)
+def test_the_check_offers_the_model() -> None:
+    verdict = check(yamada().with_(**THREE), force=1.3, model="finite-strain", tol=COARSE)
+    assert (verdict.model, verdict.touching) == ("finite-strain", 3)
     assert [bound.effect for bound in verdict.left_out] == ["free ends"]
 
 
 def test_other_plates_are_refused() -> None:
     design = filleted().with_(contact={"plate": {"shape": "cylinder", "radius": 50.0}})
-    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the linear tier"):
+    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the linear model"):
         solved(design)
 
 

@@ -22,7 +22,7 @@ SMOOTH, ROUGH = 0.16860, 0.15950
 
 
 def exact(answer: CoarsePress) -> Answer:
-    """A coarse answer as a tier's that knows it to the last digit."""
+    """A coarse answer as a model's that knows it to the last digit."""
     shares = tuple(Estimate(float(f), 0.0, "N") for f in answer.ridge_force)
     first, down = Estimate(answer.all_touch_force, 0.0, "N"), Estimate(answer.approach, 0.0, "mm")
     return Answer(len(shares), first, down, shares, answer.unknowns, answer.residual, {})

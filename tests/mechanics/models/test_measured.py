@@ -1,4 +1,4 @@
-"""What tiers took here: used by their laws where it is this machine's, else as good as not there."""
+"""What models took here: used by their laws where it is this machine's, else as good as not there."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.models import table
 from skincad.mechanics.models.table import (
-    TIERS,
-    TierTiming,
+    MODELS,
+    ModelTiming,
     cache_file,
     expected_seconds,
     machine_factor,
@@ -41,21 +41,24 @@ def plain() -> Design:
     return load("plain-ridges")
 
 
-def times(tier: str, ratio: float, size: float = 5000.0) -> dict[str, TierTiming]:
-    """A tier that took `ratio` times its law."""
-    return {tier: TierTiming(size=size, seconds=ratio * TIERS[tier].law.at(size))}
+def times(model: str, ratio: float, size: float = 5000.0) -> dict[str, ModelTiming]:
+    """A model that took `ratio` times its law."""
+    return {model: ModelTiming(size=size, seconds=ratio * MODELS[model].law.at(size))}
 
 
-def test_a_tier_is_expected_to_take_what_it_took(file: Path, plain: Design) -> None:
-    before, sampling = {tier: own_seconds(tier, plain) for tier in TIERS}, overhead_seconds("yield", plain)
-    size = TIERS["linear"].size(plain)
-    assert save_timings("plain-ridges", {"linear": TierTiming(size=size, seconds=12.5)}) == file
+def test_a_model_is_expected_to_take_what_it_took(file: Path, plain: Design) -> None:
+    before, sampling = (
+        {model: own_seconds(model, plain) for model in MODELS},
+        overhead_seconds("yield", plain),
+    )
+    size = MODELS["linear"].size(plain)
+    assert save_timings("plain-ridges", {"linear": ModelTiming(size=size, seconds=12.5)}) == file
     assert own_seconds("linear", plain) == pytest.approx(12.5, rel=1e-12)
     assert expected_seconds("linear", plain, set()) == pytest.approx(12.5, rel=1e-12)
     # the others, the yield and friction by how fast that tells the machine to be
     faster = 12.5 / before["linear"]
-    assert {tier: own_seconds(tier, plain) / s for tier, s in before.items()} == pytest.approx(
-        dict.fromkeys(TIERS, faster)
+    assert {model: own_seconds(model, plain) / s for model, s in before.items()} == pytest.approx(
+        dict.fromkeys(MODELS, faster)
     )
     assert overhead_seconds("yield", plain) == pytest.approx(faster * sampling)
     save_timings("plain-ridges", times("solid", 3.0))
@@ -103,7 +106,7 @@ def test_a_file_that_is_broken_or_another_machines_is_ignored(what: str, file: P
     text = {**WRONG, **STRANGE}[what](json.loads(file.read_text()))
     file.write_text(text if isinstance(text, str) else json.dumps(text))
     assert (own_seconds("linear", plain), machine_factor()) == (before, speed)
-    contents = [w for w in check(plain, tier="winkler").warnings if "cost law" in w]
+    contents = [w for w in check(plain, model="winkler").warnings if "cost law" in w]
     assert len(contents) == (what in WRONG)  # another machine's is no fault of the file
     assert all(without_home(file) in w and "delete it" in w for w in contents)
     save_timings("b", times("linear", 3.0))  # in its place

@@ -65,8 +65,8 @@ def test_a_single_ridge_touches_at_once() -> None:
 @pytest.mark.slow
 def test_the_solid_with_finite_strain_lies_inside() -> None:
     design = load("plain-ridges").with_(**THREE, contact={"force": 1.3, "friction": 0.0})
-    cheap = check(design, tier="corrected-finite-strain")
-    truth = check(design, tier="solid-finite-strain")
+    cheap = check(design, model="corrected-finite-strain")
+    truth = check(design, model="solid-finite-strain")
     pairs = [(cheap.all_touch_force, truth.all_touch_force), (cheap.approach, truth.approach)]
     for one, other in (*pairs, *zip(cheap.ridge_force, truth.ridge_force, strict=True)):
         assert abs(one.value - other.value) <= one.error

@@ -221,7 +221,7 @@ def test_a_mesh_of_as_many_unknowns_as_fit_is_solved_and_one_of_more_is_not(
     levels.climbed(tol=1e-9)  # begun on the finest, which does not fit
     assert {fineness for fineness, _ in levels.solved} == {RUNGS[1].fineness}
     levels.contact = 1.01 * linear.MOST_CONTACT_UNKNOWNS / RUNGS[0].fineness
-    with pytest.raises(SizeError, match=r"ridge\.count: the linear tier takes at most"):
+    with pytest.raises(SizeError, match=r"ridge\.count: the linear model takes at most"):
         levels.climbed()
 
 

@@ -54,7 +54,7 @@ def refined() -> SolidSolution:
 
 
 @pytest.mark.parametrize("order", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
+def test_plane_strain_of_the_prisms_is_the_linear_model(order: int) -> None:
     """The whole section on the same mesh: the same functions. 1e-5: on curved triangles, where integrands
     are rational, ngsolve's quadrature of the parts differs from that of the whole (measured 4e-6, 2e-7)."""
     pad = pad_of(sharp())
@@ -68,7 +68,7 @@ def test_plane_strain_of_the_prisms_is_the_linear_tier(order: int) -> None:
 
 
 @pytest.mark.parametrize("order", [2, 3])
-def test_plane_strain_on_straight_triangles_is_the_linear_tier(order: int) -> None:
+def test_plane_strain_on_straight_triangles_is_the_linear_model(order: int) -> None:
     """Quadrature is exact here: rounding only."""
     pad = block(3.0, 2.0, 0.499)
     mesh = triangles(pad, coarse_sizes(pad, 1.0))
@@ -285,7 +285,7 @@ def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "MOST_UNKNOWNS", 1000)
-    with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*the linear tier"):
+    with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*the linear model"):
         solid.solve(pad_of(sharp()), Request(4.0))
 
 

@@ -1,4 +1,4 @@
-"""The neo-Hookean solid: closed forms, derivatives, plane strain, limits, the tier, and what it refuses."""
+"""The neo-Hookean solid: closed forms, derivatives, plane strain, limits, the model, and what it refuses."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
     assert np.abs(body.residual(rest)).max() <= 1e-12
 
 
-def test_at_rest_it_is_close_to_the_solid_tiers() -> None:
+def test_at_rest_it_is_close_to_the_solid_models() -> None:
     """What acts on the volume change itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
     pad = pad_of(reference())
     meshed = meshed_of(pad)
@@ -218,7 +218,7 @@ def plain() -> Strains:
 
 def test_plain_ridges() -> None:
     """Finite strain with free ends: F9 +2.9 % (plane strain +4.8 %), approach -3.2 % (-3.8 %); errors as
-    the tier's own."""
+    the model's own."""
     solution = plain()
     assert ratios(solution) == pytest.approx((1.029, 0.968), abs=0.002)
     assert solution.finite.residual <= max(RESIDUAL, COMPLEMENTARITY)
@@ -284,7 +284,7 @@ def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
 
 def test_other_plates_are_refused() -> None:
     design = reference().with_(contact={"plate": {"shape": "cylinder", "radius": 50.0}})
-    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the solid tier"):
+    with pytest.raises(InputError, match=r"^contact\.plate\.shape: must be 'flat'.*; take the solid model"):
         solid_finite_strain.answer(design, Request(4.0))
 
 

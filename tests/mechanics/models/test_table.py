@@ -15,20 +15,20 @@ from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.models.linear import RUNGS
 from skincad.mechanics.models.table import (
     AUTO,
-    TIERS,
+    MODELS,
     expected_seconds,
+    model_named,
     prerequisites,
-    tier_of,
     unsupported_reason,
 )
 
 
-@pytest.mark.parametrize("name", TIERS)
-def test_a_tier_comes_after_all_that_it_builds_on(name: str) -> None:
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_comes_after_all_that_it_builds_on(name: str) -> None:
     order = [*prerequisites(name), name]
     assert len(set(order)) == len(order)
-    for i, tier in enumerate(order):
-        assert set(TIERS[tier].builds_on) <= set(order[:i])
+    for i, model in enumerate(order):
+        assert set(MODELS[model].builds_on) <= set(order[:i])
 
 
 def test_what_builds_on_nothing_has_nothing_below() -> None:
@@ -37,22 +37,22 @@ def test_what_builds_on_nothing_has_nothing_below() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "tiers"), [("yamada-2002", TIERS), ("plain-ridges", AUTO), ("steep-fingertip", AUTO)]
+    ("name", "models"), [("yamada-2002", MODELS), ("plain-ridges", AUTO), ("steep-fingertip", AUTO)]
 )
-def test_tiers_stand_in_the_order_of_their_price_and_auto_climbs_by_it(
-    name: str, tiers: Iterable[str]
+def test_models_stand_in_the_order_of_their_price_and_auto_climbs_by_it(
+    name: str, models: Iterable[str]
 ) -> None:
     """On a small pad without strips the solid is as cheap as finite strain in the plane."""
     design = load(name)
-    prices = [expected_seconds(tier, design, set()) for tier in tiers]
+    prices = [expected_seconds(model, design, set()) for model in models]
     assert prices == sorted(prices)
-    assert [tier for tier in TIERS if tier in AUTO] == list(AUTO)
+    assert [model for model in MODELS if model in AUTO] == list(AUTO)
 
 
-def test_a_tier_is_had_by_its_name_alone() -> None:
-    assert all(tier_of(name) is TIERS[name] for name in TIERS)
+def test_a_model_is_had_by_its_name_alone() -> None:
+    assert all(model_named(name) is MODELS[name] for name in MODELS)
     with pytest.raises(InputError, match="did you mean 'linear'"):
-        tier_of("lineer")
+        model_named("lineer")
 
 
 def test_finer_rungs_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> None:
@@ -65,51 +65,51 @@ def test_finer_rungs_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> N
     assert all(refinement.price >= 1 for refinement in RUNGS)
 
 
-def test_which_tiers_judge_which_skins(yamada: Design) -> None:
+def test_which_models_judge_which_skins(yamada: Design) -> None:
     """Measured crests: all in plane strain and what is built on it. A plate of any shape: small strains. A
     skin that is curved along y too: springs alone."""
     small = {"winkler", "linear", "corrected", "solid"}
     plane = {"linear", "corrected", "finite-strain", "corrected-finite-strain"}
     tilted = yamada.with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
     bent = yamada.with_(skin={"curvature_radius_y": 60.0})
-    assert all(unsupported_reason(name, yamada, False) == "" for name in TIERS)
-    for design, drops, tiers, key in (
+    assert all(unsupported_reason(name, yamada, False) == "" for name in MODELS)
+    for design, drops, models, key in (
         (yamada, True, plane, "measured: "),
         (tilted, False, small, "contact.plate.shape: must be 'flat'"),
         (bent, False, {"winkler"}, "skin.curvature_radius_y: must not be given"),
     ):
-        assert {name for name in TIERS if not unsupported_reason(name, design, drops)} == tiers
-        assert all(unsupported_reason(name, design, drops).startswith(key) for name in set(TIERS) - tiers)
+        assert {name for name in MODELS if not unsupported_reason(name, design, drops)} == models
+        assert all(unsupported_reason(name, design, drops).startswith(key) for name in set(MODELS) - models)
 
 
-def test_a_tier_leaves_out_what_its_name_does_not_tell() -> None:
-    for name, tier in TIERS.items():
+def test_a_model_leaves_out_what_its_name_does_not_tell() -> None:
+    for name, model in MODELS.items():
         if name != "winkler":  # its bars are the springs' own
             ends = "corrected" in name or "solid" in name
             left = {FREE_ENDS} - ({FREE_ENDS} if ends else set()) | (
                 set() if "finite-strain" in name else {FINITE_STRAIN}
             )
-            assert set(tier.leaves_out) == left
-            assert len(tier.leaves_out) == len(left)
-    assert {TIERS[name].leaves_out for name in ("corrected-finite-strain", "solid-finite-strain")} == {()}
+            assert set(model.leaves_out) == left
+            assert len(model.leaves_out) == len(left)
+    assert {MODELS[name].leaves_out for name in ("corrected-finite-strain", "solid-finite-strain")} == {()}
 
 
 def test_the_laws_are_right_of_the_documents_table(yamada: Design) -> None:
     """Which `python -m bench.bench_check` measured; within 1.5 times, as the laws are to be anywhere."""
     text = (Path(__file__).parents[3] / "docs" / "verdicts.md").read_text("utf-8")
     rows = re.findall(r"^\| `([\w-]+)`, .*\| ([\d./]+) \|$", text, re.MULTILINE)
-    assert {name for name, _ in rows} == set(TIERS)
+    assert {name for name, _ in rows} == set(MODELS)
     linear = expected_seconds("linear", yamada, set())
     for name, measured in rows:
         price = 1 / float(measured[2:]) if measured.startswith("1/") else float(measured)
-        # the springs' is told to the digit: 0.4 to 1 ms against the linear tier's 1 to 2 s
+        # the springs' is told to the digit: 0.4 to 1 ms against the linear model's 1 to 2 s
         within = 2.0 if name == "winkler" else 1.5
         assert 1 / within <= expected_seconds(name, yamada, set()) / linear / price <= within
 
 
-@pytest.mark.parametrize("name", TIERS)
-def test_a_tier_judges_no_design_that_one_below_it_cannot(name: str) -> None:
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_judges_no_design_that_one_below_it_cannot(name: str) -> None:
     """A correction is of an answer, so that what is wrong in that is wrong in the corrected one."""
-    for other in TIERS[name].builds_on:
+    for other in MODELS[name].builds_on:
         for knows in ("shaped_plates", "measured", "doubly_curved"):
-            assert getattr(TIERS[other], knows) or not getattr(TIERS[name], knows)
+            assert getattr(MODELS[other], knows) or not getattr(MODELS[name], knows)

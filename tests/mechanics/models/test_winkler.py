@@ -1,4 +1,4 @@
-"""The closed form against the linear tier: inside its stated model error, and far cheaper."""
+"""The closed form against the linear model: inside its stated model error, and far cheaper."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ FAST = ("reference", "thin", "high", "five")
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=() if n in FAST else pytest.mark.slow) for n in VARIANTS]
 )
-def test_linear_tier_lies_inside_the_model_error(name: str) -> None:
+def test_linear_model_lies_inside_the_model_error(name: str) -> None:
     design = reference().with_(**VARIANTS[name])
-    spring, solid = check(design, tier="winkler"), plane(design, tol=0.05)
+    spring, solid = check(design, model="winkler"), plane(design, tol=0.05)
     for one, other in (
         (spring.all_touch_force, solid.all_touch_force),
         (spring.approach, solid.approach),
@@ -45,27 +45,27 @@ def test_linear_tier_lies_inside_the_model_error(name: str) -> None:
 
 def test_reference_is_low_as_measured() -> None:
     """docs/facts.md#what-a-model-leaves-out: F9 25 to 35 % low."""
-    low = (check(reference(), tier="winkler").all_touch_force.value or 0.0) / 3.026
+    low = (check(reference(), model="winkler").all_touch_force.value or 0.0) / 3.026
     assert 0.65 <= low <= 0.75
 
 
 def test_shares_balance_and_the_last_ridge_starts_at_the_threshold() -> None:
-    threshold = check(yamada(), tier="winkler").all_touch_force.value or 0.0
-    at = check(yamada(), tier="winkler", force=threshold)
+    threshold = check(yamada(), model="winkler").all_touch_force.value or 0.0
+    at = check(yamada(), model="winkler", force=threshold)
     assert sum(f.value or 0.0 for f in at.ridge_force) == pytest.approx(threshold, rel=1e-12)  # rounding
     assert np.isclose(at.ridge_force[0].value or 0.0, 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("force", [1e-9, 1.0, 100.0])
 def test_any_force(force: float) -> None:
-    verdict = check(yamada(), tier="winkler", force=force)
+    verdict = check(yamada(), model="winkler", force=force)
     assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(force, rel=1e-9)  # cancellation
 
 
 def test_says_when_the_tolerance_is_beyond_it() -> None:
     assert any(
         "0.8 of its value: the tolerance 0.01 is not met" in w
-        for w in check(yamada(), tier="winkler", tol=0.01).warnings
+        for w in check(yamada(), model="winkler", tol=0.01).warnings
     )
 
 
@@ -76,7 +76,7 @@ BEYOND_USUAL = (9, 11, 26, 31, 36, 47, 51, 64)
 
 
 def missed(design: Design, force: float) -> tuple[float, float, float]:
-    """By how many bars, its own and the springs', the linear tier's coarsest mesh differs: F9, the approach,
+    """By how many bars, its own and the springs', the linear model's coarsest mesh differs: F9, the approach,
     the worst share."""
     spring = winkler.answer(design, Request(force))
     solid = linear.answer(design, Request(force, tol=0.5))  # mostly within 2 %; bars are 45 % and more
@@ -131,7 +131,7 @@ def missed_on_steps(seeds: Iterable[int]) -> Array:
     for seed in seeds:
         try:
             design = on_a_step(seed)
-            if design.ridge.count > 1 and not check(design, tier="linear", tol=0.5).out_of_range:
+            if design.ridge.count > 1 and not check(design, model="linear", tol=0.5).out_of_range:
                 rows.append(missed(design, design.contact.force))
         except (InputError, RefusedError):  # crushed by such a force
             continue
@@ -177,7 +177,7 @@ def test_many_ridges_have_a_verdict_with_a_bar(ridges: int) -> None:
     width = ridges + 2.0
     skin = {"width": width, "curvature_radius": 50 * width}
     many = yamada().with_(**BARE, ridge={"count": ridges}, skin=skin)
-    verdict = check(many, tier="winkler", force=float(ridges))
+    verdict = check(many, model="winkler", force=float(ridges))
     assert verdict.all_touch_force.error is not None
     assert verdict.all_touch_force.error > (verdict.all_touch_force.value or 0.0)  # a thin layer, confined
     assert (verdict.approach.error or 0.0) < (verdict.approach.value or 0.0)

@@ -15,7 +15,7 @@ from skincad.outputs.figures.results import ridge_force_figure
 
 
 def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
-    result = check(yamada, tier="winkler")
+    result = check(yamada, model="winkler")
     figure = ridge_force_figure(result)
     (axes,) = figure.axes
     bars = axes.patches
@@ -35,7 +35,7 @@ def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
 @pytest.mark.parametrize(("count", "named"), [(20, True), (21, False)])
 def test_many_ridges_are_not_each_named_and_no_force_is_told_where_none_does(count: int, named: bool) -> None:
     share = (Estimate(0.2, None, "N"), *(Estimate(None, None, "N"),) * (count - 1))
-    shown = check(load("yamada-2002"), tier="winkler")
+    shown = check(load("yamada-2002"), model="winkler")
     never = replace(shown, ridges=count, ridge_force=share, all_touch_force=Estimate(None, None, "N"))
     figure = ridge_force_figure(never)
     (axes,) = figure.axes

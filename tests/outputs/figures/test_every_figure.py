@@ -62,9 +62,9 @@ def yamada(**changes: Any) -> Any:
 
 
 RESULTS: dict[str, Callable[[Path], Result]] = {
-    "check": lambda _: skincad.check(yamada(), tier="winkler"),
-    "check of many ridges": lambda _: skincad.check(skincad.load("gripper-pad"), tier="winkler"),
-    "check of one ridge": lambda _: skincad.check(yamada(ridge={"count": 1}), tier="winkler"),
+    "check": lambda _: skincad.check(yamada(), model="winkler"),
+    "check of many ridges": lambda _: skincad.check(skincad.load("gripper-pad"), model="winkler"),
+    "check of one ridge": lambda _: skincad.check(yamada(ridge={"count": 1}), model="winkler"),
     "film stress": lambda _: skincad.film_stress(skincad.load("steep-fingertip")),
     "fit": pad_test,
     "press": lambda f: small(
@@ -78,9 +78,9 @@ RESULTS: dict[str, Callable[[Path], Result]] = {
         "steady-pull", f, *FEW, "readout.ridges=[2]", "history.steps=200", "effects.piezo.sampling_Hz=5000.0"
     ),
     "solve": lambda _: skincad.solve(
-        yamada(), {"all_touch_force_N": 1.5}, {"ridge.levelling": (0, 1)}, tier="winkler"
+        yamada(), {"all_touch_force_N": 1.5}, {"ridge.levelling": (0, 1)}, model="winkler"
     ),
-    "sweep": lambda _: skincad.sweep(yamada(), SWEPT, sample=24, rank=RANKS, tier="winkler"),
+    "sweep": lambda _: skincad.sweep(yamada(), SWEPT, sample=24, rank=RANKS, model="winkler"),
     **{
         f"circuit {name}": lambda _, name=name: skincad.gain(skincad.load_circuit(name))
         for name in skincad.template_names("circuits")

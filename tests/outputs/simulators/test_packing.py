@@ -168,7 +168,7 @@ def test_a_skin_without_slots_says_that_its_films_do_not_feel() -> None:
             ("--set", "contact.plate.shape=tilted", "--set", "contact.plate.tilt=1"),
             "contact.plate.shape: must be 'flat' for mujoco",
         ),
-        (("--tier", "sold"), "--tier: unknown tier"),
+        (("--tier", "sold"), "--tier: unknown model"),
     ],
 )
 def test_what_cannot_be_exported_is_refused_in_one_line(
@@ -185,8 +185,10 @@ def test_progress_tells_each_check_of_the_springs() -> None:
     stages: list[tuple[str, float | None]] = []
     design = skincad.load("steep-fingertip")
     skincad.package(
-        design, "mujoco", tier="winkler", progress=lambda stage, left=None, /: stages.append((stage, left))
+        design, "mujoco", model="winkler", progress=lambda stage, left=None, /: stages.append((stage, left))
     )
     assert stages[0] == ("springs", None)
-    assert sum(stage.startswith("springs: winkler tier") for stage, _ in stages) == 3  # at half and twice too
+    assert (
+        sum(stage.startswith("springs: winkler model") for stage, _ in stages) == 3
+    )  # at half and twice too
     assert {left for _, left in stages} == {None}  # of one check, not of the package

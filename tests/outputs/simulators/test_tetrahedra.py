@@ -130,10 +130,10 @@ def test_empty_slots_are_voids() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(bool(ccx.missing()), reason=ccx.missing())
 def test_calculix_on_that_mesh_has_the_approach_of_the_check() -> None:
-    """Its force at the solid tier's approach: what that force is off, the approach at equal force is off by
+    """Its force at the solid model's approach: what that force is off, the approach at equal force is off by
     less, for contact grows. 3 % is the issue's, measured 0.7 %. Small strain, no friction, free ends on
     both sides.
     """
-    verdict = skincad.check(BARE, tier="solid")
+    verdict = skincad.check(BARE, model="solid")
     force = ccx.pressed(BARE, tetrahedra(BARE), float(verdict.approach))
     assert force == pytest.approx(verdict.force, rel=0.03)

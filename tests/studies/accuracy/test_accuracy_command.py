@@ -14,7 +14,7 @@ from PIL import Image
 
 from skincad.base.machine import machine
 from skincad.base.outfolder import replaced
-from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, TierTiming, timing_cache
+from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, ModelTiming, timing_cache
 from skincad.outputs.accuracies import lines
 from skincad.outputs.figures.canvas import save
 from skincad.outputs.figures.studies import LADDER_SIZE, STYLES, diagram
@@ -82,11 +82,11 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
         assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
 
-def test_what_tiers_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_models_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
     ladder = Ladder(
-        "contact", "contact", (), (measure,), timings={"linear": TierTiming(size=20_000.0, seconds=4.0)}
+        "contact", "contact", (), (measure,), timings={"linear": ModelTiming(size=20_000.0, seconds=4.0)}
     )
     found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))

@@ -15,7 +15,7 @@ from skincad.effects import EFFECTS
 from skincad.inputs.design import Design
 from skincad.mechanics.models import solid
 from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.models.table import TIERS, run
+from skincad.mechanics.models.table import MODELS, run
 from skincad.mechanics.problem import Request
 from skincad.studies.accuracy import circuit, contact, effects, slip, tessellation
 from skincad.studies.accuracy.circuit import HOLDS, PER_PERIOD
@@ -67,7 +67,7 @@ def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plai
     assert callable(ladder_of(name).ladder)
 
 
-def test_a_tier_that_refuses_a_design_has_no_price(small: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_model_that_refuses_a_design_has_no_price(small: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     """The bar must not end what the ladder would skip with its reason."""
 
     def refuse(name: str, design: Design) -> float:
@@ -140,9 +140,9 @@ def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(effects, "FEWER", {})
 
 
-@pytest.mark.parametrize("tier", contact.LEVELS)
-def test_levels_are_each_another_and_the_last_is_the_finest(tier: str) -> None:
-    levels = contact.LEVELS[tier]
+@pytest.mark.parametrize("model", contact.LEVELS)
+def test_levels_are_each_another_and_the_last_is_the_finest(model: str) -> None:
+    levels = contact.LEVELS[model]
     assert len(set(levels)) == len(levels)
     assert levels[-1] == (max(fine for fine, _ in levels), max(order for _, order in levels))
     for fine in {fine for fine, _ in levels}:  # orders without a gap, so that each shows what one more gains
@@ -160,7 +160,7 @@ def pressed(plain: Design) -> Ladder:
         return found
 
 
-def test_what_a_tier_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
+def test_what_a_model_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
     """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects. Nor what
     is mostly overhead."""
     found = run("winkler", plain, Request(1.0), {}, None)
@@ -168,16 +168,16 @@ def test_what_a_tier_took_is_kept_where_its_law_counts_it(plain: Design) -> None
     assert "linear" in contact.taken_of(plain, {"linear": short})
     assert contact.taken_of(plain.with_(ridge={"count": 1}), {"linear": short}) == {}
     plain = load("plain-ridges")
-    size, small = TIERS["solid"].size(plain), TIERS["corrected"].size(plain)
-    for unknowns, tiers in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
+    size, small = MODELS["solid"].size(plain), MODELS["corrected"].size(plain)
+    for unknowns, models in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
         solved = replace(found, unknowns=round(unknowns), own_seconds=3.0)
         taken = contact.taken_of(plain, {"winkler": found, "solid": solved, "corrected": solved})
-        assert set(taken) == tiers
+        assert set(taken) == models
         assert (taken["corrected"].size, taken["corrected"].seconds) == (small, 3.0)
 
 
 @pytest.mark.slow
-def test_every_tier_is_on_the_contact_ladder(pressed: Ladder) -> None:
+def test_every_model_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert_whole(pressed)
     assert not pressed.skipped
     assert {trial.model for trial in pressed.trials} == {
@@ -200,7 +200,7 @@ def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
 
 @pytest.mark.slow
 def test_no_mesh_buys_what_a_model_leaves_out(pressed: Ladder) -> None:
-    """The linear tier's whole error is its model's: finer meshes leave it within a twentieth."""
+    """The linear model's whole error is its model's: finer meshes leave it within a twentieth."""
     whole = errors(pressed, "linear", "whole approach")
     assert max(whole) < 1.05 * min(whole)
     for measure in ("whole F9", "whole approach"):
