@@ -10,13 +10,13 @@ from __future__ import annotations
 import base64
 import html
 import io
-from abc import ABC, abstractmethod
+import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast, dataclass_transform
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar, cast, dataclass_transform
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from skincad.base.estimate import Estimate
 MAX_LISTED = 64  # numbers of a list that have a name each; longer ones, over steps, have their ends
 NAMES = ("name", "effect", "rule", "tier")  # keys by which an entry of a list is named
 T = TypeVar("T")
+Numbers = Iterator[tuple[str, Estimate]]
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class ReportedItem:
     """How an attribute is reported: its JSON key, and the unit of its numbers.
 
     `error` is the attribute that holds a plain number's error; `inline` puts the entries of a nested record
-    or mapping beside the other keys.
+    or mapping beside the other keys. `null` says that an empty text, tuple or 0 is null; an `optional`
+    attribute that is None has no key.
     """
 
     key: str
@@ -40,6 +42,8 @@ class ReportedItem:
     meaning: str
     error: str = ""
     inline: bool = False
+    null: bool = False
+    optional: bool = False
 
 
 def item(
@@ -49,10 +53,14 @@ def item(
     key: str = "",
     error: str = "",
     inline: bool = False,
+    null: bool = False,
+    optional: bool = False,
     default: Any = MISSING,
+    compare: bool = True,
 ) -> Any:
     """Return a dataclass field that is reported; its key is its name and its unit unless `key` is given."""
-    return field(default=default, metadata={"item": ReportedItem(key, unit, meaning, error, inline)})
+    declared = ReportedItem(key, unit, meaning, error, inline, null, optional)
+    return field(default=default, compare=compare, metadata={"item": declared})
 
 
 class ReportedProperty(Generic[T]):
@@ -66,15 +74,41 @@ class ReportedProperty(Generic[T]):
 
 
 def reported(
-    unit: str = "", meaning: str = "", *, key: str = "", error: str = "", inline: bool = False
+    unit: str = "",
+    meaning: str = "",
+    *,
+    key: str = "",
+    error: str = "",
+    inline: bool = False,
+    null: bool = False,
+    optional: bool = False,
 ) -> Callable[[Callable[[Any], T]], ReportedProperty[T]]:
     """Make a method a property that is reported, as `item` does a field."""
-    return lambda method: ReportedProperty(method, ReportedItem(key, unit, meaning, error, inline))
+    declared = ReportedItem(key, unit, meaning, error, inline, null, optional)
+    return lambda method: ReportedProperty(method, declared)
 
 
 def key_of(name: str, unit: str) -> str:
     """Return the JSON key of a name: the unit is its suffix, N/mm as N_per_mm."""
     return f"{name}_{unit.replace('/', '_per_')}" if unit else name
+
+
+UNITS = (  # suffixes of JSON keys, the longer ones first
+    "MPa_per_s2", "MPa_per_s", "dB_per_dec", "N_per_MPa", "N_per_mm", "mm3", "mm2", "MPa", "mm", "Hz", "mJ",
+    "ms", "dB", "pC", "nV", "V", "N", "s", "g", "deg",
+)  # fmt: skip
+_UNIT = re.compile(rf"_({'|'.join(UNITS)})(?=\.|$)")
+
+
+def unit_of_key(key: str) -> str:
+    """Return the unit that a JSON key ends in, "" where it has none: N/mm of `sensitivity_N_per_mm.1`."""
+    match = _UNIT.search(key)
+    return match[1].replace("_per_", "/") if match else ""
+
+
+def bare_key(key: str) -> str:
+    """Return a JSON key without its unit."""
+    return _UNIT.sub("", key)
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(item, field))
@@ -83,7 +117,11 @@ def record(*, eq: bool = True) -> Callable[[type[T]], type[T]]:
 
     Without `eq` it is equal to itself alone, as arrays in it need.
     """
-    return dataclass(frozen=True, kw_only=True, eq=eq)
+
+    def made(kind: type[T]) -> type[T]:
+        return dataclass(frozen=True, kw_only=True, eq=eq, repr=kind.__repr__ is object.__repr__)(kind)
+
+    return made
 
 
 class Record:
@@ -91,7 +129,7 @@ class Record:
 
     def as_json(self) -> dict[str, Any]:
         """Return the object that `--json` prints: numbers with their unit in the key, errors beside them."""
-        return {key: plain(value) for key, value, _ in _entries(self)}
+        return plain(self)  # type: ignore[no-any-return]
 
     def numbers(self) -> dict[str, Estimate]:
         """Return every number by its name in the JSON, with its error where it has one.
@@ -100,12 +138,17 @@ class Record:
         `parts.cavity.volume_mm3`; a list of plain numbers has `.min`, `.max` and `.last` too, any other
         `.count`. A null where a number may be is an Estimate without value.
         """
-        return dict(_numbers_of_record(self, ""))
+        return dict(_numbers(self, "", ""))
+
+
+FIRST = ("name", "passed", "verdict", "next_step")  # keys that a reader looks for at the top,
+LAST = ("seconds", "warnings")  # and at the end
 
 
 @cache
 def _declared(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
-    """The declared attributes of a class of records, in their order."""
+    """The declared attributes of a class of records, in the order of their keys: its fields' and properties'
+    own, but for what stands first and last in every result."""
     listed = {
         declared.name: declared.metadata["item"] for declared in fields(kind) if "item" in declared.metadata
     }
@@ -113,27 +156,62 @@ def _declared(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
         for name, value in vars(parent).items():
             if isinstance(value, ReportedProperty):
                 listed[name] = value.item
-    return tuple(listed.items())
+    place = {
+        **{name: at - len(FIRST) for at, name in enumerate(FIRST)},
+        **{n: at + 1 for at, n in enumerate(LAST)},
+    }
+    return tuple(sorted(listed.items(), key=lambda entry: place.get(entry[0], 0)))
 
 
-def _entries(record: Record) -> Iterator[tuple[str, Any, ReportedItem]]:
-    """Key, value and declaration of everything that a record reports."""
+class _Entry(NamedTuple):
+    """A key, its value, the unit of its numbers, and a plain number's error where that is known."""
+
+    key: str
+    value: Any
+    unit: str = ""
+    error: float | None = None
+
+
+def _entries(value: Any) -> list[_Entry] | None:
+    """Everything that a record or another object of named values reports; None for what is not one."""
+    if isinstance(value, Record):
+        return list(_entries_of_record(value))
+    if hasattr(value, "_asdict"):  # a named tuple
+        named = value._asdict()
+    elif hasattr(value, "model_dump"):  # pydantic's
+        named = value.model_dump()
+    elif is_dataclass(value) and not isinstance(value, Estimate | type):
+        named = {declared.name: getattr(value, declared.name) for declared in fields(value)}
+    elif isinstance(value, Mapping):
+        named = value
+    else:  # an estimate's value and error are one number
+        return None
+    return [_Entry(str(key), entry) for key, entry in named.items()]
+
+
+def _entries_of_record(record: Record) -> Iterator[_Entry]:
     for name, declared in _declared(type(record)):  # type: ignore[arg-type]  # a class is hashable
         value = getattr(record, name)
-        if not declared.inline:
-            yield declared.key or key_of(name, declared.unit), value, declared
-        elif isinstance(value, Record):
-            yield from _entries(value)
-        elif value is not None:
-            yield from ((key, entry, declared) for key, entry in value.items())
+        if declared.null and not value:
+            value = None
+        if declared.inline:
+            yield from _entries(value) or ()
+        elif value is not None or not declared.optional:
+            error = getattr(record, declared.error) if declared.error else None
+            yield _Entry(declared.key or key_of(name, declared.unit), value, declared.unit, error)
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it: records and estimates as objects, arrays as lists."""
-    if isinstance(value, Record | Estimate):
+    """Return a value as JSON has it: records, named tuples and estimates as objects, arrays as lists."""
+    if isinstance(value, Estimate):
         return value.as_json()
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
+    if (entries := _entries(value)) is not None:
+        named: dict[str, Any] = {}
+        for entry in entries:
+            if entry.key in named:
+                raise ValueError(f"{type(value).__name__} gives {entry.key!r} twice: rename one of them")
+            named[entry.key] = plain(entry.value)
+        return named
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
     if isinstance(value, np.ndarray | np.generic):
@@ -141,63 +219,42 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _numbers_of_record(record: Record, at: str) -> Iterator[tuple[str, Estimate]]:
-    entries = list(_entries(record))
-    keys = {key for key, _, _ in entries}
-    for key, value, declared in entries:
-        if key.removesuffix("_error") in keys - {key}:
-            continue
-        name = f"{at}.{key}" if at else key
-        error = getattr(record, declared.error) if declared.error else None
-        if error is not None and value is not None:
-            yield name, Estimate(float(value), float(error), declared.unit)
-        else:
-            yield from _numbers(value, name, declared.unit)
-
-
-def _numbers(value: Any, at: str, unit: str) -> Iterator[tuple[str, Estimate]]:
+def _numbers(value: Any, at: str, unit: str) -> Numbers:
+    """Numbers of a value called `at`; `unit` is that of entries which declare none."""
     if isinstance(value, Estimate):
         yield at, value
-    elif isinstance(value, Record):
-        yield from _numbers_of_record(value, at)
-    elif isinstance(value, Mapping):
-        for key, entry in value.items():
-            yield from _numbers(entry, f"{at}.{key}", unit)
+    elif (entries := _entries(value)) is not None:
+        keys = {entry.key for entry in entries}
+        for entry in entries:
+            if entry.key.endswith("_error") and entry.key.removesuffix("_error") in keys:
+                continue
+            name = f"{at}.{entry.key}" if at else entry.key
+            if entry.error is not None and entry.value is not None:
+                yield name, Estimate(float(entry.value), float(entry.error), entry.unit)
+            else:
+                yield from _numbers(entry.value, name, entry.unit or unit_of_key(entry.key) or unit)
     elif isinstance(value, list | tuple | np.ndarray):
         yield from _numbers_of_list(list(value), at, unit)
-    elif isinstance(value, bool):
+    elif isinstance(value, bool | np.bool_):
         yield at, Estimate(float(value), 0.0, "")
     elif value is None or isinstance(value, int | float | np.number):
         yield at, Estimate(None if value is None else float(value), None, unit)
 
 
-def _numbers_of_list(values: list[Any], at: str, unit: str) -> Iterator[tuple[str, Estimate]]:
+def _numbers_of_list(values: list[Any], at: str, unit: str) -> Numbers:
     plain_numbers = [
         float(x) for x in values if isinstance(x, int | float | np.number) and not isinstance(x, bool)
     ]
     if len(values) <= MAX_LISTED or not plain_numbers:
         for number, value in enumerate(values[:MAX_LISTED], 1):
-            yield from _numbers(value, f"{at}.{_name_of(value) or number}", unit)
+            named = {entry.key: entry.value for entry in _entries(value) or ()}
+            name = next((named[key] for key in NAMES if key in named), number)
+            yield from _numbers(value, f"{at}.{name}", unit)
     if not plain_numbers and not any(isinstance(value, Estimate) for value in values):
         yield f"{at}.count", Estimate(float(len(values)), 0.0, "")
     if plain_numbers and len(plain_numbers) == len(values):
-        for name, end in (
-            ("min", min(plain_numbers)),
-            ("max", max(plain_numbers)),
-            ("last", plain_numbers[-1]),
-        ):
-            yield f"{at}.{name}", Estimate(end, None, unit)
-
-
-def _name_of(value: Any) -> str:
-    """The name of a list's entry, "" without one."""
-    if isinstance(value, Record):
-        named = {key: entry for key, entry, _ in _entries(value)}
-    elif isinstance(value, Mapping):
-        named = dict(value)
-    else:
-        return ""
-    return next((str(named[key]) for key in NAMES if key in named), "")
+        ends = {"min": min(plain_numbers), "max": max(plain_numbers), "last": plain_numbers[-1]}
+        yield from ((f"{at}.{name}", Estimate(end, None, unit)) for name, end in ends.items())
 
 
 Figure = Any  # matplotlib's, which outputs/ alone names
@@ -223,15 +280,11 @@ class Presenter(Protocol):
         """Return what the manifest says of the result beside its files."""
 
 
-class Result(ABC):
+class Result(Record):
     """A frozen answer. `shown_by` names what shows it, imported when it is asked: a module of outputs/, or
     after a colon one of a module's `Presentation`s."""
 
     shown_by: ClassVar[str]
-
-    @abstractmethod
-    def as_json(self) -> dict[str, Any]:
-        """Return the object that `--json` prints: numbers with their unit in the key, errors beside them."""
 
     @property
     def exit_status(self) -> int:

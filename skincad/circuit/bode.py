@@ -11,14 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
 from skincad.circuit.model import Circuit, ForceSensor, Indenter, constants, noise_sources
 from skincad.circuit.network import Complex, Constants, Network, Real, network
@@ -71,19 +70,15 @@ class MeasuredCurve:
     calibration: Calibration
 
 
-@dataclass(frozen=True)
-class OwnSignal:
-    """The gain `(n,)` dB by the load that the film feels, without the rig, and its slopes."""
+@record()
+class OwnSignal(Record):
+    """The gain by the load that the film feels, without the rig."""
 
-    gain: Real
-    slopes: Slopes
-
-    def as_json(self) -> dict[str, Any]:
-        """Return gain, cut-off and slopes by the result's own keys."""
-        return {"gain_dB": self.gain.tolist(), **_told(self.slopes)}
+    gain: Real = item("dB", "`(n,)`, re 1 V/N")
+    slopes: Slopes = item(inline=True)
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class CircuitGain(Result):
     """The gain `(n,)` in dB re 1 V/N at `(n,)` Hz, of the circuit, or of the constants calibrated to data.
 
@@ -92,16 +87,16 @@ class CircuitGain(Result):
 
     shown_by = "skincad.outputs.gains"
     circuit: Circuit
-    constants: Constants
-    frequency: Real
-    gain: Real
-    slopes: Slopes
+    constants: Constants = item(meaning="of the network")
+    frequency: Real = item("Hz", "`(n,)`, rising")
+    gain: Real = item("dB", "`(n,)`, re 1 V/N")
+    slopes: Slopes = item(inline=True)
     measured: MeasuredCurve | None
-    own: OwnSignal | None
-    warnings: tuple[str, ...]
-    seconds: dict[str, float]
+    own: OwnSignal | None = item(meaning="as in use, without the rig", key="own_signal", optional=True)
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
 
-    @property
+    @reported(meaning="of the circuit")
     def name(self) -> str:
         """The circuit's name."""
         return self.circuit.name
@@ -116,30 +111,29 @@ class CircuitGain(Result):
         middle = float(np.sqrt(ends[0] * ends[1]))
         return middle, float(np.interp(np.log(middle), np.log(self.frequency), self.gain))
 
+    @reported(meaning="what 0 dB is")
+    def gain_reference(self) -> str:
+        """What 0 dB is."""
+        return "1 V/N"
+
+    @reported("Hz", "the logarithmic middle of the flatter side of the cut-off", key="mid_band_Hz")
+    def _middle(self) -> float:
+        return self.mid_band[0]
+
+    @reported("dB", "the gain there")
+    def mid_band_gain(self) -> float:
+        """The gain at the middle of the band, dB."""
+        return self.mid_band[1]
+
+    @reported(meaning="misfit to a measured curve, and what it leaves open", optional=True)
+    def calibration(self) -> Calibration | None:
+        """The calibration to a measured curve, None without one."""
+        return self.measured.calibration if self.measured else None
+
     @property
     def network(self) -> Network:
         """The elements whose gain it is."""
         return network(self.constants, noise_sources(self.circuit), self.circuit.amplifier.topology)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the contract's keys; with a rig also `own_signal`, with measured data `calibration`."""
-        data: dict[str, Any] = {
-            "name": self.name,
-            "constants": self.constants.as_json(),
-            "frequency_Hz": self.frequency.tolist(),
-            "gain_dB": self.gain.tolist(),
-            "gain_reference": "1 V/N",
-            "mid_band_Hz": self.mid_band[0],
-            "mid_band_gain_dB": self.mid_band[1],
-            **_told(self.slopes),
-            "seconds": self.seconds,
-            "warnings": list(self.warnings),
-        }
-        if self.own:
-            data["own_signal"] = self.own.as_json()
-        if self.measured:
-            data["calibration"] = self.measured.calibration.as_json()
-        return data
 
 
 def gain(
@@ -170,7 +164,7 @@ def gain(
         slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
         if has_rig(circuit):
             alone = _level(circuit, ratio)
-            own_signal = OwnSignal(alone, fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
+            own_signal = OwnSignal(gain=alone, slopes=fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
     warnings = tuple(_warnings(circuit, c, slopes))
     return CircuitGain(
         circuit=circuit,
@@ -183,14 +177,6 @@ def gain(
         warnings=warnings,
         seconds=watch.seconds(),
     )
-
-
-def _told(slopes: Slopes) -> dict[str, Any]:
-    return {
-        "cutoff_Hz": slopes.cutoff.as_json(),
-        "slope_below_dB_per_dec": slopes.below.as_json(),
-        "slope_above_dB_per_dec": slopes.above.as_json(),
-    }
 
 
 def _level(circuit: Circuit, ratio: Complex) -> Real:

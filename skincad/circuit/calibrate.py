@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.interrupt import safe_point
+from skincad.base.result import Record, item, record, reported
 from skincad.circuit.network import MAY_BE_0, Constants, Real, network
 from skincad.circuit.response import checked_frequencies, decibels, response
 
@@ -46,43 +47,34 @@ OPEN = 0.1  # dB rms for a factor e: changes below it are smaller than what a cu
 
 
 @dataclass(frozen=True)
-class Combination:
+class Combination(Record):
     """Constants that move together, as exponents, and what a factor e along them changes, dB rms."""
 
-    change: float
-    exponents: dict[str, float]
+    change: float = item("dB", "rms, by a factor e along them")
+    exponents: dict[str, float] = item(meaning="of each constant")
 
 
-@dataclass(frozen=True)
-class Calibration:
+@record()
+class Calibration(Record):
     """The nearest constants; `offset` dB added to their gain gives the target's level, best in the mean."""
 
     constants: Constants
-    rms: float  # dB
-    offset: float  # dB
-    at_bounds: tuple[str, ...]
+    rms: float = item("dB", "misfit")
+    offset: float = item("dB", "added to the gain, it gives the target's level")
+    at_bounds: tuple[str, ...] = item(meaning="constants at an end of their range")
     combinations: tuple[Combination, ...]  # all, the best fixed first
-    agreeing: int  # starts that ended within 1 % of the best rms
-    starts: int
+    agreeing: int = item(meaning="starts that ended within 1 % of the best rms", key="agreeing_starts")
+    starts: int = item(meaning="how many there were")
 
-    @property
+    @reported(meaning="how many combinations the curve fixes")
+    def fixed_combinations(self) -> int:
+        """How many combinations the curve fixes."""
+        return len(self.combinations) - len(self.open_combinations)
+
+    @reported(meaning="those that it doesn't fix")
     def open_combinations(self) -> tuple[Combination, ...]:
         """The combinations that the curve does not fix."""
         return tuple(c for c in self.combinations if c.change < OPEN)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return misfit and what is open."""
-        return {
-            "rms_dB": self.rms,
-            "offset_dB": self.offset,
-            "at_bounds": list(self.at_bounds),
-            "fixed_combinations": len(self.combinations) - len(self.open_combinations),
-            "open_combinations": [
-                {"change_dB": c.change, "exponents": c.exponents} for c in self.open_combinations
-            ],
-            "starts": self.starts,
-            "agreeing_starts": self.agreeing,
-        }
 
 
 def paper_target(points: int = 117) -> tuple[Real, Real]:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -29,6 +29,7 @@ from scipy.constants import epsilon_0
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
+from skincad.base.result import Record, item
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 
@@ -47,26 +48,26 @@ class NoiseSources:
 
 
 @dataclass(frozen=True)
-class Constants:
+class Constants(Record):
     """The constants of a film and its amplifier, each finite and above 0; `d33` may have either sign, not 0.
 
     `capacitance` is the paper's Cpvd with the cable's in parallel; `feedback_capacitance` may be 0,
     none, and `gain_bandwidth` 0, no limit. Raises InputError for any other value.
     """
 
-    d33: float  # C/N
-    capacitance: float  # F, Cpvd
-    motional_resistance: float  # ohm
-    motional_inductance: float  # H
-    motional_capacitance: float  # F
-    series_resistance: float  # ohm, R1 + R2
-    input_resistance: float  # ohm, Ropi
-    input_capacitance: float  # F, Copi
-    feedback_resistance: float  # ohm, R3 + R4
-    output_resistance: float  # ohm, Ropo
-    gain: float  # A
-    feedback_capacitance: float = 0.0  # F, beside R3 + R4; none in the paper
-    gain_bandwidth: float = 0.0  # Hz, of A, one pole; none in the paper
+    d33: float = item("C/N", "of the film")
+    capacitance: float = item("F", "Cpvd")
+    motional_resistance: float = item("ohm", "of the film's resonance")
+    motional_inductance: float = item("H", "of the film's resonance")
+    motional_capacitance: float = item("F", "of the film's resonance")
+    series_resistance: float = item("ohm", "R1 + R2")
+    input_resistance: float = item("ohm", "Ropi")
+    input_capacitance: float = item("F", "Copi")
+    feedback_resistance: float = item("ohm", "R3 + R4")
+    output_resistance: float = item("ohm", "Ropo")
+    gain: float = item(meaning="A")
+    feedback_capacitance: float = item("F", "beside R3 + R4; none in the paper", default=0.0)
+    gain_bandwidth: float = item("Hz", "of A, one pole; none in the paper", default=0.0)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -79,12 +80,6 @@ class Constants:
                 valid, rule = value != 0, "not be 0"
             if not valid:
                 raise InputError(name, f"must {rule}", value)
-
-    def as_json(self) -> dict[str, float]:
-        """Return the constants by name, the unit as suffix."""
-        units = {"d33": "_C_per_N", "resistance": "_ohm", "capacitance": "_F", "inductance": "_H", "gain": ""}
-        units["bandwidth"] = "_Hz"
-        return {name + units[name.rpartition("_")[2]]: value for name, value in asdict(self).items()}
 
 
 Real = Array

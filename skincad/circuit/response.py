@@ -23,6 +23,7 @@ from scipy.optimize import minimize_scalar
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.base.result import Record, item, record
 from skincad.circuit.network import (
     GROUND,
     LOAD,
@@ -146,13 +147,13 @@ BEND = 3.0  # slopes must differ by this many dB/dec and this many errors, else 
 FEWEST = 20
 
 
-@dataclass(frozen=True)
-class Slopes:
+@record()
+class Slopes(Record):
     """The fitted corner; `cutoff` is none for a curve without one. `rms` is the curve's distance, dB."""
 
-    cutoff: Estimate  # Hz
-    below: Estimate  # dB/dec
-    above: Estimate  # dB/dec
+    cutoff: Estimate = item("Hz", "where both lines meet")
+    below: Estimate = item("dB/dec", "below it", key="slope_below_dB_per_dec")
+    above: Estimate = item("dB/dec", "above it", key="slope_above_dB_per_dec")
     level: float  # dB, of the lines at the cut-off, or of the one line at its middle
     rms: float
 
@@ -190,11 +191,11 @@ def fit_slopes(frequency: Real, gain: Real, low: float, high: float, source: str
     if bend < max(BEND, float(np.hypot(errors[1], errors[2]))):
         return _one_line(x, y)
     return Slopes(
-        Estimate(float(corners[0, 0]), float(errors[0]), "Hz"),
-        Estimate(best.below, float(errors[1]), "dB/dec"),
-        Estimate(best.above, float(errors[2]), "dB/dec"),
-        best.level,
-        best.rms,
+        cutoff=Estimate(float(corners[0, 0]), float(errors[0]), "Hz"),
+        below=Estimate(best.below, float(errors[1]), "dB/dec"),
+        above=Estimate(best.above, float(errors[2]), "dB/dec"),
+        level=best.level,
+        rms=best.rms,
     )
 
 
@@ -249,7 +250,13 @@ def _one_line(x: Real, y: Real) -> Slopes:
     rest = y - np.polyval(slopes[0], x)
     slope = Estimate(values[0], max(abs(v - values[0]) for v in values), "dB/dec")
     middle = float(np.polyval(slopes[0], 0.5 * (x[0] + x[-1])))
-    return Slopes(Estimate(None, None, "Hz"), slope, slope, middle, float(np.sqrt((rest**2).mean())))
+    return Slopes(
+        cutoff=Estimate(None, None, "Hz"),
+        below=slope,
+        above=slope,
+        level=middle,
+        rms=float(np.sqrt((rest**2).mean())),
+    )
 
 
 def noise_density(network: Network, frequency: Real) -> dict[str, Real]:

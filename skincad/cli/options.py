@@ -159,7 +159,7 @@ def deliver(result: Result, as_json: bool, written: Delivery | None = None) -> N
         return
     seconds = data.get("seconds", {})
     total = seconds.get("total", 0.0) + written.seconds["total"]
-    data |= {"files": written.as_json(), "seconds": {**seconds, **written.seconds, "total": total}}
+    data |= {"files": written.sizes(), "seconds": {**seconds, **written.seconds, "total": total}}
     _print_result(
         data, as_json, f"{result}\n{written}, {total:.1f} s"
     )  # its files lie there: nothing is undone

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkab
 import numpy as np
 
 from skincad.base.arrays import Array, Index, Mask
+from skincad.base.result import Record, item
 from skincad.base.tables import Table
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients
@@ -37,26 +38,16 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class LeftOutEffect:
-    """An effect left out, what points to it, and the relative change of the differential stress that it may
-    bring; `calibrated` says whether that was held against runs with the effect, and `within` the factor, to
-    either side, that held 90 % of random scenes which no constant saw."""
+class LeftOutEffect(Record):
+    """An effect left out, and the relative change of the differential stress that it may bring."""
 
-    effect: str
-    indicator: str
-    change: float
-    calibrated: bool = False
-    within: float | None = None
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the entry under the contract's keys."""
-        return {
-            "effect": self.effect,
-            "indicator": self.indicator,
-            "estimated_change": self.change,
-            "calibrated": self.calibrated,
-            "within": self.within,
-        }
+    effect: str = item(meaning="its name")
+    indicator: str = item(meaning="what points to it")
+    change: float = item(meaning="relative, that it may bring", key="estimated_change")
+    calibrated: bool = item(meaning="whether that was held against runs with the effect", default=False)
+    within: float | None = item(
+        meaning="factor, to either side, that held 90 % of random scenes which no constant saw", default=None
+    )
 
     @property
     def warning(self) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import markdown_text
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.fabrication.sheet import DEAD_VOLUME, mixing
 from skincad.inputs.catalog import Own, load_design
 from skincad.inputs.design import Design
@@ -61,15 +60,28 @@ FINEST_GAUGE = 0.001  # mm, of common gauges
 PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class CouponKit(Result):
     """The parts of a coupon, the last one the mold of `pad`; `name` is that of the process."""
 
     shown_by = "skincad.outputs.coupons"
-    name: str
+    name: str = item(meaning="of the process")
     pad: Design
     parts: tuple[Part, ...]
-    seconds: dict[str, float] = field(compare=False)
+    seconds: dict[str, float] = item(meaning="wall time by stage, s", compare=False)
+
+    @reported(meaning="that it was made")
+    def passed(self) -> bool:
+        """Whether it was made: a coupon that cannot be is refused."""
+        return True
+
+    @reported(meaning="what is cast", key="silicone")
+    def _silicone(self) -> str:
+        return self.silicone.name
+
+    @reported(meaning="what is made, in mm3", key="parts")
+    def _parts(self) -> list[dict[str, Any]]:
+        return [{"name": part.name, "volume_mm3": part.volume} for part in self.parts]
 
     @property
     def process(self) -> Process:
@@ -81,28 +93,16 @@ class CouponKit(Result):
         """What is cast in the molds."""
         return silicone(self.pad)
 
-    @property
+    @reported("mm", "width of each as drawn")
     def notches(self) -> tuple[float, ...]:
         """Width of each notch as drawn, mm; none where the tool passes too few."""
         return drawn_notches(self.process)
 
-    @property
+    @reported(meaning="what each mold takes of the silicone, g", key="poured_g")
     def grams(self) -> dict[str, float]:
         """What each mold takes of the silicone, g, by the mold's name."""
         density = self.silicone.density * 1e-6
         return {name: volume * density for name, volume in poured_volumes(self.parts).items()}
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the `coupon` object of `--json`; the unit is the key's suffix."""
-        return {
-            "name": self.name,
-            "passed": True,
-            "silicone": self.silicone.name,
-            "parts": [{"name": part.name, "volume_mm3": part.volume} for part in self.parts],
-            "poured_g": self.grams,
-            "notches_mm": list(self.notches),
-            "seconds": dict(self.seconds),
-        }
 
 
 def coupon(
@@ -121,7 +121,7 @@ def coupon(
     with clock.stage("plan"):
         pad = _pad(process, silicone, printer, silicones)
         parts = coupon_parts(processes(pad.printer)[process], pad)
-    return CouponKit(process, pad, parts, clock.seconds())
+    return CouponKit(name=process, pad=pad, parts=parts, seconds=clock.seconds())
 
 
 def _pad(process: str, silicone: str, printer: Own | None, lab_tables: Own | None) -> Design:

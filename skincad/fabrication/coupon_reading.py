@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import text_of
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.inputs.catalog import LARGEST_FILE, load_design
 from skincad.inputs.measurements import (
     CREST_FORM,
@@ -158,7 +158,7 @@ class MeasuredKey(NamedTuple):
     comment: str
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class CouponReading(Result):
     """What the forms in `folder` say of the process `name`, which was `before`.
 
@@ -167,32 +167,47 @@ class CouponReading(Result):
     """
 
     shown_by = "skincad.outputs.coupons:READING"
-    name: str
+    name: str = item(meaning="of the process")
     folder: Path
     before: Process
     printer_text: str
     notches: NotchResult | None
     crests: CrestResult | None
-    seconds: dict[str, float] = field(compare=False)
+    seconds: dict[str, float] = item(meaning="wall time by stage, s", compare=False)
+
+    @reported(meaning="that the forms were read")
+    def passed(self) -> bool:
+        """Whether the forms were read: bad ones are refused."""
+        return True
+
+    @reported("mm", "by which a wall grows")
+    def growth(self) -> Estimate:
+        """By how much a wall grows, mm."""
+        return _or_none(self.notches.growth if self.notches else None)
+
+    @reported("mm", "the narrowest that is open")
+    def gap(self) -> Estimate:
+        """The narrowest gap that is open, mm."""
+        return _or_none(self.notches.gap if self.notches else None)
+
+    @reported("mm", "scatter of the crests")
+    def crest_sigma(self) -> Estimate:
+        """Scatter of the crests, mm."""
+        return _or_none(self.crests.sigma if self.crests else None)
+
+    @reported("mm", "mean height of the crests over the drawn one")
+    def crest_offset(self) -> Estimate:
+        """Mean height of the crests over the drawn one, mm."""
+        return _or_none(self.crests.offset if self.crests else None)
+
+    @reported(meaning="the process's keys that are known now", key="keys")
+    def _keys(self) -> dict[str, float]:
+        return {row.key: row.value for row in self.keys}
 
     @property
     def keys(self) -> list[MeasuredKey]:
         """The process's keys that are known now."""
         return list(_keys(self))
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the object of `--json`; the unit is the key's suffix."""
-        notches, crests = self.notches, self.crests
-        return {
-            "name": self.name,
-            "passed": True,
-            "growth_mm": _json(notches.growth if notches else None),
-            "gap_mm": _json(notches.gap if notches else None),
-            "crest_sigma_mm": _json(crests.sigma if crests else None),
-            "crest_offset_mm": _json(crests.offset if crests else None),
-            "keys": {row.key: row.value for row in self.keys},
-            "seconds": dict(self.seconds),
-        }
 
     def to_toml(self) -> str:
         """Return one's own printer.toml with the process's keys as they are known now."""
@@ -209,8 +224,8 @@ class CouponReading(Result):
         return text
 
 
-def _json(estimate: Estimate | None) -> dict[str, float | None]:
-    return estimate.as_json() if estimate else {"value": None, "error": None}
+def _or_none(estimate: Estimate | None) -> Estimate:
+    return estimate or Estimate(None, None, "mm")
 
 
 def _keys(reading: CouponReading) -> Iterator[MeasuredKey]:

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
+from skincad.base.result import Record, item, record, reported
 from skincad.fabrication.crests import SLICE_CLOSING
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
@@ -290,46 +291,35 @@ def _ways(section: CrossSection, process: Process) -> float:
     return float(far_ways * (2 * retraction + far_move) + near_ways * near_move)
 
 
-class PartEstimate(NamedTuple):
+@record()
+class PartEstimate(Record):
     """What a part takes, made alone; of the cost, its share of a plate's time and setup."""
 
     name: str
     process: str
-    mass: Estimate  # g, of the print, or of the stock
-    time: Estimate  # h, of the machine
-    cost: Estimate  # EUR
-    basis: str
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `parts[]` of make.json says of it."""
-        return {
-            "mass_g": self.mass.as_json(),
-            "time_h": self.time.as_json(),
-            "cost_EUR": self.cost.as_json(),
-            "basis": self.basis,
-        }
+    mass: Estimate = item("g", "of the print, or of the stock")
+    time: Estimate = item("h", "of the machine")
+    cost: Estimate = item("EUR", "of material, machine and setup")
+    basis: str = item(meaning="what it rests on")
 
 
-class ProcessEstimate(NamedTuple):
-    """What all parts of a mold take that one process makes; `plates` is 0 where there are none."""
+@record()
+class ProcessEstimate(Record):
+    """What all parts of a mold take that one process makes."""
 
-    process: str
+    process: str = item(meaning="its name")
     parts: tuple[PartEstimate, ...]
-    plates: int
-    mass: Estimate
-    time: Estimate  # h: of a plate of resin, its tallest part's
-    cost: Estimate
+    plates: int = item(meaning="0 where there are none")
+    mass: Estimate = item("g", "of all its parts")
+    time: Estimate = item("h", "of a plate of resin, its tallest part's")
+    cost: Estimate = item("EUR", "of material, machine and setup")
 
-    def as_json(self) -> dict[str, Any]:
-        """Return it under the contract's keys."""
-        return {
-            "process": self.process,
-            "parts": [{"name": part.name, **part.as_json()} for part in self.parts],
-            "plates": self.plates,
-            "mass_g": self.mass.as_json(),
-            "time_h": self.time.as_json(),
-            "cost_EUR": self.cost.as_json(),
-        }
+    @reported(meaning="what each takes", key="parts")
+    def _parts(self) -> list[dict[str, Any]]:
+        return [
+            {"name": n.name, "mass_g": n.mass, "time_h": n.time, "cost_EUR": n.cost, "basis": n.basis}
+            for n in self.parts
+        ]
 
 
 def estimates(job: Job, prints: Mapping[str, trimesh.Trimesh]) -> tuple[ProcessEstimate, ...]:
@@ -387,12 +377,24 @@ def _of_process(
             cost[n] = _cost(grams, share, process.setup / MINUTES / len(group), process)
     basis = _basis(process)
     part_estimates = tuple(
-        PartEstimate(n, name, _mass(took[n], process), _time(took[n].seconds / HOUR, process), cost[n], basis)
+        PartEstimate(
+            name=n,
+            process=name,
+            mass=_mass(took[n], process),
+            time=_time(took[n].seconds / HOUR, process),
+            cost=cost[n],
+            basis=basis,
+        )
         for n in took
     )
     mass, price = _sum([part.mass for part in part_estimates]), _sum([part.cost for part in part_estimates])
     return ProcessEstimate(
-        name, part_estimates, len(groups) if process.layer else 0, mass, _time(hours, process), price
+        process=name,
+        parts=part_estimates,
+        plates=len(groups) if process.layer else 0,
+        mass=mass,
+        time=_time(hours, process),
+        cost=price,
     )
 
 

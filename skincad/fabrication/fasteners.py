@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from skincad.base.result import Record, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.solids.fasteners import (
     LENGTHS,
@@ -181,36 +181,25 @@ def pin_length(most: float) -> float:
     return max((float(length) for length in PIN_LENGTHS if length <= most), default=most)
 
 
-@dataclass(frozen=True)
-class CarrierMount:
+@record()
+class CarrierMount(Record):
     """A mount as the carrier has it; lengths mm. Where there are no screws, `thread`, `depth` of its hole and
     `reach`, from how far to how far a screw may go in, are None."""
 
-    thread: str | None
-    insert: str  # how it is set, "" where the thread is tapped
-    depth: float | None
-    reach: tuple[float, float] | None
-    positions: tuple[Place, ...]
-    pin: float | None
-    pin_position: Place | None
-    fiducials: tuple[Place, ...]
+    thread: str | None = item(meaning="of the screws")
+    insert: str = item(meaning="how it is set, null where the thread is tapped", null=True)
+    depth: float | None = item("mm", "of the hole")
+    reach: tuple[float, float] | None = item("mm", "how far a screw goes in", key="engagement_mm")
+    positions: tuple[Place, ...] = item("mm", "of the screws")
+    pin: float | None = item("mm", "its diameter")
+    pin_position: Place | None = item("mm", "of the pin")
+    fiducials: tuple[Place, ...] = item("mm", "of the marks")
     fiducial_diameter: float
-    top: float  # where all of them open, over the skin's back
+    top: float = item("mm", "where all of them open, over the skin's back")
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the mount with units in its keys."""
-        return {
-            "thread": self.thread,
-            "insert": self.insert or None,
-            "positions_mm": [list(at) for at in self.positions],
-            "depth_mm": self.depth,
-            "engagement_mm": self.reach and list(self.reach),
-            "pin_mm": self.pin,
-            "pin_position_mm": self.pin_position and list(self.pin_position),
-            "fiducials_mm": [list(at) for at in self.fiducials],
-            "fiducial_diameter_mm": self.fiducial_diameter if self.fiducials else None,
-            "top_mm": self.top,
-        }
+    @reported("mm", "of the marks", key="fiducial_diameter_mm")
+    def _fiducial_diameter(self) -> float | None:
+        return self.fiducial_diameter if self.fiducials else None
 
 
 def mount_of(job: Job) -> CarrierMount | None:

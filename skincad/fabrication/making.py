@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import FaultError, InputError, RefusedError, require_goals
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import model_named
@@ -29,35 +29,20 @@ INTERFERENCE_SHARE = 0.1  # of the smallest clearance: chords of the meshes that
 
 
 @dataclass(frozen=True)
-class PartReport:
+class PartReport(Record):
     """A part as built: exact solid and print mesh; mm, mm2, mm3. A preview leaves None what it has not
     measured, and takes the volume by formula."""
 
-    name: str
-    volume: float
-    watertight: bool
-    asked_deviation: float
-    area: float | None = None
-    faces: int | None = None
-    valid: bool | None = None
-    self_intersections: int | None = None
-    deviation: float | None = None
-    estimate: PartEstimate | None = None  # of what is made; the skin is cast
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the part under the contract's keys."""
-        return {
-            "name": self.name,
-            "volume_mm3": self.volume,
-            "area_mm2": self.area,
-            "faces": self.faces,
-            "valid": self.valid,
-            "watertight": self.watertight,
-            "self_intersections": self.self_intersections,
-            "deviation_mm": self.deviation,
-            "asked_deviation_mm": self.asked_deviation,
-            **(self.estimate.as_json() if self.estimate else {}),
-        }
+    name: str = item(meaning="of the part")
+    volume: float = item("mm3", "of the exact solid")
+    watertight: bool = item(meaning="whether the print mesh is closed")
+    asked_deviation: float = item("mm", "the most that it may deviate")
+    area: float | None = item("mm2", "of the exact solid", default=None)
+    faces: int | None = item(meaning="of the exact solid", default=None)
+    valid: bool | None = item(meaning="whether the kernel holds the solid to be sound", default=None)
+    self_intersections: int | None = item(meaning="faces of the mesh that cross others", default=None)
+    deviation: float | None = item("mm", "of the mesh from the solid", default=None)
+    estimate: PartEstimate | None = item(inline=True, default=None)  # of what is made; the skin is cast
 
 
 def _check_meshes(parts: list[PartReport]) -> None:
@@ -118,7 +103,7 @@ class Build:
         return {n: laid(self.meshes[n], laid_on_end(self.job, p), p) for n, p in printed.items()}
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class MakeResult(Result):
     """A design as built, measured and judged; with `strict` warnings fail it too.
 
@@ -126,28 +111,30 @@ class MakeResult(Result):
     """
 
     shown_by = "skincad.outputs.makes"
-    name: str
+    name: str = item(meaning="of the design")
+    revision: str = item(meaning="of the design", default="")
     strict: bool
-    parts: tuple[PartReport, ...]
-    findings: tuple[Finding, ...]
-    check: ContactCheck | None  # None where nobody asked for the verdict
-    cavity_volume: float  # mm3, of what cures to the skin: larger by the shrinkage
-    seconds: dict[str, float]
-    preview: bool = False
+    preview: bool = item(meaning="whether it was made in haste", default=False)
     solids: bool = True  # whether there are exact ones, and so the files that show them
+    parts: tuple[PartReport, ...] = item(meaning="as built")
+    cavity_volume: float = item("mm3", "of what cures to the skin: larger by the shrinkage")
+    estimates: tuple[ProcessEstimate, ...] = item(
+        meaning="mass, time and cost by process", key="processes", default=()
+    )
+    findings: tuple[Finding, ...] = item(meaning="rules that are broken")
+    check: ContactCheck | None = item(meaning="the verdict, null where it was not asked for")
+    scenes: tuple[Result, ...] = item(meaning="simulated with this skin", default=(), compare=False)
+    mount: CarrierMount | None = item(meaning="as the carrier has it", optional=True, default=None)
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
     build: Build | None = field(default=None, compare=False)
-    scenes: tuple[Result, ...] = field(default=(), compare=False)
-    revision: str = ""  # of the design
-    mount: CarrierMount | None = None
-    estimates: tuple[ProcessEstimate, ...] = ()  # of mass, time and cost by process
 
-    @property
+    @reported(meaning="whether all ridges touch, if that was asked, and no rule is broken")
     def passed(self) -> bool:
         """Whether all ridges touch, if that was asked, and no finding is an error, nor with `strict` a
         warning."""
         return passes(self.check, self.findings, self.strict)
 
-    @property
+    @reported(meaning="what was checked and what came out")
     def summary(self) -> str:
         """What was checked and what came out, as "mold: no errors, 1 warning; contact: not checked"."""
         return summary(self.check, self.findings)
@@ -165,24 +152,6 @@ class MakeResult(Result):
     def exit_status(self) -> int:
         """0 where it passed, else 1."""
         return 0 if self.passed else 1
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys; `files` are those of `write`."""
-        return {
-            "name": self.name,
-            "revision": self.revision,
-            "passed": self.passed,
-            "summary": self.summary,
-            "preview": self.preview,
-            "parts": [part.as_json() for part in self.parts],
-            "cavity_volume_mm3": self.cavity_volume,
-            "processes": [process.as_json() for process in self.estimates],
-            "findings": [finding.as_json() for finding in self.findings],
-            "check": self.check and self.check.as_json(),
-            "scenes": [scene.as_json() for scene in self.scenes],
-            **({"mount": self.mount.as_json()} if self.mount else {}),
-            "seconds": self.seconds,
-        }
 
 
 def make(

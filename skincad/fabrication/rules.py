@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import shapely
 
+from skincad.base.result import Record, item
 from skincad.fabrication.job import Job
 from skincad.inputs.process import Process
 from skincad.shape.curves import Loop, Point, Segment, polygon
@@ -32,20 +33,16 @@ _ROUNDING = 1e-9  # mm
 
 
 @dataclass(frozen=True)
-class Finding:
+class Finding(Record):
     """A broken rule. `error` fails the job, `warning` fails it under --strict, `note` never does."""
 
-    rule: str
-    where: str
-    measured: float
-    limit: float
-    unit: str
-    remedy: str
-    severity: Literal["note", "warning", "error"] = field(kw_only=True)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the finding as plain data."""
-        return asdict(self)
+    rule: str = item(meaning="which is broken")
+    where: str = item(meaning="the place")
+    measured: float = item(meaning="in the unit")
+    limit: float = item(meaning="in the unit")
+    unit: str = item(meaning="of both")
+    remedy: str = item(meaning="what to do")
+    severity: Literal["note", "warning", "error"] = item(meaning="note, warning or error")
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""

@@ -5,14 +5,14 @@ A law with more constants fits the rows that it was fitted to as well or better;
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import optimize
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
+from skincad.base.result import Record, item
 from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.laws import LAWS, law
 from skincad.laws.rubber import Candidate, Rubber
@@ -25,32 +25,20 @@ PENALTY = 1e3  # of the largest stress: residual of constants that are no rubber
 
 
 @dataclass(frozen=True)
-class FittedLaw:
+class FittedLaw(Record):
     """A law fitted to the rows up to `reach` (strain), and its residuals, rms over the largest stress.
 
     The law is fitted to the first half of the strains: `rms_seen` is of these rows, `rms_judged` of those
     beyond.
     """
 
-    name: str
-    law: Rubber
-    constants: int
-    rms_seen: float
-    rms_judged: float
-    reach: float
-    best: bool = field(default=False)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return a row of the comparison."""
-        return {
-            "name": self.name,
-            "law": self.law.model_dump(),
-            "constants": self.constants,
-            "rms_seen": self.rms_seen,
-            "rms_judged": self.rms_judged,
-            "reach_strain": self.reach,
-            "best": self.best,
-        }
+    name: str = item(meaning="of the law")
+    law: Rubber = item(meaning="its constants")
+    constants: int = item(meaning="how many there are")
+    rms_seen: float = item(meaning="over the largest stress, of the rows that it was fitted to")
+    rms_judged: float = item(meaning="over the largest stress, of those beyond")
+    reach: float = item(meaning="the largest strain used", key="reach_strain")
+    best: bool = item(meaning="whether it is the best", default=False)
 
 
 def compare_laws(test: MaterialTest, up_to: float | None = None) -> tuple[tuple[FittedLaw, ...], str]:

@@ -12,7 +12,7 @@ from scipy import optimize, stats
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.base.tables import NumberWithRange
 from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone
@@ -97,34 +97,56 @@ class PartModulus:
     young_modulus: Estimate
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class MaterialFit(Result):
-    """Young's modulus at small strain, MPa, with the half-width of its 95 % interval.
-
-    The half-width is the sum of `scatter` (of the rows), `model` (its uncertainty) and `misfit` (the
-    change over the test, by the `parts`), all MPa. `offset` is a pad's approach, mm, at the first
-    touch, None for a bar. `rms` is that of the residual, `largest_load` the largest used, N of a pad or MPa.
-    `curve` is deformation, load and the model's load, `(rows_used,)` each; `laws` are those compared by a bar
-    that was strained enough, the best first.
-    """
+    """Young's modulus at small strain, with the half-width of its 95 % interval: the sum of `scatter`,
+    `model` and `misfit`. `rms` and `largest_load` are N of a pad, MPa of a bar; `curve` is deformation, load
+    and the model's load, `(rows_used,)` each."""
 
     shown_by = "skincad.outputs.fits"
-    kind: str
-    rows: int
-    rows_used: int
-    young_modulus: Estimate
-    scatter: float
-    model: float
-    misfit: float
+    kind: str = item(meaning="of the test: bar or pad")
+    rows: int = item(meaning="of the file")
+    rows_used: int = item(meaning="that the fit took")
+    young_modulus: Estimate = item("MPa", "at small strain")
+    scatter: float = item("MPa", "the error's part by the rows' scatter")
+    model: float = item("MPa", "the error's part by the model")
+    misfit: float = item("MPa", "the error's part by the change over the test's parts")
     parts: tuple[PartModulus, ...]
     offset: Estimate | None
     rms: float
     largest_load: float
-    correlation: float
-    seconds: dict[str, float]
-    warnings: tuple[str, ...]
+    correlation: float = item(meaning="of neighbouring residuals", key="residual_correlation")
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     curve: tuple[Array, Array, Array] = field(compare=False)
-    laws: tuple[FittedLaw, ...] = ()
+    laws: tuple[FittedLaw, ...] = item(
+        meaning="compared by a bar that was strained enough, the best first", default=()
+    )
+
+    @reported(meaning="that there is a fit")
+    def passed(self) -> bool:
+        """Whether there is a fit: a test without one is refused."""
+        return True
+
+    @reported(meaning="the modulus as a design takes it, in MPa", inline=True)
+    def _range(self) -> dict[str, float]:
+        return {"low_MPa": self.ranged.low, "high_MPa": self.ranged.high}
+
+    @reported("mm", "of a pad's approach at the first touch", key="offset_mm")
+    def _offset(self) -> Estimate:
+        return self.offset or Estimate(None, None, "mm")
+
+    @reported(meaning="the modulus by parts of the test; loads", inline=True)
+    def _by_kind(self) -> dict[str, Any]:
+        load, deformation = ("N", "approach_mm") if self.kind == "pad" else ("MPa", "strain")
+        return {
+            "parts": [
+                {deformation: [part.start, part.end], "young_modulus_MPa": part.young_modulus}
+                for part in self.parts
+            ],
+            f"rms_residual_{load}": self.rms,
+            f"largest_load_{load}": self.largest_load,
+        }
 
     @property
     def law(self) -> Rubber | None:
@@ -152,35 +174,6 @@ class MaterialFit(Result):
         return NumberWithRange(
             value=round(value, digits), low=round(float(low), digits), high=round(float(high), digits)
         )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the `fit-material` object of `--json`; the unit is the key's suffix."""
-        load = "N" if self.kind == "pad" else "MPa"
-        deformation = "approach_mm" if self.kind == "pad" else "strain"
-        written = self.ranged
-        return {
-            "passed": True,
-            "kind": self.kind,
-            "rows": self.rows,
-            "rows_used": self.rows_used,
-            "young_modulus_MPa": self.young_modulus.as_json(),
-            "low_MPa": written.low,
-            "high_MPa": written.high,
-            "scatter_MPa": self.scatter,
-            "model_MPa": self.model,
-            "misfit_MPa": self.misfit,
-            "parts": [
-                {f"{deformation}": [p.start, p.end], "young_modulus_MPa": p.young_modulus.as_json()}
-                for p in self.parts
-            ],
-            "offset_mm": self.offset.as_json() if self.offset else {"value": None, "error": None},
-            f"rms_residual_{load}": self.rms,
-            f"largest_load_{load}": self.largest_load,
-            "laws": [fit.as_json() for fit in self.laws],
-            "residual_correlation": self.correlation,
-            "seconds": dict(self.seconds),
-            "warnings": list(self.warnings),
-        }
 
 
 def material_fit(

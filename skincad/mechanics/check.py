@@ -60,6 +60,7 @@ from skincad.mechanics.validity import (
 from skincad.mechanics.verdict import (
     ContactCheck,
     ModelRun,
+    NextModel,
     before_refusal,
     is_decided,
     is_undecidable,
@@ -191,7 +192,9 @@ class Climb:
                     f"the linear model would take about {about(late.seconds)}, and without --budget a check "
                     f"takes about {DEFAULT_BUDGET:g} s at most"
                 )
-            check = replace(check, warnings=(*check.warnings, words), next_model=(name, late.seconds))
+            check = replace(
+                check, warnings=(*check.warnings, words), next_model=NextModel(name, late.seconds)
+            )
             return with_shortfall(check, tol, 0.0)
 
     def _climb_from(
@@ -231,9 +234,9 @@ class Climb:
                 not exceeds_model(self.design, check) and (check.out_of_range or satisfied)
             ):
                 break
-            if limit is not None and self._spent() + check.next_model[1] > limit:
+            if limit is not None and self._spent() + check.next_model.seconds > limit:
                 break
-            name, request = check.next_model[0], replace(request, must_fit=False)
+            name, request = check.next_model.model, replace(request, must_fit=False)
         check = without_mesh_tolerance(self._with_yield(check))
         check = replace(check, warnings=(*check.warnings, *overrun("", self._spent(), budget)))
         return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
@@ -339,7 +342,8 @@ class Climb:
             manufacture=None if beyond_reason else result,
             seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
             warnings=(*check.warnings, *failed),
-            next_model=following and (following[0], following[1] + self._yield_seconds() - reserved),
+            next_model=following
+            and replace(following, seconds=following.seconds + self._yield_seconds() - reserved),
         )
 
     def _manufacture(self, answer: Answer) -> Yield | None:
@@ -411,7 +415,7 @@ class Climb:
             else {}
         )
 
-    def _next(self, name: str) -> tuple[str, float] | None:
+    def _next(self, name: str) -> NextModel | None:
         """The next model that neglects less, and its predicted seconds."""
         current, order = MODELS[name], list(MODELS)
         better = [
@@ -422,7 +426,7 @@ class Climb:
         ]
         if not better:
             return None
-        return better[0], self._seconds(better[0])
+        return NextModel(better[0], self._seconds(better[0]))
 
     def _seconds(self, name: str) -> float:
         """Predicted seconds of a model from here, by its law at the speed seen so far, with the yield."""

@@ -43,12 +43,12 @@ tests/mechanics/test_left_out.py holds a part of them against the models that co
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.base.result import Record, item, record
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.models.winkler import confinement, ridge_stiffness
@@ -140,14 +140,14 @@ FREE_ENDS, FINITE_STRAIN = "free ends", "finite strain"
 FRICTION, ALONG = "friction", "friction along y"
 
 
-@dataclass(frozen=True)
-class LeftOut:
+@record()
+class LeftOut(Record):
     """Bounds of an effect: relative for the all-touch force and the approach, a share against the mean
     share."""
 
-    effect: str
-    threshold: float
-    approach: float
+    effect: str = item(meaning="its name")
+    threshold: float = item(meaning="relative, of the all-touch force", key="all_touch_force")
+    approach: float = item(meaning="relative, of the approach")
     share: float
 
 
@@ -161,14 +161,16 @@ def free_ends(design: Design) -> LeftOut:
     """
     slender = math.hypot(design.skin.width, design.skin.thickness) / design.skin.length
     reach = min(math.sqrt(slender), 1.5 * slender)
-    return LeftOut(FREE_ENDS, 0.3 * reach, 0.5 * reach, 0.3 * reach)
+    return LeftOut(effect=FREE_ENDS, threshold=0.3 * reach, approach=0.5 * reach, share=0.3 * reach)
 
 
 def finite_strain(design: Design, answer: Answer, force: float) -> LeftOut:
     """Return the bound for strains taken as small, by the nominal strain of the most loaded ridge."""
     strain = ridge_strain(design, answer)
     at_threshold = strain * (answer.all_touch_force.value or 0.0) / force
-    return LeftOut(FINITE_STRAIN, 1.3 * at_threshold, 0.8 * strain, 0.9 * strain)
+    return LeftOut(
+        effect=FINITE_STRAIN, threshold=1.3 * at_threshold, approach=0.8 * strain, share=0.9 * strain
+    )
 
 
 def friction(design: Design, carrying: int) -> LeftOut:
@@ -186,13 +188,15 @@ def friction(design: Design, carrying: int) -> LeftOut:
     threshold = 0.015 + 0.41 * stiffer / (1 + (3 * thick) ** 4) + 0.3 * slope + 0.06 * drawn_in
     softer = 1 - 1 / tip_constraint(design, max(carrying, 1))
     approach = 0.005 + 0.5 * softer + 0.005 * drawn_in
-    return LeftOut(FRICTION, threshold, approach, 0.08 + 0.13 * softer)
+    return LeftOut(effect=FRICTION, threshold=threshold, approach=approach, share=0.08 + 0.13 * softer)
 
 
 def friction_along(design: Design) -> LeftOut:
     """Return the bound for tips that cannot spread along y: they reduce the effect of free ends."""
     ends = free_ends(design)
-    return LeftOut(ALONG, 0.45 * ends.threshold, 0.25 * ends.approach, 0.35 * ends.share)
+    return LeftOut(
+        effect=ALONG, threshold=0.45 * ends.threshold, approach=0.25 * ends.approach, share=0.35 * ends.share
+    )
 
 
 def tip_constraint(design: Design, ridges: int) -> float:

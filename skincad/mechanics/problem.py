@@ -10,6 +10,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
+from skincad.base.result import Record, item, reported
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
@@ -145,19 +146,26 @@ class RidgeModel:
 
 
 @dataclass(frozen=True)
-class Yield:
-    """Share of parts in which all ridges touch at the applied force, and its sensitivities.
-
-    `interval` holds the share, with the error of model and sample, within 0 and 1. `crest_sensitivity`
-    `(ridges,)` is the change of the all-touch force per lowering of each crest, N/mm. `modulus_sensitivity`
-    is its change with E, N/MPa. `largest` names the larger loss and its remedy.
-    """
+class Yield(Record):
+    """Share of parts in which all ridges touch at the applied force, and its sensitivities."""
 
     passing: Estimate
-    interval: tuple[float, float]
-    crest_sensitivity: tuple[float, ...]
-    modulus_sensitivity: float
-    largest: str
+    interval: tuple[float, float] = item(
+        meaning="holds the share, with the error of model and sample, within 0 and 1", key="yield_interval"
+    )
+    crest_sensitivity: tuple[float, ...] = item("N/mm", "change of the all-touch force by each crest's drop")
+    modulus_sensitivity: float = item("N/MPa", "its change with E")
+    largest: str = item(meaning="the larger loss and its remedy", key="yield_largest_loss")
+
+    @reported(meaning="the share", key="yield", error="error")
+    def share(self) -> float | None:
+        """The share, without its error."""
+        return self.passing.value
+
+    @reported(meaning="its error", key="yield_error")
+    def error(self) -> float | None:
+        """The share's error."""
+        return self.passing.error
 
 
 def no_yield(failure: Exception) -> str:

@@ -4,40 +4,53 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Literal
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.progress import about
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, Yield
 
 Verdict = Literal["passes", "fails", "undecided"]
 
 
-class ModelRun(NamedTuple):
-    """A model tried: its all-touch force, its seconds beyond the models before, and its unknowns."""
+@dataclass(frozen=True)
+class ModelRun(Record):
+    """A model tried on the way to the verdict's own."""
 
-    model: str
-    all_touch_force: Estimate
-    seconds: float
-    unknowns: int
+    model: str = item(meaning="its name", key="tier")
+    all_touch_force: Estimate = item("N", "its answer")
+    seconds: float = item(meaning="beyond those of the models before")
+    unknowns: int = item(meaning="of its finest mesh")
 
 
 @dataclass(frozen=True)
-class Change:
-    """One key's value `before` and `after`, with which the design passes: all ridges touch from
-    `all_touch_force` on.
+class NextModel(Record):
+    """The model that may decide, and about how many seconds it takes."""
+
+    model: str = item(meaning="its name", key="tier")
+    seconds: float = item(meaning="that it takes")
+
+
+@dataclass(frozen=True)
+class Change(Record):
+    """One key's value `before` and `after`, with which the design passes.
 
     The verdict's own model has checked it; if not, `model` is the cheaper one that it is estimated with.
     """
 
-    key: str
-    before: float | str
-    after: float | str
-    all_touch_force: Estimate
-    model: str = ""
+    key: str = item(meaning="the key that is changed")
+    before: float | str = item(meaning="its value now")
+    after: float | str = item(meaning="its value with which the design passes")
+    all_touch_force: Estimate = item("N", "all ridges touch from this force on")
+    model: str = item(meaning="the model if it is an estimate", key="estimated_with", null=True, default="")
+
+    @reported(meaning="whether the verdict's own model has checked it")
+    def checked(self) -> bool:
+        """Whether the verdict's own model has checked it."""
+        return not self.model
 
     def __str__(self) -> str:
         """As `skin.curvature_radius 60 -> 76`."""
@@ -46,57 +59,43 @@ class Change:
         )
         return f"{self.key} {before} -> {after}"
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the change as in `--json`."""
-        return {
-            "key": self.key,
-            "before": self.before,
-            "after": self.after,
-            "all_touch_force_N": self.all_touch_force.as_json(),
-            "checked": not self.model,
-            "estimated_with": self.model or None,
-        }
 
-
-@dataclass(frozen=True, repr=False)
+@record()
 class ContactCheck(Result):
-    """The check at `force` N; `touching` of `ridges` carry load, `seconds` is wall time by stage.
-
-    Errors are those of discretisation and of the model; `left_out` says what of the relative error is the
-    model's, by effect. `residual` is the largest relative violation of contact and equilibrium.
-    `models_tried` holds the models before, `next_model` the next with the seconds expected.
-    """
+    """The check of a design under a plate. Errors are those of discretisation and of the model."""
 
     shown_by = "skincad.outputs.checks"
-    name: str
-    force: float
-    ridges: int
-    touching: int
-    all_touch_force: Estimate
-    approach: Estimate
-    ridge_force: tuple[Estimate, ...]
-    model: str
-    unknowns: int
-    residual: float
-    seconds: dict[str, float]
-    warnings: tuple[str, ...]
-    left_out: tuple[LeftOut, ...] = ()
-    models_tried: tuple[ModelRun, ...] = ()
-    next_model: tuple[str, float] | None = None
+    name: str = item(meaning="of the design")
+    force: float = item("N", "the plate's force")
+    plate: str = item(meaning="the plate's shape", default="flat")
+    friction: float | None = item(meaning="the plate's coefficient; null: not known", default=None)
+    ridges: int = item(meaning="how many there are")
+    touching: int = item(meaning="how many carry load")
+    all_touch_force: Estimate = item("N", "all ridges touch from this force on")
+    left_out: tuple[LeftOut, ...] = item(meaning="relative errors by what the model leaves out", default=())
+    approach: Estimate = item("mm", "of the plate from first contact")
+    ridge_force: tuple[Estimate, ...] = item("N", "on each ridge")
+    model: str = item(meaning="by which model", key="tier")
+    models_tried: tuple[ModelRun, ...] = item(meaning="the models before", key="climbed", default=())
+    next_model: NextModel | None = item(meaning="the next with its seconds", key="next_tier", default=None)
+    unknowns: int = item(meaning="of the finest mesh")
+    residual: float = item(meaning="the largest relative violation of contact and equilibrium")
     manufacture: Yield | None = None
-    plate: str = "flat"
-    out_of_range: str = ""  # why the verdict is outside the model's range
-    tipping: float = 0.0  # the most loaded ridge's force over that at which it tips over
-    cause: str = ""  # why it fails, if requested
+    out_of_range: str = item(
+        meaning="why the verdict is outside the model's range", key="beyond_range", null=True, default=""
+    )
+    tipping: float = item(meaning="the most loaded ridge's force over that at which it tips", default=0.0)
+    cause: str = item(meaning="why it fails, if requested", null=True, default="")
     changes: tuple[Change, ...] | None = None  # single ones with which it would pass; None: not looked for
-    changes_notes: tuple[str, ...] = ()  # what the search for changes could not do
+    changes_notes: tuple[str, ...] = item(meaning="what the search for changes could not do", default=())
     search_cut_short: bool = False  # whether that search took cheaper models to end in time
-    friction: float | None = None  # the plate's coefficient; None where it is not known
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     deformed: tuple[DeformedPiece, ...] = field(
         default=(), compare=False
     )  # by the linear model, if it solved
 
-    @property
+    @reported(meaning="passes, fails or undecided")
     def verdict(self) -> Verdict:
         """`undecided` where the asked force lies within the all-touch force's interval, or where the model's
         range ends before it."""
@@ -109,12 +108,12 @@ class ContactCheck(Result):
             return "fails"
         return "fails" if needed.lower is not None and needed.lower > self.force else "undecided"
 
-    @property
+    @reported(meaning="whether all ridges touch for sure")
     def passed(self) -> bool:
         """Whether all ridges touch for sure: an undecided check has not passed."""
         return self.verdict == "passes"
 
-    @property
+    @reported(meaning="what may decide an undecided check", null=True)
     def next_step(self) -> str:
         """What may decide an undecided check, as a sentence; "" where it is decided."""
         if self.verdict != "undecided" or self.out_of_range:
@@ -123,8 +122,8 @@ class ContactCheck(Result):
         if any(FRICTION_DECIDES in warning for warning in self.warnings):
             return "give contact.friction: without friction's error it is decided."
         if self.next_model and not is_undecidable(self, by_both):
-            model, seconds = self.next_model
-            return f"`--model {model}` (about {about(seconds)}) may decide."
+            following = self.next_model
+            return f"`--model {following.model}` (about {about(following.seconds)}) may decide."
         if by_friction and not is_undecidable(self, by_both - by_friction):
             return "give contact.friction: its error alone leaves this open."
         lower, upper = self.all_touch_force.lower or 0.0, self.all_touch_force.upper
@@ -139,13 +138,13 @@ class ContactCheck(Result):
         parts = {part.effect: part.threshold for part in self.left_out if self.model != "winkler"}
         return parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
 
-    @property
+    @reported("N", "from the pessimistic end of the all-touch force to the plate's")
     def margin(self) -> float | None:
         """Newtons from the pessimistic end of the all-touch force to the asked one; negative where failed."""
         upper = self.all_touch_force.upper
         return None if upper is None else self.force - upper
 
-    @property
+    @reported("N", "the model's part of the all-touch force's error")
     def model_error(self) -> float:
         """The part of the all-touch force's error that is the model's, N."""
         return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
@@ -155,67 +154,18 @@ class ContactCheck(Result):
         """0 where all ridges touch, else 1."""
         return 0 if self.passed else 1
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the `check` object of `--json`; the unit is the key's suffix."""
-        return {
-            "name": self.name,
-            "passed": self.passed,
-            "verdict": self.verdict,
-            "next_step": self.next_step or None,
-            "force_N": self.force,
-            "plate": self.plate,
-            "friction": self.friction,
-            "ridges": self.ridges,
-            "touching": self.touching,
-            "all_touch_force_N": self.all_touch_force.as_json(),
-            "margin_N": self.margin,
-            "model_error_N": self.model_error,
-            "left_out": [
-                {"effect": effect.effect, "all_touch_force": effect.threshold, "approach": effect.approach}
-                for effect in self.left_out
-            ],
-            "approach_mm": self.approach.as_json(),
-            "ridge_force_N": [f.as_json() for f in self.ridge_force],
-            "tier": self.model,
-            "climbed": [
-                {
-                    "tier": run.model,
-                    "all_touch_force_N": run.all_touch_force.as_json(),
-                    "seconds": run.seconds,
-                    "unknowns": run.unknowns,
-                }
-                for run in self.models_tried
-            ],
-            "next_tier": self.next_model and {"tier": self.next_model[0], "seconds": self.next_model[1]},
-            "unknowns": self.unknowns,
-            "residual": self.residual,
-            **self._manufacture(),
-            "seconds": dict(self.seconds),
-            "warnings": list(self.warnings),
-            "beyond_range": self.out_of_range or None,
-            "tipping": self.tipping,
-            "cause": self.cause or None,
-            "changes": [change.as_json() for change in self.changes or ()],
-            "changes_searched": None
-            if self.changes is None
-            else "partial"
-            if self.search_cut_short
-            else "complete",
-            "changes_notes": list(self.changes_notes),
-        }
+    @reported(meaning="share of parts in which all ridges touch, and what it depends on", inline=True)
+    def _yield(self) -> Yield | dict[str, None]:
+        return self.manufacture or {"yield": None, "yield_interval": None}
 
-    def _manufacture(self) -> dict[str, Any]:
-        result = self.manufacture
-        if result is None:
-            return {"yield": None, "yield_interval": None}
-        return {
-            "yield": result.passing.value,
-            "yield_error": result.passing.error,
-            "yield_interval": list(result.interval),
-            "crest_sensitivity_N_per_mm": list(result.crest_sensitivity),
-            "modulus_sensitivity_N_per_MPa": result.modulus_sensitivity,
-            "yield_largest_loss": result.largest,
-        }
+    @reported(meaning="what lets it pass", key="changes")
+    def _changes(self) -> tuple[Change, ...]:
+        return self.changes or ()
+
+    @reported(meaning="whether the search for changes ended: complete, partial or null for none")
+    def changes_searched(self) -> str | None:
+        """How far changes were searched for."""
+        return None if self.changes is None else "partial" if self.search_cut_short else "complete"
 
 
 FRICTION_DECIDES = "the verdict depends on friction, which is not known"

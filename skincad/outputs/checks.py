@@ -110,7 +110,7 @@ def _model_lines(check: ContactCheck) -> list[str]:
         for run in check.models_tried
     ]
     if check.next_model and not check.next_step:
-        model, seconds = check.next_model
+        model, seconds = check.next_model.model, check.next_model.seconds
         lines.append(f"  more accurate  --model {model}, about {about(seconds)} more")
     return lines
 

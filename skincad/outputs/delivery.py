@@ -25,7 +25,7 @@ class Delivery:
     files: tuple[tuple[str, int], ...]
     seconds: dict[str, float]
 
-    def as_json(self) -> list[dict[str, str | int]]:
+    def sizes(self) -> list[dict[str, str | int]]:
         """Return the contract's `files`."""
         return [{"path": str(self.folder / name), "bytes": size} for name, size in self.files]
 

@@ -150,7 +150,7 @@ def sweep_lines(sweep: SweepResult) -> list[str]:
     for ranking in sweep.rankings:
         rows += _ranking_lines(sweep, ranking)
     if sweep.next_model:
-        name, seconds = sweep.next_model
+        name, seconds = sweep.next_model.model, sweep.next_model.seconds
         cost = f"its {len(sweep.rankings[0].ties[0])} rows take about {seconds:.2g} s"
         rows.append(f"  finer          --model {name} may settle the first tie: {cost}")
     rows += _refusals([row for row in sweep.rows if row.refused])

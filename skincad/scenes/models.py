@@ -57,10 +57,6 @@ class BySource(NamedTuple):
             return None
         return self.mesh + self.time_step + self.left_out + self.drift
 
-    def as_json(self) -> dict[str, float | None]:
-        """Return it under JSON keys."""
-        return self._asdict()
-
     def with_total(self) -> dict[str, float | None]:
         """Return it under JSON keys, the sum too."""
         return {**self._asdict(), "total": self.total}

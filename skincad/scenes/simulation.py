@@ -15,7 +15,7 @@ from skincad.base.errors import require_goals
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
@@ -137,7 +137,7 @@ def joined(parts: Mapping[str, Readings]) -> dict[str, Any]:
     return merged
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Simulation(Result):
     """A scene's result. `raw` and `signals`, by monitored ridge: differential stress S1 - S2, MPa, as it is
     and band-limited; `error` MPa its change from the mesh before, None with one mesh, and `stress_errors`
@@ -149,29 +149,108 @@ class Simulation(Result):
     march: March
     raw: dict[int, Array]
     signals: dict[int, FilteredSignal]
-    error: dict[int, float] | None
-    stress_errors: dict[int, BySource]
+    error: dict[int, float] | None = item(
+        "MPa", "change from the mesh before", key="differential_stress_error_MPa"
+    )
+    stress_errors: dict[int, BySource] = item(
+        "MPa", "whole error of the largest stress", key="differential_stress_error_by_source_MPa"
+    )
     slipping: Mask
-    runs: list[list[list[int]]]
-    slip_steps: list[int | None]
-    gross_slip_step: int | None
+    runs: list[list[list[int]]] = item(meaning="steps, of each ridge", key="ridge_slip_intervals")
+    slip_steps: list[int | None] = item(meaning="from which each ridge slips for good", key="ridge_slip_step")
+    gross_slip_step: int | None = item(meaning="from which the skin slips as a whole")
     slip_errors: SlipErrors
-    left_out: list[LeftOutEffect]
-    read: dict[str, Any]
-    seconds: dict[str, float]
-    warnings: tuple[str, ...]
+    left_out: list[LeftOutEffect] = item(meaning="effects left out, and what that may change")
+    read: dict[str, Any] = item(meaning="what the scene's readers tell", inline=True)
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
 
-    @property
+    @reported(meaning="of the scene")
+    def name(self) -> str:
+        """The scene's name."""
+        return self.scene.name
+
+    @reported(meaning="which of the physics is in")
+    def effects(self) -> list[str]:
+        """Names of the scene's effects."""
+        return list(self.scene.effects)
+
+    @reported(meaning="by which model of the skin", key="tier")
+    def model(self) -> str:
+        """Name of the model that marched."""
+        return model_of(self.scene)
+
+    @reported(meaning="steps of finite strain, between which the skin is linear; null: each or none")
+    def chosen_steps(self) -> list[int] | None:
+        """Steps at which finite strain is solved, None where not by chosen steps."""
+        return chosen_steps(self.march)
+
+    @reported(meaning="how many steps were marched")
+    def steps(self) -> int:
+        """How many steps were marched."""
+        return len(self.march.readings) - 1
+
+    @reported(meaning="why it ended early")
+    def stopped(self) -> Any:
+        """Why the march ended early, None where it did not."""
+        return self.march.stopped
+
+    @reported("s", "of each step, from rest")
+    def time(self) -> Array:
+        """Time of each step `(steps + 1,)`, s."""
+        return self.march.time
+
+    @reported("N", "on the plate, at each step")
+    def normal_force(self) -> Array:
+        """The plate's normal force `(steps + 1,)`, N."""
+        return self.march.column("normal")
+
+    @reported("N", "on the plate, at each step")
+    def tangential_force(self) -> Array:
+        """The plate's tangential force `(steps + 1,)`, N."""
+        return self.march.column("tangential")
+
+    @reported("MPa", "S1 - S2 of each monitored ridge, band-limited")
+    def differential_stress(self) -> dict[int, Array]:
+        """Band-limited differential stress `(steps + 1,)` by ridge, MPa."""
+        return {ridge: signal.value for ridge, signal in self.signals.items()}
+
+    @reported("MPa/s", "its rate")
+    def stress_rate(self) -> dict[int, Array]:
+        """Its rate `(steps + 1,)` by ridge, MPa/s."""
+        return {ridge: signal.rate for ridge, signal in self.signals.items()}
+
+    @reported("MPa/s2", "its second derivative")
+    def stress_jerk(self) -> dict[int, Array]:
+        """Its second derivative `(steps + 1,)` by ridge, MPa/s2."""
+        return {ridge: signal.jerk for ridge, signal in self.signals.items()}
+
+    @reported("Hz", "of the readout", key="bandwidth_Hz")
+    def bandwidth(self) -> float:
+        """The readout's bandwidth, Hz."""
+        return self.scene.readout.bandwidth_Hz
+
+    @reported(meaning="the largest relative violation of contact and equilibrium", key="residual_max")
+    def residual(self) -> float:
+        """The largest residual of all steps."""
+        return float(self.march.column("residual").max())
+
+    @reported(meaning="of the mesh")
+    def unknowns(self) -> int:
+        """Unknowns of the march's mesh."""
+        return self.march.unknowns
+
+    @reported("s", "by how much the signals lag behind what is felt", key="signal_delay_s")
     def delay(self) -> float:
         """By how many s the signals lag behind what is felt; steps named by signals have it taken out."""
         return delay(self.scene.readout.bandwidth_Hz)
 
-    @property
+    @reported(meaning="work of the plate, stored, dissipated; what is missing is relative")
     def energy(self) -> dict[str, float]:
         """Work of the plate, what is stored and dissipated, mJ, and what is missing, relative to the work."""
         return energy(self.march)
 
-    @property
+    @reported("ms", "by how much a monitored ridge's slip comes before gross slip")
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a monitored ridge's lasting slip comes before gross slip; no value without both,
         no error where nobody asked what the mesh or the step changes."""
@@ -179,11 +258,29 @@ class Simulation(Result):
         gross, errors = self.gross_slip_step, self.slip_errors.leads
         return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in slips}
 
+    @reported("ms", "its error by source")
+    def lead_error(self) -> dict[int, BySource]:
+        """The leads' errors by source, ms."""
+        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self.scene.readout.ridges}
+
+    @reported("ms", "the lead without its error")
+    def slip_lead(self) -> dict[int, float | None]:
+        """The leads' values, ms."""
+        return {ridge: estimate.value for ridge, estimate in self.lead.items()}
+
     @property
     def slip_step_errors(self) -> list[BySource | None]:
         """How many steps `slip_steps` may be wrong by, ridge by ridge; None for one that does not slip."""
         pairs = zip(self.slip_steps, self.slip_errors.slips, strict=True)
         return [in_steps(self.march, step, error) for step, error in pairs]
+
+    @reported(meaning="by how many steps each ridge's may be wrong, by source", key="slip_step_error")
+    def _slip_step_error(self) -> list[dict[str, float | None] | None]:
+        return [None if error is None else error.with_total() for error in self.slip_step_errors]
+
+    @reported(meaning="by how many steps it may be wrong, by source", key="gross_slip_step_error")
+    def _gross_slip_step_error(self) -> dict[str, float | None] | None:
+        return None if self.gross_slip_step_error is None else self.gross_slip_step_error.with_total()
 
     @property
     def gross_slip_step_error(self) -> BySource | None:
@@ -200,7 +297,7 @@ class Simulation(Result):
         """The step of gross slip; no value without it."""
         return slip_step(self.gross_slip_step, self.gross_slip_step_error)
 
-    @property
+    @reported("MPa", "of each monitored ridge, either way", key="largest_differential_stress_MPa")
     def largest_stress(self) -> dict[int, Estimate]:
         """A monitored ridge's largest differential stress, MPa, either way, with its whole error."""
         return {
@@ -212,57 +309,6 @@ class Simulation(Result):
     def exit_status(self) -> int:
         """0 where it ran to its end, 1 where it failed, 130 where Ctrl-C ended it."""
         return INTERRUPTED if self.march.interrupted else 1 if self.march.failed else 0
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
-        slips, gross = self.slip_step_errors, self.gross_slip_step_error
-
-        def told(of: Callable[[FilteredSignal], Array]) -> dict[str, list[float]]:
-            return {str(r): of(signal).tolist() for r, signal in self.signals.items()}
-
-        march = self.march
-        before = {
-            "name": self.scene.name,
-            "effects": list(self.scene.effects),
-            "left_out": [entry.as_json() for entry in self.left_out],
-            "tier": model_of(self.scene),
-            "chosen_steps": chosen_steps(march),
-            "steps": len(march.readings) - 1,
-            "stopped": march.stopped,
-            "time_s": march.time.tolist(),
-            "normal_force_N": march.column("normal").tolist(),
-            "tangential_force_N": march.column("tangential").tolist(),
-            "ridge_slip_intervals": self.runs,
-            "ridge_slip_step": self.slip_steps,
-            "slip_step_error": [None if estimate is None else estimate.with_total() for estimate in slips],
-            "gross_slip_step": self.gross_slip_step,
-            "gross_slip_step_error": None if gross is None else gross.with_total(),
-            "lead_ms": {str(r): estimate.as_json() for r, estimate in self.lead.items()},
-            "lead_error_ms": {str(r): self.slip_errors.leads[r - 1].as_json() for r in self.lead},
-            "slip_lead_ms": {str(r): estimate.value for r, estimate in self.lead.items()},
-            "differential_stress_MPa": told(lambda s: s.value),
-            "stress_rate_MPa_per_s": told(lambda s: s.rate),
-            "stress_jerk_MPa_per_s2": told(lambda s: s.jerk),
-            "differential_stress_error_MPa": (
-                None if self.error is None else {str(r): e for r, e in self.error.items()}
-            ),
-            "differential_stress_error_by_source_MPa": {
-                str(r): estimate.as_json() for r, estimate in self.stress_errors.items()
-            },
-            "largest_differential_stress_MPa": {
-                str(r): estimate.as_json() for r, estimate in self.largest_stress.items()
-            },
-            "bandwidth_Hz": self.scene.readout.bandwidth_Hz,
-            "signal_delay_s": self.delay,
-        }
-        after = {
-            "residual_max": float(march.column("residual").max()),
-            "energy": self.energy,
-            "unknowns": march.unknowns,
-            "seconds": self.seconds,
-            "warnings": list(self.warnings),
-        }
-        return joined({"the march": before, "a reader": self.read, "the run": after})
 
 
 def simulate(

@@ -1,8 +1,6 @@
 """What a study asks of each of its designs, and the numbers that it gets.
 
-What a result says, as numbers by key: any number of its JSON, with its error where it has one. Lists are
-counted from 1, as ridges are, or by their entries' names: `ridge_force_N.3`, `parts.cavity.volume_mm3`; a
-list of plain numbers has `.min`, `.max` and `.last` too, any other `.count`. A key may leave its unit out:
+The numbers are those of the result by their keys (`Record.numbers`). A key may leave its unit out:
 `all_touch_force`, `ridge_force.3`.
 """
 
@@ -11,8 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from time import perf_counter
@@ -25,6 +22,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError, did_yo
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.progress import Progress
+from skincad.base.result import Result, bare_key, unit_of_key
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check, require_force
@@ -32,72 +30,16 @@ from skincad.mechanics.models.table import model_named, unsupported_reason
 from skincad.scenes.scene import Scene
 from skincad.studies.subject import Subject, Value, changed, fingerprint
 
-UNITS = (  # suffixes of JSON keys, the longer ones first
-    "MPa_per_s2", "MPa_per_s", "dB_per_dec", "N_per_MPa", "N_per_mm", "mm3", "mm2", "MPa", "mm", "Hz", "mJ",
-    "ms", "dB", "pC", "nV", "V", "N", "s", "g", "deg",
-)  # fmt: skip
-_UNIT = re.compile(rf"_({'|'.join(UNITS)})(?=\.|$)")
-LONGEST_LIST = 64  # of numbers that are told one by one; longer ones, over steps, by their ends
-NAMES = ("name", "effect", "rule", "tier")  # by which entries of a list are told
-
-
-def measures(result: Mapping[str, Any]) -> dict[str, Estimate]:
-    """Return every number of a result's JSON by its key; a null where a number may be has no value."""
-    return dict(_leaves(result, ""))
-
-
-def _leaves(data: Any, at: str) -> Iterator[tuple[str, Estimate]]:
-    if isinstance(data, Mapping):
-        if data.keys() == {"value", "error"}:
-            yield at, Estimate(data["value"], data["error"], unit_of_key(at))
-            return
-        for key, value in data.items():
-            error = data.get(f"{key}_error")
-            if key.endswith("_error") and key.removesuffix("_error") in data:
-                continue
-            where = f"{at}.{key}" if at else str(key)
-            if isinstance(error, int | float) and isinstance(value, int | float):
-                yield where, Estimate(float(value), float(error), unit_of_key(where))
-            else:
-                yield from _leaves(value, where)
-    elif isinstance(data, list):
-        yield from _entries(data, at)
-    elif data is None or (isinstance(data, int | float) and not isinstance(data, bool)):
-        yield at, Estimate(None if data is None else float(data), None, unit_of_key(at))
-    elif isinstance(data, bool):
-        yield at, Estimate(float(data), 0.0, "")
-
-
-def _entries(data: list[Any], at: str) -> Iterator[tuple[str, Estimate]]:
-    numbers = [float(x) for x in data if isinstance(x, int | float) and not isinstance(x, bool)]
-    if len(data) <= LONGEST_LIST or not numbers:
-        for number, entry in enumerate(data[:LONGEST_LIST], 1):
-            name = (
-                next((entry[k] for k in NAMES if k in entry), number) if isinstance(entry, dict) else number
-            )
-            yield from _leaves(entry, f"{at}.{name}")
-    if not numbers and not any(isinstance(entry, Mapping) and "value" in entry for entry in data):
-        yield f"{at}.count", Estimate(float(len(data)), 0.0, "")
-    if numbers and len(numbers) == len(data):
-        for name, value in (("min", min(numbers)), ("max", max(numbers)), ("last", numbers[-1])):
-            yield f"{at}.{name}", Estimate(value, None, unit_of_key(at))
-
-
-def unit_of_key(key: str) -> str:
-    """Return the unit that a JSON key ends in, "" where it has none: N/mm of `sensitivity_N_per_mm.1`."""
-    match = _UNIT.search(key)
-    return match[1].replace("_per_", "/") if match else ""
-
 
 def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
     """Return the known key that `key` means, its unit left out or not; raises InputError for none."""
     names = list(known)
     if key in names:
         return key
-    matches = [name for name in names if _UNIT.sub("", name) == key]
+    matches = [name for name in names if bare_key(name) == key]
     if len(matches) == 1:
         return matches[0]
-    bare = {_UNIT.sub("", name) for name in names if "seconds" not in name}
+    bare = {bare_key(name) for name in names if "seconds" not in name}
     remedy = did_you_mean(key, bare)
     if remedy.startswith("known"):  # all entries of all lists would be no help
         remedy = did_you_mean(key, {name.partition(".")[0] for name in bare})
@@ -107,7 +49,7 @@ def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
 def worded(key: str, value: Estimate | float) -> str:
     """Return a result in words: `all_touch_force 3 N`, or with its error."""
     estimate = value if isinstance(value, Estimate) else Estimate(value, None, unit_of_key(key))
-    return f"{_UNIT.sub('', key)} {estimate}".rstrip()
+    return f"{bare_key(key)} {estimate}".rstrip()
 
 
 def slack(estimate: Estimate) -> float:
@@ -184,39 +126,24 @@ def evaluate(subject: Subject, values: Mapping[str, Value], question: Query) -> 
     """Return the answer for a subject with these values, which its own rules may refuse, or the model."""
     safe_point()
     began, when = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
-    key, data, refused = "", dict[str, Any](), ""
+    key, refused, result = "", "", None
     try:
         one = changed(subject, values)
         key = question.key(one)
-        data = _ASKED[question.kind](one, question).as_json()
+        result = _ASKED[question.kind](one, question)
     except ExhaustedError:
         raise  # says nothing of the design
     except (InputError, RefusedError) as failure:
         refused = str(failure)
-    seconds = perf_counter() - began
-    return told_by(data, key or _unmade(subject, values, question), values, refused, seconds, when)
-
-
-def told_by(
-    data: Mapping[str, Any],
-    key: str,
-    values: Mapping[str, Value],
-    refused: str = "",
-    seconds: float = 0.0,
-    when: str = "",
-) -> Evaluation:
-    """Return the evaluation that a result's JSON tells."""
-    refused = refused or data.get("beyond_range") or ""
-    model = data.get("tier", "")
-    results = {name: estimate for name, estimate in measures(data).items() if name not in ECHOED}
+    numbers = {} if result is None else result.numbers()
     return Evaluation(
-        key=key,
+        key=key or _unmade(subject, values, question),
         values=dict(values),
-        results=results,
-        passed=data.get("passed"),
-        refused=refused,
-        model=model,
-        seconds=seconds,
+        results={name: estimate for name, estimate in numbers.items() if name not in ECHOED},
+        passed=getattr(result, "passed", None),
+        refused=refused or getattr(result, "out_of_range", ""),
+        model=getattr(result, "model", ""),
+        seconds=perf_counter() - began,
         when=when,
     )
 
@@ -235,17 +162,17 @@ def _unmade(subject: Subject, values: Mapping[str, Value], question: Query) -> s
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def _check(subject: Any, question: Query) -> Any:
+def _check(subject: Any, question: Query) -> Result:
     return check(subject, force=question.force, model=question.model or "auto", tol=question.tol)
 
 
-def _make(subject: Any, _: Query) -> Any:
+def _make(subject: Any, _: Query) -> Result:
     from skincad.fabrication.making import make
 
     return make(subject)
 
 
-def _simulate(subject: Any, question: Query) -> Any:
+def _simulate(subject: Any, question: Query) -> Result:
     from skincad.scenes.simulation import marched, marching, read_out
 
     key = question.key(marching(subject))
@@ -256,7 +183,7 @@ def _simulate(subject: Any, question: Query) -> Any:
     return read_out(subject, _LAST[key])
 
 
-def _gain(subject: Any, _: Query) -> Any:
+def _gain(subject: Any, _: Query) -> Result:
     from skincad.circuit.bode import gain
 
     return gain(subject)
@@ -264,7 +191,7 @@ def _gain(subject: Any, _: Query) -> Any:
 
 _LAST: dict[str, Any] = {}  # of the scene that was simulated last, its march
 
-_ASKED: dict[str, Callable[[Any, Query], Any]] = {
+_ASKED: dict[str, Callable[[Any, Query], Result]] = {
     "check": _check,
     "make": _make,
     "simulate": _simulate,

@@ -22,7 +22,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
 from skincad.studies.query import (
@@ -49,19 +49,17 @@ from skincad.studies.subject import (
 )
 
 
-@dataclass(frozen=True)
-class SolutionPoint:
-    """Values of the varied keys, the wanted results there, and which values the results' errors leave open.
+@record()
+class SolutionPoint(Record):
+    """A place that gives what is wanted, or comes nearest to it."""
 
-    `interval` is `(low, high)` within the range of the one number that is varied, empty for several;
-    `nearest` names the catalogue's choice that comes nearest to a number.
-    """
-
-    values: Mapping[str, Value]
-    reached: Mapping[str, Estimate]
-    interval: Mapping[str, tuple[float, float]]
-    nearest: Mapping[str, str]
-    passed: bool | None
+    values: Mapping[str, Value] = item(meaning="of the varied keys")
+    reached: Mapping[str, Estimate] = item(meaning="the wanted results there")
+    interval: Mapping[str, tuple[float, float]] = item(
+        meaning="what the results' errors leave open of the one number that is varied; empty for several"
+    )
+    nearest: Mapping[str, str] = item(meaning="the catalogue's choice that comes nearest to a number")
+    passed: bool | None = item(meaning="whether all ridges touch there")
 
     def as_json(self) -> dict[str, Any]:
         """Return one entry of `solutions`."""
@@ -74,33 +72,56 @@ class SolutionPoint:
         }
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class Solution(Result):
-    """All `solutions` that were found, the least change first; where there is none, the `closest`.
-
-    `complete` says that there are no others: the model that judges was asked at both ends of the range and at
-    enough places between. `target` is by the result's keys; `evaluations` are all of them in their order,
-    `notes` what else is to be known of the search, `seconds` its wall time.
-    """
+    """What was found; `evaluations` are all of them in their order. `complete` says that there are no other
+    solutions: the model that judges was asked at both ends of the range and at enough places between."""
 
     shown_by = "skincad.outputs.studies:SOLUTION"
     subject: Subject
     question: Query
-    target: Mapping[str, float]
+    target: Mapping[str, float] = item(meaning="what is wanted, by the result's keys")
     knobs: tuple[DesignVariable, ...]
-    solutions: tuple[SolutionPoint, ...]
-    closest: SolutionPoint | None
+    solutions: tuple[SolutionPoint, ...] = item(meaning="all that were found, the least change first")
+    closest: SolutionPoint | None = item(meaning="where there is none")
     evaluations: tuple[Evaluation, ...]
-    notes: tuple[str, ...]
-    seconds: float
+    notes: tuple[str, ...] = item(meaning="what else is to be known of the search")
+    seconds: float  # wall time
     complete: bool = False
 
-    @property
+    @reported(meaning="of the subject")
     def name(self) -> str:
         """The subject's name."""
         return self.subject.name
 
-    @property
+    @reported(meaning="keys and their ranges or choices", key="vary")
+    def _vary(self) -> dict[str, list[Value]]:
+        return {knob.key: knob.range for knob in self.knobs}
+
+    @reported(meaning="the model of all checks", key="tier")
+    def model(self) -> str | None:
+        """The model of all checks."""
+        return self.question.model
+
+    @reported(meaning="how many there were", key="evaluations")
+    def _evaluations(self) -> int:
+        return len(self.evaluations)
+
+    @reported(meaning="how many of them were refused")
+    def refused(self) -> int:
+        """How many evaluations were refused."""
+        return sum(bool(entry.refused) for entry in self.evaluations)
+
+    @reported(meaning="complete where there are no other solutions, else partial")
+    def searched(self) -> str:
+        """How far the range was searched."""
+        return "complete" if self.complete else "partial"
+
+    @reported(meaning="wall time, s", key="seconds")
+    def _seconds(self) -> dict[str, float]:
+        return {"total": self.seconds}
+
+    @reported(meaning="whether there is a solution")
     def feasible(self) -> bool:
         """Whether there is a solution."""
         return bool(self.solutions)
@@ -116,23 +137,6 @@ class Solution(Result):
     def exit_status(self) -> int:
         """0 where a solution was found, else 1."""
         return 0 if self.feasible else 1
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
-        return {
-            "name": self.name,
-            "target": dict(self.target),
-            "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
-            "solutions": [entry.as_json() for entry in self.solutions],
-            "closest": self.closest and self.closest.as_json(),
-            "tier": self.question.model,
-            "evaluations": len(self.evaluations),
-            "refused": sum(bool(entry.refused) for entry in self.evaluations),
-            "feasible": self.feasible,
-            "searched": "complete" if self.complete else "partial",
-            "notes": list(self.notes),
-            "seconds": {"total": self.seconds},
-        }
 
 
 Function = Callable[[Array], Array | None]  # (n,) on [0, 1] -> (m,), None where there is no value
@@ -420,7 +424,9 @@ def _solved(
     named = {key.replace("young_modulus", "name"): name for key, name in near.items() if name}
     named |= {key: value for key, value in values.items() if isinstance(value, str)}
     reached = {key: evaluation.results[key] for key in evaluator.target}
-    return SolutionPoint(dict(values), reached, interval, named, evaluation.passed)
+    return SolutionPoint(
+        values=dict(values), reached=reached, interval=interval, nearest=named, passed=evaluation.passed
+    )
 
 
 def _uncast(subject: Subject, key: str, value: Value) -> str:

@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
@@ -194,10 +194,10 @@ class RobustObjective:
             met[key] = met.get(key, True) and self._excess(limit, results, side, "judge") <= 0
         wanted = [resolved(objective.key, results, what="key") for objective in self.study.objectives]
         return Member(
-            dict(values),
-            {key: results[key] for key in wanted},
-            {key: (results[key], good) for key, good in met.items()},
-            model,
+            values=dict(values),
+            objectives={key: results[key] for key in wanted},
+            constraints={key: (results[key], good) for key, good in met.items()},
+            model=model,
         )
 
     def correct(self, member: Member, results: Results, model: Model) -> None:
@@ -278,60 +278,68 @@ class RobustObjective:
         return slack(estimate) if self.study.robust else 0.0
 
 
-@dataclass(frozen=True)
-class Member:
+@record()
+class Member(Record):
     """A design of the front: its values, and by the judge its objectives, and its constraints' numbers with
     whether each is kept."""
 
-    values: Mapping[str, Value]
-    objectives: Mapping[str, Estimate]
+    values: Mapping[str, Value] = item(meaning="of the varied keys")
+    objectives: Mapping[str, Estimate] = item(meaning="by the judge")
     constraints: Mapping[str, tuple[Estimate, bool]]
-    model: str
+    model: str = item(meaning="of the judge", key="tier", null=True)
+
+    @reported(meaning="by the judge, and whether each is kept", key="constraints")
+    def _constraints(self) -> dict[str, dict[str, Any]]:
+        return {key: {**number.as_json(), "kept": met} for key, (number, met) in self.constraints.items()}
 
     @property
     def allowed(self) -> bool:
         """Whether all constraints are kept."""
         return all(met for _, met in self.constraints.values())
 
-    def as_json(self) -> dict[str, Any]:
-        """Return one entry of `front`."""
-        return {
-            "values": dict(self.values),
-            "objectives": {key: estimate.as_json() for key, estimate in self.objectives.items()},
-            "constraints": {
-                key: {**estimate.as_json(), "kept": met} for key, (estimate, met) in self.constraints.items()
-            },
-            "tier": self.model or None,
-        }
 
-
-@dataclass(frozen=True, repr=False)
+@record()
 class Optimisation(Result):
-    """The judged `front` of a study, the best of the first objective first; where it is empty, the `closest`.
-
-    `rows` are all evaluations of the searching model; `start` is the subject as the study has it, judged.
-    `untried` is how many combinations were not tried; None if a key has a continuous range.
-    """
+    """The judged `front` of a study; `rows` are all evaluations of the searching model."""
 
     shown_by = "skincad.outputs.studies:OPTIMISATION"
     study: Study
     subject: Subject
-    front: tuple[Member, ...]
-    closest: Member | None
-    start: Member | None
+    front: tuple[Member, ...] = item(meaning="the best of the first objective first")
+    closest: Member | None = item(meaning="where the front is empty, the one that misses least")
+    start: Member | None = item(meaning="the subject as the study has it, judged")
     rows: SweepResult
-    judged: int
-    untried: int | None
-    evaluations: int
-    reused: int
-    seconds: float
+    judged: int = item(meaning="how many the judge was asked of")
+    untried: int | None = item(meaning="combinations not tried; null if a key has a continuous range")
+    evaluations: int = item(meaning="computed now")
+    reused: int = item(meaning="that a log had")
+    seconds: float  # wall time of this run
 
-    @property
+    @reported(meaning="of the study")
     def name(self) -> str:
         """The study's name."""
         return self.study.name
 
-    @property
+    @reported(meaning="what it starts from")
+    def about(self) -> str:
+        """Name of what it starts from."""
+        return self.subject.name
+
+    @reported(meaning="the model that searched", key="tier")
+    def model(self) -> str | None:
+        """The model that searched."""
+        return self.rows.question.model
+
+    @reported(meaning="the model that has the last word")
+    def judge(self) -> str:
+        """The model that has the last word."""
+        return self.study.judge
+
+    @reported(meaning="wall time, s", key="seconds")
+    def _seconds(self) -> dict[str, float]:
+        return {"total": self.seconds}
+
+    @reported(meaning="whether a design keeps all constraints")
     def feasible(self) -> bool:
         """Whether a design keeps all constraints."""
         return bool(self.front)
@@ -352,21 +360,3 @@ class Optimisation(Result):
     def exit_status(self) -> int:
         """0 where a design keeps all limits, else 1."""
         return 0 if self.feasible else 1
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
-        return {
-            "name": self.name,
-            "about": self.subject.name,
-            "front": [member.as_json() for member in self.front],
-            "closest": self.closest and self.closest.as_json(),
-            "start": self.start and self.start.as_json(),
-            "tier": self.rows.question.model,
-            "judge": self.study.judge,
-            "judged": self.judged,
-            "untried": self.untried,
-            "evaluations": self.evaluations,
-            "reused": self.reused,
-            "feasible": self.feasible,
-            "seconds": {"total": self.seconds},
-        }

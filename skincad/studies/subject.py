@@ -260,6 +260,11 @@ class DesignVariable:
     choices: tuple[Value, ...] = ()
 
     @property
+    def range(self) -> list[Value]:
+        """Its choices, or both ends."""
+        return list(self.choices) or [self.low, self.high]
+
+    @property
     def by_ratio(self) -> bool:
         """Whether the range is one of ratios."""
         return self.low > 0 and self.high >= WIDE * self.low

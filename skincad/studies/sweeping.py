@@ -18,13 +18,14 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, expected_seconds, unsupported_reason
+from skincad.mechanics.verdict import NextModel
 from skincad.studies.query import Evaluation, Query, first_able, question_of, resolved, worded
 from skincad.studies.running import Log, Run, Values
 from skincad.studies.running import workers as working
-from skincad.studies.subject import DesignVariable, RangeText, Subject, knobs
+from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs
 
 Goal = Literal["min", "max"]
 # of a model's error, what two designs do not share: bench/ranks.py found 0.06 at most on seeds 0 to 24, on
@@ -132,7 +133,7 @@ INPUTS = ("passed", "ridges")  # said of a row elsewhere, or by its values
 UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class SweepResult(Result):
     """All `rows`, in the order of the values, refused ones with their reason; `rankings` the asked orders.
 
@@ -146,12 +147,12 @@ class SweepResult(Result):
     knobs: tuple[DesignVariable, ...]
     rows: tuple[Evaluation, ...]
     rankings: tuple[Ranking, ...]
-    next_model: tuple[str, float] | None
-    evaluations: int
-    reused: int
-    seconds: float
+    next_model: NextModel | None = item(meaning="may tell the first tie apart", key="next_tier")
+    evaluations: int = item(meaning="computed now")
+    reused: int = item(meaning="that a log or another row had")
+    seconds: float  # wall time of this run
 
-    @property
+    @reported(meaning="of the subject")
     def name(self) -> str:
         """The subject's name."""
         return self.subject.name
@@ -187,32 +188,46 @@ class SweepResult(Result):
         """0 where a row has an answer, else 1."""
         return 0 if self.refused < len(self.rows) else 1
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys; rows count from 1."""
-        first = self.rankings[0] if self.rankings else None
-        return {
-            "name": self.name,
-            "vary": {knob.key: list(knob.choices) or [knob.low, knob.high] for knob in self.knobs},
-            "rows": [self._row(row) for row in self.rows],
-            "ranked_by": [{"key": ranking.key, "goal": ranking.goal} for ranking in self.rankings],
-            "ranking": [{"row": rank.row, "wins": rank.wins} for rank in first.ranks] if first else [],
-            "ties": [list(tie) for tie in first.ties] if first else [],
-            "next_tier": self.next_model and {"tier": self.next_model[0], "seconds": self.next_model[1]},
-            "tier": self.question.model,
-            "evaluations": self.evaluations,
-            "reused": self.reused,
-            "seconds": {"total": self.seconds},
-        }
+    @reported(meaning="keys and their ranges or choices", key="vary")
+    def _vary(self) -> dict[str, list[Value]]:
+        return {knob.key: knob.range for knob in self.knobs}
 
-    def _row(self, row: Evaluation) -> dict[str, Any]:
-        results = {key: row.results[key].as_json() for key in self.keys if key in row.results}
-        return {
-            "values": dict(row.values),
-            "results": results,
-            "passed": row.passed,
-            "refused": row.refused or None,
-            "tier": row.model or None,
-        }
+    @reported(meaning="in the order of the values; a refused one says why", key="rows")
+    def _rows(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "values": row.values,
+                "results": {key: row.results[key] for key in self.keys if key in row.results},
+                "passed": row.passed,
+                "refused": row.refused or None,
+                "tier": row.model or None,
+            }
+            for row in self.rows
+        ]
+
+    @reported(meaning="by what rows are ranked")
+    def ranked_by(self) -> list[dict[str, str]]:
+        """Keys and goals of the rankings, the one that counts first."""
+        return [{"key": ranking.key, "goal": ranking.goal} for ranking in self.rankings]
+
+    @reported(meaning="rows of the first ranking, the best first; they count from 1")
+    def ranking(self) -> tuple[Rank, ...]:
+        """Ranks of the first ranking."""
+        return self.rankings[0].ranks if self.rankings else ()
+
+    @reported(meaning="groups of its rows that are not surely apart")
+    def ties(self) -> tuple[tuple[int, ...], ...]:
+        """Ties of the first ranking."""
+        return self.rankings[0].ties if self.rankings else ()
+
+    @reported(meaning="the model of all checks", key="tier")
+    def model(self) -> str | None:
+        """The model of all checks."""
+        return self.question.model
+
+    @reported(meaning="wall time, s", key="seconds")
+    def _seconds(self) -> dict[str, float]:
+        return {"total": self.seconds}
 
     def arrays(self) -> dict[str, Any]:
         """Return a numpy array `(rows,)` by key: values, results, and errors as `KEY.error`; NaN where a row
@@ -361,7 +376,7 @@ def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | Non
     return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
 
 
-def _next_model(subject: Subject, question: Query, ranking: Ranking) -> tuple[str, float] | None:
+def _next_model(subject: Subject, question: Query, ranking: Ranking) -> NextModel | None:
     """The next model that leaves less out, and its seconds for the rows that tie for the first place."""
     if question.kind != "check" or not ranking.ties or not ranking.ranks or not isinstance(subject, Design):
         return None
@@ -373,5 +388,5 @@ def _next_model(subject: Subject, question: Query, ranking: Ranking) -> tuple[st
     least = math.inf if rough else len(MODELS[question.model].leaves_out)
     for name in names[names.index(question.model) + 1 :]:
         if not unsupported_reason(name, subject, False) and len(MODELS[name].leaves_out) <= least:
-            return name, len(first) * expected_seconds(name, subject, set())
+            return NextModel(name, len(first) * expected_seconds(name, subject, set()))
     return None

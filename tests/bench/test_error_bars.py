@@ -71,7 +71,7 @@ def test_of_the_shares_it_is_the_ridge_whose_error_is_the_most_used_up() -> None
 
 def test_a_bound_of_what_is_left_out_is_of_each_value_and_of_the_mean_share() -> None:
     linear, better = answer(3.0, 0.2, 1.0, 3.0), answer(3.0, 0.2, 1.1, 2.9)
-    found = rows_of(linear, better, LeftOut("free ends", threshold=0.1, approach=0.5, share=0.2))
+    found = rows_of(linear, better, LeftOut(effect="free ends", threshold=0.1, approach=0.5, share=0.2))
     assert [found[q].stated for q in QUANTITIES] == pytest.approx([0.3, 0.1, 0.4])
 
 

@@ -186,7 +186,15 @@ def test_a_measured_curve_is_calibrated_to_less_its_rig(
 
     def calibrated(frequency: np.ndarray, level: np.ndarray, **_: object) -> Calibration:
         calls.append((frequency, level))
-        return Calibration(constants(circuit), 0.0, 0.0, (), (), 1, 1)
+        return Calibration(
+            constants=constants(circuit),
+            rms=0.0,
+            offset=0.0,
+            at_bounds=(),
+            combinations=(),
+            agreeing=1,
+            starts=1,
+        )
 
     circuit = load_circuit("yamada-2002")
     monkeypatch.setattr(bode, "calibrate", calibrated)

@@ -127,7 +127,15 @@ def test_a_measured_curve_is_fitted_to_its_end_or_the_sweeps(
 
     def calibrated(frequency: np.ndarray, *_: object, **__: object) -> Calibration:
         reached.append(frequency[-1])
-        return Calibration(constants(circuit), 0.0, 0.0, (), (), 1, 1)
+        return Calibration(
+            constants=constants(circuit),
+            rms=0.0,
+            offset=0.0,
+            at_bounds=(),
+            combinations=(),
+            agreeing=1,
+            starts=1,
+        )
 
     circuit = load_circuit("yamada-2002")
     monkeypatch.setattr(bode, "calibrate", calibrated)

@@ -27,7 +27,7 @@ from skincad.mechanics.models import table as models
 from skincad.mechanics.models.linear import level
 from skincad.mechanics.models.table import MODELS, expected_seconds, own_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
-from skincad.mechanics.verdict import ContactCheck
+from skincad.mechanics.verdict import ContactCheck, NextModel
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
 
@@ -310,8 +310,8 @@ def small() -> Design:
 def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
     verdict = judged
     assert verdict.model == "corrected"
-    assert [model for model, *_ in verdict.models_tried] == ["linear"]
-    before = verdict.models_tried[0][1]
+    assert [run.model for run in verdict.models_tried] == ["linear"]
+    before = verdict.models_tried[0].all_touch_force
     assert before.value < 4.0 < before.upper  # what the linear model leaves open
     assert verdict.all_touch_force.upper < 4.0
     assert verdict.passed
@@ -338,7 +338,7 @@ def test_the_error_is_the_meshs_and_the_models(by_linear: ContactCheck) -> None:
     assert 0 < mesh < 0.01 * verdict.all_touch_force.value < 0.1 * verdict.model_error
     assert [bound.effect for bound in verdict.left_out] == ["free ends", "finite strain"]
     assert verdict.margin == pytest.approx(4.0 - verdict.all_touch_force.upper)
-    assert verdict.next_model[0] == "corrected"
+    assert verdict.next_model.model == "corrected"
 
 
 @pytest.mark.slow
@@ -366,8 +366,8 @@ def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch
         verdict = check(yamada(), budget=1e-3)
         assert verdict.model == "winkler"
         assert any("would take about" in w and "of the budget of 0.001 s" in w for w in verdict.warnings)
-        assert verdict.next_model[0] == "linear"
-        assert verdict.next_model[1] > 1e-3
+        assert verdict.next_model.model == "linear"
+        assert verdict.next_model.seconds > 1e-3
 
 
 @pytest.mark.slow
@@ -377,7 +377,7 @@ def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
     assert check(hard).model == "linear"
     verdict = check(hard, budget=1e3)
     assert verdict.next_model is None
-    assert [model for model, *_ in verdict.models_tried][:2] == ["linear", "corrected"]
+    assert [run.model for run in verdict.models_tried][:2] == ["linear", "corrected"]
 
 
 def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict() -> None:
@@ -549,7 +549,7 @@ class MadeUp:
         return self.sampling if what == "yield" else models.overhead_seconds(what, design)
 
     def bound(self, effect: str) -> LeftOut:
-        return LeftOut(effect, LEFT[effect], LEFT[effect], LEFT[effect])
+        return LeftOut(effect=effect, threshold=LEFT[effect], approach=LEFT[effect], share=LEFT[effect])
 
 
 @pytest.mark.parametrize(
@@ -569,7 +569,7 @@ def test_a_tolerance_begins_with_the_first_model_that_may_meet_it(
 ) -> None:
     fake = MadeUp(monkeypatch)
     verdict = check(yamada(), tol=tol)
-    assert (verdict.model, [name for name, *_ in verdict.models_tried]) == (model, climbed)
+    assert (verdict.model, [run.model for run in verdict.models_tried]) == (model, climbed)
     error = {"linear": 0.3, "corrected": 0.1}.get(model, 0.0)
     if model != "winkler":
         assert verdict.all_touch_force.error == pytest.approx((0.01 + error) * 3.0, rel=1e-12)
@@ -614,16 +614,17 @@ def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
     MadeUp(monkeypatch, value)
     reports: list[tuple[str, float | None]] = []
     verdict = check(yamada(), force=4.0, progress=lambda stage, left=None: reports.append((stage, left)))
-    assert (verdict.model, [name for name, *_ in verdict.models_tried], verdict.passed) == (
+    assert (verdict.model, [run.model for run in verdict.models_tried], verdict.passed) == (
         model,
         climbed,
         passed,
     )
-    assert [seconds for _, _, seconds, _ in verdict.models_tried] == pytest.approx(
-        [2.0, 4.0, 9.0][: len(climbed)]
-    )
-    following = {"linear": ("corrected", 4.0), "corrected": ("corrected-finite-strain", 9.0)}
-    last = ("solid-finite-strain", 22.0)
+    assert [run.seconds for run in verdict.models_tried] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
+    following = {
+        "linear": NextModel("corrected", 4.0),
+        "corrected": NextModel("corrected-finite-strain", 9.0),
+    }
+    last = NextModel("solid-finite-strain", 22.0)
     expected_next = None if model == "solid-finite-strain" else following.get(model, last)
     assert verdict.next_model == expected_next
     # the first by the law's machine, the others at the speed seen: half as fast
@@ -656,7 +657,7 @@ def test_a_budget_is_climbed_as_far_as_the_next_model_fits(
         [f"the linear model {late} of {budget:g} s"] if late else []
     )
     if late:
-        assert verdict.next_model == ("linear", 1.0 if budget < 0.67 else 2.0)
+        assert verdict.next_model == NextModel("linear", 1.0 if budget < 0.67 else 2.0)
         return
     ends = {"linear": 0.0, "corrected": 2.0, "finite-strain": 6.0, "solid": 15.0}
     for name, expected in ends.items():
@@ -728,13 +729,13 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
     )
     monkeypatch.setattr(manufacturing, "manufacture", sampled)
     verdict = check(yamada(), force=4.0)
-    assert [name for name, *_ in verdict.models_tried] == ["linear", "corrected"]
+    assert [run.model for run in verdict.models_tried] == ["linear", "corrected"]
     # each model's own time (see above); the yield's model took the linear model 50 s
-    assert [seconds for _, _, seconds, _ in verdict.models_tried] == pytest.approx([2.0, 4.0])
+    assert [run.seconds for run in verdict.models_tried] == pytest.approx([2.0, 4.0])
     assert verdict.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
     assert verdict.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
     # not the 2 * 1.5 of its law
-    assert verdict.next_model == ("solid-finite-strain", pytest.approx(22.0 + 2.5))
+    assert verdict.next_model == NextModel("solid-finite-strain", pytest.approx(22.0 + 2.5))
     # within a budget it has its place before it is known what it takes
     for budget, model in ((8.9, "linear"), (9.1, "corrected")):
         within = check(yamada(), force=4.0, budget=budget)

@@ -86,4 +86,4 @@ def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest
     assert verdict.model == "winkler"
     assert any("without --budget a check takes about" in note for note in verdict.warnings)
     assert verdict.next_model is not None
-    assert verdict.next_model[0] == "linear"
+    assert verdict.next_model.model == "linear"

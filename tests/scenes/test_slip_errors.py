@@ -63,11 +63,11 @@ def test_a_slips_error_is_told_in_steps() -> None:
     error = in_steps(march, 40, BySource(0.2, 0.1, 1.5))
     assert error is not None
     assert error[:3] == (2, 1, 15)
-    assert error.with_total() == {**error.as_json(), "total": 18}
+    assert error.with_total() == {**error._asdict(), "total": 18}
     assert str(slip_step(40, error)) == "40 ± 18 steps"
     unknown = in_steps(march, 40, BySource(None, 0.1, 1.5))
     assert unknown is not None
-    assert unknown.with_total() == {**unknown.as_json(), "total": None}
+    assert unknown.with_total() == {**unknown._asdict(), "total": None}
     assert slip_step(40, unknown).error is None
     assert in_steps(march, None, BySource(0.2, 0.1, 1.5)) is None
     assert slip_step(None, None).value is None

@@ -11,6 +11,7 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.base.estimate import Estimate
 from skincad.cli import run
 from skincad.scenes import simulation
 from skincad.scenes.scene import Scene
@@ -185,9 +186,9 @@ class Led:
         self.resistance = value_of(scene, "circuit.amplifier.feedback_resistance")
         self.radius = scene.design.skin.curvature_radius
 
-    def as_json(self) -> dict[str, Any]:
+    def numbers(self) -> dict[str, Estimate]:
         off = np.log10(float(self.resistance or 0.0) / 1e8) ** 2 + (self.radius / 80 - 1) ** 2
-        return {"longest_lead_time_s": 1e-3 * np.exp(-off)}
+        return {"longest_lead_time_s": Estimate(float(1e-3 * np.exp(-off)), None, "s")}
 
 
 @pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from skincad.base.errors import RefusedError
+from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
 from skincad.studies import query
@@ -158,12 +159,12 @@ class Work:
     functions: dict[str, Callable[[Design], float]]
 
     def __init__(self, design: Design) -> None:
-        self.numbers = {name: function(design) for name, function in self.functions.items()}
-        if not all(map(math.isfinite, self.numbers.values())):
+        self.values = {name: function(design) for name, function in self.functions.items()}
+        if not all(map(math.isfinite, self.values.values())):
             raise RefusedError("has no solution here")
 
-    def as_json(self) -> dict[str, Any]:
-        return {name: {"value": value, "error": 0.0} for name, value in self.numbers.items()}
+    def numbers(self) -> dict[str, Estimate]:
+        return {name: Estimate(value, 0.0, "") for name, value in self.values.items()}
 
 
 def wave(random: np.random.Generator) -> Callable[[Any], Any]:

@@ -77,9 +77,17 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
 
     scene = skincad.load_scene("yamada-2002-press")
     for values in ({"effects.friction.coefficient": 0.3}, {"skin.ridge.height": 0.45}):
-        one = SolutionPoint(values, {}, {}, {}, None)
+        one = SolutionPoint(values=values, reached={}, interval={}, nearest={}, passed=None)
         found = Solution(
-            scene, Query("simulate"), {"steps": 1.0}, (), (one,), None, tuple[Evaluation](), (), 0.0
+            subject=scene,
+            question=Query("simulate"),
+            target={"steps": 1.0},
+            knobs=(),
+            solutions=(one,),
+            closest=None,
+            evaluations=tuple[Evaluation](),
+            notes=(),
+            seconds=0.0,
         )
         path = tmp_path / f"{next(iter(values))}.toml"
         write_solution(found, path, "yamada-2002-press")

@@ -30,7 +30,12 @@ def weighing(**changes: Any) -> RobustObjective:
 
 def member(values: Mapping[str, float], loss: float, kept: bool = True) -> Member:
     limit = {"margin_N": (Estimate(2.5, None, "N"), kept)}
-    return Member(values, {"all_touch_force_N": Estimate(loss, 0.0, "N")}, limit, "linear")
+    return Member(
+        values=values,
+        objectives={"all_touch_force_N": Estimate(loss, 0.0, "N")},
+        constraints=limit,
+        model="linear",
+    )
 
 
 def test_the_worse_end_counts_and_limits_are_parts_of_their_bounds() -> None:
@@ -95,7 +100,7 @@ def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
 
     def at(force: float, approach: float) -> Member:
         told = {"all_touch_force_N": Estimate(force, 0.0, "N"), "approach_mm": Estimate(approach, 0.0, "mm")}
-        return Member({}, told, {}, "linear")
+        return Member(values={}, objectives=told, constraints={}, model="linear")
 
     first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
     assert two.pareto_front([first, second, beaten]) == [first, second]

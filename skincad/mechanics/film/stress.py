@@ -18,7 +18,7 @@ from skincad.base.climbing import Ascent, climb, unmet
 from skincad.base.errors import InputError, RefusedError, require_goals, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.result import Result
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.bodies import elements
@@ -32,8 +32,8 @@ from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 from skincad.shape.skin import skin_of
 
 
-@dataclass(frozen=True)
-class FilmStress:
+@record()
+class FilmStress(Record):
     """Mean stresses in the strips of ridges 1, 2, ... in MPa, tension positive, each with its error.
 
     `s1`, `s2`: across the film (its d33 sees that); `differential`: s1 - s2; `along1`, `along2`: along the
@@ -44,25 +44,25 @@ class FilmStress:
     contact of the skin with itself, "" if there is none. Flanks against the plate are not checked.
     """
 
-    name: str
-    force: float
-    tangential: float
-    ridges: int
-    film: str
+    name: str = item(meaning="of the design")
+    force: float = item("N", "normal, of the plate")
+    tangential: float = item("N", "of the plate", key="tangential_force_N")
+    ridges: int = item(meaning="how many there are")
+    film: str = item(meaning="bonded, or absent")
     s1: tuple[Estimate, ...]
     s2: tuple[Estimate, ...]
-    differential: tuple[Estimate, ...]
+    differential: tuple[Estimate, ...] = item("MPa", "S1 - S2 of each ridge", key="differential_stress_MPa")
     along1: tuple[Estimate, ...]
     along2: tuple[Estimate, ...]
     lengthwise1: tuple[Estimate, ...]
     lengthwise2: tuple[Estimate, ...]
-    ridge_force: tuple[Estimate, ...]
-    ridge_tangential: tuple[Estimate, ...]
-    needed_friction: tuple[Estimate, ...]
-    unknowns: int
-    residual: float
-    seconds: dict[str, float]
-    warnings: tuple[str, ...]
+    ridge_force: tuple[Estimate, ...] = item("N", "normal, on each ridge")
+    ridge_tangential: tuple[Estimate, ...] = item("N", "on each ridge", key="ridge_tangential_force_N")
+    needed_friction: tuple[Estimate, ...] = item(meaning="coefficient that full stick needs at each ridge")
+    unknowns: int = item(meaning="of the finest mesh")
+    residual: float = item(meaning="the largest relative violation of contact and equilibrium")
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     fields: tuple[RidgeField, ...] = ()
     fault: str = ""
 
@@ -74,48 +74,36 @@ class FilmStress:
         share = abs(between.value / one.value)
         return Estimate(share, ((between.error or 0.0) + share * (one.error or 0.0)) / abs(one.value), "1")
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the object of `--json`; the unit is the key's suffix."""
+    @reported("MPa", "across the film in each ridge")
+    def film_stress(self) -> dict[str, tuple[Estimate, ...]]:
+        """Stress across both films."""
+        return {"S1": self.s1, "S2": self.s2}
 
-        def pair(one: Sequence[Estimate], other: Sequence[Estimate]) -> dict[str, Any]:
-            return {"S1": [e.as_json() for e in one], "S2": [e.as_json() for e in other]}
+    @reported("MPa", "along the film in the section")
+    def stress_along_film(self) -> dict[str, tuple[Estimate, ...]]:
+        """Stress along both films."""
+        return {"S1": self.along1, "S2": self.along2}
 
-        return {
-            "name": self.name,
-            "force_N": self.force,
-            "tangential_force_N": self.tangential,
-            "ridges": self.ridges,
-            "film": self.film,
-            "film_stress_MPa": pair(self.s1, self.s2),
-            "differential_stress_MPa": [e.as_json() for e in self.differential],
-            "stress_along_film_MPa": pair(self.along1, self.along2),
-            "stress_lengthwise_MPa": pair(self.lengthwise1, self.lengthwise2),
-            "ridge_force_N": [e.as_json() for e in self.ridge_force],
-            "ridge_tangential_force_N": [e.as_json() for e in self.ridge_tangential],
-            "needed_friction": [e.as_json() for e in self.needed_friction],
-            "unknowns": self.unknowns,
-            "residual": self.residual,
-            "seconds": dict(self.seconds),
-            "warnings": list(self.warnings),
-        }
+    @reported("MPa", "along y, the ridge")
+    def stress_lengthwise(self) -> dict[str, tuple[Estimate, ...]]:
+        """Stress of both films along the ridge."""
+        return {"S1": self.lengthwise1, "S2": self.lengthwise2}
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class FilmStresses(Result):
     """The films' stress under the normal force alone, and under it and a tangential force."""
 
     shown_by = "skincad.outputs.checks:FILM_STRESS"
-    name: str
-    states: tuple[FilmStress, FilmStress]
+    name: str = item(meaning="of the design")
+    states: tuple[FilmStress, FilmStress] = item(
+        meaning="under the normal force alone, and with the tangential one", key="film_stress"
+    )
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of both states."""
         return tuple(dict.fromkeys(note for state in self.states for note in state.warnings))
-
-    def as_json(self) -> dict[str, Any]:
-        """Return both states."""
-        return {"name": self.name, "film_stress": [state.as_json() for state in self.states]}
 
 
 EDGE_SEARCH = (0.5, 3)  # fineness and order of the run that finds where contact ends
@@ -355,7 +343,7 @@ def film_stress(
     alone, both = film_stresses(
         design, normal, pulls, tol=tol, show=sorted({min(3, middle), middle}), progress=progress
     )
-    return FilmStresses(design.name, (alone, both))
+    return FilmStresses(name=design.name, states=(alone, both))
 
 
 def film_stresses(

@@ -6,7 +6,6 @@ The card says what was simplified, what each number rests on, and where it holds
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ import trimesh
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import markdown_text, strict_json
-from skincad.base.result import Result, Writer
+from skincad.base.result import Result, Writer, item, record, reported
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
@@ -64,7 +63,7 @@ FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat b
 LICENCE = "to be stated by the skin's owner"
 
 
-@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
+@record(eq=False)
 class Package(Result):
     """A design for these `kinds` of simulators; what a kind asks for is None where it is not among them.
 
@@ -83,17 +82,20 @@ class Package(Result):
     mesh: Tetrahedra | None
     heights: HeightMap | None
     notes: tuple[str, ...]
-    seconds: dict[str, float]
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+
+    @reported(meaning="the model card: what was simplified, and what each number rests on", inline=True)
+    def _card(self) -> dict[str, Any]:
+        return card(self)
+
+    @reported(meaning="how many, null without any", key="taxels")
+    def _taxels(self) -> int | None:
+        return None if self.taxels is None else len(self.taxels.names)
 
     @property
     def name(self) -> str:
         """The design's name."""
         return self.design.name
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the object of `--json`: the model card, and how many taxels there are."""
-        count = None if self.taxels is None else len(self.taxels.names)
-        return {**self.presenter().manifest(self), "taxels": count, "seconds": dict(self.seconds)}
 
 
 def package(
@@ -242,7 +244,7 @@ def card(package: Package) -> dict[str, Any]:
         "mass_g": package.weighs.mass,
         "simplified": [*_simplified(package), *package.notes],
         "numbers": [dict(zip(("what", "rests_on", "holds"), row, strict=True)) for row in _numbers(package)],
-        "springs": None if package.springs is None else package.springs.as_json(),
+        "springs": package.springs and package.springs.as_json(),
     }
 
 

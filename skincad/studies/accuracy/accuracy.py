@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 from skincad.base.errors import require_number
 from skincad.base.machine import machine
 from skincad.base.progress import Progress
-from skincad.base.result import Result
+from skincad.base.result import Result, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import ModelTiming, save_timings, without_home
 from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_of
@@ -18,17 +18,41 @@ from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_o
 MOST_REPEATS = 100
 
 
-@dataclass(frozen=True, repr=False)
+@record()
 class Accuracy(Result):
     """The ladders of a design, on what machine, and the seconds of the whole."""
 
     shown_by = "skincad.outputs.accuracies"
-    name: str
+    name: str = item(meaning="of the design")
     ladders: tuple[Ladder, ...]
-    machine: dict[str, Any]
-    repeats: int
-    seconds: float
+    machine: dict[str, Any] = item(meaning="on which times were taken")
+    repeats: int = item(meaning="of each timed run")
+    seconds: float  # wall time of the whole
     cache_note: str = ""  # in words, where what the models took is kept
+
+    @reported(meaning="a model or mesh each: unknowns, seconds, errors")
+    def rows(self) -> list[dict[str, Any]]:
+        """Rows of all ladders."""
+        return [row for ladder in self.ladders for row in ladder.rows()]
+
+    @reported(meaning="what errors are against, by ladder")
+    def reference(self) -> dict[str, Any]:
+        """What errors are against, by ladder."""
+        return {ladder.name: ladder.reference() for ladder in self.ladders}
+
+    @reported(meaning="seconds as a power of the unknowns, by ladder and model")
+    def time_laws(self) -> dict[str, Any]:
+        """Seconds as a power of the unknowns, by ladder and model."""
+        return {ladder.name: ladder.laws() for ladder in self.ladders}
+
+    @reported(meaning="what `check` chooses models by, and where it is kept")
+    def cost_law(self) -> dict[str, Any]:
+        """What `check` chooses models by, and where it is kept."""
+        return {"taken": self.taken, "kept": self.cache_note}
+
+    @reported(meaning="wall time, s", key="seconds")
+    def _seconds(self) -> dict[str, float]:
+        return {"total": self.seconds}
 
     @property
     def taken(self) -> dict[str, ModelTiming]:
@@ -51,25 +75,6 @@ class Accuracy(Result):
         note = f"cost law kept in {without_home(path)}; delete it to forget it"
         return replace(self, cache_note=note + (busy if load and load > 1.5 * cores else ""))
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the result under the contract's keys."""
-        return {
-            "name": self.name,
-            "rows": [row for ladder in self.ladders for row in ladder.rows()],
-            "reference": {ladder.name: ladder.reference() for ladder in self.ladders},
-            "time_laws": {
-                ladder.name: {model: asdict(law) for model, law in ladder.laws().items()}
-                for ladder in self.ladders
-            },
-            "cost_law": {
-                "taken": {model: one.model_dump() for model, one in self.taken.items()},
-                "kept": self.cache_note,
-            },
-            "machine": self.machine,
-            "repeats": self.repeats,
-            "seconds": {"total": self.seconds},
-        }
-
 
 def accuracy(
     design: Design, ladders: Sequence[str] = (), *, repeats: int = 3, progress: Progress | None = None
@@ -86,4 +91,6 @@ def accuracy(
         prices = {stage: s for climb in climbs for stage, s in climb.prices(design, repeats).items()}
         progress = Countdown(prices, progress)
     results = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
-    return Accuracy(design.name, results, machine(), repeats, perf_counter() - began)
+    return Accuracy(
+        name=design.name, ladders=results, machine=machine(), repeats=repeats, seconds=perf_counter() - began
+    )

@@ -88,7 +88,9 @@ def test_what_models_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.M
     ladder = Ladder(
         "contact", "contact", (), (measure,), timings={"linear": ModelTiming(size=20_000.0, seconds=4.0)}
     )
-    found = Accuracy("a", (ladder,), {**machine(), "load": 1.4, "cores": 1}, 1, 1.0)
+    found = Accuracy(
+        name="a", ladders=(ladder,), machine={**machine(), "load": 1.4, "cores": 1}, repeats=1, seconds=1.0
+    )
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
     monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
     assert found.as_json()["cost_law"] == {
