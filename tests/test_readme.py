@@ -38,4 +38,4 @@ def test_the_picture_is_what_the_program_draws(made: Made) -> None:
 
 
 def test_it_is_short() -> None:
-    assert len(README.splitlines()) <= 130
+    assert len(README.splitlines()) <= 110
