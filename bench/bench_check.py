@@ -72,20 +72,20 @@ def models(names: list[str]) -> dict[str, dict[str, Any]]:
 
 def stages(row: dict[str, Any]) -> None:
     """Print the linear model's stages against one factorisation of the matrix with its unknowns."""
-    from skincad.mechanics.models.linear import RUNGS
+    from skincad.mechanics.models.linear import REFINEMENTS
 
     design = load(DESIGN)
-    for rung in RUNGS:
-        found = system(design, rung.fineness, rung.order)
+    for pair in REFINEMENTS:
+        found = system(design, pair.fineness, pair.order)
         if found.unknowns == row["unknowns"]:
             break
     else:
-        raise RuntimeError("no rung has the linear model's unknowns")
+        raise RuntimeError("no pair has the linear model's unknowns")
     block = free_block(found)
     once = best(lambda: factorise(block))
     print(
-        f"\nlinear model in times of one factorisation of its own finest matrix (fineness {rung.fineness:g}, "
-        f"order {rung.order}, {once:.3f} s); goal: total <= {LINEAR_GOAL:g}"
+        f"\nlinear model in times of one factorisation of its own finest matrix (fineness {pair.fineness:g}, "
+        f"order {pair.order}, {once:.3f} s); goal: total <= {LINEAR_GOAL:g}"
     )
     for stage, seconds in row["seconds"].items():
         print(f"{stage:>24} {seconds / once:8.2f}   ({seconds:.3f} s)")

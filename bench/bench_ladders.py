@@ -53,7 +53,7 @@ class Stages:
         self.now, self.began = stage, perf_counter()
 
 
-def climb(name: str, design: Design) -> float:
+def refine(name: str, design: Design) -> float:
     """Print a ladder's stages, expected and taken; return the seconds of the whole."""
     module, stages = ladder_of(name), Stages()
     prices = module.prices(design, REPEATS)
@@ -128,7 +128,7 @@ def main() -> None:
         if spent + price > 60 * asked.minutes:
             print(f"  {name}: not begun, it would take {price:.0f} s")
         else:
-            climb(name, design)
+            refine(name, design)
     print(f"{perf_counter() - began:.0f} s in all")
 
 

@@ -20,7 +20,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import triangles
 from skincad.mechanics.film.sliding import sliding
 from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import RUNGS, filled_pad
+from skincad.mechanics.film.stress import REFINEMENTS, filled_pad
 from skincad.scenes.march import march
 from skincad.scenes.scene import Scene, load_scene
 
@@ -39,7 +39,7 @@ WHOLE = {"all, small strain": [], "all, chosen steps": ["effects.finite_strain.s
 def marched_pad(scene: Scene, design: Design) -> MarchedPad:
     """Return a scene's pad on the coarse mesh."""
     piece = piece_of(*filled_pad(design), halved=scene.law.halves)
-    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
+    mesh = triangles(piece.pad, REFINEMENTS[0].sizes(piece))
     return scene.law.marched(piece, mesh, ORDER, True, scene.terms)
 
 
@@ -64,7 +64,7 @@ def main() -> None:
     """Print milliseconds a step and their ratio to the back-solve, case by case."""
     design = load_scene("yamada-2002-slip").design.with_(contact={"film": "bonded"})
     piece = piece_of(*filled_pad(design))
-    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
+    mesh = triangles(piece.pad, REFINEMENTS[0].sizes(piece))
     with threadpool_limits(limits=1, user_api="blas"):
         whole = sliding(piece, mesh, ORDER, True).whole
         assert whole is not None

@@ -45,7 +45,7 @@ def _panel(axes: Axes, title: str, rows: list[Row]) -> None:
             mine = [row for row in rows if row.quantity == quantity and row.top is top]
             true = [max(row.true / abs(row.value), LEAST) for row in mine]
             stated = [max(row.stated / abs(row.value), LEAST) for row in mine]
-            told = f"{label}, {'top rung' if top else 'rung above'}"
+            told = f"{label}, {'top refinement' if top else 'refinement above'}"
             fill = colour if top else "none"
             axes.plot(
                 true,

@@ -1,9 +1,10 @@
-"""How honest error bars are: the stated error of random designs against the error that a better rung shows.
+"""How honest error bars are: the stated error of random designs against the error that a better refinement
+shows.
 
 A design's force is drawn too: one at which ridges that shared it evenly were strained by 0.3 to 5 %. The part
-of an error that is the mesh's is held against the rung above on the same model, the part that is the model's
-against the model above; on every tenth seed both against the top rung: two rungs may share one bias.
-"""
+of an error that is the mesh's is held against the refinement above on the same model, the part that is the
+model's against the model above; on every tenth seed both against the top refinement: two refinements may
+share one bias."""
 
 from __future__ import annotations
 
@@ -25,16 +26,16 @@ from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.left_out import LeftOut, free_ends
 from skincad.mechanics.left_out import finite_strain as small_strain
 from skincad.mechanics.models import corrected, finite_strain, linear, solid, winkler
-from skincad.mechanics.models.linear import RUNGS, level
+from skincad.mechanics.models.linear import REFINEMENTS, level
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from skincad.mechanics.validity import small_strain_violation
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly
-TOPS = 10  # every tenth seed is held against the top rung too
+TOPS = 10  # every tenth seed is held against the top refinement too
 NOTHING = 1e-9  # of the force (or mm per N); an F9 that is rounding
-ABOVE = 2  # rungs 0 and 1 share order 3: what they are held against has order 4 at least
+ABOVE = 2  # refinements 0 and 1 share order 3: what they are held against has order 4 at least
 FINITE = 20  # every twentieth against finite strain
-TOLERANCES = 0.05, 5e-3  # of the mesh: the coarsest rung, and the one that `check` takes
+TOLERANCES = 0.05, 5e-3  # of the mesh: the coarsest refinement, and the one that `check` takes
 SINGLE = "all_touch_force", "approach"
 QUANTITIES = (*SINGLE, "shares")
 T = TypeVar("T")
@@ -47,9 +48,8 @@ class Row:
     """One stated error and what it was held against: `value`, `stated` and `true` in N or mm.
 
     `part` is mesh, ends (free ends left out), strain (finite strain left out) or model; `against` names the
-    better rung, `top` says whether it is the ladder's last. Of the shares it is the ridge whose error is the
-    most used up, and `value` is the mean share.
-    """
+    better refinement, `top` says whether it is the ladder's last. Of the shares it is the ridge whose error
+    is the most used up, and `value` is the mean share."""
 
     seed: int
     model: str
@@ -118,21 +118,22 @@ class _Seed:
         self.linear: Answer | None = None
 
     def mesh(self) -> None:
-        """The linear model's meshes against the rung above, and on top seeds against the last rung."""
+        """The linear model's meshes against the refinement above, and on top seeds against the last
+        refinement."""
         pad = self._tried("pad", lambda: pad_of(self.design))
         if pad is None:
             return
         solved = _Levels(pad, self.force)
         for tol in TOLERANCES:
-            answered = self._tried(f"linear {tol:g}", lambda tol=tol: climbed(pad, self.force, tol))
+            answered = self._tried(f"linear {tol:g}", lambda tol=tol: refined_to(pad, self.force, tol))
             if answered is None:
                 continue
-            found, rung = answered
+            found, refinement = answered
             self.linear = found
-            last = len(RUNGS) - 1
-            above = [min(max(rung + 1, ABOVE), last)] + [last] * self.top
-            for i in dict.fromkeys(i for i in above if i > rung):
-                name = f"fineness {RUNGS[i].fineness:g}, order {RUNGS[i].order}"
+            last = len(REFINEMENTS) - 1
+            above = [min(max(refinement + 1, ABOVE), last)] + [last] * self.top
+            for i in dict.fromkeys(i for i in above if i > refinement):
+                name = f"fineness {REFINEMENTS[i].fineness:g}, order {REFINEMENTS[i].order}"
                 truth = self._tried(name, lambda i=i: solved.numbers(i))
                 if truth is not None:
                     self._add(f"linear, tol {tol:g}", "mesh", found, errors(found), truth, name, i == last)
@@ -211,9 +212,9 @@ class _Levels:
         self.known: dict[int, Numbers] = {}
 
     def numbers(self, i: int) -> Numbers:
-        """Return F9, approach and shares of the rung's higher order."""
+        """Return F9, approach and shares of the refinement's higher order."""
         if i not in self.known:
-            found = level(plane_piece(self.pad, RUNGS[i].fineness), RUNGS[i].order, self.force)
+            found = level(plane_piece(self.pad, REFINEMENTS[i].fineness), REFINEMENTS[i].order, self.force)
             first = found.all_touch_force
             self.known[i] = {
                 "all_touch_force": None if first is None else np.array([first]),
@@ -223,11 +224,11 @@ class _Levels:
         return self.known[i]
 
 
-def climbed(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
-    """Return the linear model's answer to a tolerance and the number of the rung that it ended on."""
+def refined_to(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
+    """Return the linear model's answer to a tolerance and the number of the refinement that it ended on."""
     told: list[str] = []
     found = linear.solve(pad, Request(force, tol), told.append)
-    ends = {f"linear model: fineness {r.fineness:g}, order {r.order}": i for i, r in enumerate(RUNGS)}
+    ends = {f"linear model: fineness {r.fineness:g}, order {r.order}": i for i, r in enumerate(REFINEMENTS)}
     return found, ends[told[-1]]
 
 
@@ -256,7 +257,7 @@ def _each(found: Answer, of: Callable[[Estimate], float | None]) -> Numbers:
 
 
 def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:
-    """Yield rows by model, part, quantity and what they are held against: the rung above or the top."""
+    """Yield rows by model, part, quantity and what they are held against: the refinement above or the top."""
 
     def key(row: Row) -> tuple[str, ...]:
         return row.model, row.part, row.quantity, "top" if row.top else "above"

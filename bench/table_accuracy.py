@@ -3,8 +3,8 @@
 `python -m bench.table_accuracy [--only KIND] [template]...` (budget, tol, mesh, scene) prints the model that
 a budget buys and how long it took; the model that a tolerance of the whole error takes, its stated error of
 the all-touch force and the true one, against the solid at finite strain; the same for the linear model's mesh
-alone, against its finest rung; and for scenes what budgets and tolerances take. Times are seconds without
-imports."""
+alone, against its finest refinement; and for scenes what budgets and tolerances take. Times are seconds
+without imports."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import check
-from skincad.mechanics.models.linear import RUNGS, level
+from skincad.mechanics.models.linear import REFINEMENTS, level
 from skincad.mechanics.models.table import AUTO, load
 from skincad.mechanics.problem import NEGLIGIBLE, pad_of
 from skincad.mechanics.verdict import ContactCheck
@@ -102,9 +102,9 @@ def tolerances(names: list[str]) -> int:
 
 
 def finest(design: Design) -> tuple[float | None, float]:
-    """Return F9 and approach of the linear ladder's last rung."""
-    pad, rung = pad_of(design), RUNGS[-1]
-    found = level(plane_piece(pad, rung.fineness), rung.order, design.contact.force)
+    """Return F9 and approach of the linear ladder's last refinement."""
+    pad, refinement = pad_of(design), REFINEMENTS[-1]
+    found = level(plane_piece(pad, refinement.fineness), refinement.order, design.contact.force)
     return found.all_touch_force, found.approach
 
 

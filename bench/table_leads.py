@@ -25,7 +25,14 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.film.stick import PadPiece, piece_of
 from skincad.scenes.errors import Slips, slip_errors, slips_of
 from skincad.scenes.march import March, march
-from skincad.scenes.models import BySource, ComparisonRuns, chosen_steps, omitted, piece_for, thinned
+from skincad.scenes.models import (
+    BySource,
+    ComparisonRuns,
+    chosen_steps,
+    coarse_steps,
+    left_out_effects,
+    piece_for,
+)
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import friction_cone
 
@@ -73,8 +80,8 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
     piece = piece_of(piece.whole, piece.thickness, halved=False)
     began = perf_counter()
     small, fine = (marched(scene, piece, SmallStrain(), each) for each in (FINENESS, FINER))
-    fewer = thinned(scene.history.step_count, scene.history.points)
-    thin = marched(scene, piece, SmallStrain(), FINENESS, fewer)
+    fewer = coarse_steps(scene.history.step_count, scene.history.points)
+    coarse = marched(scene, piece, SmallStrain(), FINENESS, fewer)
     first = perf_counter()
     few = marched(scene, piece, FiniteStrain(steps="chosen"), FINENESS)
     second = perf_counter()
@@ -82,8 +89,8 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
     judge = marched(twice, piece, FiniteStrain(), JUDGED)
     seconds = first - began, second - first, perf_counter() - second
     count, cone = scene.design.ridge.count, friction_cone(scene)
-    change = next(each for each in omitted(scene, small) if each.effect == "finite_strain").change
-    refined = ComparisonRuns(before=small, every=small, thin=thin)
+    change = next(each for each in left_out_effects(scene, small) if each.effect == "finite_strain").change
+    refined = ComparisonRuns(before=small, every=small, coarse=coarse)
     slipped = [slips_of(each.readings, each.ridge, count) for each in (small, few, judge)]
     told = [leads(found, slips) for found, slips in zip((small, few, judge), slipped, strict=True)]
     errors = (

@@ -27,7 +27,7 @@ from skincad.base.errors import InputError
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.scenes.march import LEVELS, March, march
-from skincad.scenes.models import MarchSetup, march_on, omitted, path_of, piece_for
+from skincad.scenes.models import MarchSetup, left_out_effects, march_on, path_of, piece_for
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
@@ -67,7 +67,7 @@ def with_masses(scene: Scene) -> Scene:
 
 
 def _one(effect: str, without: Scene, left: March, named: March) -> Compared:
-    entry = next(each for each in omitted(without, left) if each.effect == effect)
+    entry = next(each for each in left_out_effects(without, left) if each.effect == effect)
     assert entry.within is not None
     return Compared(effect, entry.change, entry.within, change(felt(left), felt(named)))
 

@@ -38,7 +38,7 @@ def printed(values: dict[str, float]) -> Complex:
     return printed_response(made(values), FREQUENCY)
 
 
-def rung(values: dict[str, float]) -> Complex:
+def refinement(values: dict[str, float]) -> Complex:
     """A film behind one resonance that passes the load, or the charge, on."""
     return rate() / pressed(values["resonance"], values["damping"])
 
@@ -71,7 +71,7 @@ READINGS: dict[str, tuple[Callable[[dict[str, float]], Complex], Ranges]] = {
     "network, any": (solved, free(ANY_RATIO)),
     "closed form as printed, film": (printed, free(FILM_RATIO)),
     "closed form as printed, any": (printed, free(ANY_RATIO)),
-    "one resonance above 8 kHz": (rung, {"resonance": (8100.0, 1e5), "damping": (1e-3, 5.0)}),
+    "one resonance above 8 kHz": (refinement, {"resonance": (8100.0, 1e5), "damping": (1e-3, 5.0)}),
     "rig": (rigged, {"resonance": (300.0, 5000.0), "damping": (0.01, 5.0), "indenter": (0.3, 2.0)}),
     "rig, a sensor of metal alone": (
         rigged, {"resonance": (300.0, 5000.0), "damping": (0.01, 0.05), "indenter": (0.3, 2.0)},

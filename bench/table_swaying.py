@@ -24,7 +24,7 @@ from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.film.stick import piece_of
 from skincad.mechanics.left_out import sway_force
 from skincad.scenes.march import March, march
-from skincad.scenes.models import omitted, piece_for
+from skincad.scenes.models import left_out_effects, piece_for
 from skincad.scenes.scene import Scene, load_scene
 
 FINENESS, ORDER = 0.3, 2
@@ -114,7 +114,9 @@ def main() -> None:
         end = min(len(small.difference), len(large.difference))
         there, here = large.difference[:end], small.difference[:end]
         change = float(np.abs(there - here).max() / np.abs(here).max())
-        said = next(each for each in omitted(scene, small.march) if each.effect == "finite_strain").change
+        said = next(
+            each for each in left_out_effects(scene, small.march) if each.effect == "finite_strain"
+        ).change
         ratios = [
             found / sway_force(scene.design, float(large.normal[-1, ridge]))
             for ridge in range(scene.design.ridge.count)

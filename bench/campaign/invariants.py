@@ -23,7 +23,7 @@ from skincad.shape.skin import skin_of
 Fault = tuple[str, str]
 NEXT = {"winkler": "linear", "linear": "corrected", "corrected": "solid"}
 POWER = 2.0**-7  # of modulus and force: a change of units, exact in floating point
-MESHES = 1e-2  # of approach: two forces may be answered on two rungs of the mesh ladder
+MESHES = 1e-2  # of approach: two forces may be answered on two refinements of the mesh ladder
 
 
 def faults(case: Case, found: Figures, *, dear: bool = False) -> Iterator[Fault]:

@@ -117,8 +117,8 @@ def _check_range(test: MaterialTest, curve: PadCurve, solution: Regression) -> N
 
 
 POINTS = 80  # forces of the table, closer at the first touch
-FINE = linear.RUNGS[1]
-COARSE = linear.RUNGS[0]
+FINE = linear.REFINEMENTS[1]
+COARSE = linear.REFINEMENTS[0]
 COARSE_ORDER = 2  # its ratio of finite to small strain is that of order 3 to 2e-4 (measured on yamada-2002)
 # Shares of the largest force: the ratio is 1 at no force, and lines between are within 3e-3 of it, as it
 # bends where the last ridges touch (measured on yamada-2002 to 6 N); STRAINED_ERROR is far larger

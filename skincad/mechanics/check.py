@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from skincad.base.climbing import overrun
+from skincad.base.adaptivity import overrun
 from skincad.base.errors import (
     ExhaustedError,
     InputError,
@@ -113,13 +113,13 @@ def check(
     crest_offsets = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
     notes += (trouble,) if (trouble := timing_cache().trouble) else ()
-    climb = Climb(design, load, crest_offsets, notes, progress, on_verdict)
+    selection = ModelSelection(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
-        return climb.auto(tol, budget)
+        return selection.auto(tol, budget)
     model_named(model)
     if reason := unsupported_reason(model, design, bool(crest_offsets)):
         raise InputError("model", reason, model, "leave it out")
-    verdict = climb.verdict_of(
+    verdict = selection.verdict_of(
         model, Request(load, tol, budget, crest_offsets, ridge_model=not crest_offsets)
     )
     return with_shortfall(verdict, tol, verdict.model_error)
@@ -138,7 +138,7 @@ LARGE_PAD_SECONDS = (
 OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
 
 
-class Climb:
+class ModelSelection:
     """One check: the models solved so far, and the verdict of each."""
 
     def __init__(
@@ -166,7 +166,7 @@ class Climb:
         large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE_PAD_SECONDS
         if name != "winkler" and (budget is not None or large):
             return self._within_budget(request, tol, budget)
-        return self._climb_from(name, request, tol, budget)
+        return self._select_from(name, request, tol, budget)
 
     def _within_budget(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
         """Start with the linear model if it fits into the budget or DEFAULT_BUDGET, else use the closed
@@ -183,7 +183,7 @@ class Climb:
                 and expected_seconds(name, self.design, set()) > MAX_BUDGET_RATIO * limit
             ):
                 raise LateError(expected_seconds(name, self.design, set()))
-            return self._climb_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
+            return self._select_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
         except LateError as late:
             check = self._model("winkler", replace(request, tol=FINEST_TOLERANCE))
             words = f"the linear model would take about {about(late.seconds)} of the budget of {limit:g} s"
@@ -197,7 +197,7 @@ class Climb:
             )
             return with_shortfall(check, tol, 0.0)
 
-    def _climb_from(
+    def _select_from(
         self, name: str, request: Request, tol: float | None, budget: float | None
     ) -> ContactCheck:
         check: ContactCheck | None = None

@@ -32,7 +32,7 @@ from skincad.circuit.state import longest_step
 from skincad.effects.kinds import Observables
 from skincad.mechanics.contact.state import FrictionCoefficients, law_of
 from skincad.scenes.march import March
-from skincad.scenes.models import THIN, BySource, ComparisonRuns
+from skincad.scenes.models import COARSE_STEP_FACTOR, BySource, ComparisonRuns
 
 
 def unresolved(time: Array, bandwidth: float) -> list[str]:
@@ -118,13 +118,13 @@ def stress_errors(
 
 def _by_fewer(refined: ComparisonRuns, stress: Callable[[March], Stress]) -> dict[int, float]:
     """The step's share by ridge; nothing where no march has fewer steps, or no step before gross slip."""
-    every, thin = refined.every, refined.thin
-    if every is None or thin is None:
+    every, coarse = refined.every, refined.coarse
+    if every is None or coarse is None:
         return {}
-    end = min(_gross(every), _gross(thin))
-    times, at, indices = np.intersect1d(every.time, thin.time, return_indices=True)
+    end = min(_gross(every), _gross(coarse))
+    times, at, indices = np.intersect1d(every.time, coarse.time, return_indices=True)
     at, indices = at[times < end], indices[times < end]
-    one, other = stress(every), stress(thin)
+    one, other = stress(every), stress(coarse)
     # both start unloaded: that they agree there says nothing
     return {r: float(np.abs(one[r][at] - other[r][indices]).max()) for r in one if at.size > 1}
 
@@ -158,9 +158,9 @@ def slip_errors(
     """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
     whether the plate's travel is given: gross slip depends on the skin then."""
     count, time, loads = len(slips.steps), last.time, last.loads
-    after, before, every, thin = (
+    after, before, every, coarse = (
         None if march is None else _moments(march, count)
-        for march in (refined.after or last, refined.before, refined.every, refined.thin)
+        for march in (refined.after or last, refined.before, refined.every, refined.coarse)
     )
     whole = loads.sum(axis=2)
     missed = _drift(last)
@@ -176,9 +176,11 @@ def slip_errors(
         return np.array([*column, spread(time, whole, slips.gross, all_of_it, cone) if driven else 0.0])
 
     def errors(of: Callable[[Array], Array], *spreads: Array) -> list[BySource]:
-        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((after, before), (every, thin)))
+        mesh, fewer = (_apart(*two, of, spreads[0].size) for two in ((after, before), (every, coarse)))
         # of first order in the step, and at least a step
-        steps = [None if parts is None else max(step_ms(last), parts / (THIN - 1)) for parts in fewer]
+        steps = [
+            None if parts is None else max(step_ms(last), parts / (COARSE_STEP_FACTOR - 1)) for parts in fewer
+        ]
         others = (parts.tolist() for parts in spreads)
         return [BySource(*parts) for parts in zip(mesh, steps, *others, strict=True)]
 

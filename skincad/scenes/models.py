@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from skincad.base import climbing
+from skincad.base import adaptivity
+from skincad.base.adaptivity import Refinement, overrun, unmet
 from skincad.base.arrays import Array, Index
-from skincad.base.climbing import Ascent, overrun, unmet
 from skincad.base.errors import InputError, RefusedError, resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
 
-THIN = 5  # steps of a march that are one of the march with fewer
-LONGER = 2.0  # such a step's time, by that of one of the THIN: 1.7 to 3.2, measured on four scenes
+COARSE_STEP_FACTOR = 5  # steps of a march that are one of the march with fewer
+LONGER = 2.0  # such a step's time, by that of one of these: 1.7 to 3.2, measured on four scenes
 
 
 class BySource(NamedTuple):
@@ -64,20 +64,20 @@ class BySource(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ComparisonRuns:
-    """Marches to hold a march against: `before` on the mesh before; `every` on the coarsest mesh, and `thin`
-    there with fewer steps; `after` is the one on the finer mesh, where the march in question is by another
-    model. None where there is none."""
+    """Marches to hold a march against, None where there is none: `before` on the mesh before; `every` on the
+    coarsest mesh, and `coarse` there with fewer steps; `after` on the finer mesh, where the march in question
+    is by another model."""
 
     before: March | None = None
     after: March | None = None
     every: March | None = None
-    thin: March | None = None
+    coarse: March | None = None
 
 
-def thinned(steps: int, points: Index) -> Index:
-    """Return the steps `(k,)` of a march with fewer steps: every THIN-th, those at the history's `points`,
-    and the last."""
-    return np.unique(np.concatenate([np.arange(0, steps + 1, THIN), points, [steps]]))
+def coarse_steps(steps: int, points: Index) -> Index:
+    """Return the steps `(k,)` of a march with fewer steps: one in COARSE_STEP_FACTOR, those at the history's
+    `points`, and the last."""
+    return np.unique(np.concatenate([np.arange(0, steps + 1, COARSE_STEP_FACTOR), points, [steps]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,46 +163,48 @@ def march_on(
     return march_result
 
 
-def march_thin(on: MarchSetup, whole: March, seconds: dict[str, float], after: float = 0.0) -> March | None:
+def march_coarse_steps(
+    on: MarchSetup, whole: March, seconds: dict[str, float], after: float = 0.0
+) -> March | None:
     """March the pad of a march again with fewer steps, to tell the steps' error; None where that fails.
     `seconds` have a stage of its own, as the price of the next mesh depends on the march's alone. The tick is
     told the history's steps, and the time left with the s `after` it."""
     scene, history, tick = on.scene, on.scene.history, on.tick
-    thinned = _fewer(scene)
-    if whole.pad is None or thinned.size > history.step_count:
+    coarse_steps = _fewer(scene)
+    if whole.pad is None or coarse_steps.size > history.step_count:
         return None
-    stage, began, last = "march with fewer steps", perf_counter(), thinned.size - 1
+    stage, began, last = "march with fewer steps", perf_counter(), coarse_steps.size - 1
     if tick:
         tick(stage, 0)
 
     def told(step: int) -> None:
         if tick:
             left = (perf_counter() - began) * (last / step - 1)
-            tick(stage, int(thinned[step]), left + after)
+            tick(stage, int(coarse_steps[step]), left + after)
 
     drives = history.drives()
     with one_blas_thread():
         ends = scene.law.limits(scene.design)
-        times, mass = history.times[thinned], scene.plate.mass or 0.0
-        fewer = [drives[i] for i in thinned]
-        thin = march(whole.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
-    seconds[stage] = thin.seconds
-    return None if thin.failed else thin
+        times, mass = history.times[coarse_steps], scene.plate.mass or 0.0
+        fewer = [drives[i] for i in coarse_steps]
+        coarse = march(whole.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
+    seconds[stage] = coarse.seconds
+    return None if coarse.failed else coarse
 
 
 def _fewer(scene: Scene) -> Index:
     """The steps that the march with fewer has."""
     history = scene.history
-    return thinned(history.step_count, history.points)
+    return coarse_steps(history.step_count, history.points)
 
 
 def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
     """Return the level's mesh, of those made already where it is among them."""
     from skincad.mechanics.bodies.mesh import default_sizes, triangles
-    from skincad.mechanics.film.stress import RUNGS
+    from skincad.mechanics.film.stress import REFINEMENTS
 
     if level.fineness not in meshes:
-        fine = RUNGS[int(level.fineness > RUNGS[0].fineness)]
+        fine = REFINEMENTS[int(level.fineness > REFINEMENTS[0].fineness)]
         sizes = fine.sizes(piece) if piece.pad.strips else default_sizes(piece.pad, level.fineness)
         meshes[level.fineness] = triangles(piece.pad, sizes)
     return meshes[level.fineness]
@@ -211,7 +213,7 @@ def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> objec
 MATTERS = 0.1  # relative; a larger change is warned of
 
 
-def omitted(scene: Scene, march: March) -> list[LeftOutEffect]:
+def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     """Return the effects that the scene leaves out, the one that matters most first."""
     history = scene.history
     driven = history.tangential_force_N is None
@@ -268,7 +270,7 @@ class RefinedRun:
     refined: ComparisonRuns = field(default_factory=ComparisonRuns)
 
 
-def climb(
+def refine(
     on: MarchSetup, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
 ) -> RefinedRun:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
@@ -276,22 +278,22 @@ def climb(
     last: dict[str, float] = {}
     refined = [ComparisonRuns()]
 
-    def marched(level: Level, before: Ascent[Level, March, _Error] | None) -> March:
+    def marched(level: Level, before: Refinement[Level, March, _Error] | None) -> March:
         two = before is None and budget is None  # two meshes are the least
         last.clear()
         following = LEVELS[1] if two and len(LEVELS) > 1 else None
         march = march_on(level, on, last, following, before is None and films)
         if before is not None:
-            refined[0] = replace(refined[0], before=before.found)
+            refined[0] = replace(refined[0], before=before.answer)
         elif films and not (march.failed or march.interrupted):
             after = expected(following, level, last) if following else 0.0
-            thin = march_thin(on, march, last, after)
-            if thin is not None and thin.interrupted:
-                thin, march = (
+            coarse = march_coarse_steps(on, march, last, after)
+            if coarse is not None and coarse.interrupted:
+                coarse, march = (
                     None,
                     replace(march, stopped=INTERRUPTED),
-                )  # Ctrl-C ends the climb, not its march
-            refined[0] = ComparisonRuns(every=march, thin=thin)
+                )  # Ctrl-C ends the refinement, not its march
+            refined[0] = ComparisonRuns(every=march, coarse=coarse)
         for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if before is not None and march.interrupted:
@@ -300,12 +302,12 @@ def climb(
             raise _StoppedError(f"a finer mesh stopped at {march.stopped}")  # what is there is good enough
         return march
 
-    def price(before: Ascent[Level, March, _Error], following: Level) -> float:
-        if before.found.failed or before.found.interrupted:
+    def price(before: Refinement[Level, March, _Error], following: Level) -> float:
+        if before.answer.failed or before.answer.interrupted:
             return np.inf
-        return expected(following, before.rungs[-1], {**last, "mesh": seconds["mesh"]})
+        return expected(following, before.levels[-1], {**last, "mesh": seconds["mesh"]})
 
-    reached = climbing.climb(
+    reached = adaptivity.refine(
         marched,
         LEVELS,
         lambda _, found, before: (None, np.inf) if before is None else _errors(on, before, found),
@@ -315,7 +317,7 @@ def climb(
         price=price,
         ends=(InputError, RefusedError, *((KeyboardInterrupt,) if on.partial else ())),
     )
-    march, error, ended, short = reached.found, reached.told, reached.ended, list[str]()
+    march, error, ended, short = reached.answer, reached.assessment, reached.ended, list[str]()
     if isinstance(ended, KeyboardInterrupt):
         march = replace(march, stopped=INTERRUPTED)
     elif ended is not None:
@@ -324,7 +326,7 @@ def climb(
     if films:
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
-    counts = refined[0] if len(reached.rungs) > 1 else replace(refined[0], before=None)
+    counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)
     return RefinedRun(march, error, [*short, *overrun("", reached.spent, budget)], counts)
 
 
@@ -391,7 +393,7 @@ def cut_short(march: March) -> list[str]:
 
 def further(
     on: MarchSetup,
-    climbed: RefinedRun,
+    refined_run: RefinedRun,
     tol: float,
     budget: float | None,
     began: float,
@@ -399,29 +401,29 @@ def further(
 ) -> tuple[MarchSetup, RefinedRun]:
     """Return what is marched, and the march that counts, by the model that `tol` asks for: `found` in small
     strain, or one beyond it. `seconds` are by stage; `budget` s run from `began`."""
-    scene, short = on.scene, climbed.short
-    if not _asks(scene, climbed.march, tol):
-        return on, climbed
+    scene, short = on.scene, refined_run.short
+    if not _asks(scene, refined_run.march, tol):
+        return on, refined_run
     try:
         price = DEAR * seconds["condense"]
-        on, climbed = _by(CHOSEN, on, climbed, price, budget, began, seconds)
-        drift, last = _relative(on, climbed), climbed.march.readings[-1].drift
+        on, refined_run = _by(CHOSEN, on, refined_run, price, budget, began, seconds)
+        drift, last = _relative(on, refined_run), refined_run.march.readings[-1].drift
         if drift <= tol:
-            return on, climbed
-        climbed = replace(climbed, short=[*short, *unmet(DRIFTS.format(drift), drift, tol)])
+            return on, refined_run
+        refined_run = replace(refined_run, short=[*short, *unmet(DRIFTS.format(drift), drift, tol)])
         if last is None or last.cut:  # finite strain in each step would stop there
-            return on, climbed
-        steps = chosen_steps(climbed.march) or [0]
+            return on, refined_run
+        steps = chosen_steps(refined_run.march) or [0]
         price = DEARER * seconds[CORRECTED] * scene.history.step_count / len(steps)
-        on, climbed = _by(EACH, on, climbed, price, budget, began, seconds)
-        return on, replace(climbed, short=short)
+        on, refined_run = _by(EACH, on, refined_run, price, budget, began, seconds)
+        return on, replace(refined_run, short=short)
     except KeyboardInterrupt:
         if not on.partial:
             raise
-        return on, replace(climbed, march=replace(climbed.march, stopped=INTERRUPTED))
+        return on, replace(refined_run, march=replace(refined_run.march, stopped=INTERRUPTED))
     except (InputError, RefusedError) as refusal:
         return on, replace(
-            climbed, short=[*climbed.short, f"no model beyond this one was marched: {refusal}"]
+            refined_run, short=[*refined_run.short, f"no model beyond this one was marched: {refusal}"]
         )
 
 
@@ -430,14 +432,14 @@ def _asks(scene: Scene, small: March, tol: float) -> bool:
     named = any(isinstance(part, Law) for part in scene.parts.values())
     if named or not scene.readout.ridges or small.failed or small.interrupted:
         return False
-    left_out = {entry.effect: entry.change for entry in omitted(scene, small)}
+    left_out = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
     return left_out.get(FINITE_STRAIN, 0.0) > tol
 
 
 def _by(
     law: Mapping[str, Any],
     on: MarchSetup,
-    climbed: RefinedRun,
+    refined_run: RefinedRun,
     price: float,
     budget: float | None,
     began: float,
@@ -454,14 +456,18 @@ def _by(
     seconds[better.model] = sum(last.values())
     if march.interrupted:
         raise KeyboardInterrupt
-    if march.failed and len(march.readings) < len(climbed.march.readings):
+    if march.failed and len(march.readings) < len(refined_run.march.readings):
         raise RefusedError(f"it stopped at {march.stopped}")
-    refined = climbed.refined if climbed.refined.after else replace(climbed.refined, after=climbed.march)
-    return better, replace(climbed, march=march, refined=refined)
+    refined = (
+        refined_run.refined
+        if refined_run.refined.after
+        else replace(refined_run.refined, after=refined_run.march)
+    )
+    return better, replace(refined_run, march=march, refined=refined)
 
 
-def _relative(on: MarchSetup, climbed: RefinedRun) -> float:
+def _relative(on: MarchSetup, refined_run: RefinedRun) -> float:
     """The largest drift of a monitored ridge's differential stress, of the largest stress."""
-    stress = differential(on.piece, on.scene, climbed.march)
+    stress = differential(on.piece, on.scene, refined_run.march)
     largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
-    return max(drifted(on, climbed.march).values(), default=0.0) / largest if largest else 0.0
+    return max(drifted(on, refined_run.march).values(), default=0.0) / largest if largest else 0.0

@@ -40,15 +40,15 @@ from skincad.scenes.models import (
     MarchSetup,
     RefinedRun,
     chosen_steps,
-    climb,
     cut_short,
     differential,
     drifted,
     further,
+    left_out_effects,
     march_on,
     model_of,
-    omitted,
     piece_for,
+    refine,
     spent,
 )
 from skincad.scenes.scene import Scene
@@ -328,7 +328,7 @@ def simulate(
     `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
 
-    The error is the change from the mesh before; `budget` s ends the climb before a mesh that would overrun
+    The error is the change from the mesh before; `budget` s ends before a mesh that would overrun
     it, but the coarsest is marched whatever it takes; alone it asks for the best that it buys. `tick` is told
     stage, step and the seconds left. A march that stops early is a result: its `march.stopped` says why.
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
@@ -343,7 +343,7 @@ class SceneRun:
     """What was marched, the march that counts, and the seconds that both took, by stage."""
 
     on: MarchSetup
-    climbed: RefinedRun
+    refined_run: RefinedRun
     seconds: dict[str, float]
 
 
@@ -361,10 +361,10 @@ def marched(
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
-    climbed = climb(on, tol, budget, began, seconds)
+    refined_run = refine(on, tol, budget, began, seconds)
     if further_models and tol is not None:
-        on, climbed = further(on, climbed, tol, budget, began, seconds)
-    return SceneRun(on, climbed, {"total": perf_counter() - began, **seconds})
+        on, refined_run = further(on, refined_run, tol, budget, began, seconds)
+    return SceneRun(on, refined_run, {"total": perf_counter() - began, **seconds})
 
 
 def read_out(scene: Scene, run: SceneRun) -> Simulation:
@@ -372,7 +372,7 @@ def read_out(scene: Scene, run: SceneRun) -> Simulation:
     and its band alone (`marching` is the same)."""
     if model_of(scene) != model_of(run.on.scene):
         scene = scene.with_(effects={FINITE_STRAIN: run.on.scene.effects[FINITE_STRAIN]})
-    return _told(replace(run.on, scene=scene), run.climbed, dict(run.seconds))
+    return _told(replace(run.on, scene=scene), run.refined_run, dict(run.seconds))
 
 
 def marching(scene: Scene) -> Scene:
@@ -385,8 +385,8 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick)
-    climbed = RefinedRun(march_on(level, on, seconds), None, [])
-    return _told(on, climbed, {"total": perf_counter() - began, **seconds})
+    refined_run = RefinedRun(march_on(level, on, seconds), None, [])
+    return _told(on, refined_run, {"total": perf_counter() - began, **seconds})
 
 
 def friction_cone(scene: Scene) -> FrictionCoefficients:
@@ -401,18 +401,18 @@ def _change(left_out: list[LeftOutEffect]) -> float:
     return math.fsum(entry.change for entry in left_out)
 
 
-def _told(on: MarchSetup, climbed: RefinedRun, seconds: dict[str, float]) -> Simulation:
+def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) -> Simulation:
     """The result of the last march that counts."""
     began = perf_counter()
-    scene, march, notes = on.scene, climbed.march, [*climbed.short, *cut_short(climbed.march)]
+    scene, march, notes = on.scene, refined_run.march, [*refined_run.short, *cut_short(refined_run.march)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     slips = slips_of(march.readings, march.ridge, scene.design.ridge.count)
-    left_out, driven = omitted(scene, march), scene.history.tangential_force_N is None
+    left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
     change = _change(left_out)
     stressed = stress_errors(
         raw,
-        climbed.error,
-        climbed.refined,
+        refined_run.error,
+        refined_run.refined,
         lambda one: differential(on.piece, scene, one),
         change,
         drifted(on, march),
@@ -431,13 +431,13 @@ def _told(on: MarchSetup, climbed: RefinedRun, seconds: dict[str, float]) -> Sim
         march=march,
         raw=raw,
         signals={r: band_limited(march.time, values, width) for r, values in raw.items()},
-        error=climbed.error,
+        error=refined_run.error,
         stress_errors=stressed,
         slipping=slips.slipping,
         runs=slips.runs,
         slip_steps=slips.steps,
         gross_slip_step=slips.gross,
-        slip_errors=slip_errors(march, slips, climbed.refined, change, driven, friction_cone(scene)),
+        slip_errors=slip_errors(march, slips, refined_run.refined, change, driven, friction_cone(scene)),
         left_out=left_out,
         read=readings,
         seconds={**seconds, "total": seconds["total"] + perf_counter() - began},

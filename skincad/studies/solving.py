@@ -302,7 +302,9 @@ def solve(
     if evaluator.guided:
         try:
             evaluator.guide({})
-        except InputError:  # a dearer model's result may have more numbers: its first answer names them
+        except (
+            InputError
+        ):  # a more expensive model's result may have more numbers: its first answer names them
             evaluator.unlike = True
     notes: list[str] = []
     step = FINE if question.kind == "circuit" or question.model == GUIDE else STEP

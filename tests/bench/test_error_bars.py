@@ -29,7 +29,7 @@ def test_a_bar_holds_what_lies_within() -> None:
     assert row(0.2, 0.0).width == np.inf
 
 
-def test_the_top_rung_is_told_apart() -> None:
+def test_the_top_refinement_is_told_apart() -> None:
     found = dict(groups([row(0.1, 0.2), row(0.1, 0.05, top=True)]))
     assert set(found) == {("linear", "mesh", "approach", "above"), ("linear", "mesh", "approach", "top")}
     lines = table([row(0.1, 0.2), row(0.1, 0.05, top=True)])

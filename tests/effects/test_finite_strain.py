@@ -105,7 +105,7 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
 ) -> None:
     """Of the largest differential stress, within a factor of 2: the spread of the calibration's scenes."""
     from skincad.effects.small_strain import SmallStrain
-    from skincad.scenes.models import omitted
+    from skincad.scenes.models import left_out_effects
 
     drives = [Drive(normal * min(i, 3) / 3, 0.3 * mu * normal * max(0, i - 3)) for i in range(7)]
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})
@@ -125,6 +125,6 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     (tmp_path / "small.toml").write_text(text)
     (tmp_path / "scene.toml").write_text(template_text("yamada-2002-slip", "scenes"))
     scene = load_scene(tmp_path / "scene.toml", ["skin=small.toml", "effects.film=none"])
-    said = next(entry for entry in omitted(scene, runs[0]) if entry.effect == "finite_strain")
+    said = next(entry for entry in left_out_effects(scene, runs[0]) if entry.effect == "finite_strain")
     assert said.calibrated
     assert 0.5 < said.change / changed < 2.0

@@ -57,7 +57,7 @@ def test_truth_lies_inside(name: str, tol: float) -> None:
 
 
 @pytest.mark.slow
-def test_truth_lies_inside_on_higher_rungs() -> None:
+def test_truth_lies_inside_on_higher_refinements() -> None:
     assert_inside(linear.answer(DESIGNS["yamada"](), Request(1.3, 6e-4)), truth("yamada"))
 
 
@@ -79,6 +79,6 @@ def test_variants_errors(name: str) -> None:
 
 
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(linear, "RUNGS", (replace(linear.RUNGS[0], usual=0.0),))
+    monkeypatch.setattr(linear, "REFINEMENTS", (replace(linear.REFINEMENTS[0], usual=0.0),))
     answer = linear.answer(reference().with_(ridge={"count": 3}), Request(4.0, 1e-9))
     assert any("not met" in w for w in answer.warnings)

@@ -10,7 +10,7 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
-from skincad.mechanics import check as climbing
+from skincad.mechanics import check as adaptivity
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles
 from skincad.mechanics.check import check
@@ -112,7 +112,7 @@ def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
 @pytest.mark.parametrize("name", ["plain-ridges", "fingertip-soft", "milled-pad", "nozzle-04"])
 def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) -> None:
     pad = pad_of(load(name))
-    sizes = default_sizes(pad, linear.RUNGS[0].fineness)
+    sizes = default_sizes(pad, linear.REFINEMENTS[0].fineness)
     alone, whole = (
         elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1) for p in (one_ridge(pad), pad)
     )
@@ -128,7 +128,7 @@ def test_a_better_model_that_is_too_large_leaves_the_one_before(
     monkeypatch.setattr(solid, "MOST_CONTACT", 10)
     verdict = check(small, tol=0.02)
     assert verdict.model == "linear"
-    assert verdict.all_touch_force == linear_check(small, tol=climbing.FINEST_TOLERANCE).all_touch_force
+    assert verdict.all_touch_force == linear_check(small, tol=adaptivity.FINEST_TOLERANCE).all_touch_force
     assert any(
         "the corrected model, which leaves out less, cannot judge this: ridge.count" in w
         for w in verdict.warnings

@@ -17,7 +17,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load, template_names
 from skincad.inputs.design import Design
-from skincad.mechanics import check as climbing
+from skincad.mechanics import check as adaptivity
 from skincad.mechanics import manufacture as manufacturing
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import check
@@ -213,7 +213,7 @@ def test_too_many_ridges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_the_lightest_load() -> None:
-    """An error relative to next to nothing climbs all rungs."""
+    """An error relative to next to nothing climbs all refinements."""
     assert plane(filleted().with_(**THREE), force=1e-9, tol=0.05).touching == 1
 
 
@@ -284,7 +284,7 @@ def test_progress_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_a_budget_buys_the_rungs_that_fit_and_a_larger_one_a_smaller_error() -> None:
+def test_a_budget_buys_the_refinements_that_fit_and_a_larger_one_a_smaller_error() -> None:
     three = filleted().with_(ridge={"count": 3}, skin={"width": 4.0})
     quick, patient = linear_check(three, budget=1e-3), linear_check(three, budget=60.0)
     assert patient.unknowns > quick.unknowns
@@ -307,7 +307,7 @@ def small() -> Design:
     return reference().with_(**SHORT, contact={"force": 0.65})
 
 
-def test_auto_climbs_until_the_verdict_is_clear(judged: ContactCheck) -> None:
+def test_auto_refinements_until_the_verdict_is_clear(judged: ContactCheck) -> None:
     verdict = judged
     assert verdict.model == "corrected"
     assert [run.model for run in verdict.models_tried] == ["linear"]
@@ -361,8 +361,8 @@ def test_slots_that_close_have_no_verdict() -> None:
 
 def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """By the law alone, and where that lets it try, by what the first mesh took."""
-    for hopeless in (climbing.MAX_BUDGET_RATIO, math.inf):
-        monkeypatch.setattr(climbing, "MAX_BUDGET_RATIO", hopeless)
+    for hopeless in (adaptivity.MAX_BUDGET_RATIO, math.inf):
+        monkeypatch.setattr(adaptivity, "MAX_BUDGET_RATIO", hopeless)
         verdict = check(yamada(), budget=1e-3)
         assert verdict.model == "winkler"
         assert any("would take about" in w and "of the budget of 0.001 s" in w for w in verdict.warnings)
@@ -371,7 +371,7 @@ def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so(monkeypatch
 
 
 @pytest.mark.slow
-def test_a_large_budget_climbs_past_a_clear_verdict() -> None:
+def test_a_large_budget_refinements_past_a_clear_verdict() -> None:
     """Three plain ridges: clear by the linear model, and much of the budget is left."""
     hard = filleted().with_(ridge={"count": 3}, skin={"width": 4.0}, contact={"force": 1.5})
     assert check(hard).model == "linear"
@@ -456,7 +456,9 @@ def test_a_model_that_runs_out_of_memory_leaves_what_it_builds_on(
         check(small())
 
 
-def test_a_climb_that_runs_out_of_memory_leaves_the_verdict_before(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_refinement_that_runs_out_of_memory_leaves_the_verdict_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def too_large(*_: object) -> Answer:
         raise MemoryError
 
@@ -496,7 +498,7 @@ def test_within_a_budget_the_linear_model_is_taken_where_its_law_lets_it(
 
     law, load_model = expected_seconds("linear", yamada(), set()), models.load
     monkeypatch.setattr(models, "load", lambda name: plane if name == "linear" else load_model(name))
-    budget = law / climbing.MAX_BUDGET_RATIO * (1.01 if hopeful else 0.99)
+    budget = law / adaptivity.MAX_BUDGET_RATIO * (1.01 if hopeful else 0.99)
     verdict = check(yamada(), budget=budget, tol=0.45)
     assert verdict.model == ("linear" if hopeful else "winkler")
     assert len(budgets) == hopeful
@@ -522,11 +524,11 @@ class MadeUp:
         patch.setattr(
             models, "load", lambda name: winkler if name == "winkler" else partial(self.answer, name)
         )
-        patch.setattr(climbing, "perf_counter", lambda: self.now)
-        patch.setattr(climbing, "expected_seconds", self.expected_seconds)
-        patch.setattr(climbing, "overhead_seconds", self.overhead_seconds)
-        patch.setattr(climbing, "seconds_at_size", lambda _, size: size / 10.0)
-        patch.setattr(climbing, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
+        patch.setattr(adaptivity, "perf_counter", lambda: self.now)
+        patch.setattr(adaptivity, "expected_seconds", self.expected_seconds)
+        patch.setattr(adaptivity, "overhead_seconds", self.overhead_seconds)
+        patch.setattr(adaptivity, "seconds_at_size", lambda _, size: size / 10.0)
+        patch.setattr(adaptivity, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
     def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
         seconds = 2 * PRICES.get(name, 3.0)
@@ -608,7 +610,7 @@ def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: p
         (3.99, "solid-finite-strain", ["linear", "corrected", "corrected-finite-strain"], False),
     ],
 )
-def test_without_a_tolerance_it_climbs_until_the_bar_is_on_one_side(
+def test_without_a_tolerance_it_refinements_until_the_bar_is_on_one_side(
     value: float, model: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     MadeUp(monkeypatch, value)
@@ -675,7 +677,7 @@ def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
     assert check(yamada(), budget=6.1, tol=0.05).model == "corrected"
     monkeypatch.setitem(PRICES, "corrected", 5.0)
     monkeypatch.setattr(fake, "expected_seconds", lambda *_: 0.5)
-    monkeypatch.setattr(climbing, "expected_seconds", fake.expected_seconds)
+    monkeypatch.setattr(adaptivity, "expected_seconds", fake.expected_seconds)
     slow = check(yamada(), budget=4.0, tol=0.2)
     assert slow.model == "corrected"
     assert [w for w in slow.warnings if "took" in w] == ["took 12 s, more than the budget of 4 s"]

@@ -10,7 +10,7 @@ import pytest
 
 from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError, check, load
-from skincad.mechanics import check as climbing
+from skincad.mechanics import check as adaptivity
 from skincad.mechanics.verdict import ContactCheck
 
 NEAR = 0.03  # relative: how far the applied forces lie from the one that is needed
@@ -70,7 +70,7 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """An undecided check names the next model and its time; with a tolerance it takes the time it needs."""
-    monkeypatch.setattr(climbing, "DEFAULT_BUDGET", 0.0)
+    monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 0.0)
     design = load("plain-ridges", ["contact.force=3.0"])
     early = check(design)
     assert (early.model, early.verdict) == ("linear", "undecided")
@@ -80,8 +80,8 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(
 
 def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """999 ridges had no answer in 250 s. Here every pad is large, and there is no time."""
-    monkeypatch.setattr(climbing, "DEFAULT_BUDGET", 1e-6)
-    monkeypatch.setattr(climbing, "LARGE_PAD_SECONDS", 0.0)
+    monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 1e-6)
+    monkeypatch.setattr(adaptivity, "LARGE_PAD_SECONDS", 0.0)
     verdict = check(load("plain-ridges", ["contact.force=3.0"]))
     assert verdict.model == "winkler"
     assert any("without --budget a check takes about" in note for note in verdict.warnings)

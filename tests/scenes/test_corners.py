@@ -14,7 +14,7 @@ from skincad.effects.friction import Friction
 from skincad.effects.small_strain import CondensedPad, condensed
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.scenes.march import LEVELS, March, frames, march
-from skincad.scenes.models import thinned
+from skincad.scenes.models import coarse_steps
 from skincad.scenes.scene import History
 from skincad.scenes.simulation import Simulation, at_level
 from tests.small_scene import small_scene
@@ -95,7 +95,7 @@ def test_each_corner_has_a_time_and_no_other_is_added(seed: int) -> None:
         assert drives[here].tangential == pytest.approx(pull, abs=1e-12)
     assert times.size <= even.size + len(history.time_s)
     assert history.step_count == times.size - 1
-    indices = thinned(history.step_count, history.points)
+    indices = coarse_steps(history.step_count, history.points)
     assert np.isin(history.time_s, times[indices]).all()
 
 

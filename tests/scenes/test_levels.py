@@ -10,7 +10,7 @@ import pytest
 
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.mesh import triangles
-from skincad.mechanics.film.stress import RUNGS
+from skincad.mechanics.film.stress import REFINEMENTS
 from skincad.scenes import models
 from skincad.scenes.march import EXPONENT, LEVELS, Level, March, expected
 from skincad.scenes.models import piece_for
@@ -36,7 +36,7 @@ def test_a_finer_mesh_is_made_anew() -> None:
 def test_sizes_are_those_of_the_papers_scene() -> None:
     """Within a tenth: the sizes were rounded, and a mesh changes with netgen's release."""
     piece = piece_for(load_scene("yamada-2002-press"), {})
-    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
+    mesh = triangles(piece.pad, REFINEMENTS[0].sizes(piece))
     unknowns = [
         film_field.body(elements.curved(mesh, level.order), level.order, piece.pad.materials).system.unknowns
         for level in LEVELS[:2]

@@ -140,7 +140,7 @@ def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> 
     for override in ("effects.small_strain={}", "readout.ridges=[]"):
         run = marched(scene_in(folder, override), tol=0.1, further_models=True)
         assert models.model_of(run.on.scene) == "small_strain"
-        assert not any("model beyond" in note for note in run.climbed.short)
+        assert not any("model beyond" in note for note in run.refined_run.short)
 
 
 def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:

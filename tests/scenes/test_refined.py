@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from skincad.base.result import plain
-from skincad.scenes.models import BySource, thinned
+from skincad.scenes.models import BySource, coarse_steps
 
 
 def test_fewer_steps_keep_the_history_s_points() -> None:
-    indices = thinned(23, np.array([0, 7, 13, 23]))
+    indices = coarse_steps(23, np.array([0, 7, 13, 23]))
     assert indices.tolist() == [0, 5, 7, 10, 13, 15, 20, 23]
 
 

@@ -86,7 +86,9 @@ def two_ridges(first: int, gross: int, every: int = 1) -> March:
 def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
     """The mesh moves slip by 3 steps and gross slip by 1, fewer steps by 20 and 10; a lead by the rest."""
     run = two_ridges(40, 80)
-    refined = ComparisonRuns(before=two_ridges(43, 81), every=two_ridges(30, 70), thin=two_ridges(50, 80, 5))
+    refined = ComparisonRuns(
+        before=two_ridges(43, 81), every=two_ridges(30, 70), coarse=two_ridges(50, 80, 5)
+    )
     errors = slip_errors(run, slips_of(run.readings, run.ridge, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
     assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))

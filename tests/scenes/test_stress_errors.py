@@ -34,22 +34,22 @@ def error(refined: ComparisonRuns, change: float = 0.0, mesh: dict[int, float] |
 
 
 def test_the_time_steps_share_is_four_errors_of_first_order() -> None:
-    every, thin = euler(20), euler(4)
+    every, coarse = euler(20), euler(4)
     exact = np.abs(stress(every)[1] - every.time**2).max()
-    assert error(ComparisonRuns(every=every, thin=thin)).time_step == pytest.approx(4 * float(exact))
+    assert error(ComparisonRuns(every=every, coarse=coarse)).time_step == pytest.approx(4 * float(exact))
 
 
 @pytest.mark.parametrize(("gross", "coarse_gross"), [(12.0, np.inf), (np.inf, 12.0), (15.0, 12.0)])
 def test_from_gross_slip_on_nothing_is_compared(gross: float, coarse_gross: float) -> None:
     """12 s: the march with steps of 5 s has it at 15 s. At 10 s steps of 1 s miss 10, of 5 s they miss 50."""
     assert error(
-        ComparisonRuns(every=euler(20, gross), thin=euler(4, coarse_gross))
+        ComparisonRuns(every=euler(20, gross), coarse=euler(4, coarse_gross))
     ).time_step == pytest.approx(40.0)
 
 
 def test_of_two_marches_without_a_common_step_nothing_is_known() -> None:
-    assert error(ComparisonRuns(every=euler(20, 3.0), thin=euler(4))).time_step is None
-    assert error(ComparisonRuns(every=euler(20), thin=None)).time_step is None
+    assert error(ComparisonRuns(every=euler(20, 3.0), coarse=euler(4))).time_step is None
+    assert error(ComparisonRuns(every=euler(20), coarse=None)).time_step is None
 
 
 def test_what_is_left_out_is_a_share_of_the_largest() -> None:

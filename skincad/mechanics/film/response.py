@@ -39,7 +39,7 @@ from skincad.mechanics.film.stick import (
     pull_load,
     with_fine_edges,
 )
-from skincad.mechanics.film.stress import EDGE_SEARCH, RUNGS, TAIL, check_request, filled_pad
+from skincad.mechanics.film.stress import EDGE_SEARCH, REFINEMENTS, TAIL, check_request, filled_pad
 
 FORCE_GROWTH = 2.0  # factor on the force, repeated until a clear ridge touches
 MAX_TRIES = 8
@@ -84,7 +84,7 @@ def film_response(design: Design, progress: Progress | None = None) -> FilmRespo
     Raises InputError as `film_stresses`: without slots, where they are empty, for a doubly curved skin;
     RefusedError where no force brings a ridge into contact.
     """
-    force, refinement = design.contact.force, RUNGS[0]
+    force, refinement = design.contact.force, REFINEMENTS[0]
     check_request(design, force)
     pad, thickness = filled_pad(design)
     piece = piece_of(pad, thickness, halved=False)

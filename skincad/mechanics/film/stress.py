@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from skincad.base.adaptivity import Refinement, refine, unmet
 from skincad.base.arrays import Array
-from skincad.base.climbing import Ascent, climb, unmet
 from skincad.base.errors import InputError, RefusedError, require_goals, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
@@ -112,7 +112,7 @@ PATH_NOTE = "full stick is an assumption, and the order of the forces counts: no
 
 
 @dataclass(frozen=True)
-class FilmRung:
+class FilmRefinement:
     """Orders `order - 1` and `order` on a mesh; a strip's corners get edges of `tip` of its thickness.
 
     A strip in silicone is a stiff inclusion whose corners are singular. Ungraded, its stress is 10 % too
@@ -130,10 +130,16 @@ class FilmRung:
         return replace(usual, tip=self.tip * piece.thickness, grading=self.grading)
 
 
-RUNGS = (FilmRung(0.5, 4, 1 / 30, 0.5), FilmRung(1.0, 4, 1 / 100, 0.4), FilmRung(1.0, 5, 1 / 200, 0.3))
+REFINEMENTS = (
+    FilmRefinement(0.5, 4, 1 / 30, 0.5),
+    FilmRefinement(1.0, 4, 1 / 100, 0.4),
+    FilmRefinement(1.0, 5, 1 / 200, 0.3),
+)
 
 
-_RungSolution = tuple[PadPiece, StickSolution, StickSolution]  # both orders of a rung, the higher first
+_RefinementSolution = tuple[
+    PadPiece, StickSolution, StickSolution
+]  # both orders of a refinement, the higher first
 
 
 def solve(
@@ -162,14 +168,14 @@ def solve(
     with watch.stage("mesh"):
         mesh = triangles(plain.pad, default_sizes(plain.pad, EDGE_SEARCH[0]))
     # later meshes are finer: a pad too large here is refused before anything is solved
-    if (contact := _contact_unknowns(mesh, RUNGS[0].order)) > MOST_CONTACT_UNKNOWNS:
+    if (contact := _contact_unknowns(mesh, REFINEMENTS[0].order)) > MOST_CONTACT_UNKNOWNS:
         raise _too_large(contact)
     first = solve_level(plain, mesh, EDGE_SEARCH[1], False)
 
-    def solve_rung(
-        refinement: FilmRung, before: Ascent[FilmRung, _RungSolution, Any] | None
-    ) -> _RungSolution:
-        finer = with_fine_edges(plain, first if before is None else before.found[1])
+    def solve_refinement(
+        refinement: FilmRefinement, before: Refinement[FilmRefinement, _RefinementSolution, Any] | None
+    ) -> _RefinementSolution:
+        finer = with_fine_edges(plain, first if before is None else before.answer[1])
         with watch.stage("mesh"):
             mesh = triangles(finer.pad, refinement.sizes(finer))
         if (contact := _contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
@@ -181,12 +187,14 @@ def solve(
         )
         return finer, best, lower
 
-    def estimate(_: FilmRung, solution: _RungSolution, __: object) -> tuple[list[FilmStress], float]:
+    def estimate(
+        _: FilmRefinement, solution: _RefinementSolution, __: object
+    ) -> tuple[list[FilmStress], float]:
         results = [_estimated(*solution, force, t) for t in tangential]
         return results, max(_relative_error(state) for state in results)
 
-    reached = climb(solve_rung, RUNGS, estimate, tol, began=watch.started, ends=(SizeError,))
-    piece, best, _ = reached.found
+    reached = refine(solve_refinement, REFINEMENTS, estimate, tol, began=watch.started, ends=(SizeError,))
+    piece, best, _ = reached.answer
     full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
     missed = unmet(f"the error is {reached.error:.1e} of the largest stress", reached.error, tol)
     short = tuple(words + full for words in missed)
@@ -197,7 +205,7 @@ def solve(
     seconds = {**watch.seconds(), **spent}
     return [
         replace(state, seconds=seconds, warnings=(*short, *state.warnings), fields=fields, fault=wrong)
-        for state, fields, wrong in zip(reached.told, shown, faults, strict=True)
+        for state, fields, wrong in zip(reached.assessment, shown, faults, strict=True)
     ]
 
 

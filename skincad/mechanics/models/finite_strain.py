@@ -1,9 +1,9 @@
 """Finite strain in the plane, on ever finer meshes.
 
 The finite-strain model: plane strain of the silicone's law, neo-Hooke's where a design names none, under a
-flat plate, and the error of each number. Levels and rungs are the linear model's, and so is the error: two
-orders on one mesh (linear.py), and the clamped ends on top (EDGE_*). That it bounds the truth is measured in
-its test. The pad's free ends are still left out.
+flat plate, and the error of each number. Levels and refinements are the linear model's, and so is the error:
+two orders on one mesh (linear.py), and the clamped ends on top (EDGE_*). That it bounds the truth is measured
+in its test. The pad's free ends are still left out.
 
 Range: to where a ridge tips over under the plate or its tip folds (newton.py), 13 N in all on
 docs/facts.md's section, or to where parts meet that the model does not know (plane_body.py).
@@ -35,7 +35,7 @@ from skincad.mechanics.contact.newton import (
     press_to,
     press_until_all_touch,
 )
-from skincad.mechanics.models.linear import PlaneSolution, climb, scale_of
+from skincad.mechanics.models.linear import PlaneSolution, refine, scale_of
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, pad_of
 
 # Relative change by the small-strain law at the clamped ends (plane_body.body), taken as twice the change
@@ -58,7 +58,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     """
     check_flat(pad.plate, "finite-strain", "linear")
     levels = Levels()
-    result, _ = climb(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
+    result, _ = refine(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
     result, ridges = replace(result, warnings=(*result.warnings, *levels.warnings())), len(result.ridge_force)
     # error by the law at the clamped ends
     share = EDGE_STATE * request.force / ridges if ridges > 1 else 0.0

@@ -1,7 +1,7 @@
 """Small strain in the plane, on ever finer meshes.
 
-A level is one mesh and one order (`level`). A rung is two successive orders on one mesh: the higher
-gives the values, the difference the error. Rungs are tried in order until the tolerance is met.
+A level is one mesh and one order (`level`). A refinement is two successive orders on one mesh: the higher
+gives the values, the difference the error. Refinements are tried in order until the tolerance is met.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from time import perf_counter
 
 import numpy as np
 
-from skincad.base import climbing
+from skincad.base import adaptivity
+from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
-from skincad.base.climbing import overrun, unmet
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
@@ -257,10 +257,10 @@ AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 
 
 @dataclass(frozen=True)
-class PlaneRung:
+class PlaneRefinement:
     """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it usually reaches.
 
-    `price` is its time on top of the rungs before, as a multiple of the first one's (measured on four
+    `price` is its time on top of the refinements before, as a multiple of the first one's (measured on four
     templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2).
     """
 
@@ -273,12 +273,12 @@ class PlaneRung:
 NEVER_ALL_TOUCH = (
     "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
 )
-RUNGS = (
-    PlaneRung(0.5, 3, 6e-3, 1.0),
-    PlaneRung(1.0, 3, 2e-3, 1.2),
-    PlaneRung(1.0, 4, 1e-3, 2.0),
-    PlaneRung(2.0, 4, 4e-4, 4.5),
-    PlaneRung(2.0, 5, 0.0, 4.0),
+REFINEMENTS = (
+    PlaneRefinement(0.5, 3, 6e-3, 1.0),
+    PlaneRefinement(1.0, 3, 2e-3, 1.2),
+    PlaneRefinement(1.0, 4, 1e-3, 2.0),
+    PlaneRefinement(2.0, 4, 4e-4, 4.5),
+    PlaneRefinement(2.0, 5, 0.0, 4.0),
 )
 
 
@@ -294,7 +294,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     refined until `tol` (relative; shares against the mean share) is met, or until the next one would overrun
     `budget`. A budget alone asks for the best answer within it. A warning says if the tolerance is not met.
     """
-    result, best = climb(pad, request, level, "linear", progress)
+    result, best = refine(pad, request, level, "linear", progress)
     result = replace(result, deformed=deformed_section(best))
     if result.all_touch_force.value is None:
         result = replace(result, warnings=(*result.warnings, NEVER_ALL_TOUCH))
@@ -306,7 +306,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     return result
 
 
-def climb(
+def refine(
     pad: Pad,
     request: Request,
     at: LevelSolver,
@@ -329,20 +329,20 @@ def climb(
     budget = request.budget
     levels = _Levels(pad, request, at, model, progress, whole, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
-    reached = climbing.climb(
+    reached = adaptivity.refine(
         levels.solved,
-        RUNGS,
+        REFINEMENTS,
         levels.estimated,
         wanted,
         budget,
         began=levels.began,
         ends=(SizeError,),
-        price=climbing.by_price,
-        first=0 if budget is not None else _first_rung(wanted),
+        price=adaptivity.by_price,
+        first=0 if budget is not None else _first_refinement(wanted),
     )
     full = f": a finer mesh takes more than {most} contact unknowns" if reached.ended else ""
     warnings = shortfalls(reached.error, wanted, full, reached.spent, budget, "mesh")
-    return replace(reached.told, warnings=warnings, seconds=levels.seconds), reached.found
+    return replace(reached.assessment, warnings=warnings, seconds=levels.seconds), reached.answer
 
 
 @dataclass
@@ -361,7 +361,7 @@ class _Levels:
     meshes: dict[float, PadMesh] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
-    def solved(self, refinement: PlaneRung, before: object) -> PlaneSolution:
+    def solved(self, refinement: PlaneRefinement, before: object) -> PlaneSolution:
         """Solve both orders on a mesh; raises SizeError first if it is too large."""
         if refinement.fineness not in self.meshes:
             started = perf_counter()
@@ -385,7 +385,7 @@ class _Levels:
         return self.levels[refinement.fineness, refinement.order]
 
     def estimated(
-        self, refinement: PlaneRung, best: PlaneSolution, before: PlaneSolution | None
+        self, refinement: PlaneRefinement, best: PlaneSolution, before: PlaneSolution | None
     ) -> tuple[Answer, float]:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]
@@ -393,7 +393,7 @@ class _Levels:
         return result, relative_error(result, self.request.force, unit_of(self.pad))
 
     def _check_fits(self, solved: object, rest: float) -> None:
-        """Raise LateError if the first rung must fit the budget and will not; `solved` holds earlier
+        """Raise LateError if the first refinement must fit the budget and will not; `solved` holds earlier
         levels."""
         late, budget = perf_counter() - self.began + rest, self.request.budget
         if self.request.must_fit and not solved and budget is not None and late > budget:
@@ -411,13 +411,13 @@ def _reduced_model(pad: Pad, best: PlaneSolution, force: float, seconds: dict[st
     return model
 
 
-def _first_rung(wanted: float) -> int:
-    """Where to start: the rung that mostly meets the tolerance, or from the third on the one before it.
+def _first_refinement(wanted: float) -> int:
+    """Where to start: the refinement that mostly meets the tolerance, or from the third on the one before it.
 
-    At sharp corners high orders on one mesh agree with each other better than with the truth; the rung
+    At sharp corners high orders on one mesh agree with each other better than with the truth; the refinement
     before then bounds the error.
     """
-    usual = next(i for i, refinement in enumerate(RUNGS) if refinement.usual <= wanted)
+    usual = next(i for i, refinement in enumerate(REFINEMENTS) if refinement.usual <= wanted)
     return usual if usual < 2 else usual - 1
 
 
@@ -425,7 +425,7 @@ def _check_coarsest(pad: Pad, most: int, model: str) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
     if MOST_A_RIDGE * len(pad.ridges) <= most:
         return
-    coarsest = RUNGS[0]
+    coarsest = REFINEMENTS[0]
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
     expected = SINGLE_RIDGE_FACTOR * len(pad.ridges) * elements.contact_unknowns(mesh, coarsest.order)
     if expected > most:
@@ -439,7 +439,7 @@ def _estimated(
     order: int,
     seconds: dict[str, float],
 ) -> Answer:
-    """Values of the best level; errors from the next lower order and from the rung before.
+    """Values of the best level; errors from the next lower order and from the refinement before.
 
     From order 4 only the corners' slow error is left; one that falls as 1 / k is k - 1 differences away. At
     order 3 the difference still holds the smooth error. A single difference may vanish by chance: all ridges

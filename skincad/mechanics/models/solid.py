@@ -1,10 +1,9 @@
 """Small strain of the solid pad, on ever finer meshes.
 
 The solid model: the pad's finite length with its free ends, small strain, exact contact. A level is one
-section mesh, one order in it and one set of layers along y. A rung solves the section at two orders and the
-layers at two gradings. Functions are products, so what finer layers change is nearly the same at both orders:
-it is added, and the differences are the errors. Meshes are refined until the tolerance is met.
-"""
+section mesh, one order in it and one set of layers along y. A refinement solves the section at two orders and
+the layers at two gradings. Functions are products, so what finer layers change is nearly the same at both
+orders: it is added, and the differences are the errors. Meshes are refined until the tolerance is met."""
 
 from __future__ import annotations
 
@@ -15,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from skincad.base.adaptivity import Refinement, by_price, refine
 from skincad.base.arrays import Array
-from skincad.base.climbing import Ascent, by_price, climb
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
@@ -217,10 +216,10 @@ LAYERS_TAIL = 1.0  # what is left after the finer layers, against their differen
 
 
 @dataclass(frozen=True)
-class SolidRung:
+class SolidRefinement:
     """A section mesh at `order - 1` and `order`, and layers against finer ones.
 
-    `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first rung's.
+    `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first refinement's.
     """
 
     fineness: float
@@ -230,9 +229,9 @@ class SolidRung:
     price: float
 
 
-RUNGS = (
-    SolidRung(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
-    SolidRung(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
+REFINEMENTS = (
+    SolidRefinement(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
+    SolidRefinement(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
 )
 
 
@@ -251,9 +250,9 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     seconds: dict[str, float] = {}
-    reached: Ascent[SolidRung, Answer, Answer] = climb(
-        lambda refinement, _: _climb(pad, refinement, force, seconds, progress),
-        RUNGS,
+    reached: Refinement[SolidRefinement, Answer, Answer] = refine(
+        lambda refinement, _: _refine(pad, refinement, force, seconds, progress),
+        REFINEMENTS,
         lambda _, answer, __: (answer, relative_error(answer, force, unit_of(pad))),
         wanted,
         budget,
@@ -262,11 +261,11 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
         price=by_price,
     )
     warnings = shortfalls(reached.error, wanted, "", reached.spent, budget, "solid")
-    return replace(reached.told, warnings=warnings, seconds=seconds)
+    return replace(reached.assessment, warnings=warnings, seconds=seconds)
 
 
-def _climb(
-    pad: Pad, refinement: SolidRung, force: float, seconds: dict[str, float], progress: Progress | None
+def _refine(
+    pad: Pad, refinement: SolidRefinement, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
         progress(f"solid model: fineness {refinement.fineness:g}, order {refinement.order}")
@@ -274,7 +273,7 @@ def _climb(
     lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order - 1))
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order))
     for section, line in ((lower_forms, refinement.finer), (forms, refinement.layers)):
-        check_size(section, layers_of(meshed, line))  # of all that the rung solves, before the first
+        check_size(section, layers_of(meshed, line))  # of all that the refinement solves, before the first
     lower = solve_level(meshed, lower_forms, refinement.layers, force, seconds)
     finer = solve_level(meshed, lower_forms, refinement.finer, force, seconds)
     best = solve_level(meshed, forms, refinement.layers, force, seconds)

@@ -173,7 +173,7 @@ def coarse_solid_unknowns(design: Design) -> float:
 
 
 def solid_unknowns(design: Design) -> float:
-    """Return the unknowns of the solid on its first rung, its section of order 3."""
+    """Return the unknowns of the solid on its first refinement, its section of order 3."""
     return _solid_unknowns(pad_of(design), 3)
 
 

@@ -79,18 +79,18 @@ class Accuracy(Result):
 def accuracy(
     design: Design, ladders: Sequence[str] = (), *, repeats: int = 3, progress: Progress | None = None
 ) -> Accuracy:
-    """Return ladders (all if none is named) climbed on a design, each trial timed `repeats` times.
+    """Return ladders (all if none is named) of a design, each trial timed `repeats` times.
 
     Raises InputError for an unknown ladder and for repeats out of range.
     """
     rule = f"must be from 1 to {MOST_REPEATS}"
     require_number("repeats", repeats, lambda value: 1 <= value <= MOST_REPEATS, rule)
     began = perf_counter()
-    climbs = [ladder_of(name) for name in dict.fromkeys(ladders or LADDERS)]
+    modules = [ladder_of(name) for name in dict.fromkeys(ladders or LADDERS)]
     if progress:
-        prices = {stage: s for climb in climbs for stage, s in climb.prices(design, repeats).items()}
+        prices = {stage: s for module in modules for stage, s in module.prices(design, repeats).items()}
         progress = Countdown(prices, progress)
-    results = tuple(climb.ladder(design, repeats, progress) for climb in climbs)
+    results = tuple(module.ladder(design, repeats, progress) for module in modules)
     return Accuracy(
         name=design.name, ladders=results, machine=machine(), repeats=repeats, seconds=perf_counter() - began
     )

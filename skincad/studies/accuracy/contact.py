@@ -137,11 +137,11 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 
 
 SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
-FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that climbed to its second rung, else up to 1.4
+FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that took its second refinement, else up to 1.4
 ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which models are tried
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid model
-# time of a level in that of its model; its unknowns in those of the model's first rung are (order - 0.65)
-# times this (yamada-2002, 2 % off)
+# time of a level in that of its model; its unknowns in those of the model's first refinement are (order -
+# 0.65) times this (yamada-2002, 2 % off)
 OF_MODEL, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
 
 
@@ -160,7 +160,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
 def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, ModelTiming]:
     """Return what the models' own parts took, as their laws count it: not what takes as long for every
-    design, nor on so small a one that most of it is overhead, nor where finer meshes were climbed."""
+    design, nor on so small a one that most of it is overhead, nor where finer meshes were needed."""
     timings = {}
     for name, answer in answers.items():
         model, size = MODELS[name], MODELS[name].size(design)
@@ -277,7 +277,7 @@ class _ContactRuns:
 
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its model adds up."""
-        pad, first_level = pad_of(self.design), solid.RUNGS[0]
+        pad, first_level = pad_of(self.design), solid.REFINEMENTS[0]
         for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
             setting = f"order {first_level.order - 1}, {label} layers"
             self._tell(_layers(label))

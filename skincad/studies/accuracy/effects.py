@@ -22,7 +22,7 @@ from skincad.shape.skin import skin_of
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
 from skincad.studies.accuracy.slip import apart, marched, of_size, scene_on
 
-STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is dear, fewer
+STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is expensive, fewer
 SLIPPERY = {"finite_strain": 0.3}  # coefficient of friction, both with and without: at 1 the surface folds
 MOST = 120.0  # s a march
 BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assumption: a light plate

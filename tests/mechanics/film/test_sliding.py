@@ -11,7 +11,7 @@ from skincad.mechanics.bodies.mesh import triangles, unit_of
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.sliding import ContactPad, sliding
 from skincad.mechanics.film.stick import PadPiece, level, piece_of
-from skincad.mechanics.film.stress import RUNGS, filled_pad
+from skincad.mechanics.film.stress import REFINEMENTS, filled_pad
 from tests.mechanics.designs import yamada
 
 ORDER = 3
@@ -24,7 +24,7 @@ def three() -> PadPiece:
 @cache
 def meshed() -> tuple[PadPiece, object, ContactPad]:
     piece = three()
-    mesh = triangles(piece.pad, RUNGS[0].sizes(piece))
+    mesh = triangles(piece.pad, REFINEMENTS[0].sizes(piece))
     return piece, mesh, sliding(piece, mesh, ORDER, True)
 
 
@@ -58,7 +58,7 @@ def test_the_half_agrees_with_the_whole() -> None:
     piece, _, half = meshed()
     slots, unit = piece.whole.section.slots, unit_of(piece.whole)
     whole = PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
-    pad = sliding(whole, triangles(whole.pad, RUNGS[0].sizes(whole)), ORDER, True)
+    pad = sliding(whole, triangles(whole.pad, REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
     for condensed in (half, pad):
         m = condensed.gap.size

@@ -27,7 +27,7 @@ from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import THREE, filleted, reference, void_slots, yamada
 
-COARSE = 1e-2  # tolerance that takes the cheapest rung
+COARSE = 1e-2  # tolerance that takes the cheapest refinement
 
 
 def solved(design: Any, force: float = 4.0, tol: float = COARSE) -> Answer:

@@ -276,7 +276,7 @@ def test_one_ridge_touches_at_once() -> None:
 
 
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solid, "RUNGS", solid.RUNGS[:1])
+    monkeypatch.setattr(solid, "REFINEMENTS", solid.REFINEMENTS[:1])
     small = sharp().with_(**SHORT)
     solution = solid.solve(pad_of(small), Request(1.0, tol=1e-6))
     assert any("1.0e-06 is not met" in w for w in solution.warnings)

@@ -12,7 +12,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
-from skincad.mechanics.models.linear import RUNGS
+from skincad.mechanics.models.linear import REFINEMENTS
 from skincad.mechanics.models.table import (
     AUTO,
     MODELS,
@@ -39,7 +39,7 @@ def test_what_builds_on_nothing_has_nothing_below() -> None:
 @pytest.mark.parametrize(
     ("name", "models"), [("yamada-2002", MODELS), ("plain-ridges", AUTO), ("steep-fingertip", AUTO)]
 )
-def test_models_stand_in_the_order_of_their_price_and_auto_climbs_by_it(
+def test_models_stand_in_the_order_of_their_price_and_auto_refinements_by_it(
     name: str, models: Iterable[str]
 ) -> None:
     """On a small pad without strips the solid is as cheap as finite strain in the plane."""
@@ -55,14 +55,14 @@ def test_a_model_is_had_by_its_name_alone() -> None:
         model_named("lineer")
 
 
-def test_finer_rungs_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> None:
-    usual = [refinement.usual for refinement in RUNGS]
+def test_finer_refinements_are_nearer_and_the_finest_is_taken_whatever_is_asked() -> None:
+    usual = [refinement.usual for refinement in REFINEMENTS]
     assert usual == sorted(usual, reverse=True)
     assert usual[-1] == 0.0
-    assert [(refinement.fineness, refinement.order) for refinement in RUNGS] == sorted(
-        {(r.fineness, r.order) for r in RUNGS}
+    assert [(refinement.fineness, refinement.order) for refinement in REFINEMENTS] == sorted(
+        {(r.fineness, r.order) for r in REFINEMENTS}
     )
-    assert all(refinement.price >= 1 for refinement in RUNGS)
+    assert all(refinement.price >= 1 for refinement in REFINEMENTS)
 
 
 def test_which_models_judge_which_skins(yamada: Design) -> None:

@@ -24,7 +24,7 @@ from skincad.outputs.figures.stress import _share, colour_limit, film_stress_fig
 def states() -> tuple[FilmStress, ...]:
     design = load("yamada-2002").with_(ridge={"count": 4}, skin={"width": 6.0})
     with pytest.MonkeyPatch.context() as patch:  # what is drawn need not be accurate
-        patch.setattr(stress, "RUNGS", (stress.FilmRung(0.3, 2, 1 / 10, 0.5),))
+        patch.setattr(stress, "REFINEMENTS", (stress.FilmRefinement(0.3, 2, 1 / 10, 0.5),))
         return film_stresses(design, 2.0, (0.0, 0.5), show=(2, 3))
 
 

@@ -133,7 +133,7 @@ def small_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr(contact, "MESH", 0.05)
     layers = Layers(0.6, 2.0, 3), Layers(0.3, 1.8, 3)
-    monkeypatch.setattr(solid, "RUNGS", (solid.SolidRung(0.5, 3, *layers, 1.0),))
+    monkeypatch.setattr(solid, "REFINEMENTS", (solid.SolidRefinement(0.5, 3, *layers, 1.0),))
     monkeypatch.setattr(slip, "MESHES", ((0.5, 2), (0.5, 3)))
     monkeypatch.setattr(slip, "STEPS", (22, 55, 110, 220, 440))
     monkeypatch.setattr(effects, "STEPS", 22)
@@ -161,8 +161,8 @@ def pressed(plain: Design) -> Ladder:
 
 
 def test_what_a_model_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
-    """Not that of a solid on its second rung; a correction's unknowns are those of what it corrects. Nor what
-    is mostly overhead."""
+    """Not that of a solid on its second refinement; a correction's unknowns are those of what it corrects.
+    Nor what is mostly overhead."""
     found = run("winkler", plain, Request(1.0), {}, None)
     short = replace(found, unknowns=1000, own_seconds=3.0)
     assert "linear" in contact.taken_of(plain, {"linear": short})

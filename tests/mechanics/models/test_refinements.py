@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base import climbing
+from skincad.base import adaptivity
 from skincad.base.estimate import Estimate
 from skincad.inputs.catalog import load
 from skincad.mechanics.models import corrected, corrected_finite_strain, linear, solid, solid_finite_strain
 from skincad.mechanics.models.corrected import Errors, apply_change
-from skincad.mechanics.models.linear import RUNGS, PlaneSolution, relative_error, shortfalls
+from skincad.mechanics.models.linear import REFINEMENTS, PlaneSolution, relative_error, shortfalls
 from skincad.mechanics.models.solid import SolidSolution
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, LateError, Request, SizeError, pad_of
 
@@ -69,7 +69,7 @@ def test_where_the_error_falls_as_one_over_the_order_the_bar_is_that_error_times
     assert (third.approach.error or 0.0) < (estimated.approach.error or 0.0)
 
 
-def test_the_rung_before_bounds_the_error_too() -> None:
+def test_the_refinement_before_bounds_the_error_too() -> None:
     best, lower = plane(3.0, 0.2, (1.0, 2.0)), plane(3.0, 0.2, (1.0, 2.0))
     nothing = linear._estimated(best, lower, None, 4, {})
     assert [nothing.all_touch_force.error, nothing.approach.error, nothing.ridge_force[0].error] == [0, 0, 0]
@@ -127,7 +127,7 @@ class Levels:
     rise, and a mesh that takes `meshing` s and has `contact` unknowns for a fineness of 1."""
 
     def __init__(self, patch: pytest.MonkeyPatch, seconds: float = 0.0, meshing: float = 0.0) -> None:
-        self.clock, self.seconds, self.meshing = Clock(patch, climbing, linear), seconds, meshing
+        self.clock, self.seconds, self.meshing = Clock(patch, adaptivity, linear), seconds, meshing
         self.solved: list[tuple[float, int]] = []
         self.contact = 10.0
         patch.setattr(linear, "plane_piece", self.piece)
@@ -151,36 +151,36 @@ class Levels:
 
     def climbed(self, **goals: Any) -> Answer:
         self.solved.clear()
-        return linear.climb(pad_of(load("plain-ridges")), Request(4.0, **goals), self, "linear")[0]
+        return linear.refine(pad_of(load("plain-ridges")), Request(4.0, **goals), self, "linear")[0]
 
 
-def test_a_climb_solves_no_level_twice_and_ends_where_the_tolerance_is_met(
+def test_a_refinement_solves_no_level_twice_and_ends_where_the_tolerance_is_met(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     levels = Levels(monkeypatch, 1.0, 0.5)
     whole = levels.climbed(tol=1e-9)
-    first = (RUNGS[-2].fineness, RUNGS[-2].order - 1)
-    assert levels.solved[0] == first  # from the rung before the one that may do: that bounds its error
+    first = (REFINEMENTS[-2].fineness, REFINEMENTS[-2].order - 1)
+    assert levels.solved[0] == first  # from the refinement before the one that may do: that bounds its error
     assert len(levels.solved) == len(set(levels.solved)) == 3
     assert whole.seconds == {"mesh": 0.5, "contact": 3.0}
     assert [w.split(":")[1] for w in whole.warnings] == [" the tolerance 1.0e-09 is not met"]
     coarse = levels.climbed(tol=0.5)
-    assert levels.solved == [(RUNGS[0].fineness, 2), (RUNGS[0].fineness, 3)]
+    assert levels.solved == [(REFINEMENTS[0].fineness, 2), (REFINEMENTS[0].fineness, 3)]
     assert (coarse.warnings, coarse.seconds) == ((), {"mesh": 0.5, "contact": 2.0})
-    for i, refinement in enumerate(RUNGS):
+    for i, refinement in enumerate(REFINEMENTS):
         levels.climbed(tol=max(refinement.usual, 1e-12))
-        first_rung = RUNGS[i if i < 2 else i - 1]
-        assert levels.solved[0] == (first_rung.fineness, first_rung.order - 1)
-    # a budget without a tolerance asks for the best: all rungs from the first
+        first_refinement = REFINEMENTS[i if i < 2 else i - 1]
+        assert levels.solved[0] == (first_refinement.fineness, first_refinement.order - 1)
+    # a budget without a tolerance asks for the best: all refinements from the first
     best = levels.climbed(budget=1e6)
-    assert {(r.fineness, k) for r in RUNGS for k in (r.order - 1, r.order)} == set(levels.solved)
+    assert {(r.fineness, k) for r in REFINEMENTS for k in (r.order - 1, r.order)} == set(levels.solved)
     assert best.warnings == ()
 
 
-def test_a_budget_is_kept_by_what_the_rungs_before_took(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two levels at 1 s are the first rung; the next is expected to take its price times that."""
+def test_a_budget_is_kept_by_what_the_refinements_before_took(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two levels at 1 s are the first refinement; the next is expected to take its price times that."""
     stub = Levels(monkeypatch, 1.0)
-    needed = 2.0 * (1 + RUNGS[1].price / RUNGS[0].price)
+    needed = 2.0 * (1 + REFINEMENTS[1].price / REFINEMENTS[0].price)
     for more, levels in ((-1e-6, 2), (1e-6, 4)):
         assert stub.climbed(budget=needed + more).warnings == ()
         assert len(stub.solved) == levels
@@ -212,15 +212,15 @@ def test_a_mesh_of_as_many_unknowns_as_fit_is_solved_and_one_of_more_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     levels = Levels(monkeypatch)
-    levels.contact = linear.MOST_CONTACT_UNKNOWNS / RUNGS[1].fineness
+    levels.contact = linear.MOST_CONTACT_UNKNOWNS / REFINEMENTS[1].fineness
     answer = levels.climbed(budget=1e6, tol=1e-9)
-    assert {fineness for fineness, _ in levels.solved} == {RUNGS[0].fineness, RUNGS[1].fineness}
+    assert {fineness for fineness, _ in levels.solved} == {REFINEMENTS[0].fineness, REFINEMENTS[1].fineness}
     assert answer.warnings[0].endswith(
         f"is not met: a finer mesh takes more than {linear.MOST_CONTACT_UNKNOWNS} contact unknowns"
     )
     levels.climbed(tol=1e-9)  # begun on the finest, which does not fit
-    assert {fineness for fineness, _ in levels.solved} == {RUNGS[1].fineness}
-    levels.contact = 1.01 * linear.MOST_CONTACT_UNKNOWNS / RUNGS[0].fineness
+    assert {fineness for fineness, _ in levels.solved} == {REFINEMENTS[1].fineness}
+    levels.contact = 1.01 * linear.MOST_CONTACT_UNKNOWNS / REFINEMENTS[0].fineness
     with pytest.raises(SizeError, match=r"ridge\.count: the linear model takes at most"):
         levels.climbed()
 
@@ -233,7 +233,7 @@ def test_a_ridge_too_many_is_told_before_anything_is_meshed(monkeypatch: pytest.
     linear._check_coarsest(pad, most, "linear")
     with pytest.raises(SizeError) as large:
         linear._check_coarsest(pad, most - 1, "linear")
-    alone = 1e9 * RUNGS[0].fineness
+    alone = 1e9 * REFINEMENTS[0].fineness
     assert f"got {round(linear.SINGLE_RIDGE_FACTOR * len(pad.ridges) * alone)}" in str(large.value)
 
 
@@ -261,20 +261,20 @@ def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
     assert brink.touching == 1
 
 
-def test_the_solid_climbs_where_the_tolerance_asks_it_and_the_budget_lets_it(
+def test_the_solid_refinements_where_the_tolerance_asks_it_and_the_budget_lets_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    clock, climbed = Clock(monkeypatch, climbing, solid), []
+    clock, climbed = Clock(monkeypatch, adaptivity, solid), []
     pad = pad_of(load("plain-ridges"))
 
-    def climb(_: object, refinement: Any, *__: object) -> Answer:
+    def refine(_: object, refinement: Any, *__: object) -> Answer:
         climbed.append(refinement)
         clock.now += 2.0 * refinement.price
-        if refinement is solid.RUNGS[1] and too_large:
+        if refinement is solid.REFINEMENTS[1] and too_large:
             raise SizeError("ridge.count", "too many", 1)
-        return answer(3.0, 0.2, (1.0, 3.0), 0.0 if refinement is solid.RUNGS[1] else 0.002)
+        return answer(3.0, 0.2, (1.0, 3.0), 0.0 if refinement is solid.REFINEMENTS[1] else 0.002)
 
-    monkeypatch.setattr(solid, "_climb", climb)
+    monkeypatch.setattr(solid, "_refine", refine)
 
     def asked(**what: Any) -> tuple[int, tuple[str, ...]]:
         climbed.clear()
@@ -282,13 +282,13 @@ def test_the_solid_climbs_where_the_tolerance_asks_it_and_the_budget_lets_it(
 
     too_large = False
     error = 0.01  # 0.002 mm of 0.2 mm
-    for tol, rungs in ((error * (1 + 1e-9), 1), (error * (1 - 1e-9), 2)):
+    for tol, refinements in ((error * (1 + 1e-9), 1), (error * (1 - 1e-9), 2)):
         assert asked(tol=tol)[1] == ()
-        assert len(climbed) == rungs
-    needed = 2.0 * (1 + solid.RUNGS[1].price)
-    for budget, rungs in ((needed - 1e-6, 1), (needed + 1e-6, 2)):
+        assert len(climbed) == refinements
+    needed = 2.0 * (1 + solid.REFINEMENTS[1].price)
+    for budget, refinements in ((needed - 1e-6, 1), (needed + 1e-6, 2)):
         assert asked(budget=budget)[1] == ()
-        assert len(climbed) == rungs
+        assert len(climbed) == refinements
     assert asked(budget=1.9)[1] == ("the cheapest solid took 2 s, more than the budget of 1.9 s",)
     too_large = True
     assert asked(tol=1e-3)[1] == (
