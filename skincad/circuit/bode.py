@@ -22,7 +22,6 @@ from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
 from skincad.circuit.model import Circuit, ForceSensor, Indenter, constants, noise_sources
 from skincad.circuit.network import Complex, Constants, Network, Real, network
 from skincad.circuit.response import Slopes, decibels, fit_slopes, response
-from skincad.circuit.state import PASS
 
 
 def has_rig(circuit: Circuit) -> bool:
@@ -216,6 +215,8 @@ def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
             "times: this branch stands for more than the film"
         )
     if circuit.sampling:
+        from skincad.circuit.state import PASS  # its filters take a second to load
+
         seen = PASS * circuit.sampling.rate / 2
         cutoff = slopes.cutoff.value
         if cutoff is not None and cutoff > seen:

@@ -31,7 +31,6 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
 from skincad.base.result import Record, item
 from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
 
 MAY_BE_0 = ("feedback_capacitance", "gain_bandwidth")  # what the paper's network has not
 
@@ -198,6 +197,8 @@ def electrode(design: Design) -> float:
     Bhartia, Microstrip Lines and Slotlines, 2nd ed. 1996, chapter 7) it lies between that in air and that on
     a half space of film: 0.02 to 0.12 pF a millimetre of lead in `yamada-2002`, about that of a cable.
     """
+    from skincad.shape.skin import skin_of  # geometry, which a circuit alone need not load
+
     slot = skin_of(design).slot
     assert design.film is not None
     assert slot is not None

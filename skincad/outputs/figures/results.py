@@ -6,13 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import shapely
 
-from skincad.circuit.bode import CircuitGain
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.model import constants, load_circuit
-from skincad.material.modulus import MaterialFit
-from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.figures.canvas import (
     BLACK,
     BLUE,
@@ -29,7 +25,10 @@ from skincad.outputs.figures.canvas import (
 )
 
 if TYPE_CHECKING:
+    from skincad.circuit.bode import CircuitGain
+    from skincad.material.modulus import MaterialFit
     from skincad.mechanics.manufacture import Sensitivity
+    from skincad.mechanics.verdict import ContactCheck
 
 FORCES_SIZE = (7.5, 4.0)  # inches
 REPORT_SIZE = (7.0, 3.0)  # inches
@@ -99,6 +98,8 @@ def _label_points(figure: Figure, axes: Axes, shown: Points) -> None:
     """Put each point's name beside it: within the axes, on no other name, point or line."""
     figure.draw_without_rendering()  # else nothing has its place yet
     at = axes.transData.transform([(time, error) for _, time, error in shown])
+    import shapely  # which a circuit's figure need not load
+
     obstacles = [shapely.Point(place).buffer(LABEL_CLEARANCE) for place in at]
     obstacles += [shapely.LineString(at)] if len(at) > 1 else []
     whole = shapely.box(*axes.bbox.extents)
