@@ -49,12 +49,12 @@ def own(pad: Pad, model: str, fineness: float, order: int) -> PressedPad:
     for _ in range(REPEATS):
         solver = linear.level if model == "linear" else finite_strain.Levels()
         started, clock = process_time(), perf_counter()
-        found = solver(plane_piece(pad, fineness), order, FORCE, ())
+        answer = solver(plane_piece(pad, fineness), order, FORCE, ())
         seconds.append(process_time() - started)
         # stages are wall times: their share of the whole is what counts
-        more.append(seconds[-1] * found.seconds.get("threshold", 0.0) / (perf_counter() - clock))
+        more.append(seconds[-1] * answer.seconds.get("threshold", 0.0) / (perf_counter() - clock))
     spent = statistics.median(seconds), statistics.median(more)
-    return PressedPad(found.ridge_force, found.approach, found.unknowns, *spent)
+    return PressedPad(answer.ridge_force, answer.approach, answer.unknowns, *spent)
 
 
 def missed(found: PressedPad, reference: PressedPad) -> float:

@@ -76,12 +76,12 @@ def stages(row: dict[str, Any]) -> None:
 
     design = load(DESIGN)
     for pair in REFINEMENTS:
-        found = system(design, pair.fineness, pair.order)
-        if found.unknowns == row["unknowns"]:
+        equations = system(design, pair.fineness, pair.order)
+        if equations.unknowns == row["unknowns"]:
             break
     else:
         raise RuntimeError("no pair has the linear model's unknowns")
-    block = free_block(found)
+    block = free_block(equations)
     once = best(lambda: factorise(block))
     print(
         f"\nlinear model in times of one factorisation of its own finest matrix (fineness {pair.fineness:g}, "

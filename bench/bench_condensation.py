@@ -35,10 +35,10 @@ def main() -> None:
     default = load("yamada-2002")
     bare = default.with_(slot=None, film=None, contact={"film": "ignored"})
     for design, fineness in ((bare, 1.0), (bare, 2.0), (bare, 4.0), (default, 1.0)):
-        found = system(design, fineness)
-        block, k = free_block(found), found.contact.size
+        equations = system(design, fineness)
+        block, k = free_block(equations), equations.contact.size
         factor = best(lambda b=block: factorise(b))
-        trailing = best(lambda f=found: condense(f.matrix, f.interior, f.contact)) / factor
+        trailing = best(lambda f=equations: condense(f.matrix, f.interior, f.contact)) / factor
         each = best(lambda b=block, c=k: solve_each(b, c)) / factor
         size = block.shape[0]
         print(f"{size:9d} {k:8d} {factor:10.3f} {trailing:9.2f} {each:7.1f} {each / trailing:14.1f}")

@@ -47,13 +47,13 @@ def history(friction: float = FRICTION) -> list[Drive]:
 def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: float) -> FrictionalPad:
     """Return skincad's states at these drives' ends, solved on the whole section."""
     piece = piece_of(pad, 0.0, halved=False)
-    found = sliding(piece, triangles(piece.pad, default_sizes(pad, fineness)), order, False)
-    m, cone = found.gap.size, FrictionCoefficients(friction, friction)
-    skin = Compliance(found.compliance, found.gap, np.zeros(2 * m))
+    answer = sliding(piece, triangles(piece.pad, default_sizes(pad, fineness)), order, False)
+    m, cone = answer.gap.size, FrictionCoefficients(friction, friction)
+    skin = Compliance(answer.compliance, answer.gap, np.zeros(2 * m))
     states = [at_rest(m)]
     for before, after in pairwise([Drive(0.0, travel=0.0), *drives]):
         states.append(halved(lambda _: skin, states[-1], before, after, cone))
-    return _by_ridge(pad, found, states[1:])
+    return _by_ridge(pad, answer, states[1:])
 
 
 def _by_ridge(pad: Pad, found: ContactPad, states: list[ContactState]) -> FrictionalPad:

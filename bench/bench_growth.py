@@ -40,9 +40,9 @@ def checked(template: str, ridges: int) -> dict[str, Any]:
     import skincad.mechanics.models.linear  # noqa: F401 the import is not the model's
     from skincad.mechanics.check import check
 
-    found = check(wide(template, ridges), model="linear")
-    share = (found.all_touch_force.value or 0.0) / found.force
-    return {"seconds": found.seconds, "unknowns": found.unknowns, "threshold": share}
+    verdict = check(wide(template, ridges), model="linear")
+    share = (verdict.all_touch_force.value or 0.0) / verdict.force
+    return {"seconds": verdict.seconds, "unknowns": verdict.unknowns, "threshold": share}
 
 
 def solved(fineness: float, order: int) -> dict[str, Any]:
@@ -58,9 +58,9 @@ def solved(fineness: float, order: int) -> dict[str, Any]:
     started = perf_counter()
     piece = plane_piece(pad, fineness)
     meshed = perf_counter()
-    found = level(piece, order, design.contact.force)
-    stages = {"total": perf_counter() - started, "mesh": meshed - started, **found.seconds}
-    return {"seconds": stages, "unknowns": found.unknowns}
+    answer = level(piece, order, design.contact.force)
+    stages = {"total": perf_counter() - started, "mesh": meshed - started, **answer.seconds}
+    return {"seconds": stages, "unknowns": answer.unknowns}
 
 
 def table(label: str, rows: dict[str, dict[str, Any]], sizes: list[float]) -> None:

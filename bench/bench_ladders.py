@@ -57,14 +57,14 @@ def refine(name: str, design: Design) -> float:
     """Print a ladder's stages, expected and taken; return the seconds of the whole."""
     module, stages = ladder_of(name), Stages()
     prices = module.prices(design, REPEATS)
-    found = module.ladder(design, REPEATS, stages)
+    answer = module.ladder(design, REPEATS, stages)
     stages("")
     judged = {
         stage: taken for stage, taken in stages.seconds.items() if prices[stage]
     }  # a refused model has none
     for stage, taken in judged.items():
         print(f"  {stage:48}{prices[stage]:10.2f}{taken:10.2f}{taken / prices[stage]:8.2f}")
-    for model, why in found.skipped.items():
+    for model, why in answer.skipped.items():
         print(f"  not {model}: {why}")
     whole, expected = sum(stages.seconds.values()), sum(prices.values())
     ratios = np.log([taken / prices[stage] for stage, taken in judged.items()])
@@ -116,16 +116,16 @@ def main() -> None:
     parser.add_argument("--ladder", action="append", choices=list(LADDERS))
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--law", nargs="+", metavar="TEMPLATE")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     os.environ[FOLDER_VARIABLE] = os.devnull  # the built-in law, whatever this machine's user has kept
-    if asked.law:
-        laws(asked.law)
+    if options.law:
+        laws(options.law)
         return
-    design, began = skincad.load(asked.template), perf_counter()
-    print(f"{asked.template:50}{'expected':>10}{'taken, s':>10}{'ratio':>8}")
-    for name in asked.ladder or LADDERS:
+    design, began = skincad.load(options.template), perf_counter()
+    print(f"{options.template:50}{'expected':>10}{'taken, s':>10}{'ratio':>8}")
+    for name in options.ladder or LADDERS:
         spent, price = perf_counter() - began, sum(ladder_of(name).prices(design, REPEATS).values())
-        if spent + price > 60 * asked.minutes:
+        if spent + price > 60 * options.minutes:
             print(f"  {name}: not begun, it would take {price:.0f} s")
         else:
             refine(name, design)

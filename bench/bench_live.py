@@ -18,7 +18,7 @@ from time import perf_counter, sleep
 
 import skincad
 from skincad.inputs.design import Design
-from skincad.live.desk import Timing
+from skincad.live.desk import ReplyTiming
 from skincad.live.page import Page
 from skincad.live.serve import free_port
 from skincad.live.shapes import view
@@ -48,7 +48,7 @@ def line(what: str, values: list[float], unit: float) -> str:
     return f"  {what:32} {statistics.median(values):8.3f} {tail:8.3f} {tail / unit:8.2f}"
 
 
-def moved(design: Design, template: str, moves: int, program: str) -> list[Timing]:
+def moved(design: Design, template: str, moves: int, program: str) -> list[ReplyTiming]:
     """Return what a page took for random moves in this browser."""
     dice = random.Random(1)
     page = Page(design, template, HOST, free_port(HOST, 0))

@@ -20,16 +20,16 @@ COMMANDS = {
 
 def main(design: str = "yamada-2002", rounds: str = "3") -> None:
     """Print the median of each command's wall time, and its ratio to the import's."""
-    taken: dict[str, list[float]] = {name: [] for name in COMMANDS}
+    table: dict[str, list[float]] = {name: [] for name in COMMANDS}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(int(rounds)):
             for name, words in COMMANDS.items():
-                asked = [word.format(design=design, folder=folder) for word in words]
+                rows = [word.format(design=design, folder=folder) for word in words]
                 began = perf_counter()
-                subprocess.run([sys.executable, *asked], capture_output=True, check=False, timeout=3600)
-                taken[name].append(perf_counter() - began)
-    base = median(taken["import cadquery"])
-    for name, seconds in taken.items():
+                subprocess.run([sys.executable, *rows], capture_output=True, check=False, timeout=3600)
+                table[name].append(perf_counter() - began)
+    base = median(table["import cadquery"])
+    for name, seconds in table.items():
         spread = f"{min(seconds):.1f} to {max(seconds):.1f}"
         print(f"{name:16} {median(seconds):6.2f} s ({spread})  {median(seconds) / base:5.2f}")
 

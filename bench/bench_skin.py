@@ -35,10 +35,10 @@ def pieces(design: skincad.Design) -> list[Part]:
     top = Segment(right, left, math.tan(math.asin(left.x / -design.skin.curvature_radius) / 2))
     ridges = []
     for ridge in range(1, skin_of(design).count + 1):
-        own = [s for s in outline if s.feature == ridge]
-        a, b = own[-1].end, own[0].start
+        rows = [s for s in outline if s.feature == ridge]
+        a, b = rows[-1].end, rows[0].start
         foot = loop([Point(a.x, a.z), Point(a.x, a.z - 0.5), Point(b.x, b.z - 0.5), Point(b.x, b.z)])
-        ridges.append(part((*own, *foot[:3])))
+        ridges.append(part((*rows, *foot[:3])))
     return [part((corners[0], corners[1], top, corners[2])), *ridges]
 
 

@@ -31,14 +31,14 @@ def swept(count: int, workers: int) -> float:
 def bookkeeping(count: int = 200) -> float:
     """Return the seconds that an evaluation's key, claim and line take."""
     design, question = skincad.load_design(DESIGN), Query("check", "winkler")
-    found = evaluate(design, {}, question)
+    evaluation = evaluate(design, {}, question)
     with TemporaryDirectory() as folder:
         log, began = Log(Path(folder)), perf_counter()
         for number in range(count):
             key = question.key(design)[:-8] + f"{number:08x}"
             log.claim(key)
             log.read()
-            log.append(replace(found, key=key))
+            log.append(replace(evaluation, key=key))
             log.release(key)
         return (perf_counter() - began) / count
 

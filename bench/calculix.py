@@ -103,8 +103,8 @@ def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     if cut:
         yield f"Physical Curve({CUT}) = {{{_list(cut)}}};"
     for ridge in pad.ridges:
-        own = [i for i, s in enumerate(outline, 1) if s.touches and s.feature == ridge]
-        yield f"Physical Curve({ridge}) = {{{_list(own)}}};"
+        rows = [i for i, s in enumerate(outline, 1) if s.touches and s.feature == ridge]
+        yield f"Physical Curve({ridge}) = {{{_list(rows)}}};"
     ends = {i for b in back for i in (b, b % len(outline) + 1)}
     corners = ends - {i for c in cut for i in (c, c % len(outline) + 1)}  # no corner of the pad
     crests = [i for i, s in enumerate(outline, 1) if s.feature is not None]
@@ -135,16 +135,16 @@ def _read_mesh(text: str) -> Quads:
     rows = [line.split() for line in block("Nodes")]
     table = [[int(word) for word in line.split()] for line in block("Elements")]
     # gmsh also writes the arcs' centres: only nodes of quads are kept
-    found = np.array([row[5:] for row in table if row[1] == QUAD])
+    values = np.array([row[5:] for row in table if row[1] == QUAD])
     if any(row[1] not in (LINE, QUAD) for row in table):
         raise RuntimeError("gmsh left triangles in its mesh")
-    used, elements = np.unique(found, return_inverse=True)
-    elements = elements.reshape(found.shape)
+    used, elements = np.unique(values, return_inverse=True)
+    elements = elements.reshape(values.shape)
     place = {int(row[0]): (float(row[1]), float(row[2])) for row in rows}
     nodes = np.array([place[int(n)] for n in used])
     sides = {
         frozenset((int(quad[j]), int(quad[(j + 1) % 4]))): (i, j + 1)
-        for i, quad in enumerate(found)
+        for i, quad in enumerate(values)
         for j in range(4)
     }
     faces: dict[int, list[tuple[int, int]]] = {}

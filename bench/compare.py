@@ -59,8 +59,8 @@ def run(checkout: Path, folder: Path, command: str, name: str) -> None:
     done = subprocess.run(
         words, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=3600
     )
-    told = {"status": done.returncode, "printed": json.loads(done.stdout) if done.stdout else done.stderr}
-    (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
+    table = {"status": done.returncode, "printed": json.loads(done.stdout) if done.stdout else done.stderr}
+    (folder / "run.json").write_text(json.dumps(table), encoding="utf-8")
 
 
 def differences(before: Path, now: Path) -> Iterator[str]:
@@ -70,18 +70,18 @@ def differences(before: Path, now: Path) -> Iterator[str]:
         if name not in one or name not in two:
             yield f"{name}: only {'before' if name in one else 'now'}"
         elif name.endswith(".json"):
-            found = [json.loads(path[name].read_text("utf-8")) for path in (one, two)]
-            yield from (f"{name} {line}" for line in keys(*found))
+            rows = [json.loads(path[name].read_text("utf-8")) for path in (one, two)]
+            yield from (f"{name} {line}" for line in keys(*rows))
         elif (a := one[name].read_bytes()) != (b := two[name].read_bytes()):
             yield f"{name}: {content(a, b)}"
 
 
 def keys(before: Any, now: Any) -> Iterator[str]:
     """Yield a line for each key that differs; a list's entries are one key, told by the first of them."""
-    found: dict[str, list[tuple[str, Any, Any]]] = {}
+    table: dict[str, list[tuple[str, Any, Any]]] = {}
     for path, a, b in leaves(before, now):
-        found.setdefault(re.sub(r"\[\d+\]", "[]", path), []).append((path, a, b))
-    for pairs in found.values():
+        table.setdefault(re.sub(r"\[\d+\]", "[]", path), []).append((path, a, b))
+    for pairs in table.values():
         path, a, b = pairs[0]
         many = f", and {len(pairs) - 1} more such" if pairs[1:] else ""
         yield f"{path}: {a!r:.60} -> {b!r:.60}{relative([(x, y) for _, x, y in pairs])}{many}"
@@ -129,17 +129,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", choices=KINDS, help="only this command")
     parser.add_argument("--name", action="append", default=[], help="only this template; repeatable")
     parser.add_argument("--allow", nargs=2, action="append", default=[], metavar=("REGEX", "REASON"))
-    told = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     left = 0
-    with tree(told.revision) as other, tempfile.TemporaryDirectory() as out, ThreadPoolExecutor(2) as pool:
-        if not (todo := list(jobs((other, HERE), told.only, told.name))):
+    with tree(options.revision) as other, tempfile.TemporaryDirectory() as out, ThreadPoolExecutor(2) as pool:
+        if not (todo := list(jobs((other, HERE), options.only, options.name))):
             parser.error("no template has this name")
         for command, name in todo:
             folders = [Path(out) / side / command / name for side in ("before", "now")]
             list(pool.map(run, (other, HERE), folders, [command] * 2, [name] * 2))
             lines = [f"{command} {name}: {line}" for line in differences(*folders)]
             for line in lines or [f"{command} {name}: same"]:
-                reason = next((why for regex, why in told.allow if re.search(regex, line)), None)
+                reason = next((why for regex, why in options.allow if re.search(regex, line)), None)
                 left += bool(lines) and reason is None
                 print(line if reason is None or not lines else f"{line} [allowed: {reason}]", flush=True)
     return 1 if left else 0

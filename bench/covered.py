@@ -36,22 +36,22 @@ class Covered:
         by_line = self.data.contexts_by_lineno(file)
         span, alone = statement(text, line)
         if alone:
-            found = {name for at in span for name in self._named(by_line.get(at, []))}
+            answer = {name for at in span for name in self._named(by_line.get(at, []))}
         else:
-            found = {n for at, all_ in by_line.items() if statement(text, at)[1] for n in self._named(all_)}
-            found |= {name for name in self.seconds if self._names(name.partition("::")[0], file)}
-            found = found or {name for name in self.seconds if Path(name.partition("::")[0]).parent == room}
+            answer = {n for at, all_ in by_line.items() if statement(text, at)[1] for n in self._named(all_)}
+            answer |= {name for name in self.seconds if self._names(name.partition("::")[0], file)}
+            answer = answer or {name for name in self.seconds if Path(name.partition("::")[0]).parent == room}
 
         def rank(name: str) -> tuple[bool, bool, float]:
             path = Path(name.partition("::")[0])
             return path != mirror, path.parent != room, self.seconds[name]
 
-        taken: list[str] = []
-        for name in sorted(found, key=rank):
-            if taken and self.spent([*taken, name]) > budget:
+        rows: list[str] = []
+        for name in sorted(answer, key=rank):
+            if rows and self.spent([*rows, name]) > budget:
                 continue
-            taken.append(name)
-        return taken
+            rows.append(name)
+        return rows
 
     def spent(self, tests: list[str]) -> float:
         """Return what these tests took, s."""
@@ -64,7 +64,7 @@ class Covered:
 
     def _named(self, contexts: list[str]) -> set[str]:
         """The passed tests among the contexts of a line, as `tests/a/test_b.py::test_c|run`."""
-        return {name for each in contexts if (name := each.rpartition("|")[0]) in self.seconds}
+        return {name for context in contexts if (name := context.rpartition("|")[0]) in self.seconds}
 
 
 @cache
@@ -111,16 +111,16 @@ def recorded(tree: Path, kept: Path, texts: Path) -> Covered:
             stdout=subprocess.DEVNULL,
             timeout=14400,
         )
-    found = CoverageData(str(data))
-    found.read()
-    return Covered(texts, found, _seconds(told))
+    coverage_data = CoverageData(str(data))
+    coverage_data.read()
+    return Covered(texts, coverage_data, _seconds(told))
 
 
 def _seconds(report: Path) -> dict[str, float]:
     """Each passed test's seconds, by its name as pytest takes it."""
-    found = {}
+    table = {}
     for case in ElementTree.parse(report).iter("testcase"):
         if not len(case) or all(part.tag in ("properties", "system-out") for part in case):
             file = case.get("classname", "").replace(".", "/")
-            found[f"{file}.py::{case.get('name')}"] = float(case.get("time", "0"))
-    return found
+            table[f"{file}.py::{case.get('name')}"] = float(case.get("time", "0"))
+    return table

@@ -193,8 +193,8 @@ class _Seed:
             if quantity == "shares" and missed.max() <= NOTHING * self.force:
                 continue  # one ridge carries all, or two that are each other's image a half each
             worst = int(np.argmax(missed / np.maximum(error, NOTHING * self.force)))
-            told = float(value.mean()), float(error[worst]), float(missed[worst])
-            self.rows.append(Row(self.seed, model, part, quantity, *told, against, top))
+            rows = float(value.mean()), float(error[worst]), float(missed[worst])
+            self.rows.append(Row(self.seed, model, part, quantity, *rows, against, top))
 
     def _tried(self, name: str, work: Callable[[], T]) -> T | None:
         try:
@@ -214,22 +214,22 @@ class _Levels:
     def numbers(self, i: int) -> Numbers:
         """Return F9, approach and shares of the refinement's higher order."""
         if i not in self.known:
-            found = level(plane_piece(self.pad, REFINEMENTS[i].fineness), REFINEMENTS[i].order, self.force)
-            first = found.all_touch_force
+            answer = level(plane_piece(self.pad, REFINEMENTS[i].fineness), REFINEMENTS[i].order, self.force)
+            first = answer.all_touch_force
             self.known[i] = {
                 "all_touch_force": None if first is None else np.array([first]),
-                "approach": np.array([found.approach]),
-                "shares": found.ridge_force,
+                "approach": np.array([answer.approach]),
+                "shares": answer.ridge_force,
             }
         return self.known[i]
 
 
 def refined_to(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
     """Return the linear model's answer to a tolerance and the number of the refinement that it ended on."""
-    told: list[str] = []
-    found = linear.solve(pad, Request(force, tol), told.append)
+    rows: list[str] = []
+    solution = linear.solve(pad, Request(force, tol), rows.append)
     ends = {f"linear model: fineness {r.fineness:g}, order {r.order}": i for i, r in enumerate(REFINEMENTS)}
-    return found, ends[told[-1]]
+    return solution, ends[rows[-1]]
 
 
 def numbers(found: Answer) -> Numbers:
@@ -251,9 +251,9 @@ def relative(found: Answer, bound: LeftOut) -> Numbers:
 
 def _each(found: Answer, of: Callable[[Estimate], float | None]) -> Numbers:
     single = {q: of(getattr(found, q)) for q in SINGLE}
-    told: Numbers = {q: None if v is None else np.array([v]) for q, v in single.items()}
+    table: Numbers = {q: None if v is None else np.array([v]) for q, v in single.items()}
     shares = [of(share) for share in found.ridge_force]
-    return told | {"shares": None if None in shares else np.array(shares, dtype=float)}
+    return table | {"shares": None if None in shares else np.array(shares, dtype=float)}
 
 
 def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:

@@ -102,10 +102,10 @@ def _asked(pad: Pad, drives: list[Drive], friction: float) -> dict[str, object]:
 
 def read(text: str, length: float) -> FrictionalPad:
     """Return the process' answer for a pad of this length, mm."""
-    found = json.loads(text)
+    data = json.loads(text)
 
     def table(name: str) -> NDArray[np.float64]:
-        return np.array([step[name] for step in found["steps"]])
+        return np.array([step[name] for step in data["steps"]])
 
     forces = length * table("normal"), length * table("tangential")
-    return FrictionalPad(*forces, table("approach"), int(found["unknowns"]))
+    return FrictionalPad(*forces, table("approach"), int(data["unknowns"]))

@@ -24,26 +24,26 @@ ELASTIC = (
 
 def main() -> None:
     """Go through the steps that are asked."""
-    asked = json.loads(Path("asked.json").read_text())
+    data = json.loads(Path("asked.json").read_text())
     getfem.util("trace level", 0)
     getfem.util("warning level", 0)
     mesh = getfem.Mesh("import", "gmsh", "pad.msh")
-    whole = 1 + max(asked["back"], *asked["ridges"])
-    mesh.set_region(whole, np.hstack([mesh.region(ridge) for ridge in asked["ridges"]]))
-    rule = getfem.MeshIm(mesh, asked["quadrature"])
-    model = _model(asked, mesh, rule, whole)
-    found = []
-    for step, (force, travel) in enumerate(asked["steps"]):
+    whole = 1 + max(data["back"], *data["ridges"])
+    mesh.set_region(whole, np.hstack([mesh.region(ridge) for ridge in data["ridges"]]))
+    rule = getfem.MeshIm(mesh, data["quadrature"])
+    model = _model(data, mesh, rule, whole)
+    rows = []
+    for step, (force, travel) in enumerate(data["steps"]):
         model.set_variable("before", model.variable("u"))
         model.set_variable("travel", travel)
         if step == 0:  # from open contact a force finds nothing to bear it
-            model.set_variable("hold", asked["hold"])
-            _solve(model, asked)
+            model.set_variable("hold", data["hold"])
+            _solve(model, data)
             model.set_variable("hold", 0.0)
         model.set_variable("force", force)
-        _solve(model, asked)
-        found.append(_told(asked, model, rule))
-    Path("found.json").write_text(json.dumps({"unknowns": int(model.nbdof()), "steps": found}))
+        _solve(model, data)
+        rows.append(_told(data, model, rule))
+    Path("found.json").write_text(json.dumps({"unknowns": int(model.nbdof()), "steps": rows}))
 
 
 def _model(asked: dict[str, Any], mesh: Any, rule: Any, whole: int) -> Any:

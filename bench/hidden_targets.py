@@ -96,20 +96,20 @@ def ways(
         rng = np.random.default_rng([seed, knobs, 41])
         keys = tuple(str(key) for key in rng.choice(list(ranges), knobs, replace=False))
         hidden = {key: float(np.round(rng.uniform(*ranges[key]), 4)) for key in keys}
-        told = evaluate(design, hidden, Query("check", model))
+        evaluation = evaluate(design, hidden, Query("check", model))
         target = TARGETS[seed % len(TARGETS)]
         seed += 1
-        value = told.results[target].value if told.results and not told.refused else None
+        value = evaluation.results[target].value if evaluation.results and not evaluation.refused else None
         if not value:
             continue  # no feasible design
         began = perf_counter()
-        found = solve(design, {target: value}, {key: ranges[key] for key in keys}, model=model)
+        solution = solve(design, {target: value}, {key: ranges[key] for key in keys}, model=model)
         missed = np.inf
-        if found.solutions:
-            missed = abs(float(found.solutions[0].reached[target]) / value - 1)
-        denied = found.complete and not found.feasible
+        if solution.solutions:
+            missed = abs(float(solution.solutions[0].reached[target]) / value - 1)
+        denied = solution.complete and not solution.feasible
         took = perf_counter() - began
-        yield Way(seed - 1, keys, (target, value), len(found.evaluations), missed, denied, took)
+        yield Way(seed - 1, keys, (target, value), len(solution.evaluations), missed, denied, took)
         count -= 1
 
 
@@ -121,18 +121,18 @@ def main() -> None:
     parser.add_argument("--tier", default=MODEL)
     parser.add_argument("--start", default=START, help="a design's template")
     parser.add_argument("--wide", action="store_true", help="one of the keys of WIDE")
-    asked = parser.parse_args()
-    ranges = wide(asked.start) if asked.wide else RANGES
-    for knobs in [1] if asked.wide else MOST:
-        found = []
-        for way in ways(asked.count, asked.seed, knobs, asked.model, asked.start, ranges):
+    options = parser.parse_args()
+    ranges = wide(options.start) if options.wide else RANGES
+    for knobs in [1] if options.wide else MOST:
+        rows = []
+        for way in ways(options.count, options.seed, knobs, options.model, options.start, ranges):
             print(way, flush=True)
-            found.append(way)
-        took = sorted(way.evaluations for way in found)
-        hits = sum(way.hit for way in found)
-        denied, keys = sum(way.denied for way in found), len({way.keys for way in found})
+            rows.append(way)
+        took = sorted(way.evaluations for way in rows)
+        hits = sum(way.hit for way in rows)
+        denied, keys = sum(way.denied for way in rows), len({way.keys for way in rows})
         print(
-            f"{knobs} numbers: {hits} of {len(found)} hit, {denied} denied, over {keys} sets of keys; "
+            f"{knobs} numbers: {hits} of {len(rows)} hit, {denied} denied, over {keys} sets of keys; "
             f"evaluations {took[len(took) // 2]} in the median, {took[-1]} at most"
         )
 

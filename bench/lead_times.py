@@ -29,11 +29,11 @@ def noisy(scene: Scene) -> str:
     """Return what the noise of SEEDS leaves of a scene's lead time."""
     march, leads, clean = marched(scene), list[float](), 0
     for seed in SEEDS:
-        found = read_out(
+        answer = read_out(
             scene.with_(effects={"piezo": {**scene.effects["piezo"], "noise_seed": seed}}), march
         )
-        leads.append(1e3 * (found.read["longest_lead_time_s"] or 0.0))
-        clean += not found.read["event_score"]["false"]
+        leads.append(1e3 * (answer.read["longest_lead_time_s"] or 0.0))
+        clean += not answer.read["event_score"]["false"]
     low, middle = np.percentile(leads, (5, 50))
     return f"median {middle:.3g} ms, 5th percentile {low:.3g} ms; no false alarm in {clean} of {len(SEEDS)}"
 

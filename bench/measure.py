@@ -27,12 +27,12 @@ ORDER = 3
 
 def times(work: Callable[[], object], repeats: int = REPEATS) -> list[float]:
     """Return the wall time of each run, s."""
-    found = []
+    rows = []
     for _ in range(repeats):
         started = perf_counter()
         work()
-        found.append(perf_counter() - started)
-    return found
+        rows.append(perf_counter() - started)
+    return rows
 
 
 def best(work: Callable[[], object]) -> float:

@@ -54,7 +54,7 @@ class Mutant:
 def drawn(tree: Path, pattern: str, seed: int, number: int) -> list[tuple[Mutant, Site]]:
     """Return the changes, drawn evenly from all places of the files that match."""
     texts = {path: path.read_text("utf-8") for path in sorted((tree / "skincad").rglob("*.py"))}
-    found = [
+    rows = [
         (path.relative_to(tree).as_posix(), site, text.splitlines()[site.start[0] - 1].strip())
         for path, text in texts.items()
         if path.relative_to(tree).match(pattern)
@@ -63,7 +63,7 @@ def drawn(tree: Path, pattern: str, seed: int, number: int) -> list[tuple[Mutant
     dice = random.Random(seed)
     return [
         (Mutant(file, *site.start, site.before, dice.choice(site.after), code), site)
-        for file, site, code in dice.sample(found, min(number, len(found)))
+        for file, site, code in dice.sample(rows, min(number, len(rows)))
     ]
 
 
@@ -135,8 +135,8 @@ class Bench:
 
     def known(self, mutant: Mutant) -> dict[str, Any] | None:
         """Return a change's record."""
-        told = asdict(mutant)
-        return next((each for each in self.records if told.items() <= each.items()), None)
+        answer = asdict(mutant)
+        return next((record for record in self.records if answer.items() <= record.items()), None)
 
     def judge(self, mutant: Mutant, site: Site, budget: float) -> None:
         """Run tests that reach a change, and record what they say."""
@@ -152,11 +152,11 @@ class Bench:
         finally:
             self.trees.put(tree)
         spent = {"tests": len(tests), "seconds": round(perf_counter() - started, 1)}
-        told = {**asdict(mutant), "seen": by is not None, "by": by, **spent}
+        table = {**asdict(mutant), "seen": by is not None, "by": by, **spent}
         with self.lock, self.out.open("a", encoding="utf-8") as file:
-            self.records.append(told)
-            file.write(json.dumps(told) + "\n")
-        print(f"{'seen' if by else 'NOT SEEN'}  {line(told)}", file=sys.stderr, flush=True)
+            self.records.append(table)
+            file.write(json.dumps(table) + "\n")
+        print(f"{'seen' if by else 'NOT SEEN'}  {line(table)}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -196,13 +196,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
     parser.add_argument("-o", dest="out", type=Path, help="folder of records; default out/mutants-SEED")
-    told = parser.parse_args(arguments)
-    out = told.out or HERE / "out" / f"mutants-{told.seed}"
+    options = parser.parse_args(arguments)
+    out = options.out or HERE / "out" / f"mutants-{options.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    mutants = drawn(HERE, told.file, told.seed, told.count)
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(told.workers) as pool:
-        bench = Bench(out, Path(folder), told.workers)
-        list(pool.map(lambda each: bench.judge(*each, told.budget), mutants))
+    mutants = drawn(HERE, options.file, options.seed, options.count)
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.workers) as pool:
+        bench = Bench(out, Path(folder), options.workers)
+        list(pool.map(lambda each: bench.judge(*each, options.budget), mutants))
     print(summary([found for mutant, _ in mutants if (found := bench.known(mutant))]))
 
 

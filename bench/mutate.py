@@ -52,14 +52,14 @@ class _Finder(ast.NodeVisitor):
 
     def between(self, start: Place, end: Place) -> None:
         """Take the one operator between two operands."""
-        found = [
+        rows = [
             t
             for t in self.tokens
             if start <= t.start and t.end <= end and (t.string in REPLACED or t.string == "not")
         ]
-        if found:
-            before = " ".join(t.string for t in found)
-            self.sites.append(Site(found[0].start, found[-1].end, before, REPLACED[before]))
+        if rows:
+            before = " ".join(t.string for t in rows)
+            self.sites.append(Site(rows[0].start, rows[-1].end, before, REPLACED[before]))
 
     def visit_BinOp(self, node: ast.BinOp) -> None:
         if not any(_text_or_list(each) for each in (node.left, node.right)):

@@ -74,17 +74,17 @@ def drawn(seed: int) -> tuple[Design, Design]:
 
 def judged(seed: int) -> Pair | None:
     """Return a seed's pair, None where a model refuses one of its designs."""
-    found = {}
+    table = {}
     for model in ("linear", BEST):
-        found[model] = [evaluate(design, {}, Query("check", model)) for design in drawn(seed)]
-        if any(each.refused or each.results[KEY].value is None for each in found[model]):
+        table[model] = [evaluate(design, {}, Query("check", model)) for design in drawn(seed)]
+        if any(each.refused or each.results[KEY].value is None for each in table[model]):
             return None
 
     def both(model: str, part: str) -> tuple[float, float]:
-        a, b = (float(getattr(each.results[KEY], part) or 0.0) for each in found[model])
+        a, b = (float(getattr(each.results[KEY], part) or 0.0) for each in table[model])
         return a, b
 
-    errors = [model_error(each, KEY) for each in found["linear"]]
+    errors = [model_error(each, KEY) for each in table["linear"]]
     meshes = [error - own for error, own in zip(both("linear", "error"), errors, strict=True)]
     return Pair(
         seed,
@@ -118,12 +118,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    asked = parser.parse_args()
-    out = Path(f"out/ranks-{asked.seed}.jsonl")
+    options = parser.parse_args()
+    out = Path(f"out/ranks-{options.seed}.jsonl")
     out.parent.mkdir(exist_ok=True)
     pairs = []
     with out.open("w") as file:
-        for seed in range(asked.seed, asked.seed + asked.count):
+        for seed in range(options.seed, options.seed + options.count):
             pair = judged(seed)
             if pair is None:
                 continue

@@ -50,11 +50,11 @@ def main(seeds: list[int]) -> None:
     for name, design in zip(names, designs, strict=True):
         stated = intervals(design, all_touch_force(design))
         for key in stated.keys() & {*KEYS}:
-            if (found := exponent(design, key)) is not None:
+            if (answer := exponent(design, key)) is not None:
                 low, high = stated[key]
-                inside[key].append(low <= found <= high)
+                inside[key].append(low <= answer <= high)
                 told = "" if inside[key][-1] else "  OUTSIDE"
-                print(f"{name:20} {key:24} {low:6.2f} to {high:6.2f}: {found:6.2f}{told}", flush=True)
+                print(f"{name:20} {key:24} {low:6.2f} to {high:6.2f}: {answer:6.2f}{told}", flush=True)
     for key, each in inside.items():
         print(f"{key:24} {sum(each)} of {len(each)} inside")
 

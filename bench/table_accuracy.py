@@ -41,10 +41,10 @@ def budgets(names: list[str]) -> int:
     for name in names:
         cells = []
         for budget in BUDGETS:
-            found = check(skincad.load(name, [SMOOTH]), budget=budget)
-            spent = found.seconds["total"]
+            verdict = check(skincad.load(name, [SMOOTH]), budget=budget)
+            spent = verdict.seconds["total"]
             late += spent > KEPT * budget
-            cells.append(f"{found.model:>24} {spent:5.2f} s{'!' if spent > KEPT * budget else ' '}")
+            cells.append(f"{verdict.model:>24} {spent:5.2f} s{'!' if spent > KEPT * budget else ' '}")
         print(f"{name:22}" + "".join(cells), flush=True)
     print(f"{late} of {len(names) * len(BUDGETS)} took more than {KEPT:g} times the budget\n")
     return late
@@ -64,18 +64,18 @@ def wholes(names: list[str]) -> int:
             continue
         cells = []
         for tol in WHOLE:
-            found = check(design, tol=tol)
-            force, scale = found.all_touch_force, max(truth.value or 0.0, NEGLIGIBLE * found.force)
+            verdict = check(design, tol=tol)
+            force, scale = verdict.all_touch_force, max(truth.value or 0.0, NEGLIGIBLE * verdict.force)
             stated, true = (
                 (force.error or 0.0) / scale,
                 abs((force.value or 0.0) - (truth.value or 0.0)) / scale,
             )
             bad = true > stated + (truth.error or 0.0) / scale
             missed += bad
-            short = any("not met" in warning for warning in found.warnings)
-            mark = "!" if bad else "-" if short else "+" if found.model == BEST else " "
+            short = any("not met" in warning for warning in verdict.warnings)
+            mark = "!" if bad else "-" if short else "+" if verdict.model == BEST else " "
             cells.append(
-                f"{found.model:>28} {found.seconds['total']:6.2f} s {stated:8.1e} {true:8.1e} {mark} "
+                f"{verdict.model:>28} {verdict.seconds['total']:6.2f} s {stated:8.1e} {true:8.1e} {mark} "
             )
         print(f"{name:22}" + "".join(cells), flush=True)
     print(f"{missed} of {len(names) * len(WHOLE)} stated too small\n")
@@ -91,11 +91,11 @@ def tolerances(names: list[str]) -> int:
         truth = finest(design)
         cells = []
         for tol in TOLERANCES:
-            found = check(design, model="linear", tol=tol)
-            stated, true = apart(found, truth)
-            bad = true > tol or any("not met" in warning for warning in found.warnings)
+            verdict = check(design, model="linear", tol=tol)
+            stated, true = apart(verdict, truth)
+            bad = true > tol or any("not met" in warning for warning in verdict.warnings)
             missed += bad
-            cells.append(f"{found.seconds['total']:16.2f} s {stated:8.1e} {true:8.1e}{'!' if bad else ' '}")
+            cells.append(f"{verdict.seconds['total']:16.2f} s {stated:8.1e} {true:8.1e}{'!' if bad else ' '}")
         print(f"{name:22}" + "".join(cells), flush=True)
     print(f"{missed} of {len(names) * len(TOLERANCES)} not met")
     return missed
@@ -104,8 +104,8 @@ def tolerances(names: list[str]) -> int:
 def finest(design: Design) -> tuple[float | None, float]:
     """Return F9 and approach of the linear ladder's last refinement."""
     pad, refinement = pad_of(design), REFINEMENTS[-1]
-    found = level(plane_piece(pad, refinement.fineness), refinement.order, design.contact.force)
-    return found.all_touch_force, found.approach
+    answer = level(plane_piece(pad, refinement.fineness), refinement.order, design.contact.force)
+    return answer.all_touch_force, answer.approach
 
 
 def apart(found: ContactCheck, truth: tuple[float | None, float]) -> tuple[float, float]:
@@ -130,18 +130,20 @@ def scenes(_names: list[str]) -> int:
         scene, cells = load_scene(name), []
         mesh_alone = scene if "finite_strain" in scene.effects else scene.with_(effects={"small_strain": {}})
         for budget in SCENE_BUDGETS:
-            found = simulate(scene, budget=budget)
-            spent, least = found.seconds["total"], found.error is None
+            simulation = simulate(scene, budget=budget)
+            spent, least = simulation.seconds["total"], simulation.error is None
             over = spent > KEPT * budget
             late += over and not least
             mark = "" if not over else "least" if least else "!"
-            cells.append(f"{found.march.unknowns:>12} {spent:6.2f} s {mark:5}")
+            cells.append(f"{simulation.march.unknowns:>12} {spent:6.2f} s {mark:5}")
         for tol in SCENE_TOLERANCES:
-            found = simulate(mesh_alone, tol=tol, budget=LONGEST)
-            largest = max((float(abs(s).max()) for s in found.raw.values()), default=0.0)
-            reached = max((found.error or {}).values(), default=0.0) / largest if largest else 0.0
-            mark = "-" if any("not met" in w for w in found.warnings) else " "
-            cells.append(f"{found.march.unknowns:>12} {found.seconds['total']:6.2f} s {reached:8.1e} {mark}")
+            simulation = simulate(mesh_alone, tol=tol, budget=LONGEST)
+            largest = max((float(abs(s).max()) for s in simulation.raw.values()), default=0.0)
+            reached = max((simulation.error or {}).values(), default=0.0) / largest if largest else 0.0
+            mark = "-" if any("not met" in w for w in simulation.warnings) else " "
+            cells.append(
+                f"{simulation.march.unknowns:>12} {simulation.seconds['total']:6.2f} s {reached:8.1e} {mark}"
+            )
         print(f"{name:28}" + "".join(cells), flush=True)
     print(f"{late} budgets not kept within {KEPT:g} times; - is not met within {LONGEST:g} s")
     return late
@@ -152,13 +154,13 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("names", nargs="*", default=template_names())
     parser.add_argument("--only", choices=("budget", "tol", "mesh", "scene"))
-    asked = parser.parse_args()
+    options = parser.parse_args()
     for model in AUTO:  # imports are no part of a budget
         load(model)
     check(skincad.load("plain-ridges"), model="linear")
     for kind, table in {"budget": budgets, "tol": wholes, "mesh": tolerances, "scene": scenes}.items():
-        if asked.only in (None, kind):
-            table(asked.names)
+        if options.only in (None, kind):
+            table(options.names)
 
 
 if __name__ == "__main__":

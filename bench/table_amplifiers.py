@@ -65,10 +65,10 @@ class SceneRun:
 def marched(name: str) -> SceneRun:
     """March a scene once."""
     scene = load_scene(name, [f"readout.ridges={list(RIDGES)}"])
-    found = simulation.at_level(scene, LEVELS[1])
-    runs = [found.runs[r - 1] for r in RIDGES]
-    march = found.march
-    return SceneRun(name, scene.design, march.time, march.column("films"), runs, found.gross_slip_step)
+    answer = simulation.at_level(scene, LEVELS[1])
+    runs = [answer.runs[r - 1] for r in RIDGES]
+    march = answer.march
+    return SceneRun(name, scene.design, march.time, march.column("films"), runs, answer.gross_slip_step)
 
 
 def differenced(outputs: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -101,8 +101,8 @@ def line(found: SceneRun, circuit: Circuit, rate: bool, bandwidth: float) -> str
         false.append(scored.false)
     signal = float(np.std(clean[..., 0] - clean[..., 1]))
     silent = sum(math.isnan(lead) for lead in leads[1:])
-    told = [lead for lead in leads[1:] if not math.isnan(lead)]
-    noisy = f"{np.median(told):9.4g} ({min(told):.4g})" if told else f"{'-':>9} (-)"
+    rows = [lead for lead in leads[1:] if not math.isnan(lead)]
+    noisy = f"{np.median(rows):9.4g} ({min(rows):.4g})" if rows else f"{'-':>9} (-)"
     return (
         f"{bandwidth:7.5g} {20 * math.log10(signal / pair):7.1f} {leads[0]:10.4g} {false[0]:5d}"
         f" {noisy:18} {silent:6d} {np.mean(false[1:]):6.2f}"
@@ -115,17 +115,17 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*", default=["steady-pull", "yamada-2002-slip"], metavar="SCENE")
     parser.add_argument("--bandwidth", type=float, nargs="*", default=BANDWIDTHS, metavar="HZ")
     parser.add_argument("--slower", type=float, default=1.0, help="times; bandwidths are lower by as much")
-    asked = parser.parse_args()
-    for name in asked.scenes:
+    options = parser.parse_args()
+    for name in options.scenes:
         found = marched(name)
-        found = replace(found, time=asked.slower * found.time)
+        found = replace(found, time=options.slower * found.time)
         print(f"{name}: gross slip at step {found.gross}, steps of {1e6 * found.time[1]:.3g} us")
         print(f"{'amplifier':26} {'-3 dB':>7} {'S/N, dB':>7} {'lead, ms':>10} {'false':>5}"
               f" {'noisy':>9} (least)  {'silent':>6} {'false':>6}")  # fmt: skip
         for label, (template, settings, rate) in AMPLIFIERS.items():
             circuit = load_circuit(template, list(settings))
-            for bandwidth in asked.bandwidth:
-                print(f"{label:26} {line(found, circuit, rate, bandwidth / asked.slower)}", flush=True)
+            for bandwidth in options.bandwidth:
+                print(f"{label:26} {line(found, circuit, rate, bandwidth / options.slower)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ def row(template: str, process: str, folder: Path) -> Row:
     design = design if process == "own" else by(design, process)
     started = time.perf_counter()
     try:
-        made = Made(found := skincad.make(design), skincad.write(found, folder, formats=FORMATS))
+        made = Made(result := skincad.make(design), skincad.write(result, folder, formats=FORMATS))
     except (skincad.InputError, RuntimeError) as refusal:
         return Row(template, process, ("refused",), (str(refusal),))
     seconds = time.perf_counter() - started
@@ -64,11 +64,11 @@ def _read(design: Design, job: Job) -> tuple[int, int, list[str]]:
     readers = {name: reader for name, reader in readers.items() if not reader.missing()}
     for name, reader in readers.items():
         try:
-            found = reader.complaints(job)
+            answer = reader.complaints(job)
         except Exception as failure:  # a reader that breaks on a file is one that does not pass
-            found = [f"{type(failure).__name__}: {failure}"]
-        passing += not found
-        told += [f"{name}: {complaint}" for complaint in found]
+            answer = [f"{type(failure).__name__}: {failure}"]
+        passing += not answer
+        told += [f"{name}: {complaint}" for complaint in answer]
     return passing, len(readers), told
 
 

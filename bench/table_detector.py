@@ -93,26 +93,26 @@ def held(circuit: str) -> tuple[int, float]:
 def table(circuit: str, scenes: list[SceneRun], folder: Path) -> dict[str, dict[float, list[Mark]]]:
     """Print an amplifier's part; return its marks by kind of alarms and threshold."""
     every = [case(scene, circuit, folder / "outputs") for scene in scenes]
-    told = [one.told(one.scene.told) for one in every]
+    rows = [one.told(one.scene.told) for one in every]
     print(f"\n{circuit}\n{HEAD}")
     for louder in LOUDER:
-        row(f"sure, noise x {louder:g}", told, lambda one, _, by=louder: found(one, by))
-    row("early", told, lambda one, _: found(one, 1.0, EARLY))
+        row(f"sure, noise x {louder:g}", rows, lambda one, _, by=louder: found(one, by))
+    row("early", rows, lambda one, _: found(one, 1.0, EARLY))
     for alarms in POINTS:
         for count in RIDGES:
             few = [one.told(some(one.scene, count)) for one in every]
             row(f"{alarms}, {count} ridges told", few, lambda one, _, by=alarms: found(one, 1.0, by))
-    row("rate's threshold", told, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
-    row("forces and friction known", told, lambda one, w: [(None, i) for _, i in rivals.cone(one, w)])
-    row("never", told, rivals.never)
-    row("always", told, rivals.always)
-    traded = {alarms: roc.marks(told, alarms) for alarms in POINTS}
+    row("rate's threshold", rows, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
+    row("forces and friction known", rows, lambda one, w: [(None, i) for _, i in rivals.cone(one, w)])
+    row("never", rows, rivals.never)
+    row("always", rows, rivals.always)
+    traded = {alarms: roc.marks(rows, alarms) for alarms in POINTS}
     for alarms, found_at in traded.items():
         roc.printed(found_at, alarms)
     times, most = held(circuit)
     minute, low, high = rate(times, MINUTES)
     print(f"holding: {minute:.3g} ({low:.2g}-{high:.2g}) a minute, loudest {most:.2f} of {SEEN:g} noise rms")
-    slips = [one for one in [one for one in told if one.gross is not None][::BOUNDED] if not one.scene.mass]
+    slips = [one for one in [one for one in rows if one.gross is not None][::BOUNDED] if not one.scene.mass]
     can = [
         bound(one.scene.seed, circuit, folder / "scenes", folder / "outputs", ear(one).window / one.rate)
         for one in slips
@@ -130,14 +130,14 @@ def main() -> None:
     parser.add_argument(
         "--roc", type=Path, metavar="PNG", help="where warnings against false alarms are drawn"
     )
-    asked = parser.parse_args()
-    marched = [kept(seed, asked.folder / "scenes") for seed in seeds(EXAM)]
+    options = parser.parse_args()
+    marched = [kept(seed, options.folder / "scenes") for seed in seeds(EXAM)]
     marched = [scene for scene in marched if scene.time.size > FEWEST]
     print(f"exam: seeds {seeds(EXAM)[0]} to {seeds(EXAM)[-1]}, odd; {len(marched)} scenes")
-    tables = {circuit: table(circuit, marched, asked.folder) for circuit in asked.circuits}
+    tables = {circuit: table(circuit, marched, options.folder) for circuit in options.circuits}
     curves = {(circuit, kind): at for circuit, each in tables.items() for kind, at in each.items()}
-    if asked.roc:
-        roc.drawn(curves, asked.roc)
+    if options.roc:
+        roc.drawn(curves, options.roc)
 
 
 if __name__ == "__main__":

@@ -65,19 +65,19 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--plane", action="store_true", help="no solids, no free ends")
     parser.add_argument("--picture", type=Path)
-    asked = parser.parse_args()
-    seeds = range(asked.first, asked.first + asked.seeds)
-    solve(asked.rows, seeds, asked.minutes, asked.plane)
-    known = read(asked.rows)
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.seeds)
+    solve(options.rows, seeds, options.minutes, options.plane)
+    known = read(options.rows)
     rows = [row for seed in sorted(known) if seed in seeds for row in known[seed][0]]
     print("\n".join(table(rows)))
     for seed in sorted(set(known) & set(seeds)):
         for name, why in known[seed][1].items():
             print(f"seed {seed}: {name}: {why}")
-    if asked.picture:
+    if options.picture:
         from bench.calibration_plot import calibration_plot
 
-        calibration_plot(rows, asked.picture)
+        calibration_plot(rows, options.picture)
 
 
 if __name__ == "__main__":

@@ -29,8 +29,8 @@ NAMES = "all-touch force", "approach", "share"
 
 def changes(design: Design, force: float, coefficient: float) -> Iterator[tuple[str, float, float]]:
     """Yield each quantity's relative change and its bound; an F9 that is as good as nothing has none."""
-    found = solve(plain_pad(design), coefficient, force)
-    before, after = found.without, found.gripped
+    solution = solve(plain_pad(design), coefficient, force)
+    before, after = solution.without, solution.gripped
     bound = friction(design, int((before.ridge_force > 0).sum()))
     first, last = before.all_touch_force, after.all_touch_force
     if first and last and first > NEGLIGIBLE * force:

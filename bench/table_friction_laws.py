@@ -49,8 +49,8 @@ def by_shear(stress: float, mu: float) -> dict[str, object]:
 
 def by_table(stress: float, mu: float) -> dict[str, object]:
     """A coefficient that falls with pressure, from CAP times Coulomb's on; `stress` at 0.1 MPa."""
-    found = np.minimum(stress / 0.1 * (PRESSURES / 0.1) ** POWER, CAP * mu)
-    return {"law": "table", "table": [[float(p), float(m)] for p, m in zip(PRESSURES, found, strict=True)]}
+    answer = np.minimum(stress / 0.1 * (PRESSURES / 0.1) ** POWER, CAP * mu)
+    return {"law": "table", "table": [[float(p), float(m)] for p, m in zip(PRESSURES, answer, strict=True)]}
 
 
 LAWS = Law("shear stress", by_shear), Law("power law", by_table)
@@ -69,8 +69,8 @@ def calibrated(scene: Scene, law: Law, coulomb: Simulation) -> tuple[float, Simu
     longer = scene.with_(history={"tangential_force_N": further})
     stress = float(last[1].sum() / last[2].sum())
     for _ in range(TRIES):
-        found = marched(longer, law.tables(stress, mu))
-        part = float(found.march.loads[-1][1].sum() / last[1].sum())
+        answer = marched(longer, law.tables(stress, mu))
+        part = float(answer.march.loads[-1][1].sum() / last[1].sum())
         if abs(part - (1 - LESS)) < SAME:
             break
         stress *= (1 - LESS) / part

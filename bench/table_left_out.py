@@ -67,7 +67,7 @@ def with_masses(scene: Scene) -> Scene:
 
 
 def _one(effect: str, without: Scene, left: March, named: March) -> Compared:
-    entry = next(each for each in left_out_effects(without, left) if each.effect == effect)
+    entry = next(entry for entry in left_out_effects(without, left) if entry.effect == effect)
     assert entry.within is not None
     return Compared(effect, entry.change, entry.within, change(felt(left), felt(named)))
 

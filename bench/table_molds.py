@@ -48,20 +48,20 @@ def tables(dice: Dice) -> dict[str, Any]:
         "length": dice.scale(3.0, 200.0),
     }
     ridge = _ridge(dice, skin["width"])
-    found = {
+    table = {
         "skin": skin,
         "ridge": ridge,
         "material": {"name": dice.one(silicones())},
         "mold": {"process": dice.one(PROCESSES)},
     }
     if dice.happens(0.5):
-        found["slot"] = _slot(dice, ridge)
+        table["slot"] = _slot(dice, ridge)
         if dice.happens(0.5):
-            found["film"] = {
-                "thickness": found["slot"]["thickness"] * dice.over(0.2, 1.0),
+            table["film"] = {
+                "thickness": table["slot"]["thickness"] * dice.over(0.2, 1.0),
                 "electrode_margin": 0.0,
             }
-    return found
+    return table
 
 
 def _ridge(dice: Dice, width: float) -> dict[str, Any]:
@@ -96,26 +96,26 @@ def _slot(dice: Dice, ridge: dict[str, Any]) -> dict[str, Any]:
 
 def refusals(designs: Iterator[Design]) -> list[tuple[Design, InputError]]:
     """Return the designs without a mold, each with why."""
-    found = []
+    rows = []
     for design in designs:
         try:
             mold(design)
         except InputError as refused:
-            found.append((design, refused))
-    return found
+            rows.append((design, refused))
+    return rows
 
 
 def main() -> None:
     """Print the table: how many of the sections each rule refuses, with an example."""
     count, start = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT, time.perf_counter()
-    found = refusals(sections(count))
+    answer = refusals(sections(count))
     rules: dict[str, list[str]] = defaultdict(list)
-    for _, refused in found:
+    for _, refused in answer:
         rules[re.sub(r"-?\d[\d.e+-]*", "#", f"{refused.key}: {refused.rule}")].append(str(refused))
-    print(f"{len(found)} of {count} valid sections have no mold ({len(found) / count:.1%})")
+    print(f"{len(answer)} of {count} valid sections have no mold ({len(answer) / count:.1%})")
     for examples in sorted(rules.values(), key=len, reverse=True):
         print(f"{len(examples):6}  {examples[0]}")
-    keys = Counter(refused.key for _, refused in found)
+    keys = Counter(refused.key for _, refused in answer)
     print("by key: " + ", ".join(f"{key} {n}" for key, n in keys.most_common()))
     print(f"{time.perf_counter() - start:.1f} s")
 

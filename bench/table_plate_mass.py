@@ -60,9 +60,9 @@ def main() -> None:
     still: Simulation | None = None
     for name, overrides in runs.items():
         began = perf_counter()
-        found = at_level(load_scene(SCENE, [*LONGER, *overrides]), LEVELS[0])
-        still = still or found
-        print(told(name, found, still, perf_counter() - began), flush=True)
+        answer = at_level(load_scene(SCENE, [*LONGER, *overrides]), LEVELS[0])
+        still = still or answer
+        print(told(name, answer, still, perf_counter() - began), flush=True)
 
 
 if __name__ == "__main__":

@@ -20,13 +20,13 @@ from skincad.inputs.process import PROCESSES
 
 def rows() -> dict[tuple[str, str], list[Finding]]:
     """Return the findings by (template, process), and by (template, "own")."""
-    found = {}
+    table = {}
     for name in template_names():
         design = skincad.load(name)
-        found[name, "own"] = design_findings(Job(design))
+        table[name, "own"] = design_findings(Job(design))
         for process in PROCESSES:
-            found[name, process] = design_findings(Job(by(design, process)))
-    return found
+            table[name, process] = design_findings(Job(by(design, process)))
+    return table
 
 
 def by(design: Design, process: str) -> Design:
@@ -46,14 +46,14 @@ def counts(found: list[Finding]) -> str:
 def main() -> None:
     """Print the table."""
     start = time.perf_counter()
-    found = rows()
+    answer = rows()
     print(f"{'warnings/notes':22}" + "".join(f"{p:>8}" for p in (*PROCESSES, "own")))
     for name in template_names():
-        cells = [counts(found[name, p]) for p in (*PROCESSES, "own")]
+        cells = [counts(answer[name, p]) for p in (*PROCESSES, "own")]
         print(f"{name:22}" + "".join(f"{cell:>8}" for cell in cells))
     print(f"{time.perf_counter() - start:.1f} s")
     if "--all" in sys.argv:
-        for (name, process), findings in found.items():
+        for (name, process), findings in answer.items():
             for finding in findings:
                 print(f"{name} by {process}: {finding}")
 

@@ -73,15 +73,15 @@ def both(scene: Scene) -> tuple[Forces, Forces]:
 
 
 def _marched(pad: Any, times: Array, drives: list[Drive], scene: Scene) -> Forces:
-    found = march(pad, times, drives, scene.terms, keep=range(len(drives)))
-    grips = [pad.grip(found.states[i]) for i in range(len(found.readings))]
-    first, count = int(found.ridge.min()), int(np.ptp(found.ridge)) + 1
+    run = march(pad, times, drives, scene.terms, keep=range(len(drives)))
+    grips = [pad.grip(run.states[i]) for i in range(len(run.readings))]
+    first, count = int(run.ridge.min()), int(np.ptp(run.ridge)) + 1
     normal, across = (
-        np.array([np.bincount(found.ridge - first, each, count) for each in forces])
+        np.array([np.bincount(run.ridge - first, force, count) for force in forces])
         for forces in ([g.normal for g in grips], [g.tangential for g in grips])
     )
-    films = found.column("films")[:, :, 0]
-    return Forces(normal, across, films[:, ::2] - films[:, 1::2], found)
+    films = run.column("films")[:, :, 0]
+    return Forces(normal, across, films[:, ::2] - films[:, 1::2], run)
 
 
 def critical(small: Forces, large: Forces, ridge: int) -> float | None:
@@ -115,12 +115,12 @@ def main() -> None:
         there, here = large.difference[:end], small.difference[:end]
         change = float(np.abs(there - here).max() / np.abs(here).max())
         said = next(
-            each for each in left_out_effects(scene, small.march) if each.effect == "finite_strain"
+            entry for entry in left_out_effects(scene, small.march) if entry.effect == "finite_strain"
         ).change
         ratios = [
-            found / sway_force(scene.design, float(large.normal[-1, ridge]))
+            answer / sway_force(scene.design, float(large.normal[-1, ridge]))
             for ridge in range(scene.design.ridge.count)
-            if (found := critical(small, large, ridge))
+            if (answer := critical(small, large, ridge))
         ]
         parts.append(said / change)
         forces += [float(np.median(ratios))] if ratios else []

@@ -96,21 +96,21 @@ def verdict(found: ContactCheck) -> str:
 def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     """Return a seed's verdicts; `auto` is told this `friction`, the best model that there is none."""
     design, clock, said = drawn(seed), [perf_counter()], ""
-    found: list[ContactCheck | None] = []
+    rows: list[ContactCheck | None] = []
     for model, told in (("auto", friction), (BEST, 0.0)):
         try:
-            found.append(skincad.check(design.with_(contact={"friction": told}), model=model))
-            said += found[-1].out_of_range if found[-1] else ""
+            rows.append(skincad.check(design.with_(contact={"friction": told}), model=model))
+            said += rows[-1].out_of_range if rows[-1] else ""
         except (InputError, RefusedError) as refusal:
-            found.append(None)
+            rows.append(None)
             said += f"{model}: {refusal} "
         clock.append(perf_counter())
-    auto, best = found
+    auto, best = rows
 
     def numbers(of: ContactCheck | None, name: str) -> tuple[float | None, float | None]:
         return (None, None) if of is None else (getattr(of, name).value, getattr(of, name).error)
 
-    words = [verdict(of) if of else "none" for of in found]
+    words = [verdict(of) if of else "none" for of in rows]
     return CrestAllowance(
         seed,
         auto.model if auto else "",
@@ -153,13 +153,13 @@ def main() -> None:
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=1000, help="the first seed")
     parser.add_argument("--smooth", action="store_true", help="tell auto too that there is no friction")
-    asked = parser.parse_args()
-    out = Path(f"out/verdicts-{asked.seed}.jsonl")
+    options = parser.parse_args()
+    out = Path(f"out/verdicts-{options.seed}.jsonl")
     out.parent.mkdir(exist_ok=True)
     rows = []
     with out.open("w") as file:
-        for seed in range(asked.seed, asked.seed + asked.count):
-            rows.append(judged(seed, 0.0 if asked.smooth else None))
+        for seed in range(options.seed, options.seed + options.count):
+            rows.append(judged(seed, 0.0 if options.smooth else None))
             file.write(json.dumps(asdict(rows[-1])) + "\n")
             file.flush()
     print("\n".join(summary(rows)))

@@ -77,10 +77,10 @@ class Campaign:
         """Run one case; while a kind of failure is hunted, only this kind counts."""
         if time.monotonic() > self.until and not self.hunted:
             return
-        found = alone(case, dear=not self.hunted and self.runs["check"] % DEAR == 0)
+        answer = alone(case, dear=not self.hunted and self.runs["check"] % DEAR == 0)
         if not self.hunted:
-            self.count(case, found)
-        for kind, words in found.faults:
+            self.count(case, answer)
+        for kind, words in answer.faults:
             if self.hunted in ("", kind) and (self.hunted or kind not in self.shrunk):
                 self.hunted = kind
                 self.shrunk[kind] = case
@@ -138,21 +138,21 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--mode", choices=[*MODES, "all"], default="all")
     parser.add_argument("-o", dest="out", type=Path, default=Path("out/campaign"))
-    asked = parser.parse_args()
+    options = parser.parse_args()
     preloaded()
     engine.MAX_SHRINKING_SECONDS = SHRINKING
-    campaign = Campaign(asked.out, time.monotonic() + 60 * asked.minutes)
-    modes = list(MODES) if asked.mode == "all" else [asked.mode]
+    campaign = Campaign(options.out, time.monotonic() + 60 * options.minutes)
+    modes = list(MODES) if options.mode == "all" else [options.mode]
     number = 0
     while time.monotonic() < campaign.until:
         mode = modes[number % len(modes)]
-        campaign.round(mode, number // len(modes), 1000 * asked.seed + number)
+        campaign.round(mode, number // len(modes), 1000 * options.seed + number)
         number += 1
         print(mode, sum(campaign.runs.values()), dict(campaign.failed), file=sys.stderr, flush=True)
     text = json.dumps(campaign.figures(), indent=1)
     print(text)
     campaign.out.mkdir(parents=True, exist_ok=True)
-    (campaign.out / f"figures-{asked.mode}-{asked.seed}.json").write_text(text + "\n", "utf-8")
+    (campaign.out / f"figures-{options.mode}-{options.seed}.json").write_text(text + "\n", "utf-8")
     return 1 if campaign.failed else 0
 
 

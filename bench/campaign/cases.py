@@ -39,8 +39,8 @@ class Case:
         return Design(**(self.tables if self.skin is None else self.skin))
 
     def toml(self) -> str:
-        found = {"kind": self.kind, "arguments": self.arguments, "tables": self.tables, "skin": self.skin}
-        return tomlkit.dumps({key: value for key, value in found.items() if value})
+        table = {"kind": self.kind, "arguments": self.arguments, "tables": self.tables, "skin": self.skin}
+        return tomlkit.dumps({key: value for key, value in table.items() if value})
 
 
 Figures = dict[str, Any]
@@ -53,15 +53,15 @@ def section_figures(case: Case) -> Figures:
     from skincad.shape.curves import area, polygon
     from skincad.shape.skin import section
 
-    found = section(case.design)
-    outline = shapely.Polygon(polygon(found.outline, 1e-6))
-    slots = sum(area(slot.loop()) for slot in found.slots)
+    shape = section(case.design)
+    outline = shapely.Polygon(polygon(shape.outline, 1e-6))
+    slots = sum(area(slot.loop()) for slot in shape.slots)
     return {
-        "area": area(found.outline),
+        "area": area(shape.outline),
         "polygon_area": outline.area,
         "perimeter": outline.length,
         "simple": bool(outline.is_valid),
-        "slots": len(found.slots),
+        "slots": len(shape.slots),
         "slot_area": abs(slots),
         "bounds": list(outline.bounds),
     }
@@ -97,28 +97,28 @@ def check_figures(case: Case) -> Figures:
     """What `check` says; ridges' forces as a list, `mesh_error` what of the error is not the model's."""
     from skincad.mechanics.check import check
 
-    found = check(case.design, **case.arguments)
-    threshold, approach = found.all_touch_force, found.approach
-    mesh = None if threshold.error is None else threshold.error - found.model_error
+    verdict = check(case.design, **case.arguments)
+    threshold, approach = verdict.all_touch_force, verdict.approach
+    mesh = None if threshold.error is None else threshold.error - verdict.model_error
     return {
-        "passed": found.passed,
-        "force": found.force,
-        "ridges": found.ridges,
-        "touching": found.touching,
+        "passed": verdict.passed,
+        "force": verdict.force,
+        "ridges": verdict.ridges,
+        "touching": verdict.touching,
         "all_touch_force": threshold.value,
         "all_touch_error": threshold.error,
         "mesh_error": mesh,
         "approach": approach.value,
         "approach_error": approach.error,
-        "ridge_force": [f.value for f in found.ridge_force],
-        "share_error": max(f.error or 0.0 for f in found.ridge_force),
-        "sum": sum(f.value or 0.0 for f in found.ridge_force),
-        "model": found.model,
-        "unknowns": found.unknowns,
-        "residual": found.residual,
-        "yield": None if found.manufacture is None else found.manufacture.passing.value,
-        "beyond": found.out_of_range,
-        "warnings": list(found.warnings),
+        "ridge_force": [f.value for f in verdict.ridge_force],
+        "share_error": max(f.error or 0.0 for f in verdict.ridge_force),
+        "sum": sum(f.value or 0.0 for f in verdict.ridge_force),
+        "model": verdict.model,
+        "unknowns": verdict.unknowns,
+        "residual": verdict.residual,
+        "yield": None if verdict.manufacture is None else verdict.manufacture.passing.value,
+        "beyond": verdict.out_of_range,
+        "warnings": list(verdict.warnings),
     }
 
 
@@ -142,8 +142,8 @@ def scene_figures(case: Case) -> Figures:
 
     with scene_file(case) as file:
         scene = load_scene(file)
-    found = simulate(scene, **{"budget": ONE_MESH, **case.arguments})
-    march, drives = found.march, scene.history.drives()
+    simulation = simulate(scene, **{"budget": ONE_MESH, **case.arguments})
+    march, drives = simulation.march, scene.history.drives()
     mu = getattr(scene.parts.get("friction"), "coefficient", 0.0)
     return {
         "steps": len(march.readings) - 1,
@@ -160,13 +160,13 @@ def scene_figures(case: Case) -> Figures:
         "elastic": march.column("elastic").tolist(),
         "dissipated": march.column("dissipated").tolist(),
         "residual": float(march.column("residual").max()),
-        "stress": {str(r): np.asarray(v).tolist() for r, v in found.raw.items()},
-        "last_stress": [float(v[-1]) for v in found.raw.values()],
-        "slip_steps": found.slip_steps,
-        "gross_slip_step": found.gross_slip_step,
-        "imbalance": found.energy["imbalance"],
-        "work": found.energy["work_mJ"],
-        "json": found.as_json(),
+        "stress": {str(r): np.asarray(v).tolist() for r, v in simulation.raw.items()},
+        "last_stress": [float(v[-1]) for v in simulation.raw.values()],
+        "slip_steps": simulation.slip_steps,
+        "gross_slip_step": simulation.gross_slip_step,
+        "imbalance": simulation.energy["imbalance"],
+        "work": simulation.energy["work_mJ"],
+        "json": simulation.as_json(),
     }
 
 
@@ -178,19 +178,19 @@ def circuit_figures(case: Case) -> Figures:
     from skincad.circuit.response import decibels
 
     circuit = Circuit(**case.tables)
-    found = gain(circuit)
-    some = found.frequency[[0, found.frequency.size // 2, -1]]
+    circuit_gain = gain(circuit)
+    some = circuit_gain.frequency[[0, circuit_gain.frequency.size // 2, -1]]
     passed = decibels(film_load(circuit, some))
     return {
-        "gain": found.gain.tolist(),
-        "some": found.gain[[0, found.frequency.size // 2, -1]].tolist(),
+        "gain": circuit_gain.gain.tolist(),
+        "some": circuit_gain.gain[[0, circuit_gain.frequency.size // 2, -1]].tolist(),
         "in_fractions": [
-            rational.gain(found.constants, float(f)) + p for f, p in zip(some, passed, strict=True)
+            rational.gain(circuit_gain.constants, float(f)) + p for f, p in zip(some, passed, strict=True)
         ],
-        "cutoff": found.slopes.cutoff.value,
-        "below": found.slopes.below.value,
-        "above": found.slopes.above.value,
-        "json": found.as_json(),
+        "cutoff": circuit_gain.slopes.cutoff.value,
+        "below": circuit_gain.slopes.below.value,
+        "above": circuit_gain.slopes.above.value,
+        "json": circuit_gain.as_json(),
     }
 
 

@@ -35,9 +35,9 @@ class Outcome:
 def judged(case: Case, *, dear: bool = False) -> Outcome:
     """Return what became of a case here; an exception that is not skincad's own is a fault."""
     try:
-        found = figures(case)
-        stuck = str(found["stopped"]) if found.get("failed") else ""
-        return Outcome(unsolved=stuck, faults=list(faults(case, found, dear=dear)))
+        numbers = figures(case)
+        stuck = str(numbers["stopped"]) if numbers.get("failed") else ""
+        return Outcome(unsolved=stuck, faults=list(faults(case, numbers, dear=dear)))
     except InputError as refusal:
         return Outcome(refused=refusal.key.removeprefix("skin.") or "?")
     except RefusedError as failure:
@@ -59,16 +59,16 @@ def alone(case: Case, *, dear: bool = False) -> Outcome:
         _child(case, dear, writer)
     os.close(writer)
     with os.fdopen(reader, "rb") as pipe:
-        told = pipe.read()
+        answer = pipe.read()
     _, status, usage = os.wait4(child, 0)
     seconds, peak = usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
-    if os.WIFSIGNALED(status) or not told:
+    if os.WIFSIGNALED(status) or not answer:
         number = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         name = signal.Signals(number).name if number else f"status {os.waitstatus_to_exitcode(status)}"
         words = f"{case.kind}: the process ended by {name}"
         return Outcome(faults=[(words, words)], seconds=seconds, peak=peak)
-    found = json.loads(told)
-    return Outcome(found["refused"], found["unsolved"], [(a, b) for a, b in found["faults"]], seconds, peak)
+    data = json.loads(answer)
+    return Outcome(data["refused"], data["unsolved"], [(a, b) for a, b in data["faults"]], seconds, peak)
 
 
 def _child(case: Case, dear: bool, writer: int) -> None:
@@ -81,10 +81,10 @@ def _child(case: Case, dear: bool, writer: int) -> None:
         silent = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silent, 1)  # libraries written in C have words for the terminal
         os.dup2(silent, 2)
-        found = judged(case, dear=dear)
-        told = {"refused": found.refused, "unsolved": found.unsolved, "faults": found.faults}
+        answer = judged(case, dear=dear)
+        table = {"refused": answer.refused, "unsolved": answer.unsolved, "faults": answer.faults}
         with os.fdopen(writer, "wb") as pipe:
-            pipe.write(json.dumps(told).encode())
+            pipe.write(json.dumps(table).encode())
         status = 0
     finally:
         with contextlib.suppress(BaseException):

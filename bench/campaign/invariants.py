@@ -145,12 +145,12 @@ def _softer(tables: dict[str, Any], factor: float) -> dict[str, Any] | None:
     modulus = material.get("young_modulus")
     if not isinstance(modulus, float) or not SOFTEST < modulus * factor < STIFFEST:
         return None
-    found = {**tables, "material": {**material, "young_modulus": modulus * factor}}
+    table = {**tables, "material": {**material, "young_modulus": modulus * factor}}
     if film is not None:
         if not 1.0 <= film.get("young_modulus", 3000.0) * factor <= 1e6:
             return None
-        found["film"] = {**film, "young_modulus": film.get("young_modulus", 3000.0) * factor}
-    return found
+        table["film"] = {**film, "young_modulus": film.get("young_modulus", 3000.0) * factor}
+    return table
 
 
 def _mirrored(case: Case, found: Figures) -> Iterator[Fault]:
@@ -200,11 +200,11 @@ def _next_model(case: Case, found: Figures) -> Iterator[Fault]:
 def _scene(case: Case, found: Figures) -> Iterator[Fault]:
     json.dumps(found["json"], allow_nan=False)  # ValueError where one is none
     normal, across = np.array(found["normal"]), np.array(found["tangential"])
-    asked = np.array(found["asked_normal"])
+    values = np.array(found["asked_normal"])
     whole = slice(None, -1 if found["stopped"] == "gross slip" else None)  # which may come within a step
     heavy = "inertia" in case.tables["effects"]  # masses bear what the skin does not
-    off = float(np.abs(normal - asked)[whole].max())
-    if not heavy and not off <= 1e-9 * max(asked.max(), 1e-300):
+    off = float(np.abs(normal - values)[whole].max())
+    if not heavy and not off <= 1e-9 * max(values.max(), 1e-300):
         yield "plate's balance", f"off by {off:.3g} N"
     if not found["residual"] <= 1e-10:
         yield "residual", str(found["residual"])

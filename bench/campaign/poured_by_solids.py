@@ -62,10 +62,10 @@ def _from(level: float, space: Any, kit: Kit) -> list[Any]:
 def _gates(plate: Any, skin: Box, kit: Kit) -> list[Any]:
     """Holes of an end plate that end on the skin; what lies below the plate's curved edge is none."""
     around = kit.bounds(plate)
-    found = []
+    rows = []
     for piece in kit.pieces(kit.block(around) - plate):
         low, high = kit.bounds(piece)
         inside = skin[0][0] < low[0] and high[0] < skin[1][0] and skin[0][2] < low[2] and high[2] < skin[1][2]
         if inside and low[2] > around[0][2] + NEAR:
-            found.append(piece)
-    return found
+            rows.append(piece)
+    return rows

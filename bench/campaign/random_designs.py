@@ -77,14 +77,14 @@ def tables(dice: Dice) -> dict[str, Any]:
     """Return a design's tables, drawn so that every second or so is a design."""
     ridge = _ridge(dice)
     skin = _skin(dice, ridge)
-    found = {"skin": skin, "ridge": ridge, "material": {"name": dice.one(silicones())}, "mold": _mold(dice)}
+    table = {"skin": skin, "ridge": ridge, "material": {"name": dice.one(silicones())}, "mold": _mold(dice)}
     if dice.happens(0.6):
-        found["slot"] = _slot(dice, ridge)
+        table["slot"] = _slot(dice, ridge)
         if dice.happens(0.7):
-            found["film"] = _film(dice, found["slot"])
+            table["film"] = _film(dice, table["slot"])
             if dice.happens(0.4):
-                found["mold"]["method"] = "cast-in"
-    return found
+                table["mold"]["method"] = "cast-in"
+    return table
 
 
 def _ridge(dice: Dice) -> dict[str, Any]:
@@ -189,13 +189,13 @@ def _wide(dice: Dice) -> dict[str, Any]:
         "width": width,
         "length": dice.scale(3.0, 100.0),
     }
-    found = {"skin": skin, "ridge": {**ridge, "crown": crown, "tip_fillet": fillet}}
-    found["material"] = {"young_modulus": 1.0, "poisson_ratio": 0.5 - dice.scale(1e-4, 0.2)}
+    table = {"skin": skin, "ridge": {**ridge, "crown": crown, "tip_fillet": fillet}}
+    table["material"] = {"young_modulus": 1.0, "poisson_ratio": 0.5 - dice.scale(1e-4, 0.2)}
     if dice.happens(0.25):
-        found["slot"] = _slot(dice, found["ridge"])
+        table["slot"] = _slot(dice, table["ridge"])
     if dice.happens(0.15):
-        found["contact"] = {"plate": _plate(dice, skin)}
-    return found
+        table["contact"] = {"plate": _plate(dice, skin)}
+    return table
 
 
 def _plate(dice: Dice, skin: dict[str, Any]) -> dict[str, Any]:

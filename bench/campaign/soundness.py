@@ -48,14 +48,14 @@ class Outcome:
 def outcome(seed: int, *, kernel: bool = True) -> Outcome:
     """Return what is wrong with a seed's design; an exception is told as a fault, never lost."""
     started = time.perf_counter()
-    found = drawn(seed)
+    answer = drawn(seed)
     wrong: list[str] = []
     try:
-        wrong += faults(found.design, kernel=kernel)
+        wrong += faults(answer.design, kernel=kernel)
     except Exception as failure:  # whatever it is, it is what this looks for
         wrong.append(f"{type(failure).__name__}: {failure}")
-    text = found.design.to_toml()
-    return Outcome(seed, text, found.refused, tuple(wrong), time.perf_counter() - started)
+    text = answer.design.to_toml()
+    return Outcome(seed, text, answer.refused, tuple(wrong), time.perf_counter() - started)
 
 
 def faults(design: Design, *, kernel: bool = True) -> Iterator[str]:

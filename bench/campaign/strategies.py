@@ -53,26 +53,26 @@ class Drawn:
 
 def limits(model: type[BaseModel], key: str) -> list[float]:
     """The values at and next to the limits of a number's field; powers of ten where it has none."""
-    found: list[float] = []
+    rows: list[float] = []
     for rule in model.model_fields[key].metadata:
         if isinstance(rule, annotated_types.Ge | annotated_types.Le):
-            found.append(float(getattr(rule, "ge", getattr(rule, "le", 0.0))))  # type: ignore[arg-type]
+            rows.append(float(getattr(rule, "ge", getattr(rule, "le", 0.0))))  # type: ignore[arg-type]
         if isinstance(rule, annotated_types.Gt):
-            found += [math.nextafter(float(rule.gt), math.inf), float(rule.gt) + 1e-6]  # type: ignore[arg-type]
-    beside = [math.nextafter(v, w) for v in found for w in (-math.inf, math.inf)]
-    return [*found, *beside, *(10.0**k for k in (-12, -6, -3, 0, 3))]
+            rows += [math.nextafter(float(rule.gt), math.inf), float(rule.gt) + 1e-6]  # type: ignore[arg-type]
+    beside = [math.nextafter(v, w) for v in rows for w in (-math.inf, math.inf)]
+    return [*rows, *beside, *(10.0**k for k in (-12, -6, -3, 0, 3))]
 
 
 def numbers(model: type[Table]) -> list[tuple[str, ...]]:
     """The paths of all plain numbers of a model."""
-    found: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for key, field in model.model_fields.items():
         inner = table_of(model, key)
         if inner is not None and key not in ("printer", "silicones"):
-            found += [(key, *rest) for rest in numbers(inner)]
+            rows += [(key, *rest) for rest in numbers(inner)]
         elif "float" in str(field.annotation) and "list" not in str(field.annotation) and key not in NEVER:
-            found.append((key,))
-    return found
+            rows.append((key,))
+    return rows
 
 
 def attacked(draw: DrawFn, model: type[Table], tables: dict[str, Any], most: int) -> dict[str, Any]:

@@ -26,16 +26,16 @@ FALSE = 0.1  # a minute
 def twin(seed: int, folder: Path) -> SceneRun | None:
     """Return the march of a seed that sticks, kept on disk, None where it leaves the model's range first."""
     one, path = drawn(seed), folder / f"{seed}-sticks.npz"
-    found = kept(seed, folder)
+    answer = kept(seed, folder)
     if not path.exists():
         friction = {**one.scene.effects["friction"], "coefficient": STICKS}
         same: Drawn = replace(one, scene=one.scene.with_(effects={"friction": friction}))
         np.savez_compressed(path, stress=marched(same).stress)
     with np.load(path) as data:
         stress = data["stress"]
-    if found.gross is None or stress.shape[0] <= found.gross:
+    if answer.gross is None or stress.shape[0] <= answer.gross:
         return None
-    return replace(found, stress=stress[: found.time.size])
+    return replace(answer, stress=stress[: answer.time.size])
 
 
 def distance(one: Case, other: Case) -> float:

@@ -109,6 +109,6 @@ def density(chain: Chain) -> np.ndarray:
     frequency = np.fft.rfftfreq(size, 1 / chain.step.rate)
     power = total_density(chain.network, frequency[1:])
     passed = 1 / (1 + (2 * np.pi * frequency[1:] / corner(chain.bandwidth)) ** 2)
-    found = np.zeros(frequency.size)
-    found[1:] = np.sqrt(power * chain.step.rate * size / 4) * passed
-    return found
+    answer = np.zeros(frequency.size)
+    answer[1:] = np.sqrt(power * chain.step.rate * size / 4) * passed
+    return answer

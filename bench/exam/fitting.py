@@ -183,13 +183,13 @@ def validated(told: list[list[Heard]]) -> None:
 
 def main(folder: Path) -> None:
     """Fit, write, and print the cross-validation."""
-    found = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
-    found = [m for m in found if m.time.size >= FEWEST] + shipped(folder / "shipped")
-    told = [list(variants(m, folder / "outputs")) for m in found]
-    print(len(told), "scenes", flush=True)
-    network = fitted(samples([h for t in told for h in t]))
+    answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
+    answer = [m for m in answer if m.time.size >= FEWEST] + shipped(folder / "shipped")
+    rows = [list(variants(m, folder / "outputs")) for m in answer]
+    print(len(rows), "scenes", flush=True)
+    network = fitted(samples([h for t in rows for h in t]))
     (Path(detector.__file__).parent / detector.POINTS[detector.EARLY].file).write_text(written(network))
-    validated(told)
+    validated(rows)
 
 
 if __name__ == "__main__":

@@ -33,12 +33,12 @@ def fitted(parts: Parts, seed: int = 0) -> detector.Weights:
 def layers(z: np.ndarray, label: np.ndarray, weight: np.ndarray, seed: int) -> Layers:
     """Return the fitted layers, from a seeded start."""
     draw, (count, width) = np.random.default_rng(seed), z.shape
-    found = [
+    rows = [
         draw.normal(0, 1 / math.sqrt(width), (width, HIDDEN)), np.zeros(HIDDEN),
         draw.normal(0, 1 / math.sqrt(HIDDEN), HIDDEN), np.zeros(1),
     ]  # fmt: skip
-    found = [p.astype(np.float32) for p in found]
-    means, squares = ([np.zeros_like(p) for p in found] for _ in range(2))
+    rows = [p.astype(np.float32) for p in rows]
+    means, squares = ([np.zeros_like(p) for p in rows] for _ in range(2))
     size = min(BATCH, count)
     last, step = EPOCHS * (count // size), 0
     for _ in range(EPOCHS):
@@ -47,13 +47,13 @@ def layers(z: np.ndarray, label: np.ndarray, weight: np.ndarray, seed: int) -> L
             at = order[k * size : (k + 1) * size]
             step += 1
             rate = RATE / 2 * (1 + math.cos(math.pi * step / last))
-            slopes = gradient(found, z[at], label[at], weight[at])
+            slopes = gradient(rows, z[at], label[at], weight[at])
             for i, g in enumerate(slopes):
                 means[i] = MEAN * means[i] + (1 - MEAN) * g
                 squares[i] = SQUARE * squares[i] + (1 - SQUARE) * g * g
                 size_of = np.sqrt(squares[i] / (1 - SQUARE**step)) + SMALL
-                found[i] = found[i] - (rate * means[i] / (1 - MEAN**step) / size_of).astype(np.float32)
-    return found
+                rows[i] = rows[i] - (rate * means[i] / (1 - MEAN**step) / size_of).astype(np.float32)
+    return rows
 
 
 def loss(now: Layers, z: np.ndarray, label: np.ndarray, weight: np.ndarray) -> float:

@@ -22,15 +22,15 @@ THRESHOLDS = tuple(float(t) for t in np.arange(-1.5, 4.1, 0.25))
 
 def marks(told: list[Case], kind: str) -> dict[float, list[Mark]]:
     """Return by threshold what the detector's alarms of a kind are worth in cases, with noise."""
-    found: dict[float, list[Mark]] = {threshold: [] for threshold in THRESHOLDS}
+    table: dict[float, list[Mark]] = {threshold: [] for threshold in THRESHOLDS}
     for one in told:
         noise = math.sqrt(2) * one.noise
         d = detector.detector(one.rate, one.scene.bandwidth, noise, THRESHOLDS[0], kind)
         outputs = one.outputs + one.noises(1)
         odds = detector.statistic(d, detector.at_rest(outputs.shape[1]), outputs)[0]
-        for threshold, each in found.items():
+        for threshold, each in table.items():
             each.append(mark(one, alarms(replace(d, threshold=threshold), odds), d.window))
-    return found
+    return table
 
 
 def printed(found: dict[float, list[Mark]], kind: str) -> None:

@@ -136,18 +136,18 @@ def marched(one: Drawn) -> SceneRun:
     if one.mass is None and name in _PADS:
         ends = scene.law.limits(scene.design)
         times, drives = scene.history.times, scene.history.drives()
-        found = march(_PADS[name], times, drives, scene.terms, None, (), 0.0, ends)
+        answer = march(_PADS[name], times, drives, scene.terms, None, (), 0.0, ends)
     else:
-        found = march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
+        answer = march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
         if one.mass is None:
-            _PADS[name] = found.pad
-    slips = slips_of(found.readings, found.ridge, scene.design.ridge.count)
+            _PADS[name] = answer.pad
+    slips = slips_of(answer.readings, answer.ridge, scene.design.ridge.count)
     draw = np.random.default_rng((77, one.seed))
     ridges = scene.design.ridge.count
     told = np.sort(draw.permutation(ridges)[: draw.integers(1, min(9, ridges) + 1)]) + 1
     return SceneRun(
-        one.seed, one.skin, one.friction, one.mass, found.time, one.way.bandwidth, found.column("films"),
-        slips.slipping, found.column("normal"), found.column("tangential"), slips.gross, one.way.phases,
+        one.seed, one.skin, one.friction, one.mass, answer.time, one.way.bandwidth, answer.column("films"),
+        slips.slipping, answer.column("normal"), answer.column("tangential"), slips.gross, one.way.phases,
         tuple(told.tolist()),
     )  # fmt: skip
 
@@ -157,11 +157,11 @@ def kept(seed: int, folder: Path) -> SceneRun:
     path = folder / f"{seed}.npz"
     one = drawn(seed)
     if not path.exists():
-        found = marched(one)
-        arrays = {k: getattr(found, k) for k in ("time", "stress", "slipping", "normal", "tangential")}
-        gross = -1 if found.gross is None else found.gross
+        answer = marched(one)
+        arrays = {k: getattr(answer, k) for k in ("time", "stress", "slipping", "normal", "tangential")}
+        gross = -1 if answer.gross is None else answer.gross
         folder.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(path, gross=gross, told=found.told, **arrays)
+        np.savez_compressed(path, gross=gross, told=answer.told, **arrays)
     with np.load(path) as data:
         gross = int(data["gross"])
         return SceneRun(

@@ -47,16 +47,16 @@ def shipped(folder: Path) -> list[SceneRun]:
 
 def _kept(seed: int, name: str, folder: Path) -> SceneRun:
     path, (source, *settings) = folder / f"{-seed}.npz", SHIPPED[name]
-    asked = [f"readout.ridges={list(TOLD)}", "effects.film={}", *settings]
-    scene = load_scene(source, asked)
+    rows = [f"readout.ridges={list(TOLD)}", "effects.film={}", *settings]
+    scene = load_scene(source, rows)
     if not path.exists():
-        found = at_level(scene, LEVELS[0])
-        march = found.march
+        answer = at_level(scene, LEVELS[0])
+        march = answer.march
         folder.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(
-            path, time=march.time, stress=march.column("films"), slipping=found.slipping,
+            path, time=march.time, stress=march.column("films"), slipping=answer.slipping,
             normal=march.column("normal"), tangential=march.column("tangential"),
-            gross=-1 if found.gross_slip_step is None else found.gross_slip_step,
+            gross=-1 if answer.gross_slip_step is None else answer.gross_slip_step,
         )  # fmt: skip
     with np.load(path) as data:
         gross = int(data["gross"])

@@ -34,10 +34,10 @@ class Skin:
 
 def templates() -> list[Skin]:
     """Return the flat-extruded templates with films and not more ridges than LARGEST; both sets have them."""
-    found = [load_design(name) for name in template_names("designs")]
+    rows = [load_design(name) for name in template_names("designs")]
     return [
         Skin(d.name, d, d.contact.force)
-        for d in found
+        for d in rows
         if d.film is not None and d.slot is not None and d.contact and d.ridge.count <= LARGEST
     ]
 
