@@ -19,7 +19,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.studies.subject import DesignVariable
 
-Name = Literal["cma", "nsga2", "sobol"]
+OptimiserName = Literal["cma", "nsga2", "sobol"]
 SPREAD, NEAR = (
     0.3,
     0.12,
@@ -206,7 +206,7 @@ class Sobol:
 
 
 def optimiser(
-    name: Name, knobs: tuple[DesignVariable, ...], losses: int, seed: int, start: Array | None
+    name: OptimiserName, knobs: tuple[DesignVariable, ...], losses: int, seed: int, start: Array | None
 ) -> Optimiser:
     """Return an optimiser by its name, begun at `start` where one is known.
 

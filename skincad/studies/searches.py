@@ -23,8 +23,8 @@ from skincad.studies.optimisers import (
     NEAR,
     Archive,
     Cma,
-    Name,
     Optimiser,
+    OptimiserName,
     Outcome,
     levels,
     optimiser,
@@ -53,7 +53,7 @@ def combinations(knobs: Sequence[DesignVariable]) -> int | None:
 
 
 def search(
-    name: Name | None,
+    name: OptimiserName | None,
     knobs: tuple[DesignVariable, ...],
     losses: int,
     budget: int,

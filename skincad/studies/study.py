@@ -23,7 +23,7 @@ from skincad.base.result import Record, Result, item, record, reported
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
-from skincad.studies.optimisers import Archive, Outcome
+from skincad.studies.optimisers import Archive, OptimiserName, Outcome
 from skincad.studies.query import Kind, resolved, slack
 from skincad.studies.subject import Subject, Value, changed, load_subject
 from skincad.studies.sweeping import SweepResult
@@ -84,7 +84,7 @@ class Study(Document):
     )
     objectives: tuple[Objective, ...] = Field(strict=False, description="what is to be small or large")
     constraints: tuple[Limit, ...] = Field(default=(), strict=False, description="what must hold")
-    optimiser: Literal["cma", "nsga2", "sobol"] | None = Field(
+    optimiser: OptimiserName | None = Field(
         default=None,
         description="cma, nsga2 or sobol; if not given, the one that suits the keys and objectives",
     )
