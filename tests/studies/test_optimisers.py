@@ -9,7 +9,7 @@ import pytest
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.optimisers import Archive, Name, Outcome, minimise, optimiser
+from skincad.studies.optimisers import Archive, OptimiserName, Outcome, minimise, optimiser
 from skincad.studies.subject import DesignVariable
 
 UNIT = tuple(DesignVariable(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
@@ -135,7 +135,7 @@ def test_several_objectives_want_another_optimiser(monkeypatch: pytest.MonkeyPat
     import sys
 
     monkeypatch.setitem(sys.modules, "optuna", None)
-    name: Name = "nsga2"
+    name: OptimiserName = "nsga2"
     with pytest.raises(InputError, match=r"pip install 'skincad\[optuna\]'"):
         optimiser(name, UNIT, 2, 1, None)
 
