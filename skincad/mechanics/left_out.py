@@ -106,7 +106,7 @@ def sway_force(design: Design, normal: float) -> float:
     root, top = (
         math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
     )
-    straight = _sway_angle(root, top) ** 2 * bending / height**2
+    straight = sway_angle(root, top) ** 2 * bending / height**2
     shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
     return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
 
@@ -120,7 +120,7 @@ def sway_amplification(design: Design, normal: float, most: float) -> float:
     return normal / (critical - normal)
 
 
-def _sway_angle(root: float, top: float) -> float:
+def sway_angle(root: float, top: float) -> float:
     """Return phi, in which a column that may sway buckles at phi^2 E I / h^2; its ends turn in springs of
     `root` and `top` times E I / h.
 

@@ -62,7 +62,7 @@ def table(accuracy: Accuracy) -> str:
 def lines(accuracy: Accuracy) -> list[str]:
     """Return the table of each ladder, the references, and the machine."""
     machine, versions = accuracy.machine, accuracy.machine["versions"]
-    rows = [line for ladder in accuracy.ladders for line in _ladder_lines(ladder)]
+    rows = [line for ladder in accuracy.ladders for line in ladder_lines(ladder)]
     load = "" if machine["load"] is None else f", load {machine['load']:g}"
     return [
         *rows,
@@ -74,7 +74,7 @@ def lines(accuracy: Accuracy) -> list[str]:
     ]
 
 
-def _ladder_lines(ladder: Ladder) -> Iterator[str]:
+def ladder_lines(ladder: Ladder) -> Iterator[str]:
     """A row a trial; a star marks the trials of the Pareto front in time and the first error."""
     measures = ladder.measures
     models = max((len(r.model) for r in ladder.trials), default=0)

@@ -117,14 +117,14 @@ def writers(
         ),
         "section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
         "section.svg": lambda build, path: flat.write_section_svg(build.design, path),
-        "drawing.svg": _text(_drawing),
+        "drawing.svg": _text(drawing_svg),
         **(strips if design.film else {}),
         **(shims if closed.of(PartRole.SHIM) else {}),
         **(seal if closed.of(PartRole.SEAL) else {}),
         "design.toml": _text(lambda build: build.design.to_toml()),
-        "casting-sheet.md": _text(_casting_sheet),
+        "casting-sheet.md": _text(sheet_text),
         "casting-sheet.html": _text(
-            lambda build: page(_casting_sheet(build), _drawing(build), f"Casting sheet: {build.design.name}")
+            lambda build: page(sheet_text(build), drawing_svg(build), f"Casting sheet: {build.design.name}")
         ),
         "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
         "view.html": _text(lambda build: view_page(build.job, build.meshes, build.check, _verdict(build))),
@@ -184,7 +184,7 @@ def _verdict(build: Build) -> str:
 def _report(build: Build) -> str:
     from skincad.outputs.report import report
 
-    return report(build, partial(_png, build), _casting_sheet(build), _drawing(build))
+    return report(build, partial(_png, build), sheet_text(build), drawing_svg(build))
 
 
 def _png(build: Build) -> bytes:
@@ -200,12 +200,12 @@ def _figure(build: Build) -> Picture:
     return design_figure(build.design, build.closed, build.meshes)
 
 
-def _drawing(build: Build) -> str:
+def drawing_svg(build: Build) -> str:
     """The drawing, SVG."""
     return _once(build, "drawing", lambda: drawing(build.design, build.closed))
 
 
-def _casting_sheet(build: Build) -> str:
+def sheet_text(build: Build) -> str:
     """The casting sheet, Markdown."""
 
     def sheet() -> str:

@@ -80,7 +80,7 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
         _left_out(simulation),
     ]
     for piezo in (part for part in simulation.scene.parts.values() if isinstance(part, Piezo)):
-        section, more = _amplifier(simulation, piezo)
+        section, more = amplifier_part(simulation, piezo)
         body.append(section)
         needed |= more
     return ScenePart(title, words.partition(" ")[0], "".join(body), needed)
@@ -97,7 +97,7 @@ def _left_out(simulation: Simulation) -> str:
     return table(head, rows)
 
 
-def _amplifier(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
+def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
     """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
     circuit = without_rig(fitted(piezo.loaded, simulation.scene.design))
     head = f"<h3>Amplifier {escape(circuit.name)}, with this skin's strip</h3>\n"

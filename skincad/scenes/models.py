@@ -138,7 +138,7 @@ def march_on(
         tick(stage, 0)
     marks = [perf_counter()]
     with resource_guard(f"the mesh of {stage}"):
-        mesh = _meshed(on.piece, level, on.meshes)
+        mesh = meshed_pad(on.piece, level, on.meshes)
         marks.append(perf_counter())
         films = bool(scene.readout.ridges)
         pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
@@ -198,7 +198,7 @@ def _fewer(scene: Scene) -> Index:
     return coarse_steps(history.step_count, history.points)
 
 
-def _meshed(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
+def meshed_pad(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
     """Return the level's mesh, of those made already where it is among them."""
     from skincad.mechanics.bodies.mesh import default_sizes, triangles
     from skincad.mechanics.film.stress import REFINEMENTS

@@ -125,12 +125,12 @@ def _checked_solid(part: Part) -> cq.Solid:
     safe_point()
     if isinstance(part.body, RotatedBody):
         return cq.Solid(_only_solid(_turned(_checked_solid(unturned(part)).wrapped, part.body), part.name))
-    part = replace(part, body=_flattened(part.body), cuts=tuple(_flattened(cut) for cut in part.cuts))
+    part = replace(part, body=flattened(part.body), cuts=tuple(flattened(cut) for cut in part.cuts))
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
     error = abs(volume(part, result) - part.volume)
-    if not error <= VOLUME_TOLERANCE * part.volume + _rounding(part.body) + _cutting(part, result):
+    if not error <= VOLUME_TOLERANCE * part.volume + rounding_error(part.body) + _cutting(part, result):
         raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
     return result
 
@@ -229,12 +229,12 @@ def _stroke(curve: BRepAdaptor_Curve) -> Stroke:
 _Body = TypeVar("_Body", bound=Body)
 
 
-def _flattened(body: _Body) -> _Body:
+def flattened(body: _Body) -> _Body:
     """Replace arcs that rise by less than the kernel's tolerance by lines: their ends would be its middle."""
     if isinstance(body, ExtendedCut):
-        return replace(body, counts=_flattened(body.counts), built=_flattened(body.built))
+        return replace(body, counts=flattened(body.counts), built=flattened(body.built))
     if isinstance(body, RotatedBody):
-        return replace(body, body=_flattened(body.body))
+        return replace(body, body=flattened(body.body))
     if not isinstance(body, Prism | RevolvedBody):
         return body
     lines = tuple(replace(s, bulge=0.0) if _rise(s) < KERNEL_TOLERANCE else s for s in body.outline)
@@ -245,7 +245,7 @@ def _rise(segment: Segment) -> float:
     return abs(segment.bulge) * segment.chord / 2
 
 
-def _rounding(body: Body) -> float:
+def rounding_error(body: Body) -> float:
     """Volume, mm3, by which a swept body may be off because a far centre is stored with 16 digits."""
     if not isinstance(body, Prism | RevolvedBody):
         return 0.0

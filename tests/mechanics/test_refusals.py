@@ -104,7 +104,7 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
 def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
     most = linear.MOST_CONTACT_UNKNOWNS
     design = load("plain-ridges", ["ridge.count=999", "skin.width=1000", "skin.curvature_radius=1e6"])
-    linear._check_coarsest(pad_of(design), most, "linear")
+    linear.check_coarsest(pad_of(design), most, "linear")
     with pytest.raises(SizeError, match=r"ridge\.count: the finite-strain model takes at most 6000"):
         finite_strain.solve(pad_of(design), Request(450.0))
 
@@ -161,13 +161,13 @@ def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> No
     design = load("yamada-2002", ["ridge.count=3", "skin.width=5.0"])
     whole = film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
     orders: list[int] = []
-    counted = stress._contact_unknowns
+    counted = stress.contact_unknowns
 
     def seen(mesh: Any, order: int) -> int:
         orders.append(counted(mesh, order))
         return orders[-1]
 
-    monkeypatch.setattr(stress, "_contact_unknowns", seen)
+    monkeypatch.setattr(stress, "contact_unknowns", seen)
     film_stresses(design, 1.3, (0.0,), tol=0.5)
     monkeypatch.setattr(stress, "MOST_CONTACT_UNKNOWNS", max(orders))
     finest = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]

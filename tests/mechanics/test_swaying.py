@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from skincad.mechanics.left_out import _sway_angle, sway_amplification, sway_force
+from skincad.mechanics.left_out import sway_amplification, sway_angle, sway_force
 from skincad.mechanics.validity import buckling_force, mean_width
 from tests.mechanics.designs import yamada
 
@@ -37,13 +37,13 @@ def beam(root: float, top: float, elements: int = 40) -> float:
 @pytest.mark.parametrize("springs", [(2.7, 1.2), (0.3, 4.0), (50.0, 0.1)])
 def test_the_column_between_springs_is_a_beams(springs: tuple[float, float]) -> None:
     """1e-6: 40 Hermite elements."""
-    assert _sway_angle(*springs) == pytest.approx(beam(*springs), rel=1e-6)
+    assert sway_angle(*springs) == pytest.approx(beam(*springs), rel=1e-6)
 
 
 @pytest.mark.parametrize(("springs", "phi"), [((STIFF, STIFF), math.pi), ((STIFF, 1e-9), math.pi / 2)])
 def test_the_column_between_clamps_is_eulers(springs: tuple[float, float], phi: float) -> None:
     """1e-8: what springs of 1e9 give way."""
-    assert _sway_angle(*springs) == pytest.approx(phi, rel=1e-8)
+    assert sway_angle(*springs) == pytest.approx(phi, rel=1e-8)
 
 
 def test_ends_that_turn_bear_less_than_clamps() -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from skincad.outputs.accuracies import _ladder_lines
+from skincad.outputs.accuracies import ladder_lines
 from skincad.studies.accuracy.contact import measures_of
 from skincad.studies.accuracy.ladder import Ladder, Measurement
 
 
 def test_a_measure_has_a_readers_name_above_its_column() -> None:
     point = Measurement("linear", "fineness 1", 10, (1.0,), {"mesh F9": 0.12, "whole approach": 0.34})
-    text = list(_ladder_lines(Ladder("contact", "contact of a skin", (point,), measures_of({}, ""))))
+    text = list(ladder_lines(Ladder("contact", "contact of a skin", (point,), measures_of({}, ""))))
     assert not [line for line in text if "F9" in line]
     for name, value in (("mesh all-touch force", "0.12"), ("whole approach", "0.34")):
         head, row = text[1].index(name) + len(name), text[2].index(value) + len(value)

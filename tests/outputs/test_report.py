@@ -40,7 +40,7 @@ def job_of(design: Design, check: ContactCheck | None, scenes: tuple[Simulation,
 
 
 def page_of(job: Build) -> str:
-    return report(job, lambda: PNG, makes._casting_sheet(job), makes._drawing(job))
+    return report(job, lambda: PNG, makes.sheet_text(job), makes.drawing_svg(job))
 
 
 class Page(HTMLParser):
@@ -233,7 +233,7 @@ def test_a_scene_is_shown_with_its_amplifier_and_its_files(whole: str, felt: Sim
 
 
 def test_a_scenes_amplifier_is_shown_without_the_rig_that_it_was_measured_with(felt: Simulation) -> None:
-    drawn, _ = report_scenes._amplifier(felt, Piezo(circuit="yamada-2002"))
+    drawn, _ = report_scenes.amplifier_part(felt, Piezo(circuit="yamada-2002"))
     assert "--set indenter=none --set force_sensor=none" in drawn
     assert "without a cut-off" in drawn
     assert "as measured with its rig" not in drawn

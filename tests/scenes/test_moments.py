@@ -79,7 +79,7 @@ def test_an_animation_has_its_frames_and_few_colours(simulation: Simulation, tmp
 
 
 def test_colours_are_one_scale_for_all_frames() -> None:
-    from skincad.outputs.figures.stress import _limit
+    from skincad.outputs.figures.stress import moments_limit
 
     place = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
@@ -92,8 +92,8 @@ def test_colours_are_one_scale_for_all_frames() -> None:
             ),
         )
 
-    assert _limit([shown(-2.0), shown(1.0)]) == pytest.approx(2.0)
-    assert _limit([shown(0.0)]) > 0
+    assert moments_limit([shown(-2.0), shown(1.0)]) == pytest.approx(2.0)
+    assert moments_limit([shown(0.0)]) > 0
 
 
 def test_an_animation_has_no_more_frames_than_there_are_states(tmp_path: Path) -> None:

@@ -426,14 +426,14 @@ def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
-    meshed, most = models._meshed, 1
+    meshed, most = models.meshed_pad, 1
 
     def without(part: Any, level: Any, meshes: Any) -> object:
         if level in LEVELS[most:]:
             raise MemoryError
         return meshed(part, level, meshes)
 
-    monkeypatch.setattr(models, "_meshed", without)
+    monkeypatch.setattr(models, "meshed_pad", without)
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     simulation = simulate(scene)
     assert simulation.as_json()["steps"] == 5

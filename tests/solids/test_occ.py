@@ -13,7 +13,14 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import rectangle
 from skincad.shape.skin import section
 from skincad.solids.mold import mold
-from skincad.solids.occ import KERNEL_TOLERANCE, KernelError, _flattened, _rounding, solid, unchecked_solid
+from skincad.solids.occ import (
+    KERNEL_TOLERANCE,
+    KernelError,
+    flattened,
+    rounding_error,
+    solid,
+    unchecked_solid,
+)
 from skincad.solids.plan import Bore, Prism, RevolvedBody
 from skincad.solids.skin import skin_part, skin_solid
 from tests.templates import KINDS
@@ -87,15 +94,15 @@ def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.
 def test_what_far_centres_may_round_is_the_last_digits_of_their_distance_on_every_face(far: float) -> None:
     """By hand: faces of 2 (10 + 4) mm round the section, each 20 mm long, moved by the distance's digits."""
     flat = rectangle(-5.0, 5.0, 0.0, 4.0)
-    assert _rounding(Prism(flat, "y", -10.0, 10.0)) == 0.0
-    assert _rounding(Bore((0.0, 0.0, 0.0), "z", 1.0, 1.0)) == 0.0
+    assert rounding_error(Prism(flat, "y", -10.0, 10.0)) == 0.0
+    assert rounding_error(Bore((0.0, 0.0, 0.0), "z", 1.0, 1.0)) == 0.0
     digits = far * sys.float_info.epsilon
     for centre in (far, -far):
-        swept = _rounding(RevolvedBody(flat, centre, -10.0 / far, 10.0 / far))
+        swept = rounding_error(RevolvedBody(flat, centre, -10.0 / far, 10.0 / far))
         assert swept == pytest.approx(4 * digits * 28.0 * 20.0, rel=1e-9)  # up to 4 times as much
     # an arc of a far centre is as a face that far
     arc = replace(flat[0], bulge=10.0 / far / 4)
-    assert _rounding(Prism((arc, *flat[1:]), "y", -10.0, 10.0)) == pytest.approx(
+    assert rounding_error(Prism((arc, *flat[1:]), "y", -10.0, 10.0)) == pytest.approx(
         4 * digits * 10.0 * 20.0, rel=1e-6
     )
 
@@ -108,6 +115,6 @@ def test_only_an_arc_that_the_kernel_cannot_tell_from_a_line_is_one() -> None:
                 flat[0], bulge=sign * 2 * rise / 10.0
             )  # rise of an arc: half the chord by the bulge
             assert arc.point(0.5).z == pytest.approx(-sign * rise, rel=1e-6)
-            shown = _flattened(Prism((arc, *flat[1:]), "y", -10.0, 10.0))
+            shown = flattened(Prism((arc, *flat[1:]), "y", -10.0, 10.0))
             assert isinstance(shown, Prism)
             assert (shown.outline[0].bulge == 0.0) == line

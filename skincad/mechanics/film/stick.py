@@ -298,12 +298,12 @@ def with_fine_edges(piece: PadPiece, solution: StickSolution) -> PadPiece:
     outline = tuple(
         piece
         for s in piece.pad.section.outline
-        for piece in (_cut(s, cuts.get(s.feature or 0, [])) if s.touches else (s,))
+        for piece in (cut_at(s, cuts.get(s.feature or 0, [])) if s.touches else (s,))
     )
     return replace(piece, pad=replace(piece.pad, section=replace(piece.pad.section, outline=outline)))
 
 
-def _cut(segment: Segment, at: Sequence[float]) -> Iterator[Segment]:
+def cut_at(segment: Segment, at: Sequence[float]) -> Iterator[Segment]:
     """Yield the segment's pieces between these x, mm; it must not turn back in x."""
     low, high = sorted((segment.start.x, segment.end.x))
     inside = [x for x in at if low < x < high]

@@ -168,7 +168,7 @@ def solve(
     with watch.stage("mesh"):
         mesh = triangles(plain.pad, default_sizes(plain.pad, EDGE_SEARCH[0]))
     # later meshes are finer: a pad too large here is refused before anything is solved
-    if (contact := _contact_unknowns(mesh, REFINEMENTS[0].order)) > MOST_CONTACT_UNKNOWNS:
+    if (contact := contact_unknowns(mesh, REFINEMENTS[0].order)) > MOST_CONTACT_UNKNOWNS:
         raise _too_large(contact)
     first = solve_level(plain, mesh, EDGE_SEARCH[1], False)
 
@@ -178,7 +178,7 @@ def solve(
         finer = with_fine_edges(plain, first if before is None else before.answer[1])
         with watch.stage("mesh"):
             mesh = triangles(finer.pad, refinement.sizes(finer))
-        if (contact := _contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
+        if (contact := contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
             raise _too_large(contact)
         if progress:
             progress(f"film stress: fineness {refinement.fineness:g}, order {refinement.order}")
@@ -190,8 +190,8 @@ def solve(
     def estimate(
         _: FilmRefinement, solution: _RefinementSolution, __: object
     ) -> tuple[list[FilmStress], float]:
-        results = [_estimated(*solution, force, t) for t in tangential]
-        return results, max(_relative_error(state) for state in results)
+        results = [estimated_stress(*solution, force, t) for t in tangential]
+        return results, max(relative_error(state) for state in results)
 
     reached = refine(solve_refinement, REFINEMENTS, estimate, tol, began=watch.started, ends=(SizeError,))
     piece, best, _ = reached.answer
@@ -216,7 +216,8 @@ def _displacements(piece: PadPiece, solution: StickSolution, tangential: float) 
     return on_sides([by_push, by_pull]) if piece.mirrored else [by_push + by_pull]
 
 
-def _contact_unknowns(mesh: Any, order: int) -> int:
+def contact_unknowns(mesh: Any, order: int) -> int:
+    """Return the unknowns of points that may touch, on a section's mesh: both directions count."""
     return 2 * elements.contact_unknowns(elements.curved(mesh, 1), order)
 
 
@@ -251,7 +252,7 @@ def _values(piece: PadPiece, solution: StickSolution, tangential: float) -> dict
 UNITS = {"ridge_force": "N", "ridge_tangential": "N"}
 
 
-def _estimated(
+def estimated_stress(
     piece: PadPiece, best: StickSolution, lower: StickSolution, force: float, tangential: float
 ) -> FilmStress:
     """Values of the best level, errors from the next lower order.
@@ -265,7 +266,7 @@ def _estimated(
     fields: dict[str, Any] = {
         key: tuple(Estimate(float(v), error[key], UNITS.get(key, "MPa")) for v in here[key]) for key in here
     }
-    friction = tuple(_friction(fields["ridge_force"], fields["ridge_tangential"]))
+    friction = tuple(friction_needed(fields["ridge_force"], fields["ridge_tangential"]))
     return FilmStress(
         name="",
         force=force,
@@ -277,11 +278,11 @@ def _estimated(
         unknowns=best.unknowns,
         residual=max(best.residual, lower.residual),
         seconds={},
-        warnings=tuple(_stick_notes(piece, best, friction, tangential)),
+        warnings=tuple(stick_notes(piece, best, friction, tangential)),
     )
 
 
-def _friction(push: Sequence[Estimate], pull: Sequence[Estimate]) -> Iterator[Estimate]:
+def friction_needed(push: Sequence[Estimate], pull: Sequence[Estimate]) -> Iterator[Estimate]:
     """|tangential| / normal force of each ridge, its error from theirs; none where the ridge is lifted."""
     for n, t in zip(push, pull, strict=True):
         normal, along = n.value or 0.0, abs(t.value or 0.0)
@@ -294,13 +295,13 @@ def _friction(push: Sequence[Estimate], pull: Sequence[Estimate]) -> Iterator[Es
             yield Estimate(ratio, ((t.error or 0.0) + ratio * (n.error or 0.0)) / normal, "1")
 
 
-def _relative_error(stress: FilmStress) -> float:
+def relative_error(stress: FilmStress) -> float:
     """Largest error of S1 and S2, and of their difference, against the largest S."""
     values = [abs(e.value or 0.0) for e in (*stress.s1, *stress.s2)]
     return max(stress.s1[0].error or 0.0, stress.differential[0].error or 0.0) / max(values)
 
 
-def _stick_notes(
+def stick_notes(
     piece: PadPiece, solution: StickSolution, friction: Sequence[Estimate], tangential: float
 ) -> Iterator[str]:
     """Warnings about the assumptions of full stick at a tangential force."""

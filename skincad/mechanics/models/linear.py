@@ -300,7 +300,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
         result = replace(result, warnings=(*result.warnings, NEVER_ALL_TOUCH))
     if request.ridge_model and best.all_touch_force is not None and len(pad.ridges) > 1:
         try:
-            result = replace(result, ridge_model=_reduced_model(pad, best, request.force, result.seconds))
+            result = replace(result, ridge_model=reduced_model(pad, best, request.force, result.seconds))
         except ContactError as failure:  # the verdict does not need the yield's model
             result = replace(result, warnings=(*result.warnings, no_yield(failure)))
     return result
@@ -325,7 +325,7 @@ def refine(
     ):  # the first touch is later, and that is all
         request = replace(request, crest_offsets=())
     whole = bool(request.crest_offsets)  # crests of one part are not mirrored
-    _check_coarsest(pad, most, model)
+    check_coarsest(pad, most, model)
     budget = request.budget
     levels = _Levels(pad, request, at, model, progress, whole, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
@@ -389,7 +389,7 @@ class _Levels:
     ) -> tuple[Answer, float]:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]
-        result = _estimated(best, lower, before, refinement.order, self.seconds)
+        result = estimated_answer(best, lower, before, refinement.order, self.seconds)
         return result, relative_error(result, self.request.force, unit_of(self.pad))
 
     def _check_fits(self, solved: object, rest: float) -> None:
@@ -400,7 +400,7 @@ class _Levels:
             raise LateError(late)
 
 
-def _reduced_model(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
+def reduced_model(pad: Pad, best: PlaneSolution, force: float, seconds: dict[str, float]) -> RidgeModel:
     """The best level reduced to one force a ridge, for the yield; its time goes into `seconds`."""
     started = perf_counter()
     with one_blas_thread():
@@ -421,7 +421,7 @@ def _first_refinement(wanted: float) -> int:
     return usual if usual < 2 else usual - 1
 
 
-def _check_coarsest(pad: Pad, most: int, model: str) -> None:
+def check_coarsest(pad: Pad, most: int, model: str) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
     if MOST_A_RIDGE * len(pad.ridges) <= most:
         return
@@ -432,7 +432,7 @@ def _check_coarsest(pad: Pad, most: int, model: str) -> None:
         raise too_large(round(expected), most, model)
 
 
-def _estimated(
+def estimated_answer(
     best: PlaneSolution,
     lower: PlaneSolution,
     before: PlaneSolution | None,

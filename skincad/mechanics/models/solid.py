@@ -277,10 +277,10 @@ def _refine(
     lower = solve_level(meshed, lower_forms, refinement.layers, force, seconds)
     finer = solve_level(meshed, lower_forms, refinement.finer, force, seconds)
     best = solve_level(meshed, forms, refinement.layers, force, seconds)
-    return _estimated(best, lower, finer)
+    return estimated_answer(best, lower, finer)
 
 
-def _estimated(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) -> Answer:
+def estimated_answer(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) -> Answer:
     """Values of the best level and what finer layers change; errors from the order and from the layers.
 
     All ridges share the largest error among them: a single difference may vanish by chance.

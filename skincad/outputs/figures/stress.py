@@ -146,7 +146,7 @@ def colour_limit(place: Array, triangles: Index, values: Array) -> float:
     return float(size[order][min(below, size.size - 1)])
 
 
-def _share(value: float, error: float) -> str:
+def band_share(value: float, error: float) -> str:
     """A share of S1 in words: beyond 150 % a ratio is easier to read."""
     if abs(value) > 1.5:
         return str(Estimate(value, error, "times"))
@@ -162,7 +162,7 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
         middle = ", zero at the middle one" if normal.ridges % 2 else ""
         lines.append(
             "(a) Outer ridges lean, so under the normal force alone their S1 - S2 is not zero:\n"
-            f"      {_share(share.value, share.error or 0.0)} S1 at ridge {ridge}{middle}."
+            f"      {band_share(share.value, share.error or 0.0)} S1 at ridge {ridge}{middle}."
         )
     friction = [e.value for e in both.needed_friction]
     if both.tangential:
@@ -225,7 +225,7 @@ def _few_colours(picture: Image.Image, count: int) -> Image.Image:
     return picture.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-def _limit(moments: Sequence[Moment]) -> float:
+def moments_limit(moments: Sequence[Moment]) -> float:
     """Largest stress of the colours, MPa: that below which nearly all silicone lies."""
     every = (m.shown for m in moments)
     return max(colour_limit(s.place, s.triangles[~s.film], s.stress[:, 0]) for s in every) or 1e-6
@@ -256,7 +256,7 @@ def _sheet(moments: Sequence[Moment]) -> _Sheet:
     wide, tall = BESIDE * (right - left), ABOVE * (high - low)
     left, right, low, high = frame = left - wide, right + wide, low - tall / 3, high + tall  # and some plate
     figure = agg((WIDTH, WIDTH * (high - low) / (right - left) + 1.2))
-    axes, limit = figure.add_subplot(), _limit(moments)
+    axes, limit = figure.add_subplot(), moments_limit(moments)
     scale = ScalarMappable(Normalize(-limit, limit), MAP)
     _name_colours(figure, scale, axes, 50, "stress along x, MPa; films black")
     return _Sheet(figure, axes, limit, frame)

@@ -110,7 +110,7 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     trials: list[Measurement] = []
     known: list[str] = []
     skipped: dict[str, str] = {}
-    for model, settings in _ways().items():
+    for model, settings in settings_by_model().items():
         try:
             results = [
                 _marched(design, *mesh_and_steps, repeats, progress) for mesh_and_steps in settings[:-1]
@@ -145,10 +145,10 @@ def prices(design: Design, repeats: int) -> dict[str, float]:
     """Return the stages and their expected seconds."""
     larger = of_size(design)
     seconds = {}
-    for settings in _ways().values():
+    for settings in settings_by_model().values():
         for setting, mesh, steps in settings:
             once = LAST * larger if mesh == MESHES[-1] else _seconds(mesh, steps) * larger
-            seconds[_stage(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
+            seconds[stage_name(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
     return seconds
 
 
@@ -159,7 +159,7 @@ def _seconds(mesh: tuple[float, int], steps: int) -> float:
     return FIRST["mesh"] + expected(level, first, spent)
 
 
-def _ways() -> dict[str, list[tuple[str, tuple[float, int], int]]]:
+def settings_by_model() -> dict[str, list[tuple[str, tuple[float, int], int]]]:
     """Settings by model: in words, the mesh and the steps."""
     return {
         "mesh": [(f"fineness {f:g}, order {k}", (f, k), STEPS[3]) for f, k in MESHES],
@@ -167,7 +167,8 @@ def _ways() -> dict[str, list[tuple[str, tuple[float, int], int]]]:
     }
 
 
-def _stage(setting: str) -> str:
+def stage_name(setting: str) -> str:
+    """Return what the bar calls a setting's march."""
     return f"slip: {setting}"
 
 
@@ -180,7 +181,7 @@ def _marched(
     progress: Progress | None,
 ) -> tuple[str, Simulation, tuple[float, ...]]:
     if progress:
-        progress(_stage(setting))
+        progress(stage_name(setting))
     scene = scene_on(design, f"history.steps={steps}")
     simulation, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
     return setting, simulation, runs

@@ -114,7 +114,7 @@ def test_loads_on_one_side_are_the_wholes(name: str) -> None:
 def test_the_yields_model_is_the_wholes(name: str) -> None:
     pad = pad_of(CASES[name]())
     half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
-    model = linear._reduced_model(pad, half, FORCE, {})
+    model = linear.reduced_model(pad, half, FORCE, {})
     wanted = ridge_model(exact.ridges, max(FORCE, exact.all_touch_force or 0.0), exact.unit, exact.scale)
     for mine, theirs in ((model.coupling, wanted.coupling), (model.indentation, wanted.indentation)):
         assert np.abs(mine - theirs).max() <= ROUNDING * np.abs(theirs).max()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.mechanics.film.stick import PadPiece, _cut, with_fine_edges
+from skincad.mechanics.film.stick import PadPiece, cut_at, with_fine_edges
 from skincad.mechanics.problem import Pad
 from skincad.shape.curves import Point, Segment
 from skincad.shape.skin import Section
@@ -24,7 +24,7 @@ def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
     if backwards:
         whole = whole.reversed()
     at = [0.5, -1.9, 7.0, 0.999, -2.0, 1.0]  # in any order; what lies outside or on its ends cuts nothing
-    pieces = list(_cut(whole, at))
+    pieces = list(cut_at(whole, at))
     heads = [piece.start.x for piece in pieces[1:]]
     assert heads == pytest.approx(sorted([-1.9, 0.5, 0.999], reverse=not backwards), abs=1e-11)
     assert (pieces[0].start, pieces[-1].end) == (whole.start, whole.end)

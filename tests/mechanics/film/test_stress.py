@@ -385,9 +385,7 @@ def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: b
     piece, solution = two_ridges(mirrored), stuck(push, pulled, [True, True, True, False, True])
 
     def notes(tangential: float) -> list[str]:
-        return list(
-            film_refinements._stick_notes(piece, solution, [Estimate(0.25, 0.0, "1")] * 2, tangential)
-        )
+        return list(film_refinements.stick_notes(piece, solution, [Estimate(0.25, 0.0, "1")] * 2, tangential))
 
     assert notes(0.0) == []
     assert not any("tension" in note for note in notes(0.5))  # 0.25 N less 0.25 N is none
@@ -395,7 +393,7 @@ def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: b
     count, total, pulling = (2, 7, 1.25) if mirrored else (1, 4, 0.75)
     words = f"{count} of {total} bonded points are in tension, with {pulling / 4:.1%} of the force in all"
     assert notes(2.0)[-1] == words
-    assert list(film_refinements._stick_notes(piece, replace(solution, pull_state=None), [], 2.0)) == []
+    assert list(film_refinements.stick_notes(piece, replace(solution, pull_state=None), [], 2.0)) == []
 
 
 def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lifts() -> None:
@@ -410,7 +408,7 @@ def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lif
         ((None, None), "the pull takes the normal force off ridge 1, 2: no full stick there"),
     ):
         friction = [Estimate(value, None if value is None else 0.0, "1") for value in values_told]
-        assert list(film_refinements._stick_notes(piece, solution, friction, 1.0)) == [
+        assert list(film_refinements.stick_notes(piece, solution, friction, 1.0)) == [
             film_refinements.PATH_NOTE,
             words,
         ]
@@ -418,7 +416,9 @@ def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lif
 
 def test_needed_friction_is_a_ratio_with_the_errors_of_both_forces() -> None:
     def of(normal: float, along: float) -> Estimate:
-        (ratio,) = film_refinements._friction([Estimate(normal, 0.1, "N")], [Estimate(along, 0.01, "N")])
+        (ratio,) = film_refinements.friction_needed(
+            [Estimate(normal, 0.1, "N")], [Estimate(along, 0.01, "N")]
+        )
         return ratio
 
     for way in (1, -1):
@@ -451,7 +451,7 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     lower = replace(
         best, normal_state=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
     )
-    stress = film_refinements._estimated(piece, best, lower, 4.0, 2.0)
+    stress = film_refinements.estimated_stress(piece, best, lower, 4.0, 2.0)
     normal, along, lengthwise = (21 * rows).T
     for estimates, expected, error in (
         (stress.s1, normal[::2], 1.0),
@@ -471,9 +471,9 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     assert {estimate.unit for estimate in (*stress.s1, *stress.differential, *stress.along2)} == {"MPa"}
     assert (stress.residual, stress.unknowns, stress.force, stress.tangential) == (1e-8, 10, 4.0, 2.0)
     largest = float(normal.max())
-    assert film_refinements._relative_error(stress) == pytest.approx(max(1.0, difference) / largest, rel=1e-9)
-    alone = film_refinements._estimated(
+    assert film_refinements.relative_error(stress) == pytest.approx(max(1.0, difference) / largest, rel=1e-9)
+    alone = film_refinements.estimated_stress(
         piece, replace(best, pull_state=None), replace(lower, pull_state=None), 4.0, 0.0
     )
     assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
-    assert film_refinements._relative_error(alone) == pytest.approx(max(1.0, difference) / 0.09, rel=1e-9)
+    assert film_refinements.relative_error(alone) == pytest.approx(max(1.0, difference) / 0.09, rel=1e-9)

@@ -56,7 +56,7 @@ def test_where_the_error_falls_as_one_over_the_order_the_bar_is_that_error_times
         plane(at(k, 3.0, 0.2), at(k, 0.2, 0.008), (at(k, 1.0, 0.1), at(k, 2.0, -0.3)))
         for k in (order, order - 1)
     )
-    estimated = linear._estimated(best, lower, None, order, {})
+    estimated = linear.estimated_answer(best, lower, None, order, {})
     assert estimated.all_touch_force.error == pytest.approx(linear.TAIL * 0.2 / order, rel=1e-9)
     assert estimated.approach.error == pytest.approx(linear.TAIL * 0.008 / order, rel=1e-9)
     # the largest of the ridges' is every ridge's
@@ -64,26 +64,26 @@ def test_where_the_error_falls_as_one_over_the_order_the_bar_is_that_error_times
         [linear.TAIL * 0.3 / order] * 2, rel=1e-9
     )
     assert [f.value for f in estimated.ridge_force] == list(best.ridge_force)
-    third = linear._estimated(best, lower, None, 3, {})
+    third = linear.estimated_answer(best, lower, None, 3, {})
     assert (third.approach.error or 0.0) * (order - 1) > (estimated.approach.error or 0.0)
     assert (third.approach.error or 0.0) < (estimated.approach.error or 0.0)
 
 
 def test_the_refinement_before_bounds_the_error_too() -> None:
     best, lower = plane(3.0, 0.2, (1.0, 2.0)), plane(3.0, 0.2, (1.0, 2.0))
-    nothing = linear._estimated(best, lower, None, 4, {})
+    nothing = linear.estimated_answer(best, lower, None, 4, {})
     assert [nothing.all_touch_force.error, nothing.approach.error, nothing.ridge_force[0].error] == [0, 0, 0]
-    far = linear._estimated(best, lower, plane(2.5, 0.21, (1.4, 1.6)), 4, {})
+    far = linear.estimated_answer(best, lower, plane(2.5, 0.21, (1.4, 1.6)), 4, {})
     assert far.all_touch_force.error == pytest.approx(0.5, rel=1e-12)
     assert far.ridge_force[0].error == pytest.approx(0.4, rel=1e-12)
     # 1/6 of F9, of which a part is the approach's, and more than its own 5 %
     assert far.approach.error == pytest.approx(linear.APPROACH_BY_THRESHOLD * 0.5 / 3.0 * 0.2, rel=1e-12)
     assert far.approach.error > 0.01
-    nearer = linear._estimated(best, lower, plane(3.0, 0.25, (1.0, 2.0)), 4, {})
+    nearer = linear.estimated_answer(best, lower, plane(3.0, 0.25, (1.0, 2.0)), 4, {})
     assert nearer.approach.error == pytest.approx(0.05, rel=1e-12)
     assert nearer.all_touch_force.error == pytest.approx(linear.THRESHOLD_BY_APPROACH * 0.25 * 3.0, rel=1e-12)
     for levels in ((plane(None, 0.2, (1.0, 2.0)), lower, None), (best, lower, plane(None, 0.2, (1.0, 2.0)))):
-        unknown = linear._estimated(*levels, 4, {}).all_touch_force
+        unknown = linear.estimated_answer(*levels, 4, {}).all_touch_force
         assert (unknown.value, unknown.error) == (None, None)
 
 
@@ -230,9 +230,9 @@ def test_a_ridge_too_many_is_told_before_anything_is_meshed(monkeypatch: pytest.
     levels.contact = 1e9
     pad = pad_of(load("plain-ridges"))
     most = linear.MOST_A_RIDGE * len(pad.ridges)
-    linear._check_coarsest(pad, most, "linear")
+    linear.check_coarsest(pad, most, "linear")
     with pytest.raises(SizeError) as large:
-        linear._check_coarsest(pad, most - 1, "linear")
+        linear.check_coarsest(pad, most - 1, "linear")
     alone = 1e9 * REFINEMENTS[0].fineness
     assert f"got {round(linear.SINGLE_RIDGE_FACTOR * len(pad.ridges) * alone)}" in str(large.value)
 
@@ -242,7 +242,7 @@ def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
     lower = spatial(3.0, 0.20, (1.0, 2.0), 1)
     best = spatial(3.1, 0.19, (1.2, 1.8), 2)  # the higher order changes by this much
     finer = spatial(2.8, 0.23, (0.9, 2.1), 3)  # the finer layers by this
-    result = solid._estimated(best, lower, finer)
+    result = solid.estimated_answer(best, lower, finer)
     assert result.all_touch_force.value == pytest.approx(2.9)
     assert result.approach.value == pytest.approx(0.22)
     assert [f.value for f in result.ridge_force] == pytest.approx([1.1, 1.9])
@@ -251,10 +251,10 @@ def test_finer_layers_and_a_higher_order_add_up_in_the_solid() -> None:
     assert result.approach.error == pytest.approx(tails @ [0.01, 0.03])
     assert [f.error for f in result.ridge_force] == pytest.approx([tails @ [0.2, 0.1]] * 2)
     assert (result.touching, result.unknowns, result.residual) == (2, 2, pytest.approx(3e-12))
-    unknown = solid._estimated(best, lower, spatial(None, 0.23, (0.9, 2.1)))
+    unknown = solid.estimated_answer(best, lower, spatial(None, 0.23, (0.9, 2.1)))
     assert unknown.all_touch_force.value is None
     # a ridge at the brink: no sum of differences makes it pull
-    brink = solid._estimated(
+    brink = solid.estimated_answer(
         spatial(3.1, 0.19, (0.0, 3.0)), spatial(3.0, 0.2, (0.2, 2.8)), spatial(3.0, 0.2, (0.1, 2.9))
     )
     assert [f.value for f in brink.ridge_force] == [0.0, 3.0]
@@ -411,7 +411,7 @@ def test_a_ridge_that_carries_anything_touches() -> None:
         for kind, by in ((answer, 0.0), (spatial, 0.1), (spatial, 0.0))
     )
     by_ends = apply_change(fine, before, after, 4.0, ERRORS)
-    in_solid = solid._estimated(before, before, after)
+    in_solid = solid.estimated_answer(before, before, after)
     by_both = corrected_finite_strain.answer(
         load("plain-ridges"), Request(4.0), None, fine, fine, answer(3.0, 0.2, (0.4, 3.2, 0.4))
     )

@@ -17,7 +17,7 @@ from skincad import load
 from skincad.mechanics.film import stress
 from skincad.mechanics.film.stress import FilmStress, film_stresses
 from skincad.outputs.figures import canvas
-from skincad.outputs.figures.stress import _share, colour_limit, film_stress_figure
+from skincad.outputs.figures.stress import band_share, colour_limit, film_stress_figure
 
 
 @cache
@@ -82,8 +82,8 @@ def test_without_fields_only_the_numbers(tmp_path: Path) -> None:
 
 
 def test_a_share_far_above_one_is_a_ratio() -> None:
-    assert _share(8.43, 0.87) == "8.43 ± 0.87 times"
-    assert _share(0.31, 0.02) == "31.0% ± 2.0% of"
+    assert band_share(8.43, 0.87) == "8.43 ± 0.87 times"
+    assert band_share(0.31, 0.02) == "31.0% ± 2.0% of"
 
 
 def test_the_colours_end_where_the_largest_part_of_the_area_lies() -> None:

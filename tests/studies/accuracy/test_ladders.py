@@ -275,5 +275,5 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
 def test_a_slip_ladders_reference_is_run_once_however_often_the_others_are(small: Design) -> None:
     once, thrice = (slip.prices(small, repeats) for repeats in (1, 3))
     assert all(seconds > 0 for seconds in once.values())
-    references = {slip._stage(settings[-1][0]) for settings in slip._ways().values()}
+    references = {slip.stage_name(settings[-1][0]) for settings in slip.settings_by_model().values()}
     assert {stage for stage in once if thrice[stage] == once[stage]} >= references
