@@ -174,7 +174,7 @@ def _caught(name: str) -> Iterator[io.BufferedRandom]:
     """A standard stream into a file, by its descriptor too: C libraries print there."""
     before, number = getattr(sys, name), ("stdin", "stdout", "stderr").index(name)
     before.flush()
-    kept = os.dup(number)
+    answer = os.dup(number)
     with tempfile.TemporaryFile() as file:
         os.dup2(file.fileno(), number)
         setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="backslashreplace"))
@@ -183,8 +183,8 @@ def _caught(name: str) -> Iterator[io.BufferedRandom]:
         finally:
             getattr(sys, name).close()
             setattr(sys, name, before)
-            os.dup2(kept, number)
-            os.close(kept)
+            os.dup2(answer, number)
+            os.close(answer)
 
 
 def run_skincad(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:

@@ -26,5 +26,5 @@ def outline(
     down, along = np.interp(at, time, normal), np.interp(at, time, pull)
     pressed, pulled = (np.tile(of[:, None] / design.ridge.count, design.ridge.count) for of in (down, along))
     path = PlatePath(at, down / DOWN, along / ALONG, pressed, pulled, np.zeros_like(pressed), 2 * pulled)
-    found = SceneOutline(design, time, (normal, pull), path, friction=1.0)
-    return replace(found, **changes)
+    scene_outline = SceneOutline(design, time, (normal, pull), path, friction=1.0)
+    return replace(scene_outline, **changes)

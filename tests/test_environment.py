@@ -76,11 +76,11 @@ def test_same_bytes_whatever_rc_files_and_backends_say(
 
 
 def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:
-    found = gain(load_circuit("yamada-2002"))
-    save(gain_figure(found), tmp_path / "before.png")
+    circuit_gain = gain(load_circuit("yamada-2002"))
+    save(gain_figure(circuit_gain), tmp_path / "before.png")
     with matplotlib.rc_context({"savefig.dpi": 30, "font.size": 20.0, "backend": "svg"}):
         before = dict(matplotlib.rcParams)
-        save(gain_figure(found), tmp_path / "after.png")
+        save(gain_figure(circuit_gain), tmp_path / "after.png")
         assert dict(matplotlib.rcParams) == before
         assert matplotlib.get_backend() == "svg"
     assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()

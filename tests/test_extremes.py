@@ -71,19 +71,23 @@ def finite(found: Callable[[], dict[str, Any]]) -> bool:
 def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
     """What a circuit tells, and what it makes of a film's charge in a scene."""
     circuit = Circuit(**tables)
-    told = gain(circuit).as_json()
+    data = gain(circuit).as_json()
     chain = Chain.of(circuit_network(circuit), np.linspace(0.0, 0.1, 11), 50.0)
-    return {**told, "noise": chain.noise_rms(), "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist()}
+    return {
+        **data,
+        "noise": chain.noise_rms(),
+        "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist(),
+    }
 
 
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:
     """The closed form's verdict on a design, and the numbers that a mesh of it begins with."""
     design = Design(**tables)
-    told = check(design, model="winkler").as_json()
+    data = check(design, model="winkler").as_json()
     if design.slot and design.skin.curvature_radius_y is None:
         pad = filled_pad(design.with_(contact={"film": "ignored"}))[0]
-        told["pad"] = [pad.top, pad.length, pad.young_modulus, pad.poisson_ratio]
-    return told
+        data["pad"] = [pad.top, pad.length, pad.young_modulus, pad.poisson_ratio]
+    return data
 
 
 BASES: dict[
@@ -173,10 +177,10 @@ def scenes() -> Iterator[dict[str, Any]]:
 
 def merged(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
     """Tables with those of `other` on top; None drops a key."""
-    found = dict(one)
+    table = dict(one)
     for key, value in other.items():
-        found[key] = merged(found.get(key) or {}, value) if isinstance(value, dict) else value
-    return {key: value for key, value in found.items() if value is not None}
+        table[key] = merged(table.get(key) or {}, value) if isinstance(value, dict) else value
+    return {key: value for key, value in table.items() if value is not None}
 
 
 def scene_told(folder: Path, change: dict[str, Any]) -> dict[str, Any]:
@@ -246,13 +250,13 @@ def test_numbers_that_are_not_finite_leave_an_earlier_result_as_it_was(tmp_path:
         "history.normal_force_N=[0.0, 0.5]",
         "readout.ridges=[2]",
     ]
-    found = at_level(load_scene("yamada-2002-press", settings), LEVELS[0])
-    write(found, tmp_path / "out")
+    answer = at_level(load_scene("yamada-2002-press", settings), LEVELS[0])
+    write(answer, tmp_path / "out")
     before = {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()}
     for wrong in (math.nan, math.inf):
-        bad = replace(found, read={"peak_V": wrong})
-        readings = (*found.march.readings[:-1], replace(found.march.readings[-1], approach=wrong))
-        for broken in (bad, replace(found, march=replace(found.march, readings=readings))):
+        bad = replace(answer, read={"peak_V": wrong})
+        readings = (*answer.march.readings[:-1], replace(answer.march.readings[-1], approach=wrong))
+        for broken in (bad, replace(answer, march=replace(answer.march, readings=readings))):
             with pytest.raises(RefusedError, match="not finite: nothing is written"):
                 write(broken, tmp_path / "out")
     assert {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()} == before

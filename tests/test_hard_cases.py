@@ -21,14 +21,14 @@ def test_hard_case(entry: Entry) -> None:
         assert entry.refused in str(refusal.value)
         return
     case = entry.case()
-    found = figures(case)
-    assert not list(sane(case, found))
-    assert not found.get("failed"), found["stopped"]
+    numbers = figures(case)
+    assert not list(sane(case, numbers))
+    assert not numbers.get("failed"), numbers["stopped"]
     if entry.rel or entry.abs:
-        told = watched(found, entry.watch)
-        assert told == pytest.approx(entry.expected(), rel=entry.rel or 1e-300, abs=entry.abs)
+        answer = watched(numbers, entry.watch)
+        assert answer == pytest.approx(entry.expected(), rel=entry.rel or 1e-300, abs=entry.abs)
     else:
-        assert watched(found, entry.watch) == entry.value
+        assert watched(numbers, entry.watch) == entry.value
 
 
 def test_every_row_says_what_is_hard_and_why_its_number_is_right() -> None:

@@ -77,10 +77,10 @@ LOADED = {
 @pytest.mark.parametrize("name", PROCESSES)
 def test_nothing_is_loaded_that_is_not_used(name: str) -> None:
     steps = PROCESSES[name]
-    told = loaded_after(*(code for code, _ in steps))
-    for (code, absent), loaded in zip(steps, told, strict=True):
+    data = loaded_after(*(code for code, _ in steps))
+    for (code, absent), loaded in zip(steps, data, strict=True):
         assert loaded & set(absent) == set(), code
-    assert LOADED[name] in told[-1]
+    assert LOADED[name] in data[-1]
 
 
 def test_every_public_name_is_there_and_stays_callable() -> None:

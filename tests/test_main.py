@@ -149,8 +149,8 @@ def left(
     monkeypatch.setattr(sys, "argv", ["skincad", *arguments.split()])
     with pytest.raises(SystemExit) as end:
         main()
-    told = capsys.readouterr()
-    return int(end.value.code or 0), told.out, told.err
+    output = capsys.readouterr()
+    return int(end.value.code or 0), output.out, output.err
 
 
 FAILURES = {

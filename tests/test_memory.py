@@ -36,11 +36,11 @@ class _Malloc(ctypes.Structure):
 
 def in_use() -> float:
     """Return the MB that malloc has given out; skips where the C library does not tell."""
-    told = getattr(ctypes.CDLL(None), "mallinfo2", None)
-    if told is None:
+    answer = getattr(ctypes.CDLL(None), "mallinfo2", None)
+    if answer is None:
         pytest.skip("the C library has no mallinfo2 (glibc has it from 2.33 on)")
-    told.restype = _Malloc
-    seen = told()
+    answer.restype = _Malloc
+    seen = answer()
     return float(seen.uordblks + seen.hblkhd) / 1e6
 
 

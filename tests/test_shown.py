@@ -43,7 +43,7 @@ class Block(NamedTuple):
 
 
 def blocks(page: Path) -> list[Block]:
-    return [Block(*found) for found in FENCED.findall(page.read_text("utf-8"))]
+    return [Block(*entry) for entry in FENCED.findall(page.read_text("utf-8"))]
 
 
 def shown(*kinds: str) -> list[Any]:

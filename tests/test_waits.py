@@ -42,14 +42,14 @@ NEVER_EMPTY = {("bench/mutants.py", "self.trees.get")}
 
 @pytest.mark.parametrize("folder", ["tests", "bench"])
 def test_each_wait_has_a_limit(folder: str) -> None:
-    found = [
+    rows = [
         f"{file}:{line}: {what}"
         for path in sorted((ROOT / folder).rglob("*.py"))
         for file in [path.relative_to(ROOT).as_posix()]
         for line, what in endless(path.read_text("utf-8"))
         if OWN.get(file) != what and (file, what) not in NEVER_EMPTY
     ]
-    assert not found
+    assert not rows
 
 
 @pytest.mark.parametrize(

@@ -70,9 +70,9 @@ def test_refusals_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_sound_case_has_no_fault() -> None:
-    found = alone(CASE)
-    assert (found.refused, found.unsolved, found.faults) == ("", "", [])
-    assert found.peak > 0
+    answer = alone(CASE)
+    assert (answer.refused, answer.unsolved, answer.faults) == ("", "", [])
+    assert answer.peak > 0
 
 
 WRONG: dict[str, tuple[str, str, dict[str, Any], dict[str, Any]]] = {
@@ -91,11 +91,11 @@ def test_a_wrong_figure_is_a_fault(kind: str) -> None:
     tables = read_table(template, "designs")
     tables["material"] = {"young_modulus": 0.8, "poisson_ratio": 0.499}
     case = Case(what, tables, arguments=arguments)
-    found = cases.figures(case)
-    assert not list(faults(case, found))
+    numbers = cases.figures(case)
+    assert not list(faults(case, numbers))
     if kind == "mirror image":
         change = {**change, "share_error": 1e-3}
-    assert kind in {fault for fault, _ in faults(case, {**found, **change})}
+    assert kind in {fault for fault, _ in faults(case, {**numbers, **change})}
 
 
 def test_a_failure_is_shrunk_and_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

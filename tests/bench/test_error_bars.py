@@ -40,9 +40,9 @@ def test_the_top_refinement_is_told_apart() -> None:
 
 def answer(force: float | None, approach: float, *shares: float, error: tuple[float, ...] = (0.1,)) -> Answer:
     """Every share with its error, N; the first ridge's is the force's and, mm, the approach's too."""
-    each = tuple(Estimate(*pair, "N") for pair in zip(shares, error * len(shares), strict=False))
+    answer_row = tuple(Estimate(*pair, "N") for pair in zip(shares, error * len(shares), strict=False))
     first = Estimate(force, None if force is None else error[0], "N")
-    return Answer(2, first, Estimate(approach, error[0], "mm"), each, 10, 0.0, {})
+    return Answer(2, first, Estimate(approach, error[0], "mm"), answer_row, 10, 0.0, {})
 
 
 def rows_of(found: Answer, better: Answer, stated: LeftOut | None = None) -> dict[str, Row]:

@@ -106,18 +106,18 @@ def test_where_slip_begins_that_lasts() -> None:
     ],
 )
 def test_marks_by_hand(alarms: list[Alarm], told: tuple[bool, int, int, int, int]) -> None:
-    found = mark(by_hand(), alarms, 3)
-    assert (found.warned, found.true, found.passing, found.other, found.none) == told
-    assert found.false == sum(told[2:])
-    assert found.slips
-    assert found.possible == pytest.approx(29 * STEP)
-    assert found.seconds == pytest.approx(100 * STEP)
+    answer = mark(by_hand(), alarms, 3)
+    assert (answer.warned, answer.true, answer.passing, answer.other, answer.none) == told
+    assert answer.false == sum(told[2:])
+    assert answer.slips
+    assert answer.possible == pytest.approx(29 * STEP)
+    assert answer.seconds == pytest.approx(100 * STEP)
 
 
 def test_a_lead_runs_from_the_first_alarm_and_a_false_one_has_its_phase() -> None:
-    found = mark(by_hand(), [(1, 95), (0, 77), (0, 10), (1, 63)], 3)
-    assert found.lead == pytest.approx(22 * STEP)
-    assert found.within == ("first press", "pull")
+    answer = mark(by_hand(), [(1, 95), (0, 77), (0, 10), (1, 63)], 3)
+    assert answer.lead == pytest.approx(22 * STEP)
+    assert answer.within == ("first press", "pull")
 
 
 def test_rivals_deserve_what_they_get() -> None:
@@ -145,12 +145,12 @@ def test_the_fits_slope_is_the_losss() -> None:
     slopes = network.gradient(layers, z, label, weight)
     for layer, slope in zip(layers, slopes, strict=True):
         for at in np.ndindex(layer.shape):
-            kept = layer[at]
+            entry = layer[at]
             sides = []
             for h in (1e-6, -1e-6):
-                layer[at] = kept + h
+                layer[at] = entry + h
                 sides.append(network.loss(layers, z, label, weight))
-            layer[at] = kept
+            layer[at] = entry
             assert slope[at] == pytest.approx((sides[0] - sides[1]) / 2e-6, abs=1e-8)
 
 
@@ -161,11 +161,11 @@ def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch
     draw = np.random.default_rng(5)
     x = draw.normal(3.0, 2.0, (4000, 4)).astype(np.float32)
     y = (x[:, 0] - 3.0) * (x[:, 1] - 3.0) > 0
-    found = network.fitted((x[:3000], y[:3000], np.ones(3000)))
-    assert np.mean((fitting.odds(found, x[3000:]) > 0) == y[3000:]) > 0.9  # a line gets a half
-    table = tomllib.loads(fitting.written(found))
-    np.testing.assert_allclose(np.array(table["into"]).T, found.into, rtol=1e-3)
-    np.testing.assert_allclose(table["out"], found.out, rtol=1e-3)
+    answer = network.fitted((x[:3000], y[:3000], np.ones(3000)))
+    assert np.mean((fitting.odds(answer, x[3000:]) > 0) == y[3000:]) > 0.9  # a line gets a half
+    table = tomllib.loads(fitting.written(answer))
+    np.testing.assert_allclose(np.array(table["into"]).T, answer.into, rtol=1e-3)
+    np.testing.assert_allclose(table["out"], answer.out, rtol=1e-3)
 
 
 def test_the_shipped_weights_are_of_the_fits_size() -> None:

@@ -10,20 +10,20 @@ from bench.hidden_targets import HIT, MOST, ways, wide
 
 @pytest.mark.parametrize("knobs", MOST)
 def test_hidden_targets_are_hit_in_few_evaluations(knobs: int) -> None:
-    found = list(ways(20, 500, knobs, "winkler"))  # seeds that nothing was set on
-    assert sum(way.hit for way in found) >= 18, "\n".join(str(way) for way in found if not way.hit)
+    entries = list(ways(20, 500, knobs, "winkler"))  # seeds that nothing was set on
+    assert sum(way.hit for way in entries) >= 18, "\n".join(str(way) for way in entries if not way.hit)
 
 
 def test_sixty_hidden_targets_over_twelve_keys_are_not_denied() -> None:
-    found = list(ways(60, 0, 1, "winkler", "yamada-2002", wide("yamada-2002")))
-    assert len({way.keys for way in found}) >= 12
-    assert not [str(way) for way in found if way.missed > HIT]
+    entries = list(ways(60, 0, 1, "winkler", "yamada-2002", wide("yamada-2002")))
+    assert len({way.keys for way in entries}) >= 12
+    assert not [str(way) for way in entries if way.missed > HIT]
 
 
 @pytest.mark.slow  # an evaluation takes a second
 def test_hidden_targets_that_the_closed_form_does_not_see_are_not_denied() -> None:
     blind = ("ridge.crown", "ridge.tip_fillet", "ridge.root_fillet", "skin.width")
     ranges = {key: ends for key, ends in wide("plain-ridges").items() if key in blind}
-    found = list(ways(12, 0, 1, "corrected", "plain-ridges", ranges))
-    assert {way.keys for way in found} == {(key,) for key in blind}
-    assert not [str(way) for way in found if way.missed > HIT]
+    entries = list(ways(12, 0, 1, "corrected", "plain-ridges", ranges))
+    assert {way.keys for way in entries} == {(key,) for key in blind}
+    assert not [str(way) for way in entries if way.missed > HIT]

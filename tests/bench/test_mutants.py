@@ -61,10 +61,10 @@ def test_what_changes_no_result_is_left_alone(text: str) -> None:
 
 def test_every_change_of_a_file_of_ours_is_another_program() -> None:
     text = (HERE / "skincad" / "outputs" / "figures" / "design.py").read_text("utf-8")
-    found = [mutated(text, site, after) for site in sites(text) for after in site.after]
-    assert len(found) > 100
-    programs = {ast.dump(ast.parse(each)) for each in [text, *found]}
-    assert len(programs) == len(found) + 1
+    rows = [mutated(text, site, after) for site in sites(text) for after in site.after]
+    assert len(rows) > 100
+    programs = {ast.dump(ast.parse(entry)) for entry in [text, *rows]}
+    assert len(programs) == len(rows) + 1
 
 
 def tree(path: Path, files: dict[str, str]) -> Path:
@@ -129,25 +129,27 @@ def test_a_run_tells_what_is_seen_and_goes_on_where_it_stopped(
     monkeypatch.setattr(mutants, "copy", shutil.copytree)
     out = tmp_path / "out"
     mutants.main(["--count", "99", "-o", str(out)])
-    said = capsys.readouterr().out.splitlines()
+    answer = capsys.readouterr().out.splitlines()
     records = [json.loads(line) for line in (out / "records.jsonl").read_text().splitlines()]
-    assert {(each["before"], each["by"]) for each in records} == {
+    assert {(record["before"], record["by"]) for record in records} == {
         *((before, "tests/test_x.py::test_seen") for before in ("10", "3", "4", "+", "0")),
         ("20", None),
         ("5", None),
     }
-    told = {each["before"]: each["tests"] for each in records}  # of the table all that import from its file
-    assert told == {"10": 2, "20": 2, "3": 1, "4": 1, "+": 1, "0": 1, "5": 0}
-    assert said[0] == "5 of 7 seen (71%), not seen:"
-    assert [line.partition("  ")[2][:4] for line in said[1:]] == ["'20'", "'5' "]
-    assert said[2].endswith("(no test)")
+    table = {
+        record["before"]: record["tests"] for record in records
+    }  # of the table all that import from its file
+    assert table == {"10": 2, "20": 2, "3": 1, "4": 1, "+": 1, "0": 1, "5": 0}
+    assert answer[0] == "5 of 7 seen (71%), not seen:"
+    assert [line.partition("  ")[2][:4] for line in answer[1:]] == ["'20'", "'5' "]
+    assert answer[2].endswith("(no test)")
 
     def never(*_: Any) -> None:
         raise AssertionError
 
     monkeypatch.setattr(mutants, "verdict", never)
     mutants.main(["--count", "99", "-o", str(out)])
-    assert sorted(capsys.readouterr().out.splitlines()) == sorted(said)
+    assert sorted(capsys.readouterr().out.splitlines()) == sorted(answer)
 
 
 def test_a_run_without_end_is_seen_and_one_without_tests_is_not_a_pass(tmp_path: Path) -> None:

@@ -17,19 +17,19 @@ OVERLOAD = 1000.0
 def became(case: Case) -> str:
     """What became of a case, "" for one that is wrong."""
     try:
-        found = figures(case)
+        numbers = figures(case)
     except InputError as refusal:
         return f"refused: {refusal.key}"
     except RefusedError as failure:
         return f"unsolved: {failure}"
-    wrong = list(sane(case, found))
+    wrong = list(sane(case, numbers))
     assert not wrong, (wrong, case.toml())
-    return f"stopped: {found['stopped']}" if found["failed"] else "right"
+    return f"stopped: {numbers['stopped']}" if numbers["failed"] else "right"
 
 
 def run(count: int, seed: int) -> list[str]:
     """What became of `count` cases."""
-    told: list[str] = []
+    rows: list[str] = []
 
     @hypothesis.seed(seed)
     @settings(
@@ -41,10 +41,10 @@ def run(count: int, seed: int) -> list[str]:
     )
     @given(scenes(overload=OVERLOAD))
     def one(case: Case) -> None:
-        told.append(became(case))
+        rows.append(became(case))
 
     one()
-    return told
+    return rows
 
 
 KINDS = ("refused: history.normal_force_N", "stopped: step", "right")
@@ -56,10 +56,10 @@ def test_overloaded_scenes_are_refused_or_right() -> None:
 
     What a seed draws hangs on the constants of all loaded modules, so more are drawn until each kind is seen.
     """
-    told = run(60, seed=72)
+    completed = run(60, seed=72)
     for seed in range(73, 77):
-        if all(any(each.startswith(kind) for each in told) for kind in KINDS):
+        if all(any(entry.startswith(kind) for entry in completed) for kind in KINDS):
             break
-        told += run(60, seed)
+        completed += run(60, seed)
     for kind in KINDS:
-        assert any(each.startswith(kind) for each in told), told
+        assert any(entry.startswith(kind) for entry in completed), completed

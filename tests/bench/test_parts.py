@@ -93,10 +93,10 @@ def test_wide_designs_sag_alike(template: str, ridges: int) -> None:
 
 
 def test_matrix_of_a_check_is_its_own() -> None:
-    found = system(filleted(), 0.5, 2)
-    block = free_block(found)
-    assert block.shape[0] == found.unknowns
-    side = np.ones(found.unknowns)
+    equations = system(filleted(), 0.5, 2)
+    block = free_block(equations)
+    assert block.shape[0] == equations.unknowns
+    side = np.ones(equations.unknowns)
     assert block @ factorise(block).solve(side) == pytest.approx(side, abs=1e-6)  # condition times rounding
 
 

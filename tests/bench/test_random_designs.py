@@ -23,16 +23,16 @@ SMALLEST = 4  # the seed of the first of them that takes half a second without t
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object], None]) -> None:
     size = SEEDS // CHUNKS
-    found = [outcome(seed) for seed in range(chunk * size, (chunk + 1) * size)]
-    told = summary(found)
-    record_property("summary", told)
-    print(told)
-    assert not any(each.faults for each in found), told
+    rows = [outcome(seed) for seed in range(chunk * size, (chunk + 1) * size)]
+    summary_text = summary(rows)
+    record_property("summary", summary_text)
+    print(summary_text)
+    assert not any(entry.faults for entry in rows), summary_text
 
 
 def test_one_of_them_without_the_cad_kernel() -> None:
-    found = [outcome(SMALLEST, kernel=False)]
-    assert not any(each.faults for each in found), summary(found)
+    rows = [outcome(SMALLEST, kernel=False)]
+    assert not any(entry.faults for entry in rows), summary(rows)
 
 
 def test_a_gang_is_poured_with_its_own_thicker_seal() -> None:

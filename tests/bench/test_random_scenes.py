@@ -10,27 +10,27 @@ from bench.random_scenes import PERIODS, slowest
 
 def test_a_seed_draws_the_same_scenes() -> None:
     one, other = (list(table_left_out.scenes(5, 3)) for _ in range(2))
-    assert [each.to_toml() for each in one] == [each.to_toml() for each in other]
+    assert [entry.to_toml() for entry in one] == [entry.to_toml() for entry in other]
     assert one[0].to_toml() != next(table_left_out.scenes(6, 1)).to_toml()
 
 
 def test_scenes_are_of_every_kind_and_in_the_ranges() -> None:
-    found = list(table_left_out.scenes(5, 40))
-    for scene in found:
+    entries = list(table_left_out.scenes(5, 40))
+    for scene in entries:
         ramps = np.diff(scene.history.time_s)[::2] * slowest(scene.design)
         # numbers are written with five digits
         assert ((ramps > PERIODS[0] * 0.99) & (ramps < PERIODS[1] * 1.01)).all()
         assert scene.readout.ridges == list(range(1, scene.design.ridge.count + 1))
-    pulls = [s.history.tangential_force_N or s.history.displacement_mm or [] for s in found]
+    pulls = [s.history.tangential_force_N or s.history.displacement_mm or [] for s in entries]
     kinds = {
-        "driven": [s.history.tangential_force_N is None for s in found],
-        "pulled": [any(each) for each in pulls],
-        "film": ["film" in s.effects for s in found],
-        "tilted": [bool(s.design.slot and s.design.slot.tilt) for s in found],
-        "shipped": [s.design.name != "yamada-2002" for s in found],
+        "driven": [s.history.tangential_force_N is None for s in entries],
+        "pulled": [any(pull) for pull in pulls],
+        "film": ["film" in s.effects for s in entries],
+        "tilted": [bool(s.design.slot and s.design.slot.tilt) for s in entries],
+        "shipped": [s.design.name != "yamada-2002" for s in entries],
     }
-    for name, each in kinds.items():
-        assert 0 < sum(each) < len(each), name
+    for name, pull in kinds.items():
+        assert 0 < sum(pull) < len(pull), name
 
 
 def test_the_table_of_swaying_draws_scenes_too() -> None:
@@ -46,8 +46,8 @@ def test_a_change_is_the_largest_one_by_the_largest_signal_without() -> None:
 
 
 def test_misses_are_counted_by_both_factors() -> None:
-    rows = [table_left_out.Compared("film", said, 3.0, 1.0) for said in (0.4, 1.0, 2.5, 4.0)]
-    told = table_left_out.held(rows)
-    assert "within 2 in 1 of 4" in told
-    assert "within its own in 3 of 4" in told
-    assert "3 4 times" in told
+    rows = [table_left_out.Compared("film", entry, 3.0, 1.0) for entry in (0.4, 1.0, 2.5, 4.0)]
+    answer = table_left_out.held(rows)
+    assert "within 2 in 1 of 4" in answer
+    assert "within its own in 3 of 4" in answer
+    assert "3 4 times" in answer

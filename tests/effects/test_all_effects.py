@@ -220,13 +220,13 @@ RISES, HOLDS = (0.0, 1e-3), (0.0, 4.0)  # s, N
 @pytest.mark.parametrize("name", [name for name, row in EFFECTS.items() if row.indicates])
 def test_what_an_effect_says_of_leaving_it_out_bears_its_name(name: str) -> None:
     """Of yamada-2002, whose loads rise in 1 ms to 4 N and a pull of 1 N."""
-    said = effect(name).left_out(outline(yamada(), RISES, HOLDS, (0.0, 1.0)))
-    assert said is not None
-    assert said.effect == name
-    assert said.change > 0
-    assert said.calibrated
-    assert said.within is not None
-    assert said.within >= 2
+    answer = effect(name).left_out(outline(yamada(), RISES, HOLDS, (0.0, 1.0)))
+    assert answer is not None
+    assert answer.effect == name
+    assert answer.change > 0
+    assert answer.calibrated
+    assert answer.within is not None
+    assert answer.within >= 2
 
 
 @pytest.mark.parametrize(

@@ -165,8 +165,8 @@ def test_the_order_of_slip_flips_where_load_and_area_do_not_go_together() -> Non
     loads = [0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0]
     seen = path(*loads, [True, False, False])
     assert flipped(seen, by_area=False) == (1, 2)
-    said = list(Friction(coefficient=0.5).afterwards(seen))
-    assert said == [
+    entries = list(Friction(coefficient=0.5).afterwards(seen))
+    assert entries == [
         "the order of slip rests on effects.friction.law: ridge 1 slips first, "
         "but by a constant shear stress ridge 2 would"
     ]

@@ -51,7 +51,7 @@ class JudgedDesign(NamedTuple):
     @property
     def decides(self) -> bool:
         """Whether the sheet says that its limits suffice."""
-        return not any("don't decide" in said for said in self.inspected.said)
+        return not any("don't decide" in entry for entry in self.inspected.said)
 
 
 @cache
@@ -181,7 +181,7 @@ def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     limits = one.inspected.crests
     hidden = limits.mean > 0.1
     assert hidden is (one.design.mold.process == "fdm")  # whose ledge alone is off by 0.05 / sqrt(2) mm
-    assert hidden is any("Measure the mold once" in said for said in one.inspected.said)
+    assert hidden is any("Measure the mold once" in entry for entry in one.inspected.said)
     # against its own mold then
     assert heights.mean() > np.mean(limits.heights) + min(limits.beside_mold, limits.mean)
     assert hidden or heights.mean() > thick.high

@@ -116,8 +116,8 @@ def test_how_near_to_its_edge_a_measured_verdict_is_the_gauges_own_doing() -> No
     assert undecided_margin(0.0, (0.0, math.inf)) == 0.0  # no margin, no slopes
     coarse = skincad.load("plain-ridges")
     drops = (0.1, *[math.inf] * 7, 0.1)
-    said = " ".join(inspection(Job(coarse), drops, 1.0).said)
-    assert f"within ±{0.0025 * math.hypot(10, 10):.2g} N, read on until each crest is the mean of 64" in said
+    text = " ".join(inspection(Job(coarse), drops, 1.0).said)
+    assert f"within ±{0.0025 * math.hypot(10, 10):.2g} N, read on until each crest is the mean of 64" in text
 
 
 def test_the_mass_is_what_stays_on_the_carrier(yamada: Design) -> None:
@@ -153,14 +153,14 @@ def test_pixels_that_fall_anywhere_widen_the_limits(pixel: float) -> None:
     inspected = inspection(Job(design))
     assert inspected.crests.heights == pytest.approx(skin_of(design).crests, abs=1e-12)
     assert inspected.crests.sigma == pytest.approx(math.hypot(0.015, pixel / math.sqrt(12)))
-    assert any(f"one of {pixel:g} mm" in said for said in inspected.said)
+    assert any(f"one of {pixel:g} mm" in entry for entry in inspected.said)
 
 
 def test_a_nozzle_follows_the_section_on_its_end() -> None:
     design = skincad.load("nozzle-04").with_(printer={"fdm": {"orientation": "end"}})
     inspected = inspection(Job(design))
     assert (inspected.crests.heights, inspected.crests.sigma) == (skin_of(design).crests, 0.05)
-    assert not any("layers" in said for said in inspected.said)
+    assert not any("layers" in entry for entry in inspected.said)
 
 
 def test_the_list_is_a_form(yamada: Design) -> None:

@@ -67,8 +67,8 @@ def test_a_groove_that_ends_at_a_layers_middle_is_told(floor: float, found: tupl
     assert uncertain_ridges(Job(design, closed)) == found
     notes = [f for f in design_findings(Job(design, closed)) if f.rule == "crest layer"]
     assert [f.severity for f in notes] == ["note"] * bool(found)
-    said = " ".join(inspection(Job(design, closed)).said)
-    assert ("may come out a layer" in said) == bool(found)
+    text = " ".join(inspection(Job(design, closed)).said)
+    assert ("may come out a layer" in text) == bool(found)
 
 
 def test_within_a_pixel_a_ridge_that_leans_is_higher_or_lower() -> None:

@@ -82,10 +82,10 @@ SLOW = {"fit-material"}  # solves a solid
 def test_each_way_refuses_or_says_that_it_is_beyond(way: str, case: str, tmp_path: Path) -> None:
     change, force = BAD[case]
     try:
-        said = WAYS[way](small(**change), force, tmp_path)
+        answer = WAYS[way](small(**change), force, tmp_path)
     except (InputError, RefusedError) as refusal:
-        said = str(refusal)
-    assert said, f"{way} takes it"
+        answer = str(refusal)
+    assert answer, f"{way} takes it"
 
 
 @pytest.mark.parametrize("way", ["check", "simulate", "film stress"])

@@ -53,22 +53,22 @@ def test_every_shipped_silicone_has_a_range_and_a_source() -> None:
 def test_a_silicones_range_spans_its_sources() -> None:
     """Each source's modulus at small strain lies within; those with two differ by a factor of 1.7 to 2.8."""
     for name, entry in silicones().items():
-        said = [source.modulus(entry.poisson_ratio) for source in entry.sources]
-        assert said, name
-        assert entry.young_modulus.low <= min(said) <= max(said) <= entry.young_modulus.high, name
-        if len(said) > 1:
-            assert 1.7 < max(said) / min(said) < 2.8, name
+        rows = [source.modulus(entry.poisson_ratio) for source in entry.sources]
+        assert rows, name
+        assert entry.young_modulus.low <= min(rows) <= max(rows) <= entry.young_modulus.high, name
+        if len(rows) > 1:
+            assert 1.7 < max(rows) / min(rows) < 2.8, name
 
 
 def test_the_databases_moduli_are_three_times_mu() -> None:
     """E0 = 3 mu = 0.044, 0.121, 0.336, 0.505 MPa; data sheets 0.118, 0.260, 0.579, 1.016 by 100 % modulus."""
     names = ("ecoflex-00-30", "dragon-skin-10", "dragon-skin-20", "dragon-skin-30")
     entries = [silicones()[name] for name in names]
-    said = [[source.modulus(0.5) for source in entry.sources] for entry in entries]
-    assert [first for first, _ in said] == pytest.approx([0.0435, 0.1206, 0.3363, 0.5046], rel=1e-3)
+    rows = [[source.modulus(0.5) for source in entry.sources] for entry in entries]
+    assert [first for first, _ in rows] == pytest.approx([0.0435, 0.1206, 0.3363, 0.5046], rel=1e-3)
     psi = 0.00689476  # MPa; neo-Hooke at a stretch of 2 is E / 3 (2 - 1 / 4)
     by_sheet = [3 * pull * psi / 1.75 for pull in (10, 22, 49, 86)]
-    assert [last for _, last in said] == pytest.approx(by_sheet, rel=3e-3)
+    assert [last for _, last in rows] == pytest.approx(by_sheet, rel=3e-3)
 
 
 @pytest.mark.parametrize(

@@ -49,9 +49,9 @@ def test_what_breaks_a_rule_waits_and_the_last_skin_stays(session: Session) -> N
     broken = apply_moves(session, {"ridge.root_width": 1.5}, 0.0)
     assert broken.subject == session.subject
     assert broken.refusal is not None
-    with pytest.raises(InputError) as said:
+    with pytest.raises(InputError) as refused:
         skincad.load("yamada-2002", ["ridge.root_width=1.5"])
-    assert str(broken.refusal) == str(said.value)  # the design's own line
+    assert str(broken.refusal) == str(refused.value)  # the design's own line
     assert standing(broken, "ridge.root_width") == 1.5  # the slider stays where it was moved to
     assert undo_step(broken) == session
 

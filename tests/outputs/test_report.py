@@ -164,7 +164,7 @@ def test_the_verdict_its_error_and_what_it_rests_on(checked: Build) -> None:
     text, check = unescape(page_of(checked)), checked.check
     assert check is not None
     assert check.manufacture is not None
-    for said in (
+    for entry in (
         "yamada-2002:",
         str(check.all_touch_force),
         f"{check.unknowns} unknowns",
@@ -173,7 +173,7 @@ def test_the_verdict_its_error_and_what_it_rests_on(checked: Build) -> None:
         "skin.curvature_radius",
         skincad.__version__,
     ):
-        assert said in text, said
+        assert entry in text, entry
     for finding in checked.findings:
         assert finding.remedy in text
 

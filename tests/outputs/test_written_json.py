@@ -95,14 +95,14 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tupl
         "skin=small.toml",
         *(t for third in THIRDS for t in ("--set", third)),
     )
-    said = {}
+    table = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(circuit, "PER_PERIOD", circuit.PER_PERIOD[:2])
         for name, arguments in RUNS.items():
             into = ("-o", str(out)) if arguments[0] in WRITING else ()
             small = ("simulate", *scene, *arguments[2:]) if name == "simulate" else arguments
-            said[name] = run((*small, "--json", *into))
-    return out, said
+            table[name] = run((*small, "--json", *into))
+    return out, table
 
 
 @pytest.mark.parametrize("name", RUNS)

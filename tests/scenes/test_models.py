@@ -147,9 +147,9 @@ def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
     """With the effect, the reason, and the results of small strain."""
     simulation = simulate(scene_in(folder, "effects.viscosity.retardation_time=1e-4"), tol=0.1)
     assert simulation.as_json()["tier"] == "small_strain"
-    said = [note for note in simulation.warnings if "no model beyond this one was marched" in note]
-    assert len(said) == 1
-    assert "viscosity" in said[0]
+    rows = [note for note in simulation.warnings if "no model beyond this one was marched" in note]
+    assert len(rows) == 1
+    assert "viscosity" in rows[0]
 
 
 def test_a_budget_that_does_not_allow_chosen_steps_is_kept(

@@ -332,13 +332,13 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
     assert process.returncode == 0, process.stderr
     marched, after, heavy = process.stdout.split("\n")[:3]
     assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
-    said = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
+    names = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
     # by which masses and free ends tell what leaving them out changes
     closed_forms = {
         "skincad.mechanics.dynamics",
         "skincad.mechanics.dynamics.ringing",
     }
-    assert set(after.split()) == said | closed_forms
+    assert set(after.split()) == names | closed_forms
     assert heavy == ""
 
 

@@ -25,8 +25,8 @@ from tests.mechanics.designs import SHORT, reference
 
 def plain(force: float = 3.5) -> Design:
     """Needs 4.1 N at most by the closed form."""
-    own = {"name": None, "young_modulus": 0.8, "poisson_ratio": 0.499}
-    return skincad.load("plain-ridges").with_(material=own, contact={"force": force})
+    table = {"name": None, "young_modulus": 0.8, "poisson_ratio": 0.499}
+    return skincad.load("plain-ridges").with_(material=table, contact={"force": force})
 
 
 def advised(design: Design) -> ContactCheck:
@@ -38,24 +38,24 @@ def changes(design: Design) -> tuple[Change, ...]:
 
 
 def test_each_change_passes_alone_and_is_hardly_larger_than_it_has_to_be() -> None:
-    found = changes(plain())
-    assert [c.key for c in found] == [
+    answer = changes(plain())
+    assert [c.key for c in answer] == [
         "ridge.levelling",
         "skin.curvature_radius",
         "material.young_modulus",
         "skin.length",
     ]
-    for change in found:
+    for change in answer:
         again = check(changed(plain(), {change.key: change.after}), model="winkler")  # type: ignore[arg-type]
         assert again.passed
         assert again.all_touch_force == change.all_touch_force
         # the aim is 0.97 of the force, found within 0.03, and two digits are told
         assert 0.85 * 3.5 <= (change.all_touch_force.upper or 0.0) <= 3.5
-    assert [change.before for change in found] == [0.0, 60.0, 0.8, 12.0]
-    assert found[1].after > 60.0
-    assert found[2].after < 0.8
-    assert str(found[3]) == f"skin.length 12 -> {found[3].after:g}"
-    assert found[3].as_json()["before"] == 12.0
+    assert [change.before for change in answer] == [0.0, 60.0, 0.8, 12.0]
+    assert answer[1].after > 60.0
+    assert answer[2].after < 0.8
+    assert str(answer[3]) == f"skin.length 12 -> {answer[3].after:g}"
+    assert answer[3].as_json()["before"] == 12.0
 
 
 def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,26 +143,26 @@ def test_changes_are_a_list_in_json_always() -> None:
 
 
 def test_heights_of_ones_own_are_not_levelled_as_well() -> None:
-    own = plain().with_(ridge={"heights": [0.5] * 9})
-    assert "ridge.levelling" not in [c.key for c in changes(own)]
+    answer = plain().with_(ridge={"heights": [0.5] * 9})
+    assert "ridge.levelling" not in [c.key for c in changes(answer)]
     level = plain().with_(ridge={"levelling": 1.0}, contact={"force": 0.05})
     assert "ridge.levelling" not in [c.key for c in changes(level)]
 
 
 def test_the_cause_is_in_millimetres() -> None:
     """The outer of nine ridges stand 4 mm of arc from the middle: 60.5 (1 - cos(4 / 60)) lower."""
-    found = check(plain(), model="winkler")
-    said = cause(plain(), found)
-    assert said.startswith("the lowest crest lies 0.13 mm below the highest, of ridges 0.5 mm high")
-    assert said.endswith(f"at 3.5 N the plate comes {found.approach.value:.2g} mm down")
+    verdict = check(plain(), model="winkler")
+    answer = cause(plain(), verdict)
+    assert answer.startswith("the lowest crest lies 0.13 mm below the highest, of ridges 0.5 mm high")
+    assert answer.endswith(f"at 3.5 N the plate comes {verdict.approach.value:.2g} mm down")
 
 
 @pytest.mark.slow
 def test_finite_elements_advise_what_they_let_pass_themselves() -> None:
     design = reference().with_(**SHORT, contact={"force": 0.1, "friction": 0.0})
-    found = check(design, model="linear", tol=0.05)
-    assert found.changes is None  # not asked
-    told = advise(design, found)
+    verdict = check(design, model="linear", tol=0.05)
+    assert verdict.changes is None  # not asked
+    told = advise(design, verdict)
     assert not told.passed
     assert told.changes
     assert "mm below the highest" in told.cause
@@ -172,24 +172,24 @@ def test_finite_elements_advise_what_they_let_pass_themselves() -> None:
 
 def test_advice_is_for_designs_that_fail() -> None:
     design = plain(8.0)
-    found = advised(design)
-    assert (found.passed, found.changes, found.cause) == (True, None, "")
+    answer = advised(design)
+    assert (answer.passed, answer.changes, answer.cause) == (True, None, "")
     with pytest.raises(InputError, match="not on plain-ridges"):
         advise(design, check(skincad.load("yamada-2002"), model="winkler"))
 
 
 def test_advice_is_told_line_by_line() -> None:
-    found = check(plain(), model="winkler")
-    steps = list(advising(plain(), found))
-    assert [len(each.changes or ()) for each in steps] == [0, 1, 2, 3, 4]
-    assert steps[-1] == advise(plain(), found)
-    told = [advice_lines(each) for each in steps]
-    for earlier, later in pairwise(told):
+    verdict = check(plain(), model="winkler")
+    steps = list(advising(plain(), verdict))
+    assert [len(step.changes or ()) for step in steps] == [0, 1, 2, 3, 4]
+    assert steps[-1] == advise(plain(), verdict)
+    rows = [advice_lines(step) for step in steps]
+    for earlier, later in pairwise(rows):
         assert later[: len(earlier)] == earlier
         assert len(later) == len(earlier) + 1
-    assert lines(steps[-1]) == [*verdict_lines(steps[-1]), *told[-1]]
-    assert told[-1][0].startswith("  cause          the lowest crest")
-    assert told[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
+    assert lines(steps[-1]) == [*verdict_lines(steps[-1]), *rows[-1]]
+    assert rows[-1][0].startswith("  cause          the lowest crest")
+    assert rows[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
 
 
 def test_that_nothing_would_pass_is_told_last() -> None:

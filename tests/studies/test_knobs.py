@@ -16,32 +16,32 @@ CIRCUIT = skincad.load_circuit("transimpedance")
 
 
 def test_a_range_is_told_as_text_or_as_a_tuple() -> None:
-    for told in ("20:200", (20, 200)):
-        found = knob(DESIGN, "skin.curvature_radius", told)
-        assert (found.low, found.high, found.count, found.unit, found.start) == (20, 200, None, "mm", 60)
+    for entry in ("20:200", (20, 200)):
+        answer = knob(DESIGN, "skin.curvature_radius", entry)
+        assert (answer.low, answer.high, answer.count, answer.unit, answer.start) == (20, 200, None, "mm", 60)
     assert knob(DESIGN, "ridge.height", "0.4:1.3:10").values() == pytest.approx(
         [0.4 + 0.1 * i for i in range(10)]
     )
     assert knob(DESIGN, "skin.length", "20").choices == (20.0,)  # a choice of one
-    assert str(found) == "skin.curvature_radius=20:200"
+    assert str(answer) == "skin.curvature_radius=20:200"
 
 
 def test_wide_ranges_go_by_ratios_and_narrow_ones_by_differences() -> None:
     wide, narrow = knob(DESIGN, "skin.curvature_radius", (20, 200)), knob(DESIGN, "ridge.height", (0.5, 0.7))
     assert wide.at(0.5) == pytest.approx(20 * 10**0.5, rel=1e-4)  # five digits are told
     assert narrow.at(0.5) == pytest.approx(0.6, rel=1e-4)
-    for each in (wide, narrow):
-        assert [each.at(0.0), each.at(1.0)] == [each.low, each.high]
-        assert each.share(float(each.at(0.3))) == pytest.approx(0.3, abs=1e-4)
+    for entry in (wide, narrow):
+        assert [entry.at(0.0), entry.at(1.0)] == [entry.low, entry.high]
+        assert entry.share(float(entry.at(0.3))) == pytest.approx(0.3, abs=1e-4)
 
 
 def test_whole_numbers_stay_whole() -> None:
-    found = knob(DESIGN, "ridge.count", "5:9")
-    assert found.whole
-    assert found.values() == (5, 6, 7, 8, 9)
-    assert [found.at(share) for share in (0.0, 0.5, 1.0)] == [5, 7, 9]
+    answer = knob(DESIGN, "ridge.count", "5:9")
+    assert answer.whole
+    assert answer.values() == (5, 6, 7, 8, 9)
+    assert [answer.at(share) for share in (0.0, 0.5, 1.0)] == [5, 7, 9]
     assert knob(DESIGN, "ridge.count", "5:9:3").values() == (5, 7, 9)
-    assert all(isinstance(value, int) for value in found.values())
+    assert all(isinstance(value, int) for value in answer.values())
 
 
 def test_names_are_taken_from_the_catalogue() -> None:

@@ -39,9 +39,9 @@ GAIN = skincad.gain(skincad.load_circuit("transimpedance")).numbers()
 
 
 def test_estimates_keep_their_error_and_unit() -> None:
-    found = skincad.check(skincad.load_design("yamada-2002"), model="winkler")
-    assert CHECK["all_touch_force_N"] == found.all_touch_force
-    assert CHECK["ridge_force_N.3"] == found.ridge_force[2]
+    verdict = skincad.check(skincad.load_design("yamada-2002"), model="winkler")
+    assert CHECK["all_touch_force_N"] == verdict.all_touch_force
+    assert CHECK["ridge_force_N.3"] == verdict.ridge_force[2]
     assert GAIN["cutoff_Hz"].unit == "Hz"
     assert GAIN["slope_below_dB_per_dec"].unit == "dB/dec"
 

@@ -22,16 +22,16 @@ def sphere(places: list[Array]) -> list[Outcome]:
 
 def zdt1(places: list[Array]) -> list[Outcome]:
     """Zitzler, Deb and Thiele 2000: its front is 1 - sqrt(x0), all other numbers 0."""
-    found = []
+    rows = []
     for x in places:
         g = 1 + 9 * np.mean(x[1:])
-        found.append(Outcome(x, np.array([x[0], g * (1 - np.sqrt(x[0] / g))]), np.zeros(0)))
-    return found
+        rows.append(Outcome(x, np.array([x[0], g * (1 - np.sqrt(x[0] / g))]), np.zeros(0)))
+    return rows
 
 
 def hypervolume(front: Archive) -> float:
     """The area that a front of two losses beats, up to (1.1, 1.1)."""
-    points = sorted(tuple(each.losses) for each in front.front)
+    points = sorted(tuple(entry.losses) for entry in front.front)
     area, above = 0.0, 1.1
     for x, y in points:
         if x < 1.1 and y < above:
@@ -45,8 +45,8 @@ def test_a_sphere_with_a_limit_ends_on_the_limit(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    found = minimise(sphere, optimiser("cma", UNIT, 1, seed, None), 1500)
-    (best,) = found.front[:1]
+    answer = minimise(sphere, optimiser("cma", UNIT, 1, seed, None), 1500)
+    (best,) = answer.front[:1]
     assert best.losses[0] == pytest.approx(0.08, rel=1e-3)
     assert best.place == pytest.approx([0.5, 0.5, 0.3, 0.3, 0.3], abs=0.01)
     assert not [*tmp_path.iterdir()]  # the library writes logs of its own, if it is let
@@ -56,7 +56,7 @@ def test_a_start_that_is_known_is_gone_on_from() -> None:
     start = np.array([0.5, 0.52, 0.3, 0.3, 0.3])
 
     def bare(places: list[Array]) -> list[Outcome]:
-        return [Outcome(told.place, told.losses, np.zeros(0)) for told in sphere(places)]
+        return [Outcome(entry.place, entry.losses, np.zeros(0)) for entry in sphere(places)]
 
     near, far = (
         minimise(bare, optimiser("cma", UNIT, 1, 1, begin), 60).front[0] for begin in (start, np.full(5, 0.9))
@@ -73,14 +73,14 @@ def test_whole_numbers_and_choices_are_optimised_too() -> None:
     )
 
     def mixed(places: list[Array]) -> list[Outcome]:
-        found = []
+        rows = []
         for place in places:
             n, c, x = (knob.at(float(u)) for knob, u in zip(knobs, place, strict=True))
             assert isinstance(n, int)
             assert not isinstance(x, str)
             loss = (n - 7) ** 2 + 3 * (c != "c") + (x - 0.25) ** 2
-            found.append(Outcome(place, np.array([loss]), np.zeros(0)))
-        return found
+            rows.append(Outcome(place, np.array([loss]), np.zeros(0)))
+        return rows
 
     best = minimise(mixed, optimiser("cma", knobs, 1, 4, None), 1200).front[0]
     n, c, x = (knob.at(float(u)) for knob, u in zip(knobs, best.place, strict=True))
@@ -101,9 +101,9 @@ def test_places_without_a_result_are_left() -> None:
 @pytest.mark.slow
 def test_the_front_of_zdt1_is_found_to_one_percent() -> None:
     """3000 evaluations leave 0.3 %, by two seeds."""
-    found = minimise(zdt1, optimiser("nsga2", UNIT, 2, 1, None), 3000)
+    answer = minimise(zdt1, optimiser("nsga2", UNIT, 2, 1, None), 3000)
     exact = 1.1 * 1.1 - 1 / 3  # all but what lies under the front, whose integral is 1/3
-    assert hypervolume(found) >= 0.99 * exact
+    assert hypervolume(answer) >= 0.99 * exact
 
 
 def test_the_same_is_asked_for_again() -> None:
@@ -151,7 +151,7 @@ def test_a_design_counts_once(known: tuple[tuple[int, int], ...]) -> None:
         return [Outcome(x, np.array([x.sum()]), np.zeros(0)) for x in places]
 
     for most, least in ((16, 16), (99, 25 - len(known))):
-        tried = minimise(bare, optimiser("sobol", UNIT[:2], 1, 1, None), most, design, known)
-        new = {design(told.place) for told in tried.evaluations} - set(known)
+        answer = minimise(bare, optimiser("sobol", UNIT[:2], 1, 1, None), most, design, known)
+        new = {design(evaluation.place) for evaluation in answer.evaluations} - set(known)
         assert len(new) >= least
-        assert len(tried.evaluations) == len({design(told.place) for told in tried.evaluations})
+        assert len(answer.evaluations) == len({design(evaluation.place) for evaluation in answer.evaluations})

@@ -85,10 +85,10 @@ def test_without_robustness_the_value_counts() -> None:
 
 def test_a_varied_key_may_be_an_objective() -> None:
     """The most curved pad that needs 3 N at most: at the least radius where the rest can still help."""
-    found = optimise(
+    optimisation = optimise(
         study(objectives=[{"key": "skin.curvature_radius"}], vary={**VARY, "skin.curvature_radius": "40:200"})
     )
-    (best,) = found.front
+    (best,) = optimisation.front
     assert best.objectives["skin.curvature_radius"].value == best.values["skin.curvature_radius"]
     assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
 
@@ -145,17 +145,19 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
 
 
 def test_the_bar_tells_the_best_so_far() -> None:
-    said: list[tuple[str, int]] = []
-    found = optimise(study(evaluations=40), tick=lambda stage, step, _=None, /: said.append((stage, step)))
-    assert [step for _, step in said] == sorted(step for _, step in said)
-    last = float(said[-1][0].removeprefix("best approach "))
-    assert last == pytest.approx(found.front[0].objectives["approach_mm"].upper, rel=1e-3)  # as shown
+    rows: list[tuple[str, int]] = []
+    optimisation = optimise(
+        study(evaluations=40), tick=lambda stage, step, _=None, /: rows.append((stage, step))
+    )
+    assert [step for _, step in rows] == sorted(step for _, step in rows)
+    last = float(rows[-1][0].removeprefix("best approach "))
+    assert last == pytest.approx(optimisation.front[0].objectives["approach_mm"].upper, rel=1e-3)  # as shown
     none = optimise(
         study(evaluations=10, constraints=[{"key": "all_touch_force", "at_most": 0.001}]),
-        tick=lambda stage, step, _=None, /: said.append((stage, step)),
+        tick=lambda stage, step, _=None, /: rows.append((stage, step)),
     )
     assert not none.feasible
-    assert said[-1][0] == "none allowed so far"
+    assert rows[-1][0] == "none allowed so far"
 
 
 def test_json_has_the_contracts_keys(found: Optimisation) -> None:
@@ -171,7 +173,7 @@ def test_the_command_writes_designs_table_pictures_and_a_page(
     file.write_text(study(evaluations=40).to_toml())
     assert run(["optimise", str(file), "-o", str(tmp_path / "out"), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
-    names = {Path(each["path"]).name for each in data["files"]}
+    names = {Path(entry["path"]).name for entry in data["files"]}
     assert {"front-1.toml", "optimise.csv", "optimise.html", "effects.png", "pairs.png"} <= names
     best = skincad.load_design(tmp_path / "out" / "front-1.toml")
     assert best.ridge.levelling == data["front"][0]["values"]["ridge.levelling"]
@@ -196,7 +198,7 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
     """By a scene's result, with a limit of the check beside it, which the judge has the last word on."""
     monkeypatch.setitem(query._ASKED, "simulate", lambda scene, _: Led(scene))
     vary = {"skin.skin.curvature_radius": "40:200", "circuit.amplifier.feedback_resistance": "1e6:1e10"}
-    found = optimise(
+    optimisation = optimise(
         study(
             about="steady-pull",
             vary=vary,
@@ -206,11 +208,11 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
             constraints=[{"key": "check.margin", "at_least": 1.0}],
         )
     )
-    (best,) = found.front
+    (best,) = optimisation.front
     margin, kept = best.constraints["check.margin_N"]
-    assert found.aims == ["longest_lead_time_s", "check.margin_N"]
-    assert all(set(found.aims) <= set(row.results) for row in found.rows.rows)
-    scene = found.design()
+    assert optimisation.aims == ["longest_lead_time_s", "check.margin_N"]
+    assert all(set(optimisation.aims) <= set(row.results) for row in optimisation.rows.rows)
+    scene = optimisation.design()
     assert isinstance(scene, Scene)
     assert kept
     assert margin.value == pytest.approx(skincad.check(scene.design, model=judge).margin, rel=1e-12)
@@ -229,13 +231,13 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(simulation, "read_out", lambda scene, _: Led(scene))
     vary = {"circuit.amplifier.feedback_resistance": "1e6:1e10", "readout.bandwidth_Hz": "1000:20000"}
     goals = [{"key": "longest_lead_time", "goal": "max"}]
-    found = optimise(
+    optimisation = optimise(
         study(about="steady-pull", vary=vary, evaluations=20, model=None, objectives=goals, constraints=[])
     )
-    assert found.feasible
+    assert optimisation.feasible
     assert len(marches) == 1
     evaluate = query.evaluate
-    again = evaluate(found.subject, {"history.steps": 500}, query.Query("simulate"))
+    again = evaluate(optimisation.subject, {"history.steps": 500}, query.Query("simulate"))
     assert again.results
     assert len(marches) == 2
 
@@ -248,11 +250,11 @@ def test_a_misspelt_key_is_told_at_once() -> None:
 @pytest.mark.slow
 def test_process_a_finds_an_amplifier_that_warns_without_a_false_alarm() -> None:
     """The template on the paper's skin, whose own settings warn already."""
-    found = optimise(skincad.load_study("amplifier-for-slip"))
-    (best,) = found.front
-    assert found.start is not None
-    assert found.start.allowed
+    optimisation = optimise(skincad.load_study("amplifier-for-slip"))
+    (best,) = optimisation.front
+    assert optimisation.start is not None
+    assert optimisation.start.allowed
     lead = best.objectives["longest_lead_time_s"].value or 0.0
     assert 1.0e-3 < lead < 2.6e-3  # ridge 1 slips 2.60 ms before all do, ridge 2 1.29 ms
     assert best.constraints["event_score.false"][0].value == 0
-    assert found.evaluations > 60
+    assert optimisation.evaluations > 60

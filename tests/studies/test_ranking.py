@@ -21,8 +21,8 @@ def row(
     model: str = "linear",
     refused: str = "",
 ) -> Evaluation:
-    told = {KEY: Estimate(value, error, "N"), "model_error_N": Estimate(error_of_model, None, "N")}
-    return Evaluation(str(value), {}, told, None, refused, model)
+    table = {KEY: Estimate(value, error, "N"), "model_error_N": Estimate(error_of_model, None, "N")}
+    return Evaluation(str(value), {}, table, None, refused, model)
 
 
 def test_what_two_designs_share_of_a_models_error_is_no_error_of_their_difference() -> None:
@@ -56,25 +56,27 @@ def test_rows_are_ranked_with_what_they_beat_and_what_ties() -> None:
         row(0.5, 0.1, refused="no"),
         row(2.0, 0.1),
     ]
-    found = ranking(rows, "all_touch_force", "min")
-    assert found.key == KEY
-    assert [(rank.row, rank.wins) for rank in found.ranks] == [(2, 2), (3, 2), (6, 1), (1, 0)]
-    assert found.ties == ((2, 3),)
+    answer = ranking(rows, "all_touch_force", "min")
+    assert answer.key == KEY
+    assert [(rank.row, rank.wins) for rank in answer.ranks] == [(2, 2), (3, 2), (6, 1), (1, 0)]
+    assert answer.ties == ((2, 3),)
     most = ranking(rows, KEY, "max")
     assert [(rank.row, rank.wins) for rank in most.ranks] == [(1, 3), (6, 2), (3, 0), (2, 0)]
 
 
 def test_a_tie_is_with_the_best_of_its_group() -> None:
     """Each of a chain ties with the next, but not all with the first."""
-    found = ranking([row(1.0, 0.1), row(1.1, 0.1), row(1.2, 0.1), row(1.3, 0.1)], KEY, "min")
-    assert found.ties == ((1, 2), (3, 4))
+    answer = ranking([row(1.0, 0.1), row(1.1, 0.1), row(1.2, 0.1), row(1.3, 0.1)], KEY, "min")
+    assert answer.ties == ((1, 2), (3, 4))
 
 
 def test_the_approach_has_its_models_part_too() -> None:
-    told = {"approach_mm": Estimate(0.2, 0.05, "mm"), "left_out.friction.approach": Estimate(0.1, None, "")}
-    told["left_out.finite strain.approach"] = Estimate(0.05, None, "")
-    assert model_error(Evaluation("", {}, told), "approach_mm") == pytest.approx(0.03)
-    assert model_error(Evaluation("", {}, told | {"cutoff_Hz": Estimate(1.0, 0.1, "Hz")}), "cutoff_Hz") == 0.0
+    table = {"approach_mm": Estimate(0.2, 0.05, "mm"), "left_out.friction.approach": Estimate(0.1, None, "")}
+    table["left_out.finite strain.approach"] = Estimate(0.05, None, "")
+    assert model_error(Evaluation("", {}, table), "approach_mm") == pytest.approx(0.03)
+    assert (
+        model_error(Evaluation("", {}, table | {"cutoff_Hz": Estimate(1.0, 0.1, "Hz")}), "cutoff_Hz") == 0.0
+    )
 
 
 def test_keys_and_goals_that_there_are_none_of() -> None:

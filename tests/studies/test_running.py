@@ -178,9 +178,9 @@ def test_two_runs_at_once_share_the_work(tmp_path: Path, alone: list[tuple[str, 
     one, two = (started(swept(tmp_path, POINTS), stdout=subprocess.PIPE, text=True) for _ in range(2))
     with one as first, two as second:
         told_by = [json.loads(run.communicate(timeout=LIMIT)[0]) for run in (first, second)]
-    assert sum(each["evaluations"] for each in told_by) == len(POINTS)
-    for each in told_by:
-        forces = [row["results"]["all_touch_force_N"]["value"] for row in each["rows"]]
+    assert sum(entry["evaluations"] for entry in told_by) == len(POINTS)
+    for entry in told_by:
+        forces = [row["results"]["all_touch_force_N"]["value"] for row in entry["rows"]]
         assert forces == [force for _, force in alone]
 
 

@@ -80,11 +80,11 @@ def allowed_rows(wanted: Study) -> tuple[list[Row], int]:
 
 
 def front(result: Optimisation) -> list[Row]:
-    goals = [each.goal for each in result.study.objectives]
+    goals = [objective.goal for objective in result.study.objectives]
     return [
         tuple(
-            float(each.upper or 0.0) if goal == "min" else -float(each.lower or 0.0)
-            for goal, each in zip(goals, member.objectives.values(), strict=True)
+            float(objective.upper or 0.0) if goal == "min" else -float(objective.lower or 0.0)
+            for goal, objective in zip(goals, member.objectives.values(), strict=True)
         )
         for member in result.front
     ]
@@ -203,14 +203,14 @@ def test_one_number_is_no_worse_than_a_dense_grid(budget: int, monkeypatch: pyte
         work(monkeypatch, force=force, depth=lambda design, limit=limit: float(limit(thickness(design))))
         limits = [{"key": "depth", "at_most": 0.0}] if limited else []
         result = optimise(study({"skin.thickness": "4:8"}, ["force"], constraints=limits, evaluations=budget))
-        kept = GRID[((limit(GRID) <= 0) | (not limited)) & ((low <= GRID) | (not holed))]
+        entry = GRID[((limit(GRID) <= 0) | (not limited)) & ((low <= GRID) | (not holed))]
         assert result.untried is None
-        assert result.feasible or not kept.size
-        if kept.size:
+        assert result.feasible or not entry.size
+        if entry.size:
             best = result.front[0].objectives["force"].value
             # values have 5 digits, and the steepest of these functions rise by 20 in the range
             assert best is not None
-            assert best <= loss(kept).min() + 1e-3
+            assert best <= loss(entry).min() + 1e-3
 
 
 def test_one_number_has_a_front_too(monkeypatch: pytest.MonkeyPatch) -> None:

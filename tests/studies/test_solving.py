@@ -22,22 +22,22 @@ def quick(target: dict[str, float], vary: dict[str, Any], **options: Any) -> Sol
 
 
 def test_a_value_gives_what_was_wanted_when_it_is_asked_anew() -> None:
-    found = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
-    (one,) = found.solutions
+    answer = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
+    (one,) = answer.solutions
     again = skincad.check(
         DESIGN.with_(skin={"curvature_radius": one.values["skin.curvature_radius"]}), model="winkler"
     )
     assert again.all_touch_force == one.reached["all_touch_force_N"]
     assert again.all_touch_force.value == pytest.approx(1.5, rel=TOL)
-    assert found.solved == DESIGN.with_(
+    assert answer.solved == DESIGN.with_(
         skin=dict(DESIGN.skin) | {"curvature_radius": one.values["skin.curvature_radius"]}
     )
-    assert found.feasible
+    assert answer.feasible
 
 
 def test_the_interval_is_where_the_error_leaves_it_open() -> None:
-    found = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
-    (one,) = found.solutions
+    answer = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
+    (one,) = answer.solutions
     low, high = one.interval["skin.curvature_radius"]
     assert 20 <= low < float(one.values["skin.curvature_radius"]) < high <= 200
     error = one.reached["all_touch_force_N"].error or 0.0
@@ -58,8 +58,8 @@ def test_several_numbers_change_least() -> None:
         "material.young_modulus": (0.1, 2.0),
         "skin.thickness": (2, 8),
     }
-    found = quick({"all_touch_force": 1.5}, vary)
-    (one,) = found.solutions
+    answer = quick({"all_touch_force": 1.5}, vary)
+    (one,) = answer.solutions
     assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
     assert all(
         one.values[key] != start for key, start in (("skin.curvature_radius", 60), ("skin.thickness", 4))
@@ -72,43 +72,43 @@ def test_several_numbers_change_least() -> None:
 
 
 def test_choices_and_whole_numbers_are_tried_one_by_one() -> None:
-    found = quick({"all_touch_force": 2.2}, {"material.name": "all"})
-    assert len(found.evaluations) == 10
-    assert found.solutions[0].values == {"material.name": "dragon-skin-30"}  # the design's own, 2.2 N
+    answer = quick({"all_touch_force": 2.2}, {"material.name": "all"})
+    assert len(answer.evaluations) == 10
+    assert answer.solutions[0].values == {"material.name": "dragon-skin-30"}  # the design's own, 2.2 N
     counted = quick({"ridges": 7}, {"ridge.count": (5, 9)})
     assert [one.values for one in counted.solutions] == [{"ridge.count": 7}]
 
 
 def test_a_number_is_solved_for_each_choice() -> None:
     vary = {"material.name": "dragon-skin-20,dragon-skin-30", "skin.curvature_radius": (20, 200)}
-    found = quick({"all_touch_force": 1.5}, vary)
-    names = [one.values["material.name"] for one in found.solutions]
+    answer = quick({"all_touch_force": 1.5}, vary)
+    names = [one.values["material.name"] for one in answer.solutions]
     assert names == ["dragon-skin-30", "dragon-skin-20"]  # the design's own first: the least change
-    for one in found.solutions:
+    for one in answer.solutions:
         assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
 
 
 def test_out_of_reach_says_how_near_any_value_comes() -> None:
-    found = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)})
-    assert not found.feasible
-    assert found.closest is not None
-    assert found.closest.values == {"skin.curvature_radius": 200.0}
+    answer = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)})
+    assert not answer.feasible
+    assert answer.closest is not None
+    assert answer.closest.values == {"skin.curvature_radius": 200.0}
     assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is" in str(
-        found
+        answer
     )
-    assert "200 mm" in str(found)
-    assert found.as_json()["searched"] == "complete"
+    assert "200 mm" in str(answer)
+    assert answer.as_json()["searched"] == "complete"
     with pytest.raises(RefusedError):
-        _ = found.solved
+        _ = answer.solved
     above = quick({"all_touch_force": 100.0}, {"skin.curvature_radius": (20, 200)})
     assert "at most" not in str(above)
-    assert 20.0 in [each.values["skin.curvature_radius"] for each in above.evaluations]
+    assert 20.0 in [evaluation.values["skin.curvature_radius"] for evaluation in above.evaluations]
 
 
 def test_a_search_that_runs_out_denies_nothing() -> None:
-    found = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)}, evaluations=4)
-    assert "none found in 4 evaluations of skin.curvature_radius from 20 to 200 mm" in str(found)
-    assert found.as_json()["searched"] == "partial"
+    answer = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)}, evaluations=4)
+    assert "none found in 4 evaluations of skin.curvature_radius from 20 to 200 mm" in str(answer)
+    assert answer.as_json()["searched"] == "partial"
     walk = quick({"all_touch_force": 1e-3}, {"skin.curvature_radius": (20, 60), "skin.length": (11, 12)})
     assert not walk.feasible
     assert walk.as_json()["searched"] == "partial"
@@ -117,9 +117,9 @@ def test_a_search_that_runs_out_denies_nothing() -> None:
 @pytest.mark.slow  # three evaluations of three seconds
 def test_a_key_that_the_closed_form_does_not_know_is_solved() -> None:
     """The closed form says the same for every crown: corrected needs 2.73 N at 0.01 mm, 2.44 N at 0.09 mm."""
-    found = solve(DESIGN, {"all_touch_force": 2.45}, {"ridge.crown": (0.01, 0.09)})
-    assert found.question.model == "corrected"
-    assert found.solutions[0].reached["all_touch_force_N"].value == pytest.approx(2.45, rel=TOL)
+    solution = solve(DESIGN, {"all_touch_force": 2.45}, {"ridge.crown": (0.01, 0.09)})
+    assert solution.question.model == "corrected"
+    assert solution.solutions[0].reached["all_touch_force_N"].value == pytest.approx(2.45, rel=TOL)
 
 
 def test_a_resonance_between_wide_steps_is_found() -> None:
@@ -132,10 +132,10 @@ def test_a_resonance_between_wide_steps_is_found() -> None:
 
 @pytest.mark.slow  # about seven evaluations of a second
 def test_a_number_that_only_the_better_model_tells_is_solved_for() -> None:
-    found = solve(
+    solution = solve(
         PLAIN, {"modulus_sensitivity": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear"
     )  # 3.8 N/MPa at its own 60 mm; the closed form's result has no such number
-    assert found.feasible
+    assert solution.feasible
 
 
 def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
@@ -150,27 +150,27 @@ def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
 def test_a_modulus_names_a_silicone_and_says_if_none_is_like_it(
     force: float, ends: tuple[float, float], word: str
 ) -> None:
-    found = quick({"all_touch_force": force}, {"material.young_modulus": ends}, force=force)
-    (one,) = found.solutions
+    answer = quick({"all_touch_force": force}, {"material.young_modulus": ends}, force=force)
+    (one,) = answer.solutions
     assert one.nearest["material.name"] in silicones(None)
-    assert one.nearest["material.name"] in str(found)
-    said = [note for note in found.notes if note.startswith("no silicone is as")]
-    assert [word in note for note in said] == ([True] if word else [])
+    assert one.nearest["material.name"] in str(answer)
+    rows = [note for note in answer.notes if note.startswith("no silicone is as")]
+    assert [word in note for note in rows] == ([True] if word else [])
 
 
 def test_values_that_are_refused_everywhere_are_told_with_the_reason() -> None:
-    found = quick({"all_touch_force": 2.0}, {"skin.width": (1.0, 2.0)})
-    assert not found.feasible
-    assert found.closest is None
-    assert "every value is refused" in str(found)
-    assert "skin.width" in str(found)
+    answer = quick({"all_touch_force": 2.0}, {"skin.width": (1.0, 2.0)})
+    assert not answer.feasible
+    assert answer.closest is None
+    assert "every value is refused" in str(answer)
+    assert "skin.width" in str(answer)
 
 
 def test_circuits_and_scenes_are_solved_too() -> None:
-    found = solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.feedback_resistance": (1e7, 1e9)})
-    told = f"{found}"
-    assert found.question.kind == "circuit"
-    assert found.feasible or "the result has no cutoff_Hz at any value" in told
+    solution = solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.feedback_resistance": (1e7, 1e9)})
+    told = f"{solution}"
+    assert solution.question.kind == "circuit"
+    assert solution.feasible or "the result has no cutoff_Hz at any value" in told
 
 
 def test_json_has_the_contracts_keys() -> None:

@@ -25,13 +25,13 @@ def test_keys_may_be_quoted_or_be_tables(tmp_path: Path) -> None:
     quoted = '"skin.length" = "8:14"\n"contact.plate.tilt" = "0:1"\n'
     tables = 'skin.length = "8:14"\ncontact.plate.tilt = "0:1"\n'
     head = 'name = "s"\nabout = "yamada-2002"\n[vary]\n'
-    found = []
+    rows = []
     for name, text in (("a", quoted), ("b", tables)):
         path = tmp_path / f"{name}.toml"
         path.write_text(head + text + '[[objectives]]\nkey = "approach"\n')
-        found.append(load_study(path))
-    assert found[0] == found[1]
-    assert dict(found[0].vary) == {"skin.length": "8:14", "contact.plate.tilt": "0:1"}
+        rows.append(load_study(path))
+    assert rows[0] == rows[1]
+    assert dict(rows[0].vary) == {"skin.length": "8:14", "contact.plate.tilt": "0:1"}
 
 
 def test_a_path_counts_from_the_studys_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

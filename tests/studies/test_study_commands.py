@@ -78,7 +78,7 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
     scene = skincad.load_scene("yamada-2002-press")
     for values in ({"effects.friction.coefficient": 0.3}, {"skin.ridge.height": 0.45}):
         one = SolutionPoint(values=values, reached={}, interval={}, nearest={}, passed=None)
-        found = Solution(
+        solution = Solution(
             subject=scene,
             question=Query("simulate"),
             target={"steps": 1.0},
@@ -90,13 +90,13 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
             seconds=0.0,
         )
         path = tmp_path / f"{next(iter(values))}.toml"
-        write_solution(found, path, "yamada-2002-press")
-        assert skincad.load_scene(path).design == found.solved.design  # type: ignore[union-attr]
-        assert skincad.load_scene(path).effects == found.solved.effects  # type: ignore[union-attr]
+        write_solution(solution, path, "yamada-2002-press")
+        assert skincad.load_scene(path).design == solution.solved.design  # type: ignore[union-attr]
+        assert skincad.load_scene(path).effects == solution.solved.effects  # type: ignore[union-attr]
 
 
 def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = [
+    rows = [
         "sweep",
         "yamada-2002",
         "--vary",
@@ -106,13 +106,13 @@ def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.Captu
         "-o",
         str(tmp_path / "out"),
     ]
-    status, text = said(capsys, *asked)
+    status, text = said(capsys, *rows)
     assert status == 0
     assert "4 evaluations, 0 reused" in text
-    data = json.loads(said(capsys, *asked, "--json")[1])
+    data = json.loads(said(capsys, *rows, "--json")[1])
     assert (data["evaluations"], data["reused"]) == (0, 4)
     assert {Path(file["path"]).name for file in data["files"]} >= {"sweep.csv", "study.html", "effects.png"}
-    data = json.loads(said(capsys, *asked, "--json", "--fresh", "--rank", "approach=max")[1])
+    data = json.loads(said(capsys, *rows, "--json", "--fresh", "--rank", "approach=max")[1])
     assert (data["evaluations"], data["reused"]) == (4, 0)
     assert data["ranked_by"] == [{"key": "approach_mm", "goal": "max"}]
 
@@ -136,15 +136,15 @@ def test_a_sweep_of_refused_rows_alone_is_status_1(
 
 
 def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = ["sweep", "yamada-2002", "--vary", "skin.length=8:14:4", "-o", str(tmp_path / "out")]
-    said(capsys, *asked, "--tier", "winkler")
+    rows = ["sweep", "yamada-2002", "--vary", "skin.length=8:14:4", "-o", str(tmp_path / "out")]
+    said(capsys, *rows, "--tier", "winkler")
     log = tmp_path / "out" / "evaluations.jsonl"
     before = log.read_bytes()
     for wrong in (["--tier", "lineer"], ["--tier", "winkler", "--force", "-1"], ["--rank", "x=least"]):
         with pytest.raises(InputError):
-            run([*asked, "--fresh", *wrong])
+            run([*rows, "--fresh", *wrong])
         assert log.read_bytes() == before
-    said(capsys, *asked, "--tier", "winkler", "--fresh")
+    said(capsys, *rows, "--tier", "winkler", "--fresh")
     assert log.read_bytes().startswith(before)  # asked anew, and nothing that was finished is lost
     assert len(log.read_bytes().splitlines()) == 8
 

@@ -23,11 +23,11 @@ def test_a_name_or_a_file_is_known_by_its_kind(tmp_path: Path) -> None:
         ("yamada-2002-press", "Scene"),
         ("transimpedance", "Circuit"),
     ):
-        found = load_subject(name)
-        assert type(found).__name__ == kind
+        data = load_subject(name)
+        assert type(data).__name__ == kind
         path = tmp_path / f"{name}.toml"
-        path.write_text(found.to_toml())
-        assert load_subject(path) == found
+        path.write_text(data.to_toml())
+        assert load_subject(path) == data
     assert load_subject("yamada-2002", ["ridge.count=7"]).ridge.count == 7  # type: ignore[union-attr]
     with pytest.raises(InputError, match="did you mean 'yamada-2002'"):
         load_subject("yamda-2002")
@@ -57,11 +57,11 @@ def test_a_changed_key_has_its_value_and_nothing_else_is_changed(
     subject: Subject, key: str, value: float | str
 ) -> None:
     before = value_of(subject, key)
-    found = changed(subject, {key: value})
-    assert value_of(found, key) == value
-    assert fingerprint(found) != fingerprint(subject)
+    answer = changed(subject, {key: value})
+    assert value_of(answer, key) == value
+    assert fingerprint(answer) != fingerprint(subject)
     if before is not None:
-        assert fingerprint(changed(found, {key: before})) == fingerprint(changed(subject, {key: before}))
+        assert fingerprint(changed(answer, {key: before})) == fingerprint(changed(subject, {key: before}))
 
 
 def test_a_modulus_takes_the_silicones_range_along() -> None:
@@ -108,16 +108,16 @@ def test_a_scenes_skin_circuit_and_own_keys_change_together() -> None:
         "circuit.name": "own",
         "readout.bandwidth_Hz": 3000.0,
     }
-    found = changed(FELT, values)
-    assert {key: value_of(found, key) for key in values} == values
-    assert found.effects["piezo"].keys() == FELT.effects["piezo"].keys()  # type: ignore[union-attr]
+    answer = changed(FELT, values)
+    assert {key: value_of(answer, key) for key in values} == values
+    assert answer.effects["piezo"].keys() == FELT.effects["piezo"].keys()  # type: ignore[union-attr]
 
 
 def test_a_changed_scene_is_written_and_read_back(tmp_path: Path) -> None:
-    found = changed(FELT, {"circuit.amplifier.feedback_resistance": 3e7, "skin.ridge.height": 0.45})
+    answer = changed(FELT, {"circuit.amplifier.feedback_resistance": 3e7, "skin.ridge.height": 0.45})
     path = tmp_path / "scene.toml"
-    path.write_text(found.to_toml())  # type: ignore[union-attr]
-    assert fingerprint(load_subject(path)) == fingerprint(found)
+    path.write_text(answer.to_toml())  # type: ignore[union-attr]
+    assert fingerprint(load_subject(path)) == fingerprint(answer)
 
 
 def test_a_circuits_keys_need_an_amplifier() -> None:
@@ -131,9 +131,9 @@ def test_a_circuits_keys_need_an_amplifier() -> None:
 
 def test_a_key_within_a_circuit_or_a_skin_that_is_chosen_too_is_that_ones() -> None:
     both = {"effects.piezo.circuit": "charge-amplifier", "circuit.amplifier.feedback_resistance": 3e7}
-    found = changed(FELT, both)
-    assert value_of(found, "circuit.name") == "charge-amplifier"
-    assert value_of(found, "circuit.amplifier.feedback_resistance") == 3e7
+    answer = changed(FELT, both)
+    assert value_of(answer, "circuit.name") == "charge-amplifier"
+    assert value_of(answer, "circuit.amplifier.feedback_resistance") == 3e7
     tilted = changed(FELT, {"skin": "yamada-2002-tilted", "skin.skin.thickness": 4.5})
     assert value_of(tilted, "skin.name") == "yamada-2002-tilted"
     assert value_of(tilted, "skin.skin.thickness") == 4.5

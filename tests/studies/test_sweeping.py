@@ -106,25 +106,25 @@ def test_json_has_the_contracts_keys(swept: SweepResult) -> None:
 
 
 def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult) -> None:
-    told = str(swept)
-    assert told.startswith("yamada-2002: 16 rows by winkler, ")
-    assert "8 refused" in told
-    assert "smallest 1" in told
-    assert "largest 1" in told
-    assert "is not surely better than" in told
-    assert "skin.width" in told
+    text = str(swept)
+    assert text.startswith("yamada-2002: 16 rows by winkler, ")
+    assert "8 refused" in text
+    assert "smallest 1" in text
+    assert "largest 1" in text
+    assert "is not surely better than" in text
+    assert "skin.width" in text
 
 
 def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:
-    told = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, model="winkler"))
-    assert told.count("  refused ") == 1
-    assert "refused        2; the first: ridge.root_width" in told
+    text = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, model="winkler"))
+    assert text.count("  refused ") == 1
+    assert "refused        2; the first: ridge.root_width" in text
 
 
 def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     folder = tmp_path / "study"
-    found = sweep(DESIGN, VARY, model="winkler", folder=folder)
-    written = skincad.write(found, folder)
+    swept_rows = sweep(DESIGN, VARY, model="winkler", folder=folder)
+    written = skincad.write(swept_rows, folder)
     there = {path.name for path in folder.iterdir()}
     assert there == {*sweep_names(), "sweep.json", "evaluations.jsonl", ".skincad-claims"} - {"front.png"}
     assert {name for name, _ in written.files} <= there
@@ -134,7 +134,7 @@ def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     from pyarrow import parquet
 
     columns = parquet.read_table(folder / "sweep.parquet").to_pydict()
-    assert columns["skin.length"] == [row.values["skin.length"] for row in found.rows]
+    assert columns["skin.length"] == [row.values["skin.length"] for row in swept_rows.rows]
 
 
 def test_the_page_needs_nothing_else_and_has_every_design(swept: SweepResult) -> None:
@@ -164,14 +164,14 @@ def test_a_front_is_what_nothing_beats() -> None:
 
 
 def test_scenes_and_circuits_are_swept_too() -> None:
-    found = sweep(
+    swept_rows = sweep(
         skincad.load_circuit("transimpedance"),
         {"amplifier.feedback_resistance": (1e7, 1e9, 3)},
         rank={"cutoff": "max"},
     )
-    assert found.question.kind == "circuit"
-    assert not found.refused
-    assert found.next_model is None
+    assert swept_rows.question.kind == "circuit"
+    assert not swept_rows.refused
+    assert swept_rows.next_model is None
 
 
 @pytest.mark.parametrize(

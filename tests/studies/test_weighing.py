@@ -39,9 +39,9 @@ def member(values: Mapping[str, float], loss: float, kept: bool = True) -> Membe
 
 
 def test_the_worse_end_counts_and_limits_are_parts_of_their_bounds() -> None:
-    told = weighing().told(HERE, CHEAP, "search")
-    assert told.losses.tolist() == [2.5]
-    assert told.limits.tolist() == [0.5]  # 1 of 2 N
+    answer = weighing().told(HERE, CHEAP, "search")
+    assert answer.losses.tolist() == [2.5]
+    assert answer.limits.tolist() == [0.5]  # 1 of 2 N
     most = weighing(objectives=[{"key": "all_touch_force", "goal": "max"}])
     assert most.told(HERE, CHEAP, "search").losses.tolist() == [-1.5]
     assert weighing(robust=False).told(HERE, CHEAP, "search").losses.tolist() == [2.0]
@@ -50,9 +50,9 @@ def test_the_worse_end_counts_and_limits_are_parts_of_their_bounds() -> None:
 def test_a_judge_moves_a_models_numbers_by_a_factor_and_a_margin_by_a_difference() -> None:
     one = weighing()
     one.correct(one.member({}, JUDGED, "corrected"), CHEAP, "search")
-    told = one.told(HERE, CHEAP, "search")
-    assert told.losses == pytest.approx([1.75], rel=1e-12)  # the judge's upper end
-    assert told.limits == pytest.approx([-0.125], rel=1e-12)
+    answer = one.told(HERE, CHEAP, "search")
+    assert answer.losses == pytest.approx([1.75], rel=1e-12)  # the judge's upper end
+    assert answer.limits == pytest.approx([-0.125], rel=1e-12)
     twice = {"all_touch_force_N": Estimate(4.0, 9.0, "N"), "margin_N": Estimate(0.0, None, "N")}
     again = one.told(HERE, twice, "search")
     assert again.losses == pytest.approx([3.5], rel=1e-12)
@@ -79,9 +79,9 @@ def test_what_is_refused_or_not_told_has_no_loss() -> None:
 
 def test_a_member_tells_which_limits_it_keeps() -> None:
     both = weighing(constraints=[{"key": "margin", "at_least": 2.0, "at_most": 2.2}])
-    found = both.member({"skin.thickness": 7.0}, JUDGED, "corrected")
-    assert found.constraints == {"margin_N": (JUDGED["margin_N"], False)}
-    assert found.objectives == {"all_touch_force_N": JUDGED["all_touch_force_N"]}
+    answer = both.member({"skin.thickness": 7.0}, JUDGED, "corrected")
+    assert answer.constraints == {"margin_N": (JUDGED["margin_N"], False)}
+    assert answer.objectives == {"all_touch_force_N": JUDGED["all_touch_force_N"]}
 
 
 def test_members_that_keep_their_limits_come_first_and_one_objective_has_one_best() -> None:
@@ -99,8 +99,8 @@ def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
     two = weighing(objectives=[{"key": "all_touch_force"}, {"key": "approach"}])
 
     def at(force: float, approach: float) -> Member:
-        told = {"all_touch_force_N": Estimate(force, 0.0, "N"), "approach_mm": Estimate(approach, 0.0, "mm")}
-        return Member(values={}, objectives=told, constraints={}, model="linear")
+        table = {"all_touch_force_N": Estimate(force, 0.0, "N"), "approach_mm": Estimate(approach, 0.0, "mm")}
+        return Member(values={}, objectives=table, constraints={}, model="linear")
 
     first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
     assert two.pareto_front([first, second, beaten]) == [first, second]

@@ -113,10 +113,10 @@ def test_a_cut_profile_lies_on_its_view_and_is_told_with_its_wire(tmp_path: Path
     for segment in outline:
         away = np.hypot(*(ends - (segment.start.x, segment.start.z)).T)
         assert away.min() < 1e-6, segment
-    said = " ".join(text for _, text in drawing.header.custom_vars)
+    answer = " ".join(text for _, text in drawing.header.custom_vars)
     process = processes(design.printer)["edm"]
-    assert f"kerf not compensated: wire Ø{2 * process.tool_radius:g}" in said
-    assert f"path {process.tool_radius + process.spark_gap:g} beside it" in said
+    assert f"kerf not compensated: wire Ø{2 * process.tool_radius:g}" in answer
+    assert f"path {process.tool_radius + process.spark_gap:g} beside it" in answer
 
 
 def test_the_section_says_that_it_is_not_for_cutting(tmp_path: Path) -> None:

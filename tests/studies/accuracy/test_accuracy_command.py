@@ -64,20 +64,20 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
         "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "--json", cwd=tmp_path
     )
     assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
-    jsonschema.validate(found, SCHEMA)
+    data = json.loads(done.stdout)
+    jsonschema.validate(data, SCHEMA)
     assert done.stderr == ""
     folder = tmp_path / "out" / "plain-ridges"
-    assert {Path(file["path"]).name for file in found["files"]} == {"accuracy.csv", "accuracy-circuit.png"}
+    assert {Path(file["path"]).name for file in data["files"]} == {"accuracy.csv", "accuracy-circuit.png"}
     assert {path.name for path in folder.iterdir()} == {
         "accuracy.csv",
         "accuracy-circuit.png",
         "accuracy.json",
     }
     rows = list(csv.DictReader((folder / "accuracy.csv").open()))
-    assert [row["setting"] for row in rows] == [row["setting"] for row in found["rows"]]
+    assert [row["setting"] for row in rows] == [row["setting"] for row in data["rows"]]
     first = float(rows[0]["circuit: output"])
-    assert first == pytest.approx(found["rows"][0]["error"], rel=1e-3)  # four digits
+    assert first == pytest.approx(data["rows"][0]["error"], rel=1e-3)  # four digits
     with Image.open(folder / "accuracy-circuit.png") as picture:
         assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
@@ -88,28 +88,28 @@ def test_what_models_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.M
     ladder = Ladder(
         "contact", "contact", (), (measure,), timings={"linear": ModelTiming(size=20_000.0, seconds=4.0)}
     )
-    found = Accuracy(
+    accuracy = Accuracy(
         name="a", ladders=(ladder,), machine={**machine(), "load": 1.4, "cores": 1}, repeats=1, seconds=1.0
     )
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
     monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
-    assert found.as_json()["cost_law"] == {
+    assert accuracy.as_json()["cost_law"] == {
         "taken": {"linear": {"size": 20_000.0, "seconds": 4.0}}, "kept": ""
     }  # fmt: skip
     assert not any(tmp_path.iterdir())  # nobody asked for it
-    told = found.keep()
+    answer = accuracy.keep()
     assert (
-        told.cache_note == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
+        answer.cache_note == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
     )
-    assert lines(told)[-1] == told.cache_note == told.as_json()["cost_law"]["kept"]
+    assert lines(answer)[-1] == answer.cache_note == answer.as_json()["cost_law"]["kept"]
     assert timing_cache().timings["linear"]["a"] == ladder.timings["linear"]
-    busy = replace(found, machine={**found.machine, "load": 1.6}).keep().cache_note
-    assert busy == f"{told.cache_note}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
-    empty = replace(found, ladders=())
+    busy = replace(accuracy, machine={**accuracy.machine, "load": 1.6}).keep().cache_note
+    assert busy == f"{answer.cache_note}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
+    empty = replace(accuracy, ladders=())
     assert empty.keep() is empty
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "below"))
-    refused = found.keep()
+    refused = accuracy.keep()
     assert refused.cache_note.startswith("the cost law is not kept: ")
     assert str(tmp_path) not in refused.cache_note
 
@@ -117,8 +117,8 @@ def test_what_models_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.M
 def test_no_host_and_no_user_is_told() -> None:
     import platform
 
-    told = json.dumps(machine())
-    assert platform.node() not in told or not platform.node()
+    answer = json.dumps(machine())
+    assert platform.node() not in answer or not platform.node()
     assert machine()["cores"] >= 1
 
 

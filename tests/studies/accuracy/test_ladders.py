@@ -110,13 +110,13 @@ def test_meshes_keep_their_chord_and_their_volume_follows_it(
     small: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tessellation, "CHORDS", dict.fromkeys((3e-2, 3e-3, 3e-4), 0.1))
-    told: list[str] = []
-    found = tessellation.ladder(small, 1, teller(told))
-    assert told == list(tessellation.prices(small, 1))
-    assert_whole(found)
+    rows: list[str] = []
+    answer = tessellation.ladder(small, 1, teller(rows))
+    assert rows == list(tessellation.prices(small, 1))
+    assert_whole(answer)
     chords = [share * small.ridge.height for share in (3e-2, 3e-3, 3e-4)]
     for model in (tessellation.MANIFOLD, tessellation.KERNEL):
-        deviation, volume = errors(found, model, "deviation"), errors(found, model, "volume")
+        deviation, volume = errors(answer, model, "deviation"), errors(answer, model, "volume")
         # a tenth is the reference's own error, added to all
         assert all(d <= 1.1 * chord * (1 + 1e-9) for d, chord in zip(deviation, chords, strict=True))
         assert all(b < a for a, b in pairwise(volume))
@@ -154,26 +154,26 @@ def test_levels_are_each_another_and_the_last_is_the_finest(model: str) -> None:
 def pressed(plain: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        told: list[str] = []
-        found = contact.ladder(plain, 1, teller(told))
-        assert told == list(contact.prices(plain, 1))
-        return found
+        rows: list[str] = []
+        answer = contact.ladder(plain, 1, teller(rows))
+        assert rows == list(contact.prices(plain, 1))
+        return answer
 
 
 def test_what_a_model_took_is_kept_where_its_law_counts_it(plain: Design) -> None:
     """Not that of a solid on its second refinement; a correction's unknowns are those of what it corrects.
     Nor what is mostly overhead."""
-    found = run("winkler", plain, Request(1.0), {}, None)
-    short = replace(found, unknowns=1000, own_seconds=3.0)
+    completed = run("winkler", plain, Request(1.0), {}, None)
+    short = replace(completed, unknowns=1000, own_seconds=3.0)
     assert "linear" in contact.taken_of(plain, {"linear": short})
     assert contact.taken_of(plain.with_(ridge={"count": 1}), {"linear": short}) == {}
     plain = load("plain-ridges")
     size, small = MODELS["solid"].size(plain), MODELS["corrected"].size(plain)
     for unknowns, models in ((1.9 * size, {"solid", "corrected"}), (2.1 * size, {"corrected"})):
-        solved = replace(found, unknowns=round(unknowns), own_seconds=3.0)
-        taken = contact.taken_of(plain, {"winkler": found, "solid": solved, "corrected": solved})
-        assert set(taken) == models
-        assert (taken["corrected"].size, taken["corrected"].seconds) == (small, 3.0)
+        solved = replace(completed, unknowns=round(unknowns), own_seconds=3.0)
+        answer = contact.taken_of(plain, {"winkler": completed, "solid": solved, "corrected": solved})
+        assert set(answer) == models
+        assert (answer["corrected"].size, answer["corrected"].seconds) == (small, 3.0)
 
 
 @pytest.mark.slow
@@ -221,19 +221,19 @@ def test_what_cannot_judge_a_design_is_skipped_with_its_reason(
 ) -> None:
     small_ladders(monkeypatch)
     curved = plain.with_(skin={"curvature_radius_y": 40.0})
-    found = contact.ladder(curved, 1, None)
-    assert [trial.model for trial in found.trials] == ["winkler"]
-    assert all("curvature_radius_y" in why for why in found.skipped.values())
+    answer = contact.ladder(curved, 1, None)
+    assert [trial.model for trial in answer.trials] == ["winkler"]
+    assert all("curvature_radius_y" in why for why in answer.skipped.values())
 
 
 @pytest.fixture(scope="module")
 def slipped(small: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        told: list[str] = []
-        found = slip.ladder(small, 1, teller(told))
-        assert told == list(slip.prices(small, 1))
-        return found
+        rows: list[str] = []
+        answer = slip.ladder(small, 1, teller(rows))
+        assert rows == list(slip.prices(small, 1))
+        return answer
 
 
 def test_more_steps_find_the_signal(slipped: Ladder) -> None:
@@ -246,9 +246,9 @@ def test_more_steps_find_the_signal(slipped: Ladder) -> None:
 @pytest.mark.slow
 def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     small_ladders(monkeypatch)
-    found = slip.ladder(plain, 1, None)
-    assert not found.skipped
-    assert "travel" in found.measures[0].what
+    answer = slip.ladder(plain, 1, None)
+    assert not answer.skipped
+    assert "travel" in answer.measures[0].what
 
 
 QUICK = ("film", "friction")
@@ -260,16 +260,16 @@ def test_every_effect_is_tried_or_skipped_with_a_reason(
 ) -> None:
     small_ladders(monkeypatch)
     monkeypatch.setattr(effects, "EFFECTS", {name: EFFECTS[name] for name in named})
-    found = effects.ladder(small, 1, None)
-    tried = {trial.model for trial in found.trials}
-    assert tried | set(found.skipped) == {*named, effects.LAW}
-    assert {"friction", "film"} <= tried
-    left_out = {r.model: r.errors for r in found.trials if r.setting.startswith("left out")}
+    answer = effects.ladder(small, 1, None)
+    names = {trial.model for trial in answer.trials}
+    assert names | set(answer.skipped) == {*named, effects.LAW}
+    assert {"friction", "film"} <= names
+    left_out = {r.model: r.errors for r in answer.trials if r.setting.startswith("left out")}
     assert left_out["friction"]["signal"] > left_out["film"]["signal"] > 0
-    named: list[Measurement] = [r for r in found.trials if r.setting.startswith("named")]
+    named: list[Measurement] = [r for r in answer.trials if r.setting.startswith("named")]
     assert all(not trial.errors for trial in named)
     price = {trial.model: trial.runs for trial in named}  # a diagram shows what an error costs to be without
-    assert all(trial.instead == price[trial.model] for trial in found.trials if trial.errors)
+    assert all(trial.instead == price[trial.model] for trial in answer.trials if trial.errors)
 
 
 def test_a_slip_ladders_reference_is_run_once_however_often_the_others_are(small: Design) -> None:

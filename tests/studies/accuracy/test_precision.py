@@ -63,9 +63,9 @@ def test_times_of_different_models_compare_at_one_truth_alone() -> None:
     quick = Measurement("quick", "a", 1, (1.0,), {"own": 0.01, "all": 0.5})
     slow = Measurement("slow", "a", 1, (2.0,), {"own": 0.02, "all": 0.6})
     slower = Measurement("slow", "b", 1, (3.0,), {"own": 0.03, "all": 0.1})
-    found = Ladder("x", "x", (quick, slow, slower), (MINE, ALL))
-    assert found.best(MINE) == [quick, slow]
-    assert found.best(ALL) == [quick, slower]
+    ladder = Ladder("x", "x", (quick, slow, slower), (MINE, ALL))
+    assert ladder.best(MINE) == [quick, slow]
+    assert ladder.best(ALL) == [quick, slower]
     assert Ladder("x", "x", (quick, slow), (MINE, ALL), lines=False).best(ALL) == []
 
 
@@ -75,12 +75,15 @@ def test_times_compare_at_matched_error() -> None:
         Measurement("a", s, 1, (t,), {"all": e}) for s, t, e in (("r", 1.0, 0.05), ("f", 3.0, 5e-4))
     )
     other = Measurement("b", "", 1, (2.0,), {"all": 0.009})
-    found = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
-    assert found.matched(ALL) == {0.1: [rough, other], 0.01: [other, fine]}
-    assert found.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
-    assert found.matched(MINE) == {}
-    assert replace(found, lines=False).matched(ALL) == {}
-    assert found.reference()["at_matched_error"]["all"][1] == {"error": 0.01, "seconds": {"b": 2.0, "a": 3.0}}
+    ladder = Ladder("x", "x", (rough, fine, other), (MINE, ALL))
+    assert ladder.matched(ALL) == {0.1: [rough, other], 0.01: [other, fine]}
+    assert ladder.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
+    assert ladder.matched(MINE) == {}
+    assert replace(ladder, lines=False).matched(ALL) == {}
+    assert ladder.reference()["at_matched_error"]["all"][1] == {
+        "error": 0.01,
+        "seconds": {"b": 2.0, "a": 3.0},
+    }
 
 
 def test_rows_carry_median_spread_and_the_first_measure() -> None:
