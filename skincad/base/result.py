@@ -59,7 +59,9 @@ def item(
     compare: bool = True,
 ) -> Any:
     """Return a dataclass field that is reported; its key is its name and its unit unless `key` is given."""
-    declared = ReportedItem(key, unit, meaning, error, inline, null, optional)
+    declared = ReportedItem(
+        key=key, unit=unit, meaning=meaning, error=error, inline=inline, null=null, optional=optional
+    )
     return field(default=default, compare=compare, metadata={"item": declared})
 
 
@@ -84,7 +86,9 @@ def reported(
     optional: bool = False,
 ) -> Callable[[Callable[[Any], T]], ReportedProperty[T]]:
     """Make a method a property that is reported, as `item` does a field."""
-    declared = ReportedItem(key, unit, meaning, error, inline, null, optional)
+    declared = ReportedItem(
+        key=key, unit=unit, meaning=meaning, error=error, inline=inline, null=null, optional=optional
+    )
     return lambda method: ReportedProperty(method, declared)
 
 
