@@ -138,7 +138,8 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 
 SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
 FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that took its second refinement, else up to 1.4
-ORDER = ("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1])  # in which models are tried
+# in which models are tried: the known ones as the next builds on the last, then any other of the table
+ORDER = tuple(dict.fromkeys(("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1], *MODELS)))
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid model
 # time of a level in that of its model; its unknowns in those of the model's first refinement are (order -
 # 0.65) times this (yamada-2002, 2 % off)
