@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from scipy.stats import qmc
@@ -205,6 +205,34 @@ class Sobol:
         """Take no note."""
 
 
+class OptimiserRow(NamedTuple):
+    """How an optimiser is made of keys, how many losses, seed and start; whether it takes `several` losses;
+    and whether it takes `any_keys`, in the place of what suits one key, and choices or whole numbers."""
+
+    make: Callable[[tuple[DesignVariable, ...], int, int, Array | None], Optimiser]
+    several: bool = True
+    any_keys: bool = True
+
+
+OPTIMISERS: dict[OptimiserName, OptimiserRow] = {
+    "cma": OptimiserRow(lambda knobs, _, seed, start: Cma(knobs, seed, start), several=False, any_keys=False),
+    "nsga2": OptimiserRow(lambda knobs, losses, seed, start: Nsga2(knobs, seed, losses, start)),
+    "sobol": OptimiserRow(lambda knobs, _losses, seed, _start: Sobol(knobs, seed)),
+}
+
+
+def either(names: Sequence[str]) -> str:
+    """Return names of optimisers as words, "a, b or c"."""
+    return " or ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
+
+
+def check_losses(name: OptimiserName, losses: int) -> None:
+    """Raise InputError for several losses where an optimiser takes only one."""
+    if losses > 1 and not OPTIMISERS[name].several:
+        able = either([other for other, row in OPTIMISERS.items() if row.several])
+        raise InputError("optimiser", f"must be {able} for several objectives", name)
+
+
 def optimiser(
     name: OptimiserName, knobs: tuple[DesignVariable, ...], losses: int, seed: int, start: Array | None
 ) -> Optimiser:
@@ -212,13 +240,8 @@ def optimiser(
 
     Raises InputError for CMA-ES with several losses, and for a package that is not installed.
     """
-    if name == "sobol":
-        return Sobol(knobs, seed)
-    if name == "nsga2":
-        return Nsga2(knobs, seed, losses, start)
-    if losses > 1:
-        raise InputError("optimiser", "must be nsga2 or sobol for several objectives", name)
-    return Cma(knobs, seed, start)
+    check_losses(name, losses)
+    return OPTIMISERS[name].make(knobs, losses, seed, start)
 
 
 def levels(knob: DesignVariable) -> int:

@@ -21,6 +21,7 @@ from scipy.stats import rankdata
 from skincad.base.arrays import Array
 from skincad.studies.optimisers import (
     NEAR,
+    OPTIMISERS,
     Archive,
     Cma,
     Optimiser,
@@ -71,7 +72,7 @@ def search(
     share = budget / (combinations(discrete) or 1)  # evaluations for each combination of the discrete keys
     if count is not None and count <= budget:
         return Combinations(knobs)
-    if name in ("nsga2", "sobol"):
+    if name is not None and OPTIMISERS[name].any_keys:
         return optimiser(name, knobs, losses, seed, start)
     if len(knobs) == 1 and not knobs[0].choices:
         return LineSearch(knobs[0], losses, budget, start, known)

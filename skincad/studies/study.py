@@ -23,7 +23,7 @@ from skincad.base.result import Record, Result, item, record, reported
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
-from skincad.studies.optimisers import Archive, OptimiserName, Outcome
+from skincad.studies.optimisers import OPTIMISERS, Archive, OptimiserName, Outcome, check_losses, either
 from skincad.studies.query import Kind, resolved, slack
 from skincad.studies.subject import Subject, Value, changed, load_subject
 from skincad.studies.sweeping import SweepResult
@@ -86,7 +86,7 @@ class Study(Document):
     constraints: tuple[Limit, ...] = Field(default=(), strict=False, description="what must hold")
     optimiser: OptimiserName | None = Field(
         default=None,
-        description="cma, nsga2 or sobol; if not given, the one that suits the keys and objectives",
+        description=f"{either([*OPTIMISERS])}; if not given, the one that suits the keys and objectives",
     )
     evaluations: int = Field(default=200, ge=1, le=1_000_000, description="of the model that searches, about")
     model: str | None = Field(default=None, description="the model that searches; linear if not given")
@@ -117,8 +117,8 @@ class Study(Document):
                     raise InputError(key, failure.rule, model, failure.remedy) from None
         if self.model == "auto":
             raise InputError("model", "must be one model, for all to be compared by", "auto", "try linear")
-        if self.optimiser == "cma" and len(self.objectives) > 1:
-            raise InputError("optimiser", "must be nsga2 or sobol for several objectives", "cma")
+        if self.optimiser is not None:
+            check_losses(self.optimiser, len(self.objectives))
         return self
 
     @property
