@@ -17,6 +17,7 @@ from skincad.inputs.skin_tables import (
     OF_A_SILICONE,
     Base,
     Contact,
+    Features,
     Film,
     Material,
     Ridge,
@@ -55,7 +56,7 @@ class Design(Document):
         checks = (
             guards.processes(mold, self.printer or {}),
             guards.silicones(self.material, self.silicones or {}),
-            guards.ridges_on_skin(skin, ridge),
+            guards.features_on_skin(skin, self.features),
             guards.revolved(skin),
             guards.profile(ridge),
             guards.strips(skin, slot, film, mold),
@@ -68,6 +69,11 @@ class Design(Document):
     def __hash__(self) -> int:
         """Hash of all but `printer` and `silicones`, dicts, which equality still compares."""
         return hash(tuple(value for _, value in self if not isinstance(value, dict)))
+
+    @property
+    def features(self) -> Features:
+        """The table of the family of features that stand on the skin."""
+        return self.ridge
 
     @property
     def film_state(self) -> Literal["bonded", "loose", "ignored"]:
@@ -84,7 +90,7 @@ class Design(Document):
 
     def lean(self, ridge: int) -> float:
         """Return the angle in rad between ridge's axis and z; ridges count from 1 at the smallest x."""
-        return lean(self.skin, self.ridge, ridge)
+        return lean(self.skin, self.features, ridge)
 
     @property
     def heights(self) -> tuple[float, ...]:
@@ -141,19 +147,21 @@ def scaled_skin(design: Design, by: float) -> Design:
     Slots and films keep their sizes. It may pass a key's limit by that factor, so it isn't checked.
     """
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
-    tables = {"skin": _scaled(design.skin, by), "ridge": _scaled(design.ridge, by), "slot": slot}
+    features = {design.features.family: _scaled(design.features, by)}
+    tables = {"skin": _scaled(design.skin, by), **features, "slot": slot}
     return design.model_copy(update=tables)
 
 
 def with_heights(design: Design, heights: Sequence[float]) -> Design:
     """Return the design with a height for each ridge, mm, which isn't checked."""
     alone = {"heights": tuple(heights), "height": None, "levelling": None}
-    return design.model_copy(update={"ridge": design.ridge.model_copy(update=alone)})
+    table = design.features
+    return design.model_copy(update={table.family: table.model_copy(update=alone)})
 
 
 def height_keys(design: Design) -> list[str]:
-    """Return the keys of `[ridge]` that give all ridges their height, none where each has its own."""
-    return [key for key in ("height", "levelling") if getattr(design.ridge, key) is not None]
+    """Return the family's keys that give all features their height, none where each has its own."""
+    return [key for key in ("height", "levelling") if getattr(design.features, key) is not None]
 
 
 def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:

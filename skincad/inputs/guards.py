@@ -10,7 +10,7 @@ from skincad.base.errors import InputError, refusals
 from skincad.inputs.mold_table import Mold
 from skincad.inputs.process import Process, check_named, check_own
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Base, Contact, Film, Material, Ridge, Slot, lean
+from skincad.inputs.skin_tables import Base, Contact, Features, Film, Material, Ridge, Slot, lean
 
 MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -38,8 +38,8 @@ def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[Input
         yield from refusals(lambda: check_law("material", meant))
 
 
-def ridges_on_skin(skin: Base, ridge: Ridge) -> Iterator[InputError]:
-    """Yield what keeps the skin from being a fan of less than `FAN_LIMIT_DEG` that bears all its ridges."""
+def features_on_skin(skin: Base, features: Features) -> Iterator[InputError]:
+    """Yield what keeps the skin from being a fan of less than `FAN_LIMIT_DEG` that bears all its features."""
     if skin.width >= 2 * skin.curvature_radius:
         yield InputError(
             "skin.width",
@@ -64,18 +64,18 @@ def ridges_on_skin(skin: Base, ridge: Ridge) -> Iterator[InputError]:
             f"falls by {sag:.4g} mm)",
             skin.thickness,
         )
-    half_root = ridge.root_width / 2 + ridge.root_fillet
-    reach = abs(lean(skin, ridge, 1)) + half_root / skin.curvature_radius
+    half_root = features.root_width / 2 + features.root_fillet
+    reach = abs(lean(skin, features, 1)) + half_root / skin.curvature_radius
     if reach >= side:
         more = (
-            2 * (side * skin.curvature_radius - half_root) / ridge.spacing
+            2 * (side * skin.curvature_radius - half_root) / features.spacing
         )  # infinite where there is no pitch
         most = max(0, math.ceil(min(more, MOST_RIDGES)))
         yield InputError(
-            "ridge.count",
-            f"at most {most} ridges of this pitch and root fit on skin.width",
-            ridge.count,
-            "take fewer ridges, a smaller pitch or a wider skin"
+            f"{features.family}.count",
+            f"at most {most} {features.family}s of this pitch and root fit on skin.width",
+            features.count,
+            f"take fewer {features.family}s, a smaller pitch or a wider skin"
             if most
             else "take a wider skin or a smaller root",
         )

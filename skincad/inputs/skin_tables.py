@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
@@ -218,6 +218,8 @@ class Ridge(Table):
         }
     )
 
+    family: ClassVar[str] = "ridge"  # the table's key in a design, and its file in shape/families
+
     count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
     pitch: float | None = quantity(
         "mm",
@@ -286,9 +288,12 @@ class Ridge(Table):
         return self
 
 
-def lean(skin: Base, ridge: Ridge, number: int) -> float:
-    """Return the angle in rad between a ridge's axis and z; ridges count from 1 at the smallest x."""
-    return (number - (ridge.count + 1) / 2) * ridge.spacing / skin.curvature_radius
+Features = Ridge  # the table of a family; with several families one of theirs
+
+
+def lean(skin: Base, features: Features, number: int) -> float:
+    """Return the angle in rad between a feature's axis and z; features count from 1 at the smallest x."""
+    return (number - (features.count + 1) / 2) * features.spacing / skin.curvature_radius
 
 
 @lru_cache(maxsize=32)

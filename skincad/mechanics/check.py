@@ -349,7 +349,7 @@ class ModelSelection:
     def _manufacture(self, answer: Answer) -> Yield | None:
         """Yield and sensitivities of the design; the ridge model's force is scaled to the model's."""
         threshold, parts = answer.all_touch_force.value, answer.ridge_model
-        if threshold is None or self.design.ridge.count == 1:
+        if threshold is None or skin_of(self.design).count == 1:
             return None
         if parts is None:  # the coarsest linear mesh is enough, as the force is scaled
             rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)

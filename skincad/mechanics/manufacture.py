@@ -124,8 +124,8 @@ def _exponent(design: Design, closed_force: float, key: str) -> float | None:
     """The logarithmic derivative of the closed form's force, one-sided where a guard forbids the other; None
     for a key that is not given or not free."""
     table, _, name = key.partition(".")
-    now, ends = getattr(getattr(design, table), name), []
-    if now is None:  # heights, one a ridge, in the place of one
+    now, ends = getattr(getattr(design, table), name, None), []
+    if now is None:  # heights, one a ridge, in the place of one; or another family's key
         return None
     for by in (1 - STEP, 1 + STEP):
         try:

@@ -407,7 +407,7 @@ def _check_force(scene: Scene) -> None:
     share it evenly. With masses the skin may feel less than the plate."""
     ends, ridges, peak = (
         scene.law.limits(scene.design),
-        scene.design.ridge.count,
+        skin_of(scene.design).count,
         max(scene.history.normal_force_N),
     )
     if MASS not in scene.asked and peak > ridges * ends.largest:

@@ -52,6 +52,7 @@ from skincad.scenes.models import (
     spent,
 )
 from skincad.scenes.scene import Scene
+from skincad.shape.skin import skin_of
 
 
 def energy(march: March) -> dict[str, float]:
@@ -406,7 +407,7 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     began = perf_counter()
     scene, march, notes = on.scene, refined_run.march, [*refined_run.short, *cut_short(refined_run.march)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
-    slips = slips_of(march.readings, march.ridge, scene.design.ridge.count)
+    slips = slips_of(march.readings, march.ridge, skin_of(scene.design).count)
     left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
     change = _change(left_out)
     stressed = stress_errors(

@@ -164,7 +164,7 @@ class Skin:
 @lru_cache(maxsize=32)
 def skin_of(design: Design) -> Skin:
     """Return the design's skin. Raises InputError where features have no shape, or no room."""
-    return Skin(design.name, design.skin, place(design), design.ridge.spacing)
+    return Skin(design.name, design.skin, place(design), design.features.spacing)
 
 
 @lru_cache(maxsize=32)

@@ -1,7 +1,7 @@
-"""The families of features: one file each, named by its table in a design's TOML.
+"""The families of features: one file each, named as its table in a design's TOML.
 
 A family's file has `place(design)`, which returns its features on the skin, and `without_fillets(design)`. To
-add one: its table in `inputs/`, its file here, its line in FAMILIES.
+add one: its table in `inputs/skin_tables.py`, that table's key in `inputs/design.py`, its file here.
 """
 
 from __future__ import annotations
@@ -10,17 +10,14 @@ from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
 
-from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.feature import Placed
-
-FAMILIES = {"ridge": "skincad.shape.families.ridges"}  # a design's table: the module that places its features
 
 
 def place(design: Design) -> tuple[Placed, ...]:
     """Return the features that the design's table of a family names, on its skin.
 
-    Raises InputError where they have no shape or no room, or where no table names a family.
+    Raises InputError where they have no shape or no room.
     """
     placement: Callable[[Design], tuple[Placed, ...]] = _module(design).place
     return placement(design)
@@ -33,7 +30,4 @@ def without_fillets(design: Design) -> Design:
 
 
 def _module(design: Design) -> ModuleType:
-    for table, module in FAMILIES.items():
-        if getattr(design, table, None) is not None:
-            return import_module(module)
-    raise InputError("design", "names no family of features", remedy=f"add [{'] or ['.join(FAMILIES)}]")
+    return import_module(f"{__name__}.{design.features.family}")
