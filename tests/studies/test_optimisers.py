@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.studies.optimisers import Archive, OptimiserName, Outcome, minimise, optimiser
+from skincad.studies.optimisers import OPTIMISERS, Archive, OptimiserName, Outcome, minimise, optimiser
 from skincad.studies.subject import DesignVariable
 
 UNIT = tuple(DesignVariable(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
@@ -127,6 +128,10 @@ def test_where_nothing_is_allowed_the_least_broken_is_told() -> None:
         ]
     )
     assert front.front[0].broken == 1.0
+
+
+def test_every_name_has_its_row() -> None:
+    assert get_args(OptimiserName) == tuple(OPTIMISERS)
 
 
 def test_several_objectives_want_another_optimiser(monkeypatch: pytest.MonkeyPatch) -> None:

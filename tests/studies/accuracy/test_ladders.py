@@ -176,6 +176,10 @@ def test_what_a_model_took_is_kept_where_its_law_counts_it(plain: Design) -> Non
         assert (answer["corrected"].size, answer["corrected"].seconds) == (small, 3.0)
 
 
+def test_the_contact_ladder_tries_every_model_of_the_table() -> None:
+    assert sorted(contact.ORDER) == sorted(MODELS)
+
+
 @pytest.mark.slow
 def test_every_model_is_on_the_contact_ladder(pressed: Ladder) -> None:
     assert_whole(pressed)
