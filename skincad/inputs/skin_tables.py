@@ -218,7 +218,7 @@ class Ridge(Table):
         }
     )
 
-    family: ClassVar[str] = "ridge"  # the table's key in a design, and its file in shape/families
+    family: ClassVar[str] = "ridge"  # its key in a design and in FAMILIES
 
     count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
     pitch: float | None = quantity(

@@ -1,7 +1,7 @@
-"""The families of features: one file each, named as its table in a design's TOML.
+"""The families of features: one file each, named by its table in a design's TOML.
 
 A family's file has `place(design)`, which returns its features on the skin, and `without_fillets(design)`. To
-add one: its table in `inputs/skin_tables.py`, that table's key in `inputs/design.py`, its file here.
+add one: its table and that table's key in `inputs/`, its file here, its line in FAMILIES.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from types import ModuleType
 
 from skincad.inputs.design import Design
 from skincad.shape.feature import Placed
+
+FAMILIES = {"ridge": "skincad.shape.families.ridges"}  # a design's table: the module that places its features
 
 
 def place(design: Design) -> tuple[Placed, ...]:
@@ -30,4 +32,4 @@ def without_fillets(design: Design) -> Design:
 
 
 def _module(design: Design) -> ModuleType:
-    return import_module(f"{__name__}.{design.features.family}")
+    return import_module(FAMILIES[design.features.family])
