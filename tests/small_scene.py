@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+from types import ModuleType
 
+import pytest
+
+from skincad import effects
 from skincad.inputs.catalog import template_text
 from skincad.scenes.scene import Scene, load_scene
 
@@ -18,6 +23,15 @@ def small_scene(folder: Path, name: str, *overrides: str) -> Scene:
     (folder / "small.toml").write_text(small_skin(template_text("yamada-2002")))
     (folder / "scene.toml").write_text(template_text(name, "scenes"))
     return load_scene(folder / "scene.toml", last_of_each("skin=small.toml", *overrides))
+
+
+def make_up_effects(patch: pytest.MonkeyPatch, *kinds: type) -> None:
+    """List effects, as a file of theirs and a line each in the table do."""
+    module = ModuleType("made_up")
+    for kind in kinds:
+        setattr(module, kind.__name__, kind)
+        patch.setitem(effects.EFFECTS, kind.__name__.lower(), effects.Row(f"made_up:{kind.__name__}"))
+    patch.setitem(sys.modules, "made_up", module)
 
 
 def last_of_each(*settings: str) -> list[str]:

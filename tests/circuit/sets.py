@@ -6,7 +6,7 @@ import numpy as np
 
 from skincad.circuit.calibrate import BOUNDS
 from skincad.circuit.network import Constants, Network
-from skincad.circuit.state import run, stepper
+from skincad.circuit.state import run, state_space, stepper
 
 
 def random_sets(count: int, seed: int = 6) -> list[Constants]:
@@ -17,6 +17,13 @@ def random_sets(count: int, seed: int = 6) -> list[Constants]:
         values["motional_capacitance"] *= values["capacitance"]
         sets.append(Constants(d33=-33e-12, **values))
     return sets
+
+
+def state_response(network: Network, charge: float, frequency: np.ndarray) -> np.ndarray:
+    """Return the response `(n,)` V/N of the state equations, solved at jw, to `charge` C/N."""
+    s = state_space(network)
+    rows = 2j * np.pi * frequency[:, None, None] * np.eye(s.b.size) - s.a
+    return np.asarray(np.linalg.solve(rows, s.b[:, None] * charge)[:, :, 0] @ s.c + s.d * charge)
 
 
 def output(network: Network, charge: np.ndarray, rate: float) -> np.ndarray:

@@ -9,7 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.circuit.network import Network
+from skincad.circuit.response import response
+
+LOAD = "Vload load 0 DC 0 AC 1"
 needs_ngspice = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
+
+
+def spice_gain_error(folder: Path, network: Network, elements: list[str], sweep: str) -> float:
+    """Return the largest relative difference of a network's gain from SPICE's of its `elements`' lines."""
+    spice = vectors(folder, [LOAD, *elements], f"ac {sweep}", ["v(vout)"])
+    return float(np.abs(response(network, spice["frequency"].real) / spice["v(vout)"] - 1).max())
 
 
 def vectors(folder: Path, lines: list[str], analysis: str, saved: list[str]) -> dict[str, np.ndarray]:

@@ -13,10 +13,9 @@ from skincad.circuit.bode import gain
 from skincad.circuit.model import circuit_network, constants, load_circuit
 from skincad.circuit.network import TOPOLOGIES, Constants, NoiseSources, element_lines, network
 from skincad.circuit.response import decibels, noise_density, response, total_density
-from skincad.circuit.state import state_space
 from tests.circuit.paper import angular, exact_response
-from tests.circuit.sets import random_sets
-from tests.circuit.spice import needs_ngspice, vectors
+from tests.circuit.sets import random_sets, state_response
+from tests.circuit.spice import needs_ngspice, spice_gain_error
 
 BAND = np.geomspace(10.0, 20_000.0, 33)
 TRANSIMPEDANCE = constants(load_circuit("transimpedance"))
@@ -48,20 +47,16 @@ def test_state_equations_have_the_response_of_the_elements(topology: str) -> Non
     """Solved at jw: rows differ by up to 1e16, hence 1e-5, as without the pole."""
     for c in slow_sets(50):
         elements = network(c, topology=topology)
-        s = state_space(elements)
-        rows = angular(BAND)[:, None, None] * np.eye(s.b.size) - s.a
-        state_response = np.linalg.solve(rows, s.b[:, None] * c.d33)[:, :, 0] @ s.c + s.d * c.d33
-        np.testing.assert_allclose(state_response, response(elements, BAND), rtol=1e-5)
+        states = state_response(elements, c.d33, BAND)
+        np.testing.assert_allclose(states, response(elements, BAND), rtol=1e-5)
 
 
 @needs_ngspice
 @pytest.mark.parametrize("name", ["transimpedance", "charge-amplifier", "voltage-follower"])
 def test_spices_gain(tmp_path: Path, name: str) -> None:
     slow = circuit_network(load_circuit(name, ["amplifier.gain_bandwidth=1e6"]))
-    lines = ["Vload load 0 DC 0 AC 1", *element_lines(slow)]
-    spice = vectors(tmp_path, lines, "ac dec 50 10 20000", ["v(vout)"])
-    ratio = response(slow, spice["frequency"].real) / spice["v(vout)"]
-    assert np.abs(ratio - 1).max() < 1e-6  # its own digits, at a resonance of quality 60
+    # its own digits, at a resonance of quality 60
+    assert spice_gain_error(tmp_path, slow, element_lines(slow), "dec 50 10 20000") < 1e-6
 
 
 def test_a_large_bandwidth_is_no_limit() -> None:

@@ -27,8 +27,8 @@ from skincad.circuit.network import (
 from skincad.circuit.response import noise_density, response, total_density
 from skincad.circuit.state import state_space
 from tests.circuit.paper import angular, motional_impedance
-from tests.circuit.sets import output, random_sets
-from tests.circuit.spice import needs_ngspice, vectors
+from tests.circuit.sets import output, random_sets, state_response
+from tests.circuit.spice import LOAD, needs_ngspice, spice_gain_error, vectors
 
 BAND = np.geomspace(10.0, 20_000.0, 33)
 CIRCUIT = load_circuit("voltage-follower")
@@ -57,12 +57,8 @@ def test_state_equations_have_the_response_of_the_elements(topology: str) -> Non
     for c in random_sets(50):
         for capacitance in (0.0, 1e-11):
             elements = network(replace(c, feedback_capacitance=capacitance), topology=topology)
-            s = state_space(elements)
-            states = np.linalg.solve(
-                angular(BAND)[:, None, None] * np.eye(s.b.size) - s.a, s.b[:, None] * c.d33
-            )
-            state_response = states[:, :, 0] @ s.c + s.d * c.d33
-            np.testing.assert_allclose(state_response, response(elements, BAND), rtol=1e-5)
+            states = state_response(elements, c.d33, BAND)
+            np.testing.assert_allclose(states, response(elements, BAND), rtol=1e-5)
 
 
 def way(network: Network, node: str) -> np.ndarray:
@@ -140,12 +136,10 @@ def test_the_followers_noise_by_hand_in_its_band() -> None:
 def test_the_followers_gain_and_noise_are_spices(tmp_path: Path) -> None:
     """Its transient is test_state's, as every circuit's."""
     elements = network(C, NoiseSources(293.15), "follower")
-    lines = ["Vload load 0 DC 0 AC 1", *element_lines(elements), ".options temp=20 method=trap"]
-    spice = vectors(tmp_path, lines, "ac dec 10 0.05 20000", ["v(vout)"])
-    ratio = response(elements, spice["frequency"].real) / spice["v(vout)"]
-    assert np.abs(ratio - 1).max() < 1e-7  # 1e-6 dB
+    lines = [*element_lines(elements), ".options temp=20 method=trap"]
+    assert spice_gain_error(tmp_path, elements, lines, "dec 10 0.05 20000") < 1e-7  # 1e-6 dB
     (tmp_path / "out.raw").unlink()
-    spice = vectors(tmp_path, lines, "noise v(vout) Vload dec 10 10 20000", ["onoise_spectrum"])
+    spice = vectors(tmp_path, [LOAD, *lines], "noise v(vout) Vload dec 10 10 20000", ["onoise_spectrum"])
     ours = np.sqrt(total_density(elements, spice["frequency"]))
     # SPICE's Boltzmann constant differs from CODATA's in the sixth digit
     np.testing.assert_allclose(ours, spice["onoise_spectrum"], rtol=2e-5)

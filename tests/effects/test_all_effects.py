@@ -21,7 +21,7 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, Drive
 from skincad.mechanics.film.stick import PadPiece, piece_of
 from skincad.mechanics.film.stress import filled_pad
-from skincad.scenes.march import march
+from skincad.scenes.march import March, march
 from tests.mechanics.designs import yamada
 from tests.outlines import outline
 
@@ -185,10 +185,8 @@ def test_zero_force_at_rest(name: str, table: dict[str, Any]) -> None:
     assert not reading.touches.any()
 
 
-@CASES
-def test_energy(name: str, table: dict[str, Any]) -> None:
-    """Work is stored, moves or is lost: 1e-3 of it, the issue's. Pressed, dragged through gross slip."""
-    skin, terms = built(name, table)
+def dragged_through_gross_slip(skin: Any, terms: list[Term], within: float) -> March:
+    """A march whose work is stored, moves or is lost, to `within` of it: pressed, then dragged."""
     count = 80
     drives = [
         Drive(1.2 * min(1.0, 2 * i / count), travel=1.0 * max(0.0, 2 * i / count - 1))
@@ -203,10 +201,17 @@ def test_energy(name: str, table: dict[str, Any]) -> None:
     work = work if None in works else sum(works)
     last = run.readings[-1]
     lost = run.column("dissipated").sum() + run.column("viscous").sum()
-    assert last.elastic + last.kinetic + lost == pytest.approx(work, rel=1e-3)
-    assert run.column("viscous").min() >= 0
+    assert last.elastic + last.kinetic + lost == pytest.approx(work, rel=within)
     assert run.column("dissipated").sum() > 0.05 * work
     assert run.column("residual").max() <= 1e-10
+    return run
+
+
+@CASES
+def test_work_is_stored_moves_or_is_lost(name: str, table: dict[str, Any]) -> None:
+    """1e-3 of it, the issue's."""
+    run = dragged_through_gross_slip(*built(name, table), within=1e-3)
+    assert run.column("viscous").min() >= 0
 
 
 def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() -> None:

@@ -9,10 +9,10 @@ import skincad
 from skincad.circuit.network import capacitance, electrode
 from skincad.fabrication.casting_steps import bonding_kit, opening_steps, release_agent_places
 from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from tests.bent_skin import three_ridges
+from tests.fabrication.test_sheet import sheet
 
 ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
     "Put release agent on",
@@ -24,10 +24,6 @@ ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
     "Pull test: hang",
 )
 FILMED = [name for name in template_names() if skincad.load(name).film]
-
-
-def sheet(design: Design) -> str:
-    return casting_sheet(Job(design), [], "Passes.", True)
 
 
 def order(text: str) -> list[str]:

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from skincad import load
+from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.models import linear
@@ -27,6 +28,38 @@ def plane(
     return linear.answer(design, Request(force or design.contact.force, tol, budget))
 
 
+def value(estimate: Estimate) -> float:
+    """The value of what is known."""
+    assert estimate.value is not None
+    return estimate.value
+
+
+def assert_inside(answer: Answer, exact: Any) -> None:
+    """Each number's true value lies within the error that is stated of it."""
+    for stated, true in (
+        (answer.all_touch_force, exact.all_touch_force),
+        (answer.approach, exact.approach),
+        *zip(answer.ridge_force, exact.ridge_force, strict=True),
+    ):
+        value = true.value if isinstance(true, Estimate) else true
+        assert abs((stated.value or 0.0) - (value or 0.0)) <= (stated.error or 0.0)
+
+
+def doubled(design: Design) -> Design:
+    """Lengths times 2 and moduli by 4 leave every force as it is."""
+    lengths = {
+        "skin": ("curvature_radius", "thickness", "width", "length"),
+        "ridge": ("pitch", "height", "root_width", "tip_width", "crown", "tip_fillet", "root_fillet"),
+        "slot": ("thickness", "depth", "offset", "elevation"),
+        "film": ("thickness",),
+    }
+    data = design.model_dump(exclude_none=True)
+    change = {t: {key: 2 * data[t][key] for key in keys} for t, keys in lengths.items() if t in data}
+    if "film" in change:
+        change["film"]["young_modulus"] = data["film"]["young_modulus"] / 4
+    return design.with_(**change, material={"young_modulus": 0.2})
+
+
 def yamada() -> Design:
     """The paper's skin under a plate without friction: what other effects leave in an error is looked at."""
     return load("yamada-2002").with_(contact={"friction": 0.0})
@@ -35,6 +68,11 @@ def yamada() -> Design:
 def filleted() -> Design:
     """The reference section of docs/facts.md with tip fillet 0.05 and root fillet 0.08."""
     return yamada().with_(**BARE)
+
+
+def small() -> Design:
+    """Three ridges on a short pad: free ends and finite strain count."""
+    return reference().with_(**SHORT, contact={"force": 0.65})
 
 
 def reference() -> Design:

@@ -11,25 +11,15 @@ import pytest
 from skincad.base.errors import InputError
 from skincad.circuit.state import band_limited
 from skincad.effects.friction import Friction
-from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.film.sliding import ContactPad
 from skincad.scenes.march import LEVELS, March, frames, march
 from skincad.scenes.models import coarse_steps
 from skincad.scenes.scene import History
 from skincad.scenes.simulation import Simulation, at_level
+from tests.scenes.test_march import block
 from tests.small_scene import small_scene
 
 SEEDS = range(60)
 FRICTION, SPRING = 0.5, 4.0  # N/mm along
-
-
-def block() -> CondensedPad:
-    """One point on springs of 0.25 and 0.1 mm/N."""
-    one, none = np.ones(1), np.zeros(1)
-    pad = ContactPad(
-        np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1
-    )
-    return condensed(pad)
 
 
 def pulses(seed: int, driven: bool = False) -> History:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
-from skincad import effects
 from skincad.base.errors import InputError
 from skincad.base.tables import quantity
 from skincad.effects.friction import Friction
@@ -19,9 +16,8 @@ from skincad.mechanics.contact.state import ContactState, Drive
 from skincad.mechanics.film.sliding import ContactPad
 from skincad.mechanics.problem import ContactError
 from skincad.scenes.march import march
-from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import simulate
-from tests.small_scene import last_of_each
+from tests.small_scene import make_up_effects, small_scene
 
 TIMES = np.linspace(0.0, 1.0, 5)
 
@@ -147,23 +143,10 @@ SMALL = [
 def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Any
 ) -> None:
-    from skincad.inputs.catalog import template_text
-
-    text = (
-        template_text("yamada-2002")
-        .replace("count = 9 ", "count = 3 ")
-        .replace("width = 11.0", "width = 5.0")
-    )
-    (tmp_path / "small.toml").write_text(text)
-    (tmp_path / "scene.toml").write_text(template_text("yamada-2002-slip", "scenes"))
-    module = ModuleType("made_up")
-    for kind in (Softer, Thicker, Telling, Sticky):
-        setattr(module, kind.__name__, kind)
-        monkeypatch.setitem(effects.EFFECTS, kind.__name__.lower(), effects.Row(f"made_up:{kind.__name__}"))
-    monkeypatch.setitem(sys.modules, "made_up", module)
+    make_up_effects(monkeypatch, Softer, Thicker, Telling, Sticky)
 
     def run(*more: str) -> Any:
-        return simulate(load_scene(tmp_path / "scene.toml", last_of_each(*SMALL, *more)))
+        return simulate(small_scene(tmp_path, "yamada-2002-slip", *SMALL, *more))
 
     plain = run()
     soft = run("effects.softer.factor=2.0", "effects.telling={}")

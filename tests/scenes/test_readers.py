@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
-from skincad import effects
 from skincad.effects.kinds import Reader
 from skincad.scenes import simulation
 from skincad.scenes.march import LEVELS
 from skincad.scenes.simulation import at_level, joined
-from tests.small_scene import small_scene
+from tests.small_scene import make_up_effects, small_scene
 
 PRESS = ("history.steps=1", "readout.ridges=[]", "effects.film=none", "effects.friction=none")
 
@@ -36,12 +33,7 @@ class Other(One):
 
 @pytest.fixture(autouse=True)
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = ModuleType("made_up")
-    for kind in (One, Other):
-        setattr(module, kind.__name__, kind)
-        name = kind.__name__.lower()
-        monkeypatch.setitem(effects.EFFECTS, name, effects.Row(f"made_up:{kind.__name__}"))
-    monkeypatch.setitem(sys.modules, "made_up", module)
+    make_up_effects(monkeypatch, One, Other)
 
 
 def test_two_readers_tell_side_by_side(tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 import trimesh
 from manifold3d import Manifold
-from scipy.integrate import quad
 
 import skincad
 from skincad.base.errors import InputError
@@ -153,29 +152,6 @@ def test_files_of_a_mold_with_flat_crowns_read_back(tmp_path: Path) -> None:
         assert again.isValid()
         assert volume(closed.part(part.name), again) == pytest.approx(part.volume, rel=1e-9)  # STEP's digits
         assert trimesh.load_mesh(result.folder / f"{part.name}.stl").is_watertight
-
-
-@pytest.mark.parametrize(("y", "wide"), [(0.0, 1.0), (3.0, 1.0), (-5.0, 1.6), (2.0, 0.7)])
-def test_a_bore_into_an_arc_has_its_volume_by_slices(y: float, wide: float) -> None:
-    """Across y, each slice of the cone is as high as the arc leaves it."""
-    bore = Bore((1.0, y, -0.3), "z", 6.3, 1.0, wide, within=(20.0, 20.0))
-    grows = (wide - 1.0) / 6.3
-
-    def area(z: float) -> float:
-        """Of the disk at this height, between y = -reach and reach, where the arc is below it."""
-        radius, reach = 1.0 + grows * (z + 0.3), math.sqrt(max(0.0, 400 - (20 - z) ** 2))
-
-        def part(v: float) -> float:
-            v = min(radius, max(-radius, v))
-            return v * math.sqrt(radius**2 - v * v) + radius**2 * math.asin(v / radius)
-
-        return part(reach - y) - part(-reach - y)
-
-    kinks = [20 - math.sqrt(400 - min(19.0, abs(y) + s) ** 2) for s in (-1.0, 0.0, 1.0, wide)]
-    sliced = quad(area, 0.0, 6.0, points=sorted({k for k in kinks if 0 < k < 6}), limit=400, epsabs=1e-11)[0]
-    assert bore.volume == pytest.approx(sliced, rel=1e-8)  # the slices' own error, at their kinks
-    plain = replace(bore, within=None)
-    assert bore.volume < plain.volume
 
 
 def test_a_bore_into_a_far_arc_is_the_frustum_above_it() -> None:

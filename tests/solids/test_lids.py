@@ -16,8 +16,9 @@ from skincad.shape.skin import section
 from skincad.solids.fasteners import TAP_RADIUS
 from skincad.solids.layout import BOLT_RADIUS, EDGE, Layout, layout
 from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_dowels, refused_lids
-from skincad.solids.plan import Bore, CutRole, bores
+from skincad.solids.plan import CutRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
+from tests.solids.test_mounts import at
 
 BARE = {"slot": None, "film": None, "contact": {"film": None}}
 CHANGES = {
@@ -42,10 +43,6 @@ def planned(name: str, change: str) -> tuple[Design, Layout]:
 def possible() -> list[tuple[Design, Layout]]:
     plans = [planned(name, change) for name in template_names()[::3] for change in CHANGES]
     return [plan for plan in plans if not list(refused_lids(*plan))]
-
-
-def at(bore: Bore) -> tuple[float, float]:
-    return bore.start[0], bore.start[1]
 
 
 def test_holes_of_a_carrier_lie_inside_it_and_apart() -> None:

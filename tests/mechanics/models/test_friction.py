@@ -15,7 +15,7 @@ from skincad.mechanics.models.corrected import plain_pad
 from skincad.mechanics.models.friction import CoarsePress, TwoPresses, solve, with_friction
 from skincad.mechanics.problem import Answer, pad_of
 from skincad.scenes.scene import load_scene
-from tests.mechanics.designs import SHORT, linear_check, reference
+from tests.mechanics.designs import linear_check, small
 
 # mm at 4 N, `simulate yamada-2002-press` with effects.friction.coefficient 0 and 1
 SMOOTH, ROUGH = 0.16860, 0.15950
@@ -63,10 +63,6 @@ def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
         (0.02 + 0.3 * by_force) * answer.all_touch_force.value
     )
     assert answer.approach.error == pytest.approx((0.005 - 0.5 * by_approach) * answer.approach.value)
-
-
-def small() -> Design:
-    return reference().with_(**SHORT, contact={"force": 0.65})
 
 
 def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error() -> None:

@@ -22,7 +22,7 @@ from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve
 from skincad.mechanics.models.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
 from skincad.mechanics.problem import Answer, Pad, Request, pad_of
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.designs import reference, yamada
+from tests.mechanics.designs import reference, value, yamada
 
 FEW = Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
@@ -34,11 +34,6 @@ def meshed_of(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadMes
 
 def small_body(along: Layers = FEW) -> SolidBody:
     return body_of(meshed_of(pad_of(reference().with_(**SMALL))), along)
-
-
-def value(estimate: Estimate) -> float:
-    assert estimate.value is not None
-    return estimate.value
 
 
 def affine(body: SolidBody, gradient: np.ndarray, pressure: float = 0.0) -> np.ndarray:
