@@ -30,7 +30,7 @@ from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import SceneRun, Simulation, marched, marching, read_out, simulate
 from skincad.shape.curves import polygon
-from tests.conftest import run_skincad
+from tests.refusals import refused_by, refused_command
 from tests.small_scene import last_of_each
 
 DESIGN = skincad.load("yamada-2002")
@@ -237,10 +237,8 @@ def test_the_outputs_are_columns_of_the_table(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_is_told(settings: list[str], words: str) -> None:
-    with pytest.raises(InputError) as failure:
+    with refused_by(words):
         load_scene(SLIP, last_of_each("effects.piezo.circuit=yamada-2002", *settings))
-    assert str(failure.value).startswith(words)
-    assert "\n" not in str(failure.value)
 
 
 def test_a_strip_that_gives_no_charge_is_refused() -> None:
@@ -266,11 +264,8 @@ def test_a_bad_constant_exits_with_2_and_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(
         template_text(SLIP, "scenes") + '\n[effects.piezo]\ncircuit = "mine.toml"\n'
     )
-    process = run_skincad("simulate", "s.toml", cwd=tmp_path)
-    assert process.returncode == 2
-    assert process.stderr.startswith("skincad: effects.piezo.circuit: amplifier.gain: must be greater than 0")
-    assert process.stderr.count("\n") == 1
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml", "s.toml"]
+    message = refused_command("simulate", "s.toml", cwd=tmp_path)
+    assert message.startswith("effects.piezo.circuit: amplifier.gain: must be greater than 0")
 
 
 def test_a_circuits_tables_may_stand_in_the_scene() -> None:

@@ -11,6 +11,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.measurements import TESTS, material_test
 from skincad.shape.crests import crest_drops
 from skincad.shape.skin import skin_of
+from tests.refusals import refused
 
 # gone
 
@@ -34,10 +35,8 @@ def test_a_bad_file_is_refused_with_its_row_and_remedy(
 ) -> None:
     path = tmp_path / "crests.csv"
     path.write_text(text)
-    with pytest.raises(InputError) as refused:
+    with refused(words):
         crest_drops(path, yamada)
-    assert words in str(refused.value)
-    assert "\n" not in str(refused.value)
 
 
 def as_designed(path: Path, design: Design) -> Path:
@@ -128,9 +127,8 @@ def test_what_two_readings_would_fit_is_refused_with_the_way_out(
 ) -> None:
     path = tmp_path / "crests.csv"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as refused:
+    with refused(words):
         read_columns(path, ("ridge", "crest_mm"))
-    assert words in str(refused.value)
 
 
 def test_utf_16_without_its_mark_is_said(tmp_path: Path) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
 from skincad.inputs.catalog import load
 from skincad.inputs.mold_table import Mount
+from tests.refusals import refused_by
 
 GOOD = [
     {"thread": "M3", "diameter": 20.0},
@@ -46,10 +46,8 @@ def test_what_goes_together_is_kept_and_written(given: dict[str, object]) -> Non
 
 @pytest.mark.parametrize(("given", "words"), BAD)
 def test_what_does_not_is_told_in_one_line(given: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError) as refused:
+    with refused_by(words):
         skincad.load("yamada-2002").with_(mount=given)
-    assert str(refused.value).startswith(words)
-    assert "\n" not in str(refused.value)
 
 
 def test_it_is_set_from_the_command_line_and_dropped() -> None:

@@ -15,6 +15,7 @@ from skincad.inputs.process import PROCESSES, processes
 from skincad.inputs.shipped import table_text
 from skincad.mechanics.check import spread_of
 from tests.conftest import run_skincad
+from tests.refusals import refused, refused_command
 
 ROOT = Path(skincad.__file__).parents[1]
 OWN = """
@@ -84,10 +85,8 @@ def test_the_command_lines_keys_come_last(printer: Path) -> None:
 def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "printer.toml"
     path.write_text(text)
-    with pytest.raises(InputError) as refused:
+    with refused(message):
         skincad.load("lab-bench", printer=path)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
 
 
 def test_a_process_is_shipped_or_ones_own(printer: Path) -> None:
@@ -100,13 +99,10 @@ def test_the_command_line_takes_a_printer_and_refuses_a_bad_one(tmp_path: Path, 
     assert good.returncode in (0, 1), good.stderr
     printer.write_text("[sla]\npixl = 1.0")
     for command in ("check", "make"):
-        bad = run_skincad(command, "plain-ridges", "--printer", str(printer), cwd=tmp_path)
-        assert bad.returncode == 2
-        assert bad.stderr == "skincad: printer.sla.pixl: unknown key; did you mean 'pixel'?\n"
-    missing = run_skincad("make", "plain-ridges", "--printer", "none.toml", cwd=tmp_path)
-    assert missing.returncode == 2
-    assert "none.toml: cannot be read" in missing.stderr
-    assert not (tmp_path / "out").exists()
+        message = refused_command(command, "plain-ridges", "--printer", str(printer), cwd=tmp_path)
+        assert message == "printer.sla.pixl: unknown key; did you mean 'pixel'?"
+    message = refused_command("make", "plain-ridges", "--printer", "none.toml", cwd=tmp_path)
+    assert "none.toml: cannot be read" in message
 
 
 LASER = """

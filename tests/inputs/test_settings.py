@@ -21,6 +21,7 @@ from skincad.scenes.scene import Scene, load_scene
 from skincad.studies.study import load_study
 from skincad.studies.subject import changed, value_of
 from skincad.studies.sweeping import points_of
+from tests.refusals import refused_by
 
 DICE = random.Random(17)
 SIZES = {"height": (0.3, 0.6), "root_width": (0.6, 1.2), "root_fillet": (0.0, 0.2)}  # mm
@@ -57,9 +58,8 @@ def test_a_key_is_given_once() -> None:
     for _ in range(50):
         key = ".".join(DICE.choices(["ridge", "skin", "a", "b"], k=DICE.randint(1, 4)))
         again = DICE.choice([key, key.replace(".", " . "), f" {key} "])
-        with pytest.raises(InputError) as refused:
+        with refused_by(f"settings: must give {key} once, got "):
             overridden({}, [f"{key}=1", "z.other=2", f"{again}={DICE.choice(['2', 'none'])}"])
-        assert str(refused.value).startswith(f"settings: must give {key} once, got ")
     both = load_design("yamada-2002", ["contact={force = 3.0}", "contact.force=5"])
     assert both.contact.force == 5
 
