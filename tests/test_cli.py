@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -150,29 +149,6 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(
     (tmp_path / "file").write_text("")
     os.mkfifo(tmp_path / "pipe.toml")
     assert refused_command(*arguments, cwd=tmp_path).startswith(words)
-
-
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=pytest.mark.slow) for kind in ("dxf", "step", "stl", "3mf", "png")]
-)
-def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path, kind: str) -> None:
-    """Files above 8 kB fail as on a full disk; the CAD kernel itself says nothing of it."""
-    run_skincad("make", "plain-ridges", *ONE_RIDGE, "--format", "md", "-o", "here", cwd=tmp_path)
-    earlier = {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()}
-
-    def small_disk() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
-
-    done = subprocess.run(
-        [sys.executable, "-m", "skincad", "make", "plain-ridges", *ONE_RIDGE, "-o", "here", "--format", kind],
-        cwd=tmp_path, preexec_fn=small_disk, capture_output=True, text=True, check=False,
-        timeout=300, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},  # none is cut short
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.startswith("skincad: -o: ")
-    assert done.stderr.count("\n") == 1
-    assert {p.name: p.read_bytes() for p in (tmp_path / "here").iterdir()} == earlier
-    assert [p.name for p in tmp_path.iterdir()] == ["here"]
 
 
 @pytest.mark.slow

@@ -354,16 +354,31 @@ def test_many_runs_into_one_folder_at_once(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("job", SLOW)
 def test_a_full_disk(job: str, tmp_path: Path) -> None:
-    """No file above 2 kB can be written: one line, status 2, the earlier result as it was."""
-    run_skincad(*command(job, False)[3:], cwd=tmp_path)
+    assert_a_full_disk_changes_nothing(command(job, False), command(job, True), tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["dxf", "step", "stl", "3mf", "png"])
+def test_a_full_disk_while_a_kind_of_file_is_made(kind: str, tmp_path: Path) -> None:
+    """The CAD kernel itself says nothing of it."""
+    make = [*command("make", False)[:5], "--set", "ridge.count=1", "--set", "skin.width=3.0", "-o", "here"]
+    assert_a_full_disk_changes_nothing([*make, "--format", "md"], [*make, "--format", kind], tmp_path, 8_000)
+
+
+def assert_a_full_disk_changes_nothing(
+    first: list[str], second: list[str], tmp_path: Path, most: int = 2_000
+) -> None:
+    """No file above `most` bytes can be written: one line, status 2, the earlier result as it was."""
+    run_skincad(*first[3:], cwd=tmp_path)
     earlier = contents(tmp_path / "here")
     done = subprocess.run(
-        command(job, True),
+        second,
         cwd=tmp_path, capture_output=True, text=True, check=False,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
         timeout=300, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},  # none is cut short
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith("skincad: -o: ")
     assert done.stderr.count("\n") == 1
     assert contents(tmp_path / "here") == earlier
     assert [p.name for p in tmp_path.iterdir()] == ["here"]

@@ -95,8 +95,7 @@ ENCODINGS = {
 
 # the other two are bytes of ASCII too, as that of POSIX
 @pytest.mark.parametrize(
-    "encoding",
-    [pytest.param(e, marks=[pytest.mark.slow] if e in ("strict", "C") else []) for e in ENCODINGS],
+    "encoding", [pytest.param(e, marks=[pytest.mark.slow] if e in ("strict", "C") else []) for e in ENCODINGS]
 )
 def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Path) -> None:
     """A name that the terminal's encoding lacks is escaped, in the result and in a message."""

@@ -356,8 +356,7 @@ def test_an_override_of_a_table_that_is_none(override: str, value: str, tmp_path
 
 
 @pytest.mark.parametrize(
-    "override",
-    ["ridge.count=1000000000", "ridge.count=1000", "skin.width=1e9", "mold.cavities=1000000000"],
+    "override", ["ridge.count=1000000000", "ridge.count=1000", "skin.width=1e9", "mold.cavities=1000000000"]
 )
 def test_huge_counts_of_a_design_are_refused_before_any_work(override: str) -> None:
     with pytest.raises(InputError, match="less than or equal"):

@@ -24,10 +24,7 @@ from skincad.solids.mold import mold
 from tests.consumers import prusaslicer
 from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin
 
-pytestmark = [
-    pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()),
-    pytest.mark.slow,
-]
+pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
 ASKED = 0.1  # of the slicer's, by part: what issue 19 asks
 EXPOSED = 0.01  # of resin: its layers are counted; a height between two layers goes to either
 RANDOM = (  # drawn by hand, unlike any template

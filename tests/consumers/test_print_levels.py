@@ -22,10 +22,7 @@ from skincad.solids.shrinkage import shrinkage
 from tests.consumers import prusaslicer
 from tests.consumers.print_levels import filament_levels, resin_levels
 
-pytestmark = [
-    pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()),
-    pytest.mark.slow,
-]
+pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
 CLOSE = 0.02  # mm, asked: below half a layer of 0.05, so that another layer is seen
 
 

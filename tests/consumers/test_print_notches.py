@@ -21,10 +21,7 @@ from skincad.solids.plan import PartRole
 from tests.consumers import prusaslicer
 from tests.consumers.print_levels import resin_layers
 
-pytestmark = [
-    pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()),
-    pytest.mark.slow,
-]
+pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
 FINE = 0.004  # mm, of the points that a shim's section is looked at; a pixel is ten times that
 
 

@@ -26,9 +26,7 @@ from skincad.solids.plan import Bore, Part, PartRole, Prism
 def flat() -> Design:
     """Ridges that stand upright on a plane and are milled: no slots, sharp tips, drafts of 1 in 4."""
     return skincad.load("milled-pad").with_(
-        slot=None,
-        skin={"curvature_radius": 1e7},
-        ridge={"crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0},
+        slot=None, skin={"curvature_radius": 1e7}, ridge={"crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0}
     )
 
 

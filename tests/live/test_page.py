@@ -154,10 +154,7 @@ def test_a_scenes_history_is_drawn_by_hand(capfd: pytest.CaptureFixture[str]) ->
     scene = skincad.load_scene(
         "yamada-2002-press-and-pull", ["readout.ridges=[3]", "history.steps=12"], skin="steep-fingertip"
     )
-    with (
-        served(scene, "yamada-2002-press-and-pull") as (page, address),
-        looking(address) as (seen,),
-    ):
+    with served(scene, "yamada-2002-press-and-pull") as (page, address), looking(address) as (seen,):
         assert page.desk.wait_until_settled(LONG)
         assert page.desk.is_current(page.desk.answers.signals)
         last = len(scene.history.time_s)

@@ -216,8 +216,7 @@ def test_a_name_that_is_no_design_name_is_made_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml"],
+    "name", ['n\nname="evil"\n.toml', "a\rb.toml", "a\x1b[31m.toml", "a\x00.toml", "\u202egnp.toml"]
 )
 def test_a_name_that_no_comment_can_hold_is_refused_and_nothing_is_written(tmp_path: Path, name: str) -> None:
     with pytest.raises(InputError, match=r"^FILE: must have a name of printable characters") as refusal:
@@ -238,10 +237,7 @@ def test_a_file_that_would_be_no_design_never_takes_its_place(
 
 
 def test_a_file_that_appears_meanwhile_is_not_written_over(tmp_path: Path) -> None:
-    with (
-        pytest.raises(InputError, match="exists already"),
-        fresh(tmp_path / "a.png", "--stress") as staging,
-    ):
+    with pytest.raises(InputError, match="exists already"), fresh(tmp_path / "a.png", "--stress") as staging:
         staging.write_text("ours")
         (tmp_path / "a.png").write_text("mine")
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a.png": "mine"}

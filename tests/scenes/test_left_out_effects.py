@@ -127,10 +127,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
         assert outline.path.slips.tolist() == [[1.0, 0.0], [0.5, 1.0]]
         assert outline.path.felt.tolist() == [[-3.0, -3.0], [-3.0, -3.0]]
         assert outline.path.pulled.tolist() == [[0.5, 0.2], [0.6, 0.7]]
-        assert outline.loads == (
-            tuple(scene.history.normal_force_N),
-            tuple(getattr(scene.history, key)),
-        )
+        assert outline.loads == (tuple(scene.history.normal_force_N), tuple(getattr(scene.history, key)))
 
 
 def test_a_signal_follows_pull_and_normal_force() -> None:

@@ -205,9 +205,7 @@ def test_what_is_left_out_moves_a_slip_more_than_the_mesh() -> None:
     assert data["lead_error_ms"]["3"]["left_out"] > data["lead_error_ms"]["3"]["mesh"]
 
 
-def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load_scene("yamada-2002-press", ["history.steps=12", "readout.ridges=[3]"])
 
     def interrupted(pad: Any, times: Any, *rest: Any, **more: Any) -> March:

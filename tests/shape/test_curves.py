@@ -3,17 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from skincad.shape.curves import (
-    Point,
-    Segment,
-    area,
-    flipped,
-    length,
-    moments,
-    offset,
-    polygon,
-    rectangle,
-)
+from skincad.shape.curves import Point, Segment, area, flipped, length, moments, offset, polygon, rectangle
 
 
 def circle(radius: float, x: float = 0.0, z: float = 0.0) -> tuple[Segment, ...]:

@@ -138,8 +138,7 @@ def test_the_steepest_crown_is_that_whose_tangent_is_the_flank(yamada: Design) -
     steep = ridge.tip_width / 2 * math.tan(flank / 2)
     low, high = (
         yamada.with_(
-            ridge={"crown": share * steep, "height": ridge.height - ridge.crown + share * steep},
-            slot=None,
+            ridge={"crown": share * steep, "height": ridge.height - ridge.crown + share * steep}, slot=None
         )
         for share in (0.9, 1.1)
     )

@@ -77,7 +77,7 @@ def test_a_bore_from_outside_an_arc_counts_what_lies_inside(
 
         def part(v: float) -> float:
             v = min(radius, max(-radius, v))
-            return v * math.sqrt(radius**2 - v * v) + radius**2 * math.asin(v / radius)
+            return v * math.sqrt(max(0.0, radius**2 - v * v)) + radius**2 * math.asin(v / radius)
 
         return part(reach - y) - part(-reach - y)
 

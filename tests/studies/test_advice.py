@@ -200,10 +200,7 @@ def test_that_nothing_would_pass_is_told_last() -> None:
 
 
 FAILING = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0", "--set", "contact.force=0.01")
-COMMANDS = {
-    "check": ("check", *FAILING, "--tier", "winkler"),
-    "make": ("make", *FAILING, "--format", "dxf"),
-}
+COMMANDS = {"check": ("check", *FAILING, "--tier", "winkler"), "make": ("make", *FAILING, "--format", "dxf")}
 
 
 @pytest.fixture

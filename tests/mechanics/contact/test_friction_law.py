@@ -62,8 +62,7 @@ def dragged_by(load: float, travel: float) -> list[Drive]:
 
 
 @pytest.mark.parametrize(
-    ("normal", "borne"),
-    [(0.1, 0.1), (0.2, 0.2), (0.6, 0.4), (1.0, 0.6), (1.5, 0.7), (2.0, 0.8), (9.0, 0.8)],
+    ("normal", "borne"), [(0.1, 0.1), (0.2, 0.2), (0.6, 0.4), (1.0, 0.6), (1.5, 0.7), (2.0, 0.8), (9.0, 0.8)]
 )
 def test_a_block_bears_what_the_table_says(normal: float, borne: float) -> None:
     """By hand: shear stresses of 0.1, 0.3 and 0.4 MPa at 0.1, 0.5 and 1 MPa, straight between and constant

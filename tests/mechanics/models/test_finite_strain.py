@@ -13,13 +13,7 @@ from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.check import check
-from skincad.mechanics.contact.newton import (
-    RESIDUAL,
-    PressedPad,
-    newton,
-    press_to,
-    press_until_all_touch,
-)
+from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, newton, press_to, press_until_all_touch
 from skincad.mechanics.models import finite_strain, linear
 from skincad.mechanics.problem import Answer, Request, pad_of
 from tests.mechanics import closed_forms
@@ -307,12 +301,7 @@ def test_a_part_with_low_crests() -> None:
     assert 1.25 < value(low.all_touch_force) / value(nine().all_touch_force) < 1.45
 
 
-DESIGNS = {
-    "reference": reference,
-    "filleted": filleted,
-    "voids": lambda: void_slots(0.05),
-    "yamada": yamada,
-}
+DESIGNS = {"reference": reference, "filleted": filleted, "voids": lambda: void_slots(0.05), "yamada": yamada}
 
 
 @pytest.mark.slow

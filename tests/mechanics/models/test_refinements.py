@@ -364,10 +364,7 @@ def test_a_coarse_solid_that_overruns_the_budget_says_so(monkeypatch: pytest.Mon
         assert result.warnings == ("said before", *(f"the coarse solid{end}" for end in words))
         assert result.seconds == {"contact": 1.0, "solid": 3.0}
         result = solid_finite_strain.answer(design, request, None, fine)
-        assert result.warnings == (
-            "said before",
-            *(f"the solid with finite strain{end}" for end in words),
-        )
+        assert result.warnings == ("said before", *(f"the solid with finite strain{end}" for end in words))
         assert result.seconds == {"contact": 1.0, "finite mesh": 1.0, "finite contact": 2.0}
 
 
