@@ -57,22 +57,22 @@ def test_films(skin: str, tmp_path: Path) -> None:
         skin = str(tmp_path / "skin.toml")
     # the scene's 4 N would strain the soft fingertip's ridges beyond small strain: a quarter of them
     light = ["history.normal_force_N=[0.0, 1.0, 1.0]", "history.tangential_force_N=[0.0, 0.0, 0.25]"]
-    press = [f"skin={skin}", "history.steps=40", "readout.ridges=[2, 3]"]
-    press += light if skin == "fingertip-soft" else []
-    named, without = (
-        at_level(load_scene(PULL, [*press, *more]), LEVELS[0]) for more in ([], ["effects.film=none"])
-    )
-    assert_told(left_out_entry(without, "film"), change(named, without))
+    more = light if skin == "fingertip-soft" else []
+    assert_left_out_as_told("film", "effects.film=none", skin, "readout.ridges=[2, 3]", *more)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("skin", ["yamada-2002", "yamada-2002-tilted"])
 def test_ends(skin: str) -> None:
-    press = [f"skin={skin}", "history.steps=40", "readout.ridges=[1, 2, 3, 4, 5, 6, 7, 8, 9]"]
-    without, named = (
-        at_level(load_scene(PULL, [*press, *more]), LEVELS[0]) for more in ([], ["effects.free_ends={}"])
-    )
-    assert_told(left_out_entry(without, "free_ends"), change(named, without))
+    every = "readout.ridges=[1, 2, 3, 4, 5, 6, 7, 8, 9]"
+    assert_left_out_as_told("free_ends", "effects.free_ends={}", skin, every)
+
+
+def assert_left_out_as_told(effect: str, setting: str, skin: str, *press: str) -> None:
+    settings = [f"skin={skin}", "history.steps=40", *press]
+    runs = [at_level(load_scene(PULL, [*settings, *more]), LEVELS[0]) for more in ([], [setting])]
+    named, without = runs if setting.endswith("none") else reversed(runs)
+    assert_told(left_out_entry(without, effect), change(named, without))
 
 
 def test_what_matters_is_warned_of(tmp_path: Path) -> None:

@@ -380,43 +380,27 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert again.stdout.startswith(f"{'hold' if whole else name}: {steps} steps.")
 
 
-@pytest.mark.parametrize("whole_first", [False, True])
-def test_ctrl_c_leaves_what_is_done(
-    whole_first: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("meshes", "step", "steps_done"), [(1, 3, 3), (2, 0, 5), (2, 3, 5)], ids=["first", "between", "second"]
+)
+def test_ctrl_c_leaves_what_is_done_to_who_asks_for_it(
+    meshes: int, step: int, steps_done: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
-    stages: list[str] = []
-
-    def tick(stage: str, step: int, left: float | None = None) -> None:
-        if stage not in stages and stage != "march with fewer steps":
-            stages.append(stage)
-        if len(stages) == 1 + whole_first and step == 3:
-            raise KeyboardInterrupt
-
-    scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
-    simulation = simulate(scene, tick=tick, partial=True)
-    assert simulation.march.interrupted
-    assert simulation.as_json()["steps"] == (5 if whole_first else 3)
-
-
-@pytest.mark.parametrize("moment", [0, pytest.param(3, marks=pytest.mark.slow)])
-def test_ctrl_c_between_two_meshes_or_in_the_second(
-    moment: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What the first mesh gave is there for who asks for it; a Python caller gets the interrupt."""
+    """In the first mesh's march what it has, later what the first mesh gave; a Python caller gets the
+    interrupt."""
     monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
     stages: set[str] = set()
 
-    def tick(stage: str, step: int, left: float | None = None) -> None:
+    def tick(stage: str, at: int, left: float | None = None) -> None:
         if stage != "march with fewer steps":
             stages.add(stage)
-        if len(stages) == 2 and step == moment:
+        if len(stages) == meshes and at == step:
             raise KeyboardInterrupt
 
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     simulation = simulate(scene, tick=tick, partial=True)
     assert simulation.march.interrupted
-    assert simulation.as_json()["steps"] == 5
+    assert simulation.as_json()["steps"] == steps_done
     stages.clear()
     with pytest.raises(KeyboardInterrupt):
         simulate(scene, tick=tick)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from scipy import optimize
 
 from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
 from skincad.mechanics.bodies import elements, plane_body, prisms, solid_law
 from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody
@@ -20,7 +18,7 @@ from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
 from skincad.mechanics.models import solid_finite_strain
 from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve_level
 from skincad.mechanics.models.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
-from skincad.mechanics.problem import Answer, Pad, Request, pad_of
+from skincad.mechanics.problem import Pad, Request, pad_of
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import reference, value, yamada
 
@@ -357,21 +355,6 @@ def test_the_unknowns_that_are_refused_are_those_that_would_be_solved(
     with pytest.raises(InputError, match=f"at most {count - 1} unknowns") as refused:
         body_of(meshed, along)
     assert refused.value.value == count
-
-
-@pytest.mark.parametrize(("took", "late"), [(1.9, False), (2.1, True)])
-def test_a_budget_that_is_overrun_is_said(took: float, late: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that starts at 50 s."""
-    clock = iter([50.0, 50.0 + took])
-    monkeypatch.setattr(solid_finite_strain, "perf_counter", lambda: next(clock))
-    monkeypatch.setattr(
-        solid_finite_strain, "solve", lambda *_: SimpleNamespace(small=0, finite=0, out_of_range="")
-    )
-    monkeypatch.setattr(solid_finite_strain, "apply_change", lambda fine, *_: fine)
-    nothing = Estimate(0.0, 0.0, "N")
-    fine = Answer(9, nothing, nothing, (), 10, 0.0, {})
-    answer = solid_finite_strain.answer(reference(), Request(4.0, budget=2.0), None, fine)
-    assert answer.warnings == (("the solid with finite strain overran the budget of 2 s",) if late else ())
 
 
 @pytest.mark.parametrize("along", [0, -1])
