@@ -13,12 +13,12 @@ from tests.conftest import run_skincad
 
 
 @contextmanager
-def refused(words: str) -> Iterator[None]:
-    """What is done within is an input error of one line that has these words."""
+def refused(words: str = "") -> Iterator[None]:
+    """What is done within is an input error of one line that has these words, as long as a terminal bears."""
     with pytest.raises(InputError) as refusal:
         yield
     assert words in str(refusal.value)
-    assert "\n" not in str(refusal.value)
+    assert_a_line(str(refusal.value))
 
 
 @contextmanager
@@ -27,7 +27,12 @@ def refused_by(start: str) -> Iterator[None]:
     with pytest.raises(InputError) as refusal:
         yield
     assert str(refusal.value).startswith(start)
-    assert "\n" not in str(refusal.value)
+    assert_a_line(str(refusal.value))
+
+
+def assert_a_line(message: str) -> None:
+    assert "\n" not in message
+    assert len(message) < 2000
 
 
 def refused_command(*arguments: str, cwd: Path) -> str:

@@ -24,6 +24,7 @@ from skincad.base.reading import DEEPEST, MOST_PARTS, tables_of
 from skincad.circuit.model import load_circuit
 from skincad.inputs.catalog import LARGEST_FILE, load, read_table, template_text
 from skincad.scenes.scene import load_scene
+from tests.refusals import assert_a_line, refused
 
 LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {
     "design": (load, "yamada-2002", "designs"),
@@ -61,16 +62,20 @@ def refusal_words(read: Callable[[], object]) -> str:
     return ""
 
 
+@contextmanager
+def evil(data: bytes, name: str = "evil.toml") -> Iterator[Path]:
+    """A file of these bytes, alone in its folder, to be read: no other is there afterwards."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / name
+        file.write_bytes(data)
+        yield file
+        assert [p.name for p in Path(folder).iterdir()] == [name]
+
+
 def attacked(kind: str, data: bytes) -> None:
     """Load a file of these bytes: a refusal is one line, of a length that a terminal bears."""
-    read, _, _ = LOADERS[kind]
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "evil.toml"
-        file.write_bytes(data)
-        words = refusal_words(lambda: read(file))
-        assert "\n" not in words
-        assert len(words) < 2000
-        assert [p.name for p in Path(folder).iterdir()] == ["evil.toml"]
+    with evil(data) as file:
+        assert_a_line(refusal_words(lambda: LOADERS[kind][0](file)))
 
 
 @kinds
@@ -145,14 +150,8 @@ BAD = {
 def test_bad_files(kind: str, name: str) -> None:
     if kind in OWN and name == "nothing":
         return  # no tables of one's own: nothing is wrong with that
-    read, _, _ = LOADERS[kind]
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "evil.toml"
-        file.write_bytes(BAD[name])
-        with pytest.raises(InputError) as refusal:
-            read(file)
-    assert "\n" not in str(refusal.value)
-    assert len(str(refusal.value)) < 2000
+    with evil(BAD[name]) as file, refused():
+        LOADERS[kind][0](file)
 
 
 CPU_S = 20  # of one bomb, which takes about 1 s at most; unbounded, the dotted key alone takes twice that
@@ -232,18 +231,15 @@ def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> Non
     file, read = tmp_path / "bomb.toml", load_scene if BOMBS[name].startswith(SCENE[:40]) else load
     file.write_text(BOMBS[name])
     assert file.stat().st_size <= LARGEST_FILE
-    with bounded(), pytest.raises(InputError) as refusal:
+    with bounded(), refused():
         read(file)
-    assert "\n" not in str(refusal.value)
-    assert len(str(refusal.value)) < 2000
 
 
 @pytest.mark.parametrize("key", ["ridge.height", "printer"])  # a value and a table
 @pytest.mark.parametrize("name", [name for name, text in BOMBS.items() if text.startswith("a = ")])
 def test_no_override_does_either(name: str, key: str) -> None:
-    with bounded(), pytest.raises(InputError) as refusal:
+    with bounded(), refused():
         load("yamada-2002", [f"{key}={BOMBS[name].removeprefix('a = ')}"])
-    assert len(str(refusal.value)) < 2000
 
 
 @kinds
