@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from threading import Timer
 from typing import Any
 
+Finished = subprocess.CompletedProcess[str]
 LIMIT = 300.0  # s; the longest takes some 20 on an idle core
 
 
@@ -34,6 +37,21 @@ def started(words: Sequence[str], limit: float = LIMIT, **options: Any) -> Itera
             if stream is not None:
                 with suppress(BrokenPipeError):
                     stream.close()
+
+
+def python(program: str, *arguments: str, cwd: Path | None = None, **environment: str) -> Finished:
+    """What a process of its own prints that runs a program, and its status."""
+    return subprocess.run(
+        [sys.executable, "-c", program, *arguments],
+        cwd=cwd, env={**os.environ, **environment},
+        capture_output=True, text=True, check=False, timeout=LIMIT,
+    )  # fmt: skip
+
+
+def run_gmsh(script: Path) -> Finished:
+    """What gmsh prints of a script, which must succeed."""
+    words = ["gmsh", script.name, "-"]
+    return subprocess.run(words, cwd=script.parent, capture_output=True, text=True, check=True, timeout=LIMIT)
 
 
 def hear_ctrl_c() -> None:

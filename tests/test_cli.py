@@ -18,24 +18,12 @@ from skincad.base.errors import InputError
 from skincad.base.outfolder import checked_folder
 from skincad.cli.app import app
 from tests.conftest import run_skincad, skincad_process
-from tests.processes import started
+from tests.processes import python, started
 from tests.refusals import refused_command
 
 CHECK_KEYS = {
-    "name",
-    "passed",
-    "force_N",
-    "ridges",
-    "touching",
-    "all_touch_force_N",
-    "approach_mm",
-    "ridge_force_N",
-    "tier",
-    "unknowns",
-    "residual",
-    "yield",
-    "seconds",
-    "warnings",
+    *("name", "passed", "force_N", "ridges", "touching", "all_touch_force_N", "approach_mm"),
+    *("ridge_force_N", "tier", "unknowns", "residual", "yield", "seconds", "warnings"),
 }
 ONE_RIDGE = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--set", "contact.force=0.4")
 MAKE_KEYS = {"name", "passed", "files", "parts", "findings", "check", "seconds"}
@@ -215,10 +203,7 @@ def test_a_working_directory_that_was_deleted(tmp_path: Path) -> None:
     gone.mkdir()
     words = ["circuit", "yamada-2002", "--out", str(tmp_path / "here")]
     code = f"import os; os.rmdir({str(gone)!r}); import sys; sys.argv[1:] = {words}; "
-    done = subprocess.run(
-        [sys.executable, "-c", code + "from skincad.__main__ import main; main()"],
-        cwd=gone, capture_output=True, text=True, check=False, timeout=300,
-    )  # fmt: skip
+    done = python(code + "from skincad.__main__ import main; main()", cwd=gone)
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "here" / "gain.csv").is_file()
     gone.mkdir()

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.conftest import skincad_process
+from tests.processes import python
 
 JOBS = {
     "make": ("make", "yamada-2002"),
@@ -60,11 +59,9 @@ def test_same_bytes_on_one_thread_and_on_two(job: str, tmp_path: Path) -> None:
 
 def other_version() -> str:
     program = "import numpy; print(numpy.__version__)"
-    environment = {**os.environ, "PYTHONPATH": FIRST}
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, check=True, timeout=300
-    )
-    return done.stdout.decode().strip()
+    done = python(program, PYTHONPATH=FIRST)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
 
 
 @pytest.mark.slow

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib
@@ -14,6 +11,7 @@ from skincad.circuit.bode import gain
 from skincad.circuit.model import load_circuit
 from skincad.outputs.figures.canvas import save
 from skincad.outputs.figures.results import gain_figure
+from tests.processes import python
 
 FILES = {
     "matplotlibrc": "savefig.dpi: 30\ntext.usetex: True\nfont.size: 20\nbackend: nonsense\n",
@@ -40,16 +38,7 @@ write_step(workplane(skin_part(design)), Path("skin.step"))
 
 def written(folder: Path, **environment: str) -> dict[str, bytes]:
     """What a process of its own writes, in a folder and environment."""
-    environment = {**os.environ, **environment}
-    done = subprocess.run(
-        [sys.executable, "-c", WRITERS],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    done = python(WRITERS, cwd=folder, **environment)
     assert done.returncode == 0, done.stderr
     return contents(folder)
 

@@ -26,7 +26,7 @@ import skincad
 from skincad.base.errors import InputError
 from skincad.base.outfolder import checked_folder, replaced
 from tests.conftest import run_skincad
-from tests.processes import started
+from tests.processes import python, started
 from tests.refusals import refused_command
 
 JOBS = {
@@ -212,14 +212,7 @@ OLD, NEW = {OLD}, {NEW}
 
 
 def run_program(program: str, folder: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", KILL + program],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    done = python(KILL + program, cwd=folder)
     assert done.returncode == 0, done.stderr
 
 

@@ -24,7 +24,7 @@ from skincad.cli import main
 from skincad.cli.process import TRACEBACK
 from skincad.outputs.delivery import ready
 from skincad.outputs.tomls import write_new
-from tests.processes import started
+from tests.processes import python, started
 
 # no library that takes long to load: advice is sought with scipy
 CHECK = "check plain-ridges --tier winkler --no-advice"
@@ -268,10 +268,7 @@ main()
 # MB beside what the libraries take: a solution asks for more
 @pytest.mark.parametrize("more", [pytest.param(20, marks=pytest.mark.slow), 60])
 def test_too_little_memory_is_one_object_and_status_3(more: int, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", TOO_LITTLE.format(more)],
-        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,
-    )  # fmt: skip
+    done = python(TOO_LITTLE.format(more), cwd=tmp_path)
     assert "Traceback" not in done.stderr
     assert done.returncode == 3, done.stderr
     # the FE library may have a line of its own before
@@ -286,17 +283,10 @@ def test_a_kernel_that_does_not_load_for_another_reason_is_no_missing_library(tm
     broken = tmp_path / "cadquery"
     broken.mkdir()
     program = "import skincad.solids.occ"
-    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    environment = {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
     for words, kind in (("initialization failed", "ImportError"), ("libGL.so.1: " + MISSING, "InputError")):
         (broken / "__init__.py").write_text(f"raise ImportError({words!r})")
-        done = subprocess.run(
-            [sys.executable, "-c", program],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
+        done = python(program, **environment)
         assert kind in done.stderr.splitlines()[-1]
         assert ("apt-get" in done.stderr) == (kind == "InputError")
 
@@ -368,9 +358,7 @@ for _ in range(2):
 
 def test_a_second_signal_ends_the_process_at_once() -> None:
     """The first one waits for a safe point, and there is none."""
-    done = subprocess.run(
-        [sys.executable, "-c", TWICE], capture_output=True, text=True, check=False, timeout=300
-    )
+    done = python(TWICE)
     assert (done.returncode, done.stdout) == (-signal.SIGINT, "here\n")
 
 
@@ -408,11 +396,7 @@ def assert_ended(status: int, out: str, err: str, signum: int, cwd: Path) -> Non
 def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_path: Path) -> None:
     for signum in NAMES:
         text = AT.replace("== AT", f"== {module!r}").replace("SEND", f"os.kill(os.getpid(), {int(signum)})")
-        done = subprocess.run(
-            [sys.executable, "-c", text, *command.split()],
-            cwd=tmp_path, capture_output=True, text=True, check=False,
-            timeout=300,
-        )  # fmt: skip
+        done = python(text, *command.split(), cwd=tmp_path)
         assert_ended(done.returncode, done.stdout, done.stderr, signum, tmp_path)
 
 

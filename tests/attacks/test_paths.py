@@ -22,21 +22,8 @@ from skincad.scenes.scene import load_scene
 from tests.refusals import refused_by, refused_command
 
 NAMES = [
-    "../../x",
-    "/tmp/x",
-    "..",
-    ".",
-    "a/b",
-    "a\\b",
-    "",
-    "x\n",
-    "x\x00",
-    "-o",
-    ".hidden",
-    "x" * 65,
-    "é",
-    "a b",
-]
+    "../../x", "/tmp/x", "..", ".", "a/b", "a\\b", "", "x\n", "x\x00", "-o", ".hidden", "x" * 65, "é", "a b",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)

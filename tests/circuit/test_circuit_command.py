@@ -36,13 +36,8 @@ from tests.conftest import run_skincad
 from tests.refusals import refused_by, refused_command
 
 KEYS = {
-    "name",
-    "constants",
-    "frequency_Hz",
-    "gain_dB",
-    "cutoff_Hz",
-    "slope_below_dB_per_dec",
-    "slope_above_dB_per_dec",
+    *("name", "constants", "frequency_Hz", "gain_dB"),
+    *("cutoff_Hz", "slope_below_dB_per_dec", "slope_above_dB_per_dec"),
 }
 FILES = {"gain.csv", "gain.png", "netlist.cir", "circuit.json"}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ from skincad.solids.mold import mold
 from skincad.solids.occ import workplane
 from tests.consumers import gmsh
 from tests.mounted import mounted_design
+from tests.processes import run_gmsh
 
 pytestmark = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 WITHIN = 1e-3  # mm, the micrometre that is promised; gmsh's boxes are padded by 1e-7 on either side
@@ -36,9 +36,7 @@ def level_circles(path: Path) -> list[Circle]:
     """Every level circle of a STEP file as gmsh reads it."""
     script = path.with_suffix(".geo")
     script.write_text(_SCRIPT.format(path=path))
-    process = subprocess.run(
-        ["gmsh", str(script), "-"], capture_output=True, text=True, check=True, timeout=300
-    )
+    process = run_gmsh(script)
     circles = []
     for row in re.findall(r"EDGE (.*)", process.stdout):
         x0, y0, z0, x1, y1, z1 = map(float, row.split())

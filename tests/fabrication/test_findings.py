@@ -13,14 +13,8 @@ from skincad.inputs.process import PROCESSES
 from tests.templates import KINDS
 
 LARGEST_IS_BEST = {
-    "tool reach",
-    "slender",
-    "tool depth",
-    "overhang",
-    "undercut",
-    "cure inhibition",
-    "build volume",
-    "crest layer",
+    *("tool reach", "slender", "tool depth", "overhang"),
+    *("undercut", "cure inhibition", "build volume", "crest layer"),
 }
 
 

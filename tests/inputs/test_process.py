@@ -1,9 +1,6 @@
 """A workshop's own processes: how they reach a design, and how a bad file is refused."""
 
-import os
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -15,6 +12,7 @@ from skincad.inputs.process import PROCESSES, processes
 from skincad.inputs.shipped import table_text
 from skincad.mechanics.check import spread_of
 from tests.conftest import run_skincad
+from tests.processes import python
 from tests.refusals import refused, refused_command
 
 ROOT = Path(skincad.__file__).parents[1]
@@ -127,15 +125,7 @@ def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
         "skincad.load('lab-bench', ['printer.mine.based_on=laser', 'mold.process=mine']);"
         "print('laser' in str(skincad.Design.model_json_schema()['$defs']['Mold']))"
     )
-    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    result = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env=env,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
+    result = python(code, cwd=tmp_path, PYTHONPATH=str(tmp_path))
+    assert result.returncode == 0, result.stderr
     assert "mill, sink-erode or print it" in result.stdout
     assert result.stdout.endswith("True\n")

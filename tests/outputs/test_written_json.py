@@ -24,15 +24,8 @@ THIRDS = (
 )
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
     "make": (
-        "make",
-        *SMALL,
-        "--format",
-        "dxf",
-        "--set",
-        "contact.force=0.01",
-        "--tier",
-        "winkler",
-        "--no-advice",
+        *("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01"),
+        *("--tier", "winkler", "--no-advice"),
     ),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
     "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
@@ -44,14 +37,7 @@ RUNS = {  # with values that may be missing: a verdict that fails, no slip, no c
 DEAR = {
     "make": ("make", "yamada-2002", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
     "simulate": ("simulate", *SCENE),
-    "simulate to gross slip": (
-        "simulate",
-        "yamada-2002-slip",
-        "--set",
-        "history.steps=50",
-        "--budget",
-        "0.01",
-    ),
+    "to gross slip": ("simulate", "yamada-2002-slip", "--set", "history.steps=50", "--budget", "0.01"),
     "simulate without readouts": (
         *("simulate", "yamada-2002-press", "--set", "history.steps=4"),
         *("--set", "readout.ridges=[]", "--set", "effects.film=none"),

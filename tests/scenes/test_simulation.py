@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,30 +19,15 @@ from skincad.scenes.march import LEVELS, Level
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level, simulate
 from tests.conftest import run_skincad
+from tests.processes import python
 from tests.shared_pads import forget
 from tests.small_scene import THIRD, small_scene
 
 KEYS = {
-    "name",
-    "effects",
-    "left_out",
-    "steps",
-    "stopped",
-    "time_s",
-    "normal_force_N",
-    "tangential_force_N",
-    "ridge_slip_intervals",
-    "ridge_slip_step",
-    "gross_slip_step",
-    "differential_stress_MPa",
-    "stress_rate_MPa_per_s",
-    "stress_jerk_MPa_per_s2",
-    "bandwidth_Hz",
-    "residual_max",
-    "energy",
-    "unknowns",
-    "seconds",
-    "warnings",
+    *("name", "effects", "left_out", "steps", "stopped", "time_s", "normal_force_N"),
+    *("tangential_force_N", "ridge_slip_intervals", "ridge_slip_step", "gross_slip_step"),
+    *("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2", "bandwidth_Hz"),
+    *("residual_max", "energy", "unknowns", "seconds", "warnings"),
 }
 SLIP = "yamada-2002-slip"
 # a third of the ridges: about a third of the forces
@@ -321,14 +304,7 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
         "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
     )
     small_scene(tmp_path, "yamada-2002-press", "readout.ridges=[]")  # its files
-    process = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    process = python(program, cwd=tmp_path)
     assert process.returncode == 0, process.stderr
     marched, after, heavy = process.stdout.split("\n")[:3]
     assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from skincad.outputs.simulators.links import Weight, combine, links, without
 from skincad.shape.curves import area
 from tests.consumers import gmsh
 from tests.outputs.simulators.conftest import PackageFolder
+from tests.processes import run_gmsh
 
 
 def box(mass: float, x: float, y: float, z: float, at: tuple[float, float, float]) -> Weight:
@@ -74,9 +74,7 @@ def by_gmsh(path: Path) -> tuple[float, np.ndarray, np.ndarray]:
     """Volume, centre and inertia about it, of density 1, that gmsh finds in a STEP file, mm."""
     script = path.with_suffix(".geo")
     script.write_text(SCRIPT.format(path=path))
-    process = subprocess.run(
-        ["gmsh", str(script), "-"], capture_output=True, text=True, check=True, timeout=300
-    )
+    process = run_gmsh(script)
     script.unlink()
     words = [float(w) for line in re.findall(r"FOUND (.*)", process.stdout) for w in line.split()]
     return words[0], np.array(words[1:4]), np.array(words[4:13]).reshape(3, 3)

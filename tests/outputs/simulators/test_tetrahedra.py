@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
 import meshio
@@ -16,6 +15,7 @@ from skincad.solids.skin import along_skin
 from tests.consumers import gmsh
 from tests.outputs.simulators import ccx
 from tests.outputs.simulators.conftest import DESIGNS
+from tests.processes import run_gmsh
 
 BARE = skincad.load_design("plain-ridges")
 SMALL = skincad.load_design("steep-fingertip")
@@ -95,9 +95,7 @@ def test_gmsh_finds_positive_jacobians_and_the_volume(tmp_path: Path) -> None:
     tets = tetrahedra(SMALL)
     (tmp_path / "skin.msh").write_text(msh(tets))
     (tmp_path / "ask.geo").write_text(ASK)
-    process = subprocess.run(
-        ["gmsh", "ask.geo", "-"], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300
-    )
+    process = run_gmsh(tmp_path / "ask.geo")
     output = process.stdout + process.stderr
     assert "Error" not in output
     least, evenness = (
