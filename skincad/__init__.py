@@ -124,7 +124,7 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
 
     @wraps(function)
     def call(*given: Any, **named: Any) -> R:
-        if "tier" in named and "model" in form.parameters:  # its name before
+        if "tier" in named and "model" in form.parameters and "model" not in named:  # its name before
             named["model"] = named.pop("tier")
         arguments = form.bind(*given, **named)
         for name in loaded:

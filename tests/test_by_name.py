@@ -83,3 +83,9 @@ def test_answers_are_those_of_what_is_loaded(tmp_path: Path) -> None:
     assert by_name.all_touch_force == by_design.all_touch_force
     assert skincad.section(tmp_path / "own.toml").top < skincad.section(design).top
     assert skincad.gain("transimpedance").name == "transimpedance"
+
+
+def test_a_model_has_a_second_name_but_not_two_at_once() -> None:
+    assert skincad.check("plain-ridges", tier="winkler").model == "winkler"  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="tier"):
+        skincad.check("plain-ridges", model="linear", tier="winkler")  # type: ignore[call-arg]

@@ -37,9 +37,9 @@ class ReportedItem:
     attribute that is None has no key.
     """
 
-    key: str
-    unit: str
-    meaning: str
+    unit: str = ""
+    meaning: str = ""
+    key: str = ""
     error: str = ""
     inline: bool = False
     null: bool = False
@@ -47,21 +47,13 @@ class ReportedItem:
 
 
 def item(
-    unit: str = "",
-    meaning: str = "",
-    *,
-    key: str = "",
-    error: str = "",
-    inline: bool = False,
-    null: bool = False,
-    optional: bool = False,
-    default: Any = MISSING,
-    compare: bool = True,
+    unit: str = "", meaning: str = "", *, default: Any = MISSING, compare: bool = True, **options: Any
 ) -> Any:
-    """Return a dataclass field that is reported; its key is its name and its unit unless `key` is given."""
-    declared = ReportedItem(
-        key=key, unit=unit, meaning=meaning, error=error, inline=inline, null=null, optional=optional
-    )
+    """Return a dataclass field that is reported; its key is its name and its unit unless `key` is given.
+
+    `options` are those of `ReportedItem`.
+    """
+    declared = ReportedItem(unit, meaning, **options)
     return field(default=default, compare=compare, metadata={"item": declared})
 
 
@@ -76,19 +68,10 @@ class ReportedProperty(Generic[T]):
 
 
 def reported(
-    unit: str = "",
-    meaning: str = "",
-    *,
-    key: str = "",
-    error: str = "",
-    inline: bool = False,
-    null: bool = False,
-    optional: bool = False,
+    unit: str = "", meaning: str = "", **options: Any
 ) -> Callable[[Callable[[Any], T]], ReportedProperty[T]]:
     """Make a method a property that is reported, as `item` does a field."""
-    declared = ReportedItem(
-        key=key, unit=unit, meaning=meaning, error=error, inline=inline, null=null, optional=optional
-    )
+    declared = ReportedItem(unit, meaning, **options)
     return lambda method: ReportedProperty(method, declared)
 
 

@@ -170,23 +170,23 @@ def march_coarse_steps(
     `seconds` have a stage of its own, as the price of the next mesh depends on the march's alone. The tick is
     told the history's steps, and the time left with the s `after` it."""
     scene, history, tick = on.scene, on.scene.history, on.tick
-    coarse_steps = _fewer(scene)
-    if whole.pad is None or coarse_steps.size > history.step_count:
+    indices = _fewer(scene)
+    if whole.pad is None or indices.size > history.step_count:
         return None
-    stage, began, last = "march with fewer steps", perf_counter(), coarse_steps.size - 1
+    stage, began, last = "march with fewer steps", perf_counter(), indices.size - 1
     if tick:
         tick(stage, 0)
 
     def told(step: int) -> None:
         if tick:
             left = (perf_counter() - began) * (last / step - 1)
-            tick(stage, int(coarse_steps[step]), left + after)
+            tick(stage, int(indices[step]), left + after)
 
     drives = history.drives()
     with one_blas_thread():
         ends = scene.law.limits(scene.design)
-        times, mass = history.times[coarse_steps], scene.plate.mass or 0.0
-        fewer = [drives[i] for i in coarse_steps]
+        times, mass = history.times[indices], scene.plate.mass or 0.0
+        fewer = [drives[i] for i in indices]
         coarse = march(whole.pad, times, fewer, scene.terms, told, (), mass, ends, on.partial)
     seconds[stage] = coarse.seconds
     return None if coarse.failed else coarse

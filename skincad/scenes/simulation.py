@@ -181,7 +181,9 @@ class Simulation(Result):
         """Name of the model that marched."""
         return model_of(self.scene)
 
-    @reported(meaning="steps of finite strain, between which the skin is linear; null: each or none")
+    @reported(
+        meaning="steps that are solved at finite strain, the skin linear in between; null: all, or none"
+    )
     def chosen_steps(self) -> list[int] | None:
         """Steps at which finite strain is solved, None where not by chosen steps."""
         return chosen_steps(self.march)

@@ -97,8 +97,9 @@ class Study(Document):
     @model_validator(mode="before")
     @classmethod
     def _second_name(cls, data: dict[str, Any]) -> dict[str, Any]:
-        """`model` was called `tier` before."""
-        return {"model" if key == "tier" else key: value for key, value in data.items()}
+        """`model` was called `tier` before; with both, `tier` is an unknown key."""
+        names = {} if "model" in data else {"tier": "model"}
+        return {names.get(key, key): value for key, value in data.items()}
 
     @model_validator(mode="after")
     def _rules(self) -> Self:

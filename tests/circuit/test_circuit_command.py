@@ -32,6 +32,7 @@ from skincad.circuit.model import (
     noise_sources,
 )
 from skincad.inputs.catalog import template_names
+from tests.circuit.sets import exact_calibration
 from tests.conftest import run_skincad
 from tests.refusals import refused_by, refused_command
 
@@ -179,15 +180,7 @@ def test_a_measured_curve_is_calibrated_to_less_its_rig(
 
     def calibrated(frequency: np.ndarray, level: np.ndarray, **_: object) -> Calibration:
         calls.append((frequency, level))
-        return Calibration(
-            constants=constants(circuit),
-            rms=0.0,
-            offset=0.0,
-            at_bounds=(),
-            combinations=(),
-            agreeing=1,
-            starts=1,
-        )
+        return exact_calibration(constants(circuit))
 
     circuit = load_circuit("yamada-2002")
     monkeypatch.setattr(bode, "calibrate", calibrated)

@@ -16,6 +16,7 @@ from skincad.circuit.bode import gain
 from skincad.circuit.calibrate import Calibration
 from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.response import fit_slopes
+from tests.circuit.sets import exact_calibration
 
 F = np.geomspace(10.0, 20_000.0, 400)
 
@@ -127,15 +128,7 @@ def test_a_measured_curve_is_fitted_to_its_end_or_the_sweeps(
 
     def calibrated(frequency: np.ndarray, *_: object, **__: object) -> Calibration:
         reached.append(frequency[-1])
-        return Calibration(
-            constants=constants(circuit),
-            rms=0.0,
-            offset=0.0,
-            at_bounds=(),
-            combinations=(),
-            agreeing=1,
-            starts=1,
-        )
+        return exact_calibration(constants(circuit))
 
     circuit = load_circuit("yamada-2002")
     monkeypatch.setattr(bode, "calibrate", calibrated)

@@ -63,6 +63,7 @@ def test_what_ships_can_be_asked(name: str) -> None:
         ({"tier": "lineer"}, "model: unknown model, got 'lineer'; did you mean 'linear'"),
         ({"judge": "x"}, "judge: unknown model"),
         ({"model": "auto"}, "must be one model"),
+        ({"model": "winkler", "tier": "linear"}, "tier: unknown key"),
         ({"constraints": [{"key": "yield"}]}, "needs at_least or at_most"),
         ({"objectives": [{"key": "approach", "goal": "least"}]}, "goal"),
         ({"objectives": [{"key": "a"}, {"key": "b"}], "optimiser": "cma"}, "nsga2 or sobol"),
