@@ -1,20 +1,16 @@
-"""All ladders whole: what each stage was expected to take, by the laws behind the bar, and what it took.
+"""All ladders whole: what each stage was expected to take, by what is behind the bar, and what it took.
 
 `python -m bench.bench_ladders [TEMPLATE] [--ladder NAME]... [--minutes M]` climbs the ladders one
 after the other; a ladder that is expected to end after M minutes is not begun, and said.
 
-`python -m bench.bench_ladders --law TEMPLATE...` solves every model on each template, keeps what the first
-one's took as `skincad accuracy` does, in a folder that is thrown away, and prints what the law then expects
-of each model against what it took: as it stands, and at the speed of that template's own linear model, as
-`check` takes it once that is solved; beside it the built-in law at that speed. Times are the processor's:
+`python -m bench.bench_ladders --prices TEMPLATE...` solves every model on each template and prints what
+`check` would expect of each by the time of the one before, against what it took. Times are the processor's:
 what else a busy machine does is not the models'."""
 
 from __future__ import annotations
 
 import argparse
-import os
 from contextlib import suppress
-from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from unittest.mock import patch
 
@@ -25,15 +21,14 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.inputs.design import Design
 from skincad.mechanics.models import table
 from skincad.mechanics.models.table import (
-    FOLDER_VARIABLE,
     MODELS,
-    own_seconds,
+    expected_seconds,
+    prerequisites,
     run,
-    save_timings,
     unsupported_reason,
 )
 from skincad.mechanics.problem import Answer, Request
-from skincad.studies.accuracy.contact import MESH, taken_of
+from skincad.studies.accuracy.contact import MESH
 from skincad.studies.accuracy.ladder import LADDERS, ladder_of
 
 REPEATS = 3
@@ -83,30 +78,22 @@ def solved(design: Design) -> dict[str, Answer]:
     return done
 
 
-def laws(names: list[str]) -> None:
-    """Print how right the law of time is that the first template's run leaves on this machine."""
-    head = f"{'expected':>10}{'took, s':>10}{'ratio':>8}{'at speed':>10}{'built in':>10}"
-    print(f"{f'law of {names[0]}':46}{head}")
-    with TemporaryDirectory() as folder, patch.object(table, "perf_counter", process_time):
-        os.environ[FOLDER_VARIABLE] = folder
+def prices(names: list[str]) -> None:
+    """Print how right the models' prices are on these templates."""
+    print(f"{'model':46}{'expected':>10}{'took, s':>10}{'ratio':>8}")
+    with patch.object(table, "perf_counter", process_time):
         for name in names:
             design = skincad.load(name, ["contact.friction=0"])
             done = solved(design)
-            counted = taken_of(design, done)
-            if name == names[0]:
-                save_timings(name, counted)
-            kept, built_in = ({model: law(model, design) for model in done} for law in (own_seconds, by_law))
-            for model in (model for model in done if MODELS[model].law.exponent):
-                took, linear = done[model].own_seconds, done["linear"].own_seconds
-                ratios = [told[model] / told["linear"] * linear / took for told in (kept, built_in)]
-                further = "" if model in counted else "  on finer meshes than the law counts"
-                line = f"  {name:20}{model:24}{kept[model]:10.2f}{took:10.2f}{kept[model] / took:8.2f}"
-                print(f"{line}{ratios[0]:10.2f}{ratios[1]:10.2f}{further}", flush=True)
-
-
-def by_law(model: str, design: Design) -> float:
-    """Return what the built-in law expects of a model's own part, s."""
-    return MODELS[model].law.at(MODELS[model].size(design))
+            before: dict[str, Answer] = {}
+            for model, answer in done.items():
+                if before and MODELS[model].price >= 1:
+                    ready = {*prerequisites(model)} & set(done)
+                    known = {one: done[one] for one in done if one in ready or one in before}
+                    expected = expected_seconds(model, design, known)
+                    line = f"  {name:20}{model:24}{expected:10.2f}{answer.own_seconds:10.2f}"
+                    print(f"{line}{expected / answer.own_seconds:8.2f}", flush=True)
+                before[model] = answer
 
 
 def main() -> None:
@@ -115,11 +102,10 @@ def main() -> None:
     parser.add_argument("template", nargs="?", default="yamada-2002")
     parser.add_argument("--ladder", action="append", choices=list(LADDERS))
     parser.add_argument("--minutes", type=float, default=10.0)
-    parser.add_argument("--law", nargs="+", metavar="TEMPLATE")
+    parser.add_argument("--prices", nargs="+", metavar="TEMPLATE")
     options = parser.parse_args()
-    os.environ[FOLDER_VARIABLE] = os.devnull  # the built-in law, whatever this machine's user has kept
-    if options.law:
-        laws(options.law)
+    if options.prices:
+        prices(options.prices)
         return
     design, began = skincad.load(options.template), perf_counter()
     print(f"{options.template:50}{'expected':>10}{'taken, s':>10}{'ratio':>8}")

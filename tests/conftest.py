@@ -32,14 +32,6 @@ from tests.processes import LIMIT
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _no_users_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """No test reads or writes what the user's own machine took."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SKINCAD_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
 def _one_command_line() -> Iterator[None]:
     """The parser of the command line is built once for all that is run in this process, not for each."""
     with pytest.MonkeyPatch.context() as patch:

@@ -47,5 +47,5 @@ def accuracy(
     design = skincad.load(source, settings, silicones=silicones)
     target = out_folder(folder, design.name, accuracies.COMMAND, accuracies.names(ladders))
     with stage_bar(1) as progress:
-        result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress).keep()
+        result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
     deliver(result, as_json, skincad.write(result, target))

@@ -30,14 +30,11 @@ from skincad.mechanics.models.table import (
     is_small_strain,
     load,
     model_named,
-    overhead_seconds,
     prerequisites,
     run,
-    seconds_at_size,
-    timing_cache,
     unsupported_reason,
 )
-from skincad.mechanics.plate_friction import PlateFriction
+from skincad.mechanics.plate_friction import PlateFriction, has_ends
 from skincad.mechanics.problem import (
     Answer,
     ContactError,
@@ -96,8 +93,9 @@ def check(
     """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
 
     `model` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
-    relative error of the all-touch force is `tol`; without `tol` until the verdict is clear; with a `budget`
-    in seconds, no further than it may last. If a model refuses, the verdict of the one before stands. With a
+    relative error of the all-touch force is `tol`; without `tol` until the verdict is clear and the error
+    that a better model removes is 3 %, if that ends within 15 s; with a `budget` in seconds, no further than
+    it may last. If a model refuses, the verdict of the one before stands. With a
     model named, `tol` and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights
     (columns ridge, crest_mm), to judge that part. `on_verdict` is called with each model's verdict as soon as
     it is known. Passed means: all touch, and the all-touch force with its error still lies at or below the
@@ -112,7 +110,6 @@ def check(
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     crest_offsets = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
-    notes += (trouble,) if (trouble := timing_cache().trouble) else ()
     selection = ModelSelection(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
         return selection.auto(tol, budget)
@@ -125,16 +122,18 @@ def check(
     return with_shortfall(verdict, tol, verdict.model_error)
 
 
-MAX_BUDGET_RATIO = 1.5  # predicted time over budget up to which the linear model is still tried
 MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is solved
 # The mesh's share of a requested tolerance: of models that leave effects out, and of complete ones
 MESH_SHARE, FULL_MODEL_MESH_SHARE = 0.3, 0.5
 FINEST_TOLERANCE = 5e-3  # relative; `auto` asks no finer mesh where the model's error dominates
 # s; without a tolerance or a budget, no model is started that would end later
-DEFAULT_BUDGET = 120.0
-LARGE_PAD_SECONDS = (
-    12.0  # s of the linear model by its law: such a pad starts on the coarsest mesh, as with a budget
-)
+DEFAULT_BUDGET = 30.0
+# Without a tolerance or a budget: a clear verdict still gets a model that leaves less out and ends within
+# SHARP_SECONDS, as long as the relative error that better models remove is above SHARP
+SHARP, SHARP_SECONDS = 0.03, 15.0
+LARGE_PAD = 100  # ridges; a larger pad starts on the coarsest mesh, as with a budget
+# Of the linear model's time: the yield's sample; friction on a section, a ridge, and on a solid
+YIELD_PRICE, FRICTION_PRICE, SOLID_FRICTION_PRICE = 0.5, 0.03, 2.0
 OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
 
 
@@ -163,7 +162,7 @@ class ModelSelection:
         """Try better models until the tolerance is met, the verdict is clear or the budget is used."""
         request = Request(self.force, None, None, self.crest_offsets, ridge_model=not self.crest_offsets)
         name = self.models[self._first_index(tol)]
-        large = tol is None and name == "linear" and _law_seconds("linear", self.design) > LARGE_PAD_SECONDS
+        large = tol is None and name == "linear" and skin_of(self.design).count > LARGE_PAD
         if name != "winkler" and (budget is not None or large):
             return self._within_budget(request, tol, budget)
         return self._select_from(name, request, tol, budget)
@@ -177,12 +176,6 @@ class ModelSelection:
         load(name)  # the library's import is no part of the budget
         self.started = perf_counter()
         try:
-            if (
-                least
-                and name == "linear"
-                and expected_seconds(name, self.design, set()) > MAX_BUDGET_RATIO * limit
-            ):
-                raise LateError(expected_seconds(name, self.design, set()))
             return self._select_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
         except LateError as late:
             check = self._model("winkler", replace(request, tol=FINEST_TOLERANCE))
@@ -225,16 +218,18 @@ class ModelSelection:
                     continue
                 check = before_refusal(check, name, refusal)
                 break
-            satisfied = (
-                budget is None and self._is_settled(check)
-                if tol is None
-                else self._meets_tolerance(check, tol)
-            )
-            if check.next_model is None or (
-                not exceeds_model(self.design, check) and (check.out_of_range or satisfied)
-            ):
+            satisfied, until = budget is None and self._is_settled(check), limit
+            if tol is not None:
+                satisfied = self._meets_tolerance(check, tol)
+            elif satisfied and is_decided(check) and self._may_be_sharper(check):
+                satisfied, until = False, SHARP_SECONDS
+            if check.next_model is None:
                 break
-            if limit is not None and self._spent() + check.next_model.seconds > limit:
+            if exceeds_model(self.design, check):
+                until = limit
+            elif check.out_of_range or satisfied:
+                break
+            if until is not None and self._spent() + check.next_model.seconds > until:
                 break
             name, request = check.next_model.model, replace(request, must_fit=False)
         check = without_mesh_tolerance(self._with_yield(check))
@@ -264,31 +259,45 @@ class ModelSelection:
             bounds = self._bounds(name, rough)
             value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
             relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
-            if relative - self._irreducible(bounds, tol) <= tol:
+            if relative - self._irreducible(name, bounds, tol) <= tol:
                 return i
         return len(self.models) - 1
 
     def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
         effects = (*MODELS[name].leaves_out, *self.friction.left_out(name))
-        return left_out(effects, self.design, answer, self.force)
+        bounds = left_out(effects, self.design, answer, self.force)
+        return (*bounds, *self.friction.unknown.get(name, ()))
 
-    def _irreducible(self, bounds: tuple[LeftOut, ...], tol: float) -> float:
+    def _irreducible(self, model: str, bounds: tuple[LeftOut, ...], tol: float) -> float:
         """The relative error that no model removes, if it alone exceeds the tolerance, else 0.
 
         The rest of the error must then meet the tolerance.
         """
-        part = self.friction.lasting_error(bounds)
+        part = self.friction.lasting_error(model, bounds)
         return part if part > tol - FINEST_TOLERANCE else 0.0
 
     def _meets_tolerance(self, check: ContactCheck, tol: float) -> bool:
         """Whether the tolerance is met, as far as any model can."""
-        spared = self._irreducible(check.left_out, tol) * (check.all_touch_force.value or 0.0)
+        spared = self._irreducible(check.model, check.left_out, tol) * (check.all_touch_force.value or 0.0)
         return relative_error(check, spared) <= tol
 
     def _is_settled(self, check: ContactCheck) -> bool:
         """Whether the verdict is clear, or an error that no model removes keeps it open."""
-        return is_decided(check) or is_undecidable(check, self.friction.lasting_error(check.left_out))
+        return is_decided(check) or is_undecidable(check, self._lasting(check))
+
+    def _may_be_sharper(self, check: ContactCheck) -> bool:
+        """Whether more than SHARP of the all-touch force is an error that the next model does not have."""
+        if check.next_model is None:
+            return False
+        left, later = MODELS[check.model].leaves_out, MODELS[check.next_model.model].leaves_out
+        if len(later) >= len(left):
+            return False
+        return relative_error(check, self._lasting(check) * (check.all_touch_force.value or 0.0)) > SHARP
+
+    def _lasting(self, check: ContactCheck) -> float:
+        """The relative error of the all-touch force that no better model removes."""
+        return self.friction.lasting_error(check.model, check.left_out)
 
     def _seconds_until_end(self, name: str) -> float:
         """Seconds from the start of the check to the end of a model started now."""
@@ -310,9 +319,7 @@ class ModelSelection:
             answer = run(model, self.design, request, self.solved, self.progress)
         refuse_crushed(self.design, self.force, name, answer.approach.value or 0.0)
         remaining = None if request.budget is None else request.budget - (self._spent() - started)
-        answer = self.friction.applied_to(
-            name, answer, remaining, overhead_seconds("friction", self.design) * self._speed()
-        )
+        answer = self.friction.applied_to(name, answer, remaining, self._friction_seconds(name))
         answer = answer.consistent(self.force)
         bounds = self._bounds(name, answer)
         self.with_model_errors[name] = known = with_model_error(answer, bounds, self.force)
@@ -400,12 +407,20 @@ class ModelSelection:
         return fault and f"at {self.force:g} N {fault}, which the model does not cover"
 
     def _yield_seconds(self) -> float:
-        """Seconds of the yield: measured, or predicted by its law at the speed seen so far."""
-        return (
-            0.0
-            if self.crest_offsets
-            else self.sampling_seconds or overhead_seconds("yield", self.design) * self._speed()
-        )
+        """Seconds of the yield: measured, or expected by the linear model's."""
+        if self.crest_offsets:
+            return 0.0
+        return self.sampling_seconds or YIELD_PRICE * self._linear_seconds()
+
+    def _friction_seconds(self, name: str) -> float:
+        """Expected seconds of the plate's friction on a solid, or on a section."""
+        section = FRICTION_PRICE * skin_of(self.design).count
+        return self._linear_seconds() * (SOLID_FRICTION_PRICE if has_ends(name) else section)
+
+    def _linear_seconds(self) -> float:
+        """Seconds of the linear model; 0 until it is solved."""
+        plane = self.solved.get("linear")
+        return plane.own_seconds if plane else 0.0
 
     def _yield_times(self, answer: Answer) -> dict[str, float]:
         """Time of the yield: of its ridge model, which the linear model built, and of the sample of parts."""
@@ -429,26 +444,13 @@ class ModelSelection:
         return NextModel(better[0], self._seconds(better[0]))
 
     def _seconds(self, name: str) -> float:
-        """Predicted seconds of a model from here, by its law at the speed seen so far, with the yield."""
-        return expected_seconds(name, self.design, set(self.solved)) * self._speed() + self._yield_seconds()
-
-    def _speed(self) -> float:
-        """Measured over predicted seconds of the linear model; 1 if that is not solved."""
-        plane = self.solved.get("linear")
-        if plane is None:
-            return 1.0
-        spent = math.fsum(s for stage, s in plane.seconds.items() if stage != "yield")
-        return spent / seconds_at_size("linear", plane.unknowns)
+        """Expected seconds of a model from here, by the last one's, with the yield."""
+        return expected_seconds(name, self.design, self.solved) + self._yield_seconds()
 
 
 def exceeds_model(design: Design, check: ContactCheck) -> bool:
     """Whether a small-strain model found large strains, so that a better model must judge."""
     return is_small_strain(check.model) and (bool(check.out_of_range) or exceeds_small_strain(design, check))
-
-
-def _law_seconds(name: str, design: Design) -> float:
-    """Return the seconds of a model by its law alone: the same on every machine."""
-    return MODELS[name].law.at(MODELS[name].size(design))
 
 
 def mesh_tolerance(name: str, tol: float | None) -> float:

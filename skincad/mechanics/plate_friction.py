@@ -1,8 +1,9 @@
-"""Friction between skin and plate in a check: bounded, or computed once for all models.
+"""Friction between skin and plate in a check: bounded in closed form, or computed once for all models.
 
-Models press without friction. Without `contact.friction`, a bound for friction is part of the error. With it,
-each model's answer gets the change that friction makes on a coarse mesh (models/friction.py). The closed form
-keeps the bound, since a mesh costs a thousand times as much. At 0 nothing is left out.
+Models press without friction. Those with free ends get what friction changes on a coarse solid, with
+`contact.friction` or, where that is not given, between none and much (models/friction.py). Those without free
+ends get the change on a section if the coefficient is known, else a bound: what they leave out at the ends is
+more. The closed form keeps the bound. At 0 nothing is left out.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from skincad.base.errors import ExhaustedError, InputError, resource_guard
 from skincad.inputs.design import Design
-from skincad.mechanics.left_out import ALONG, FREE_ENDS, FRICTION, LeftOut
+from skincad.mechanics.left_out import ALONG, FINITE_STRAIN, FREE_ENDS, FRICTION, LeftOut, finite_strain
 from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import Answer, ContactError
 
@@ -30,64 +31,70 @@ class PlateFriction:
     def __init__(self, design: Design, force: float, crest_offsets: tuple[float, ...]) -> None:
         self.design, self.force, self.crest_offsets = design, force, crest_offsets
         self.coefficient = design.contact.friction
-        self.solved: TwoPresses | None = None
-        self.failed = ""
+        self.solved: dict[bool, TwoPresses] = {}  # with free ends, and without
+        self.failed: dict[bool, str] = {}  # of which it could not be computed, and why
+        self.unknown: dict[str, tuple[LeftOut, ...]] = {}  # what an unknown coefficient leaves open, by model
         self.seconds = 0.0
 
     def left_out(self, model: str) -> tuple[str, ...]:
-        """Names of the friction effects that a model neglects.
+        """Names of the friction effects that a model leaves out, bounded in closed form.
 
-        Friction along y matters where ends are free, unless bonded strips hold the ridges. No model computes
-        it.
+        Friction along y matters where ends are free, unless bonded strips hold the ridges.
         """
-        if self.coefficient == 0.0:
+        ends = has_ends(model)
+        if self.coefficient == 0.0 or (model != CLOSED_FORM and ends in self.solved):
             return ()
-        unknown = self._unknown or model == CLOSED_FORM
-        free = model != CLOSED_FORM and FREE_ENDS not in MODELS[model].leaves_out
-        along = free and self.design.film_state != "bonded"
-        return (*([FRICTION] if unknown else []), *([ALONG] if along else []))
+        if not ends:
+            computed = model != CLOSED_FORM and self.coefficient is not None and ends not in self.failed
+            return () if computed else (FRICTION,)
+        return (FRICTION,) if self.design.film_state == "bonded" else (FRICTION, ALONG)
 
-    def lasting_error(self, bounds: tuple[LeftOut, ...]) -> float:
-        """The relative error of the all-touch force that no model removes."""
-        lasting = (FRICTION, ALONG) if self._unknown else (ALONG,)
-        return math.fsum(bound.threshold for bound in bounds if bound.effect in lasting)
-
-    @property
-    def _unknown(self) -> bool:
-        """Whether the coefficient is not given, or of no use."""
-        return self.coefficient is None or bool(self.failed)
+    def lasting_error(self, model: str, bounds: tuple[LeftOut, ...]) -> float:
+        """The relative error of the all-touch force that no model after this one removes."""
+        lasting = [bound.threshold for bound in bounds if bound.effect in (FRICTION, ALONG)]
+        return math.fsum(lasting) if has_ends(model) else 0.0
 
     def applied_to(self, model: str, answer: Answer, available: float | None, price: float) -> Answer:
-        """Return a model's answer with friction, if that is known and the model is not the closed form.
+        """Return a model's answer with friction, unless the model is the closed form.
 
         If friction cannot be computed, or its `price`, s, exceeds the `available` time, a warning says so and
         its bound stays.
         """
-        if not self.coefficient or model == CLOSED_FORM:
+        ends = has_ends(model)
+        if self.coefficient == 0.0 or model == CLOSED_FORM or not (ends or self.coefficient):
             return answer
-        if self.solved is None and not self.failed:
+        if ends not in self.solved and ends not in self.failed:
             if available is not None and price > available:
-                self.failed = f"would take about {price:.2g} s"
+                self.failed[ends] = f"would take about {price:.2g} s"
             else:
-                self._solve()
-        if self.solved is None:
-            words = f"contact.friction is left out, within its bound: {self.failed}"
+                self._solve(ends)
+        if ends not in self.solved:
+            words = f"contact.friction is left out, within its bound: {self.failed[ends]}"
             return replace(answer, warnings=(*answer.warnings, words))
         from skincad.mechanics.models.friction import with_friction
 
-        changed = with_friction(answer, self.solved, self.force)
+        large = FINITE_STRAIN not in MODELS[model].leaves_out
+        strain = finite_strain(self.design, answer, self.force) if large else None
+        known = self.coefficient is not None
+        changed, self.unknown[model] = with_friction(
+            answer, self.solved[ends], self.force, known=known, strain=strain
+        )
         return replace(changed, seconds={**answer.seconds, "friction": self.seconds})
 
-    def _solve(self) -> None:
+    def _solve(self, ends: bool) -> None:
         from skincad.mechanics.models.corrected import plain_pad
-        from skincad.mechanics.models.friction import solve
+        from skincad.mechanics.models.friction import FULL, solve, solve_solid
 
-        began = perf_counter()
+        began, press = perf_counter(), solve_solid if ends else solve
+        coefficient = FULL if self.coefficient is None else self.coefficient
         try:
             with resource_guard("the press with friction"):
-                self.solved = solve(
-                    plain_pad(self.design), self.coefficient or 0.0, self.force, self.crest_offsets
-                )
+                self.solved[ends] = press(plain_pad(self.design), coefficient, self.force, self.crest_offsets)
         except (ContactError, ExhaustedError, InputError) as failure:
-            self.failed = str(failure)
-        self.seconds = perf_counter() - began
+            self.failed[ends] = str(failure)
+        self.seconds += perf_counter() - began
+
+
+def has_ends(model: str) -> bool:
+    """Return whether a model computes a pad's free ends."""
+    return model != CLOSED_FORM and FREE_ENDS not in MODELS[model].leaves_out

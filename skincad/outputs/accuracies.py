@@ -70,7 +70,6 @@ def lines(accuracy: Accuracy) -> list[str]:
         + ", ".join(f"{name} {version}" for name, version in versions.items()),
         f"Times are medians of {accuracy.repeats} runs, ± half from the shortest to the longest; trials "
         f"that take long run once. The whole took {accuracy.seconds:.0f} s.",
-        *([accuracy.cache_note] if accuracy.cache_note else []),
     ]
 
 

@@ -6,7 +6,6 @@ same design gives the same bytes.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from html import escape
 from typing import TYPE_CHECKING, cast
@@ -19,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import spread_of
 from skincad.mechanics.manufacture import sensitivities
 from skincad.mechanics.models import winkler
-from skincad.mechanics.models.table import MODELS, prerequisites
+from skincad.mechanics.models.table import MODELS, whole_price
 from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits
@@ -283,35 +282,33 @@ def forces_figure(check: ContactCheck, command: str) -> str:
 
 def models_section(build: Build, check: ContactCheck, command: str) -> str:
     """Return the models tried on the way, and their error against time."""
-    design, known = build.design, {run.model: run.unknowns for run in check.models_tried}
-    known[check.model] = check.unknowns
+    design = build.design
     springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
     models = [(run.model, run.all_touch_force, run.unknowns) for run in check.models_tried]
     models.append((check.model, check.all_touch_force, check.unknowns))
     if "winkler" not in {name for name, *_ in models}:
         models.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
 
-    def seconds(name: str) -> float:
-        names = (*prerequisites(name), name)
-        return math.fsum(MODELS[n].law.at(known.get(n) or MODELS[n].size(design)) for n in names)
-
     rows, points = [], []
     for name, force, unknowns in models:
         left = SPRINGS if name == "winkler" else (*MODELS[name].leaves_out, *plate.left_out(name))
-        rows.append((name, ", ".join(left) or "none of these", unknowns, f"{seconds(name):.2g}", str(force)))
+        rows.append(
+            (name, ", ".join(left) or "none of these", unknowns, f"{whole_price(name):.2g}", str(force))
+        )
         if force.value and force.error:
-            points.append((name, seconds(name), force.error / force.value))
-    head = ("model", "leaves out", "unknowns", "predicted time, s", "all ridges touch from")
+            points.append((name, whole_price(name), force.error / force.value))
+    head = ("model", "leaves out", "unknowns", "usual time, linear = 1", "all ridges touch from")
     law = (
-        "Times are predicted for one core, not measured in this run, so that the same design gives the same "
-        "report; winkler is the closed form below. The error includes what a model leaves out."
+        "Times are those usual for a skin with film, in the linear model's; they are not measured in this "
+        "run, so that the same design gives the same report. winkler is the closed form below. The error "
+        "includes what a model leaves out."
     )
     drawn = ""
     if len(points) > 1:
         address = data_url(svg(models_figure(points)), SVG)
         drawn = figure(
             address,
-            "Error of the models asked against their predicted time; diamond: the one that gave the verdict.",
+            "Error of the models asked against their usual time; diamond: the one that gave the verdict.",
             command,
         )
     return heading("Models asked", "models") + table(head, rows) + paragraph(law, "small") + drawn

@@ -20,7 +20,7 @@ from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
 from skincad.base.result import Result, item, record, reported
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import MODELS, expected_seconds, unsupported_reason
+from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
 from skincad.studies.query import Evaluation, Query, first_able, question_of, resolved, worded
 from skincad.studies.running import Log, Run, Values
@@ -306,8 +306,9 @@ def sweep(
     if run.log is not None:
         run.log.close()
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
-    following = _next_model(subject, question, rankings[0]) if rankings else None
     seconds = perf_counter() - began
+    of_row = seconds * workers / max(run.evaluated, 1)
+    following = _next_model(subject, question, rankings[0], of_row) if rankings else None
     return SweepResult(
         subject=subject,
         question=question,
@@ -376,8 +377,11 @@ def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | Non
     return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
 
 
-def _next_model(subject: Subject, question: Query, ranking: Ranking) -> NextModel | None:
-    """The next model that leaves less out, and its seconds for the rows that tie for the first place."""
+def _next_model(
+    subject: Subject, question: Query, ranking: Ranking, seconds_of_row: float
+) -> NextModel | None:
+    """The next model that leaves less out, and its seconds for the rows that tie for the first place, by what
+    a row took."""
     if question.kind != "check" or not ranking.ties or not ranking.ranks or not isinstance(subject, Design):
         return None
     first = ranking.ties[0]
@@ -388,5 +392,6 @@ def _next_model(subject: Subject, question: Query, ranking: Ranking) -> NextMode
     least = math.inf if rough else len(MODELS[question.model].leaves_out)
     for name in names[names.index(question.model) + 1 :]:
         if not unsupported_reason(name, subject, False) and len(MODELS[name].leaves_out) <= least:
-            return NextModel(name, len(first) * expected_seconds(name, subject, set()))
+            dearer = whole_price(name) / whole_price(question.model)
+            return NextModel(name, len(first) * seconds_of_row * dearer)
     return None

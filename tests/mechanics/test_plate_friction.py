@@ -6,16 +6,17 @@ import pytest
 
 from skincad import load
 from skincad.inputs.design import Design
-from skincad.mechanics.check import check
-from skincad.mechanics.left_out import friction, friction_along
+from skincad.mechanics import check as adaptivity
+from skincad.mechanics.check import ModelSelection, check
+from skincad.mechanics.left_out import finite_strain, friction, friction_along
 from skincad.mechanics.models import friction as pressing
 from skincad.mechanics.models.corrected import plain_pad
-from skincad.mechanics.models.friction import solve
-from skincad.mechanics.plate_friction import PlateFriction
+from skincad.mechanics.models.friction import LOST, PLANE_PART, solve, solve_solid, with_friction
 from skincad.mechanics.problem import ContactError, SizeError
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.checks import lines
 from tests.mechanics.designs import SHORT, linear_check, reference
+from tests.mechanics.models.test_friction import exact
 from tests.mechanics.test_touching import LEFT, MadeUp
 
 
@@ -30,6 +31,16 @@ def smooth() -> ContactCheck:
 
 def of(verdict: ContactCheck) -> list[str]:
     return [part.effect for part in verdict.left_out]
+
+
+def without_presses(patch: pytest.MonkeyPatch) -> None:
+    """No press with friction succeeds, so that its bound stays."""
+
+    def fails(*_: object) -> None:
+        raise ContactError("the sets do not settle")
+
+    patch.setattr(pressing, "solve", fails)
+    patch.setattr(pressing, "solve_solid", fails)
 
 
 def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
@@ -65,20 +76,20 @@ def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck
 
 
 def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(*_: object) -> None:
-        raise ContactError("the sets do not settle")
-
-    monkeypatch.setattr(pressing, "solve", fails)
+    without_presses(monkeypatch)
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
-    verdict = check(load("yamada-2002").with_(contact={"friction": 15.0}), model="linear")
-    assert of(verdict) == ["free ends", "finite strain", "friction"]
-    assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
+    design = load("yamada-2002").with_(contact={"friction": 15.0})
+    for model, effects in (("linear", ["free ends", "finite strain"]), ("corrected", ["finite strain"])):
+        verdict = check(design, model=model)
+        assert of(verdict) == [*effects, "friction"]
+        assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
 
 
 def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
     MadeUp(monkeypatch)
+    monkeypatch.setattr(ModelSelection, "_linear_seconds", lambda _: 2.0)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
     assert "friction" in of(verdict)
@@ -97,6 +108,8 @@ def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.
 def test_along_y_it_counts_where_ends_are_free(
     name: str, model: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Where no press tells: bounds in closed form."""
+    without_presses(monkeypatch)
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.1)
@@ -118,6 +131,7 @@ def test_along_y_it_counts_where_ends_are_free(
 def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
     tol: float, model: str, said: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    without_presses(monkeypatch)
     MadeUp(monkeypatch)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), tol=tol)
@@ -139,7 +153,10 @@ def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
 def test_no_model_is_climbed_for_what_friction_leaves_open(
     value: float, model: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    without_presses(monkeypatch)
     MadeUp(monkeypatch, value)
+    monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 40.0)
+    monkeypatch.setattr(adaptivity, "SHARP_SECONDS", 0.0)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), force=4.0)
     assert verdict.model == model
@@ -159,18 +176,75 @@ def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch:
 
 def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Along y none computes it: what is said of a missed tolerance names the effect alone."""
+    without_presses(monkeypatch)
     fake = MadeUp(monkeypatch)
     fake.mesh = 0.01
     monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.2)
-    monkeypatch.setattr(PlateFriction, "applied_to", lambda *arguments: arguments[2])
     verdict = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
-    assert verdict.model == "corrected"  # 0.1 and its mesh; 0.2 stays in any case
+    assert verdict.model == "corrected"  # 0.1 and its mesh; 0.23 stays in any case
     assert [w for w in verdict.warnings if "not met" in w] == [
-        "the all-touch force's error is 0.31 of its value: the tolerance 0.12 is not met; "
-        "friction along y may change it by 0.2"
+        "the all-touch force's error is 0.34 of its value: the tolerance 0.12 is not met; "
+        "friction may change it by 0.03 and friction along y may change it by 0.2"
     ]
     assert verdict.friction == verdict.as_json()["friction"] == 0.5
+
+
+@pytest.fixture(scope="module")
+def corrected() -> dict[float | None, ContactCheck]:
+    return {c: check(small(c), model="corrected", tol=0.05) for c in (None, 0.0, 0.3, 1.0)}
+
+
+def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
+    corrected: dict[float | None, ContactCheck],
+) -> None:
+    """The middle of both; what is left out is half their distance."""
+    unknown = corrected[None]
+    assert of(unknown) == ["finite strain", "friction"]
+    assert all(of(corrected[known]) == ["finite strain"] for known in (0.0, 0.3, 1.0))
+    for name, key in (("all_touch_force", "threshold"), ("approach", "approach")):
+        none, much = (getattr(corrected[known], name).value for known in (0.0, 1.0))
+        middle = getattr(unknown, name)
+        assert middle.value == pytest.approx((none + much) / 2, rel=1e-9)
+        assert getattr(unknown.left_out[-1], key) * middle.value == pytest.approx(
+            abs(much - none) / 2 * middle.value / none, rel=1e-9
+        )
+        assert middle.lower <= min(none, much) <= max(none, much) <= middle.upper
+        between = getattr(corrected[0.3], name).value
+        assert min(none, much) < between < max(none, much)
+    assert unknown.seconds["friction"] > 0
+    assert any("N for leaving out friction" in line for line in lines(unknown))
+
+
+def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactCheck]) -> None:
+    """Ends that cannot bulge take less from the all-touch force: more than friction on a section changes."""
+    none, much = corrected[0.0].all_touch_force.value, corrected[1.0].all_touch_force.value
+    section = solve(plain_pad(small(1.0)), 1.0, 0.65)
+    in_plane = section.gripped.all_touch_force / section.without.all_touch_force - 1
+    assert much / none - 1 > in_plane + 0.03
+
+
+def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
+    """By finite strain's bound; a section at finite strain keeps a quarter, and as much as all is the
+    error."""
+    design = small(1.0)
+    large = finite_strain(design, linear_check(small(0.0), tol=0.05), 0.65)
+    section, solid = solve(plain_pad(design), 1.0, 0.65), solve_solid(plain_pad(design), 1.0, 0.65)
+    fine = exact(solid.without)
+    for presses in (section, solid):
+        small_strain, _ = with_friction(fine, presses, 0.65)
+        changed, left = with_friction(fine, presses, 0.65, strain=large)
+        change = small_strain.all_touch_force.value / fine.all_touch_force.value - 1
+        by_strain = changed.all_touch_force.value / fine.all_touch_force.value - 1
+        first, last = small_strain.all_touch_force, changed.all_touch_force
+        more = last.error / last.value - first.error / first.value
+        assert left == ()
+        if presses is solid:
+            assert by_strain == pytest.approx(change - LOST.threshold * large.threshold / 2, rel=1e-9)
+            assert more == pytest.approx(LOST.threshold * large.threshold / 2, rel=1e-6)
+        else:
+            assert by_strain == pytest.approx(PLANE_PART * change, rel=1e-9)
+            assert more == pytest.approx(abs(change), rel=1e-6)
 
 
 def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:

@@ -79,7 +79,7 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(monkeypatch: pytest.
 def test_a_pad_of_very_many_ridges_ends_with_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """999 ridges had no answer in 250 s. Here every pad is large, and there is no time."""
     monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 1e-6)
-    monkeypatch.setattr(adaptivity, "LARGE_PAD_SECONDS", 0.0)
+    monkeypatch.setattr(adaptivity, "LARGE_PAD", 0)
     verdict = check(load("plain-ridges", ["contact.force=3.0"]))
     assert verdict.model == "winkler"
     assert any("without --budget a check takes about" in note for note in verdict.warnings)

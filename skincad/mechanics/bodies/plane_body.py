@@ -329,6 +329,10 @@ class PlaneLinearised:
         negative = self.small.pivots < 0
         return int(negative[: -len(self.small.flexibility)].sum()), int(negative.sum())
 
+    def rebalanced(self, _: Array, residual: Array) -> PlaneLinearised:
+        """Return the same tangent, the body's latest, at another state nearby with its `residual`."""
+        return replace(self, tangent=under(self.body, self.tangent.matrix, residual))
+
     def antisymmetric(self) -> PlaneLinearised | None:
         """Return the same tangent for antisymmetric movements: on a half's cut z is held and x is not."""
         body = self.body

@@ -170,7 +170,8 @@ class Solid:
     """The condensed solid: `flexibility` `(k, k)` of the contact unknowns, seen like a section's.
 
     `rigid_body_error` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns
-    by 1: the factorisation's rounding error. `along` `(points,)` is y of the contact points.
+    by 1: the factorisation's rounding error. `along` `(points,)` is y of the contact points. `in_plane`
+    `(3 k, 3 k)` is the flexibility of movements along x, z and y, 0 where one is held; () unless asked for.
     """
 
     seen: ContactStiffness
@@ -178,6 +179,7 @@ class Solid:
     along: Array
     rigid_body_error: float
     unknowns: int
+    in_plane: Array
 
 
 @dataclass(frozen=True)
@@ -247,16 +249,25 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     return Prisms(section.reshape(count, 8, -1), np.array(along).reshape(8, -1), unknowns.reshape(count, -1))
 
 
-def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped_end: bool = False) -> Solid:
+def condensed(
+    forms: SectionForms,
+    line: AlongY,
+    *,
+    plane: bool = False,
+    clamped_end: bool = False,
+    in_plane: bool = False,
+) -> Solid:
     """Return the solid seen by the plate: half of the length, u_y = 0 at y = 0, the end free.
 
-    With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain.
+    With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain. With
+    `in_plane` the flexibility along x and y is returned too.
     """
     solid = prisms(forms, line)
     count, layers = forms.clamped.size, line.at.size
     free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
-    fronts, unknowns = fronts_of(forms, free)
+    last = np.concatenate([flat - count, flat, flat + count]) if in_plane else flat
+    fronts, unknowns = fronts_of(forms, free, last)
     fixed, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
     fixed[1] = (forms.plane.lift[count : 2 * count] * forms.clamped)[:, None]
     for triangle in np.flatnonzero(forms.clamped[forms.functions].any(axis=1)).tolist():
@@ -274,11 +285,20 @@ def condensed(forms: SectionForms, line: AlongY, *, plane: bool = False, clamped
             "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
         ) from None
     flexibility = linalg.cho_solve(root, np.eye(load.size), check_finite=False)
+    flexibility, moved = (flexibility + flexibility.T) / 2, flexibility @ load
+    whole = np.zeros((0, 0))
+    if in_plane:
+        place = np.full(free.size, -1)
+        place[np.arange(free.size).reshape(3 * count, layers)[last].ravel()] = np.arange(last.size * layers)
+        able, lifted = place[unknowns(fronts[-1].border)], np.zeros(last.size * layers)
+        whole = np.zeros((lifted.size, lifted.size))
+        whole[np.ix_(able, able)], lifted[able] = flexibility, moved
+        flexibility, moved = np.split(np.split(whole, 3)[1], 3, axis=1)[1], np.split(lifted, 3)[1]
     expected = np.repeat(forms.plane.lift[flat], layers)
-    rigid_body_error = float(np.abs(flexibility @ load + expected).max())
+    rigid_body_error = float(np.abs(moved + expected).max())
     seen = seen_by_plate(forms.plane, line)
     along = np.repeat(line.at, forms.plane.nodes.weight.size)
-    return Solid(seen, (flexibility + flexibility.T) / 2, along, rigid_body_error, int(free.sum()))
+    return Solid(seen, flexibility, along, rigid_body_error, int(free.sum()), whole)
 
 
 def free_unknowns(
@@ -302,8 +322,10 @@ def free_unknowns(
     return np.asarray(free)
 
 
-def fronts_of(forms: SectionForms, free: Mask) -> tuple[list[Front], Unknowns]:
-    """Return fronts over (component, section function), contact functions last, held ones left out."""
+def fronts_of(forms: SectionForms, free: Mask, last: Index | None = None) -> tuple[list[Front], Unknowns]:
+    """Return fronts over (component, section function), held ones left out; the `last` are never eliminated,
+    those of the contact along z unless given."""
+    last = forms.plane.contact if last is None else last
     count = forms.clamped.size
     mask = free.reshape(3 * count, -1)
     numbers = np.arange(mask.size).reshape(mask.shape)
@@ -316,7 +338,7 @@ def fronts_of(forms: SectionForms, free: Mask) -> tuple[list[Front], Unknowns]:
     def unknowns(functions: Index) -> Index:
         return np.asarray(numbers[functions][mask[functions]])
 
-    return dissection(functions, forms.centres, forms.plane.contact), unknowns
+    return dissection(functions, forms.centres, last[wanted[last]]), unknowns
 
 
 def seen_by_plate(plane: ContactStiffness, line: AlongY) -> ContactStiffness:

@@ -136,6 +136,10 @@ class SolidLinearised:
         """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
         return 0, self.small.negative_eigenvalues
 
+    def rebalanced(self, state: Array, residual: Array) -> SolidLinearised:
+        """Return the same tangent at another state nearby with its `residual`."""
+        return replace(self, state=state, residual=residual)
+
     def antisymmetric(self) -> SolidLinearised | None:
         """Return the same tangent for antisymmetric movements: on a half's cut z and y are held."""
         return self.body.linearised_antisymmetric(self.state, self.residual)

@@ -41,6 +41,9 @@ class LinearisedBody(Protocol):
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
 
+    def rebalanced(self, state: Array, residual: Array) -> LinearisedBody:
+        """Return the same tangent, the body's latest, at another state nearby with its `residual`."""
+
     def antisymmetric(self) -> LinearisedBody | None:
         """Return the half of a mirrored body linearised for antisymmetric movements, for which nothing on its
         cut moves up; None of a whole body. ContactError where that is singular."""
@@ -78,11 +81,13 @@ class Elastic(Protocol):
 ITERATIONS = 6  # of the inverse iteration; the weakest movement is 10 times weaker than most others
 
 
-def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: NodalContact) -> bool:
+def stable(
+    body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: NodalContact, *, both: bool = True
+) -> bool:
     """Whether an equilibrium is stable under a plate with a dead load: the tangent positive definite for all
     movements in which the touching points move with the plate.
 
-    Of a half both kinds of movements are looked at.
+    Of a half `both` kinds of movements are looked at, or the symmetric ones alone.
     """
     fixed_count, free = linear.negative_eigenvalues
     points = np.flatnonzero(contact.active)
@@ -91,6 +96,8 @@ def stable(body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: Nodal
         return False
     if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
         return False  # the plate's own stiffness
+    if not both:
+        return True
     try:
         antisymmetric = linear.antisymmetric()
     except ContactError:  # it has no such tangent
@@ -168,6 +175,10 @@ MAX_STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
 ROUNDING = 1e-14  # of E times the unit length: what a residual is worth under the lightest loads
 FALLING = 0.1  # of the last residual, in a step; rounding does not fall
+# Of the contact forces' norm: a tangent from further away does not tell whether the state is stable, and is
+# not kept. One that leaves more than SLOW of a residual is replaced: in three dimensions a new one takes as
+# long as five steps with the old, and squares what each of them divides
+NEAR, SLOW = 1e-2, 0.1
 SHORTEST = 1 / 64  # of a Newton step; one that is still inside out then has lost its way
 UNSTABLE = "no stable equilibrium, a ridge tips over or its tip folds"
 
@@ -202,11 +213,21 @@ class PressedPad(Generic[AnyBody_co]):
 
 
 @dataclass(frozen=True)
+class PadTangent:
+    """A body linearised where the residual was `residual` of the contact forces, and its contact."""
+
+    linear: LinearisedBody
+    ridges: Ridges
+    residual: float
+
+
+@dataclass(frozen=True)
 class PressedState:
     """An equilibrium at `force`: unknowns `values` `(n,)`, the contact and the plate's `approach`.
 
     `ridges` is the contact linearised here; `residual` is relative to the contact forces' norm and
-    `history` holds it for each step on the way. In the pad's units.
+    `history` holds it for each step on the way. In the pad's units. `tangent` is the last one, at a state
+    nearby.
     """
 
     values: Array
@@ -216,22 +237,33 @@ class PressedState:
     ridges: Ridges
     residual: float
     history: tuple[float, ...]
+    tangent: PadTangent
 
 
-def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | None = None) -> PressedState:
+def newton(
+    pad: PressedPad[Elastic],
+    start: Array,
+    load: Load,
+    active: Mask | None = None,
+    tangent: PadTangent | None = None,
+    stable_to: float = 0.0,
+) -> PressedState:
     """Return the equilibrium near `start` `(n,)`, where `active` `(m,)` touches, at the force that `load`
     asks for.
 
-    A step is halved while it turns a point of an element inside out. Raises DivergedError when the residual
-    stays above RESIDUAL, or when the equilibrium is not stable.
+    The first step takes a `tangent` from another state, if given. Up to the force `stable_to` antisymmetric
+    movements are known to be stable. A step is halved while it turns a point of an element inside out. Raises
+    DivergedError when the residual stays above RESIDUAL, or when the equilibrium is not stable.
     """
     body, values = pad.body, start
     history: list[float] = []
     unbalanced = body.residual(values)
     for _ in range(MAX_STEPS):
         safe_point()
-        linear = linearised(body, values, unbalanced)
-        ridges, base = seen_by_plate(pad, values, linear)
+        if tangent is None:
+            tangent = _tangent_at(pad, values, unbalanced, history[-1] if history else np.inf)
+        linear = tangent.linear.rebalanced(values, unbalanced)
+        ridges, base = seen_by_plate(pad, tangent.ridges, values, linear)
         force, contact = contact_under(ridges, load, active)
         active = contact.active
         push = np.zeros_like(values)
@@ -243,7 +275,10 @@ def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | No
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
         if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale) and not _falls(history):
-            if not stable(body, linear, ridges, contact):
+            if tangent.residual > NEAR:
+                tangent = _tangent_at(pad, values, unbalanced, history[-1])
+                ridges, _ = seen_by_plate(pad, tangent.ridges, values, tangent.linear)
+            if not stable(body, tangent.linear, ridges, contact, both=force > stable_to):
                 raise UnstableError(UNSTABLE)
             return PressedState(
                 values=values,
@@ -253,11 +288,22 @@ def newton(pad: PressedPad[Elastic], start: Array, load: Load, active: Mask | No
                 ridges=ridges,
                 residual=history[-1],
                 history=tuple(history),
+                tangent=tangent,
             )
+        near = share == 1.0 and tangent.residual <= NEAR and len(history) > 1
+        if not near or history[-1] > SLOW * history[-2]:
+            tangent = None
     raise DivergedError(
         "no equilibrium is found, as where a tip or a fillet folds "
         f"(residual {history[-1]:.1e} of the contact force after {MAX_STEPS} steps)"
     )
+
+
+def _tangent_at(pad: PressedPad[Elastic], values: Array, unbalanced: Array, residual: float) -> PadTangent:
+    linear = linearised(pad.body, values, unbalanced)
+    ridges = Ridges.of(pad.body.rest, linear.flexibility, pad.top)
+    ridges = replace(ridges, definite=not any(linear.negative_eigenvalues))
+    return PadTangent(linear, ridges if pad.drops is None else ridges.lowered(pad.drops), residual)
 
 
 def _falls(history: list[float]) -> bool:
@@ -287,18 +333,16 @@ def linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBod
         raise UnstableError(UNSTABLE) from None
 
 
-def seen_by_plate(pad: PressedPad[Elastic], values: Array, linear: LinearisedBody) -> tuple[Ridges, float]:
-    """Return the contact as the plate sees it, its gaps those of the linearised body without contact forces.
+def seen_by_plate(
+    pad: PressedPad[Elastic], ridges: Ridges, values: Array, linear: LinearisedBody
+) -> tuple[Ridges, float]:
+    """Return the contact `ridges` as the plate sees it, its gaps those of the linearised body without contact
+    forces.
 
     Gaps count from the lowest one, which is returned too.
     """
     rest = pad.body.rest
     unloaded = (values + linear.move(np.zeros_like(values)))[rest.contact]
-    ridges = replace(
-        Ridges.of(rest, linear.flexibility, pad.top), definite=not any(linear.negative_eigenvalues)
-    )
-    if pad.drops is not None:
-        ridges = ridges.lowered(pad.drops)
     gap = ridges.gap - rest.nodes.rows @ unloaded
     fine_gap = ridges.fine_gap - rest.fine.rows @ unloaded
     base = float(gap.min())
@@ -323,8 +367,16 @@ def _constant_load(force: float) -> Load:
     return lambda *_: force
 
 
-def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None) -> PressedState:
-    """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes.
+def at_rest(pad: PressedPad[Elastic]) -> PadTangent:
+    """Return the pad linearised at rest: the pad of small strain."""
+    return _tangent_at(pad, rest := np.zeros(pad.body.free.size), rest, np.inf)
+
+
+def press_to(
+    pad: PressedPad[Elastic], force: float, guess: Array | None = None, rest: PadTangent | None = None
+) -> PressedState:
+    """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes;
+    `rest` is the tangent there, if it is at hand.
 
     From rest the first step is the small-strain solution. Raises DivergedError with the largest force
     that has a state.
@@ -339,7 +391,7 @@ def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None)
     while True:
         target = min(1.0, reached + step)
         try:
-            state = _next_state(pad, last, target * force)
+            state = _next_state(pad, last, target * force, rest)
         except DivergedError as failure:
             step = (target - reached) / 2
             if step < SMALLEST_STEP:
@@ -350,11 +402,13 @@ def press_to(pad: PressedPad[Elastic], force: float, guess: Array | None = None)
         last, reached = state, target
 
 
-def _next_state(pad: PressedPad[Elastic], last: PressedState | None, force: float) -> PressedState:
+def _next_state(
+    pad: PressedPad[Elastic], last: PressedState | None, force: float, rest: PadTangent | None = None
+) -> PressedState:
     """The state under `force`, looked for from another one, or from rest."""
     if last is None:
-        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force))
-    return newton(pad, last.values, _constant_load(force), last.contact.active)
+        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force), tangent=rest)
+    return newton(pad, last.values, _constant_load(force), last.contact.active, last.tangent)
 
 
 def _failure_beyond(
@@ -391,9 +445,8 @@ def press_until_all_touch(
     except DivergedError as failure:
         words, reached = str(failure), failure.reached
     try:
-        at_rest = np.zeros(pad.body.free.size)
-        ridges, _ = seen_by_plate(pad, at_rest, linearised(pad.body, at_rest, at_rest))
-        return _walk(pad, press_to(pad, load(ridges, None)), load)
+        rest = at_rest(pad)
+        return _walk(pad, press_to(pad, load(rest.ridges, None), rest=rest), load)
     except DivergedError:
         raise DivergedError(words, reached) from None
 
@@ -402,10 +455,10 @@ def _walk(
     pad: PressedPad[Elastic], state: PressedState, load: Load, guess: Array | None = None
 ) -> PressedState:
     """The state at the force that `load` asks for, from a state in steps halfway to what it asks there."""
-    start = state.values if guess is None else guess
+    start, tangent = (state.values, state.tangent) if guess is None else (guess, None)
     for _ in range(MAX_HALVINGS):
         try:
-            return newton(pad, start, load, state.contact.active)
+            return newton(pad, start, load, state.contact.active, tangent, state.force)
         except DivergedError as failure:
             words = str(failure)
         try:
@@ -417,5 +470,5 @@ def _walk(
             state = _next_state(pad, state, min(halfway, 1.5 * state.force))
         except DivergedError as failure:
             raise DivergedError(str(failure), state.force) from None
-        start = state.values
+        start, tangent = state.values, state.tangent
     raise DivergedError(words, state.force)

@@ -20,7 +20,9 @@ root finding within the step in which it begins to touch, as without friction (f
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import optimize
@@ -29,6 +31,8 @@ from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import plane_body
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
+from skincad.mechanics.bodies.prisms import Solid
+from skincad.mechanics.contact.disc_friction import DiscCompliance, DiscState, solve_discs, unloaded
 from skincad.mechanics.contact.frictional import halved
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState
 from skincad.mechanics.contact.frictionless import Ridges, seen_by_plate
@@ -90,19 +94,21 @@ def undetected_contact(pad: FrictionalPad, state: FrictionalState, creases: bool
     return plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
 
 
-ROOT = 1e-9  # relative, of the force; steps are known to 1e-10
+ROOT, SOLID_ROOT = 1e-9, 1e-6  # relative, of the force; steps are known to 1e-10, of a solid to 1e-8
+HELD = 1e-9  # of the largest compliance; less is a movement that a mirror holds
 SEARCH_FACTOR = 3.0  # of the larger of the force and the all-touch force without friction: the search's end
 
 
 @dataclass(frozen=True)
 class StickingPad:
-    """A condensed pad in its own units, both directions: `ridges` as the plate sees them without friction,
-    `compliance` `(2 m, 2 m)` in x, then in z, and `fine` `(p, 2 m)`: how far the fine samples rise under
-    these forces."""
+    """A condensed pad in its own units: `ridges` as the plate sees them without friction, `compliance`
+    `(n m, n m)` of its m points in x, then in z, of a solid in y too, and `fine` `(p, n m)`: how far the fine
+    samples rise under these forces. `whole` says whether it is more than a mirrored half."""
 
     ridges: Ridges
     compliance: Array
     fine: Array
+    whole: bool = True
 
     def lowered(self, drops: Array) -> StickingPad:
         """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`."""
@@ -115,11 +121,24 @@ def sticking_pad_of(pad: Pad, system: ContactStiffness, unit: float) -> Sticking
     along_x = system.contact - space.Range(1).start + space.Range(0).start
     contact, k = np.concatenate([along_x, system.contact]), along_x.size
     by_unknown = condense(system.matrix, np.setdiff1d(system.interior, along_x), contact).flexibility
-    rows, fine = system.nodes.rows, system.fine.rows
-    moved = np.hstack([(rows @ by_unknown[:k]).T, (rows @ by_unknown[k:]).T])
-    whole = np.vstack([rows @ moved[:k], rows @ moved[k:]])
-    ridges = seen_by_plate(pad, system, by_unknown[k:, k:], unit)
-    return StickingPad(ridges, (whole + whole.T) / 2, np.asarray(fine @ moved[k:]))
+    return _seen(seen_by_plate(pad, system, by_unknown[k:, k:], unit), system, by_unknown)
+
+
+def sticking_solid_of(pad: Pad, small: Solid, unit: float, *, whole: bool) -> StickingPad:
+    """Return the pad of a solid condensed along x and y too; `unit` is the pad's, mm."""
+    ridges = seen_by_plate(pad, small.seen, small.flexibility, unit)
+    return replace(_seen(ridges, small.seen, small.in_plane), whole=whole)
+
+
+def _seen(ridges: Ridges, system: ContactStiffness, by_unknown: Array) -> StickingPad:
+    """The pad as its points see it, of the flexibility of its contact unknowns in all directions."""
+    rows, directions = system.nodes.rows, by_unknown.shape[0] // system.nodes.rows.shape[1]
+    parts = np.split(by_unknown, directions)
+    moved = [
+        np.hstack([(rows @ block.T).T for block in np.split(part, directions, axis=1)]) for part in parts
+    ]
+    whole = np.vstack([rows @ part for part in moved])
+    return StickingPad(ridges, (whole + whole.T) / 2, np.asarray(system.fine.rows @ moved[1]))
 
 
 @dataclass(frozen=True)
@@ -139,18 +158,21 @@ def press_with_friction(
 ) -> PressResult:
     """Press to `force` and until all ridges touch; `first` is the all-touch force without friction.
 
-    Up to the smaller of both, and from there to the larger, the force rises in `steps` equal steps. Raises
-    ContactError where a step's sets do not settle, halved or not, or all do not touch up to SEARCH_FACTOR.
+    Up to the smaller of both the force rises in `steps` equal steps; from there to the larger in as many, of
+    a solid, whose steps take longer, in those of the same size. Raises ContactError where a step's sets do
+    not settle, halved or not, or all do not touch up to SEARCH_FACTOR.
     """
-    path = _Path(pad, FrictionCoefficients(coefficient, coefficient))
-    state, load, residual = at_rest(pad.ridges.gap.size), 0.0, 0.0
-    at_force: ContactState | None = None
+    path = _Path(pad, coefficient)
+    state, load, residual = path.points.start, 0.0, 0.0
+    at_force: ContactState | DiscState | None = None
     all_touch = None if path.waiting and first is not None else first
     searching = all_touch is None and first is not None
-    for following in _forces(force, first, steps):
+    low, high = sorted((force, first or force))
+    beyond = steps if path.plane else max(1, math.ceil(steps * (high / low - 1)))
+    for following in _forces(force, first, steps, beyond):
         if at_force is not None and not searching:
             break
-        after = path.step(state, load, following)
+        after = path.points.step(state, load, following)
         residual = max(residual, after.residual)
         if searching:
             still = path.clear(after)
@@ -170,13 +192,13 @@ def press_with_friction(
     return PressResult(all_touch, at_force.approach, shares, residual)
 
 
-def _forces(force: float, first: float | None, steps: int) -> list[float]:
+def _forces(force: float, first: float | None, steps: int, beyond: int) -> list[float]:
     """The forces of a press: `force` itself is one of them."""
     low, high = sorted((force, first or force))
-    shares = (np.arange(steps) + 1) / steps
+    shares, later = (np.arange(steps) + 1) / steps, (np.arange(beyond) + 1) / beyond
     forces = [*(low * shares[:-1]), low]
     if high > low:
-        forces += [*(low + (high - low) * shares[:-1]), high]
+        forces += [*(low + (high - low) * later[:-1]), high]
     further = high * (1 + shares)
     return [float(level) for level in (*forces, *further, *(high + further))]
 
@@ -184,49 +206,38 @@ def _forces(force: float, first: float | None, steps: int) -> list[float]:
 class _Path:
     """A press under way; `waiting` are the ridges that do not touch yet."""
 
-    def __init__(self, pad: StickingPad, cone: FrictionCoefficients) -> None:
-        self.pad, self.cone = pad, cone
-        self.points = np.arange(pad.ridges.gap.size)
-        self.skin = self._compliant(self.points)
+    def __init__(self, pad: StickingPad, coefficient: float) -> None:
+        self.pad, self.coefficient = pad, coefficient
+        self.plane = pad.compliance.shape[0] == 2 * pad.ridges.gap.size
+        self.points = self._of(np.arange(pad.ridges.gap.size))
         self.waiting = [r for r in pad.ridges.numbers.tolist() if self._least(r, pad.ridges.fine_gap) > 0]
 
-    def step(self, before: ContactState, start: float, end: float) -> ContactState:
-        """The state at a force from the one before."""
-        return self._stepped(self.skin, before, start, end)
-
-    def clear(self, state: ContactState) -> list[int]:
+    def clear(self, state: Any) -> list[int]:
         """Those of the waiting ridges that still do not touch; the gap of a point that does is rounding."""
         gaps, touched = self._gaps(state, self.points), self.pad.ridges.of_point[state.touches]
         return [r for r in self.waiting if r not in touched and self._least(r, gaps) > 0]
 
-    def closing(self, ridge: int, before: ContactState, start: float, end: float) -> float:
+    def closing(self, ridge: int, before: Any, start: float, end: float) -> float:
         """The force between two at which a ridge begins to touch that is clear at the first."""
-        points = np.flatnonzero(self.pad.ridges.of_point != ridge)
-        skin, others = self._compliant(points), _of_points(before, points)
+        numbers = np.flatnonzero(self.pad.ridges.of_point != ridge)
+        points, others = self._of(numbers), self.points.some(before, numbers)
 
         def gap(force: float) -> float:
-            state = self._stepped(skin, others, start, force) if force > start else others
+            state = points.step(others, start, force) if force > start else others
             return self._least(ridge, self._gaps(state, points))
 
         if gap(end) >= 0.0:  # by rounding alone: with the ridge in contact it touches
             return end
-        return float(optimize.brentq(gap, start, end, xtol=ROOT * end, rtol=ROOT))
+        root = points.root
+        return float(optimize.brentq(gap, start, end, xtol=root * end, rtol=root))
 
-    def _stepped(self, skin: Compliance, before: ContactState, start: float, end: float) -> ContactState:
-        return halved(lambda _: skin, before, Drive(start, 0.0), Drive(end, 0.0), self.cone)
+    def _of(self, numbers: Index) -> _PlanePoints | _SolidPoints:
+        """Those contact points alone."""
+        return (_PlanePoints if self.plane else _SolidPoints)(self.pad, numbers, self.coefficient)
 
-    def _compliant(self, points: Index) -> Compliance:
-        both = self._both(points)
-        gap = self.pad.ridges.gap[points]
-        return Compliance(self.pad.compliance[np.ix_(both, both)], gap, np.zeros(both.size))
-
-    def _both(self, points: Index) -> Index:
-        return np.concatenate([points, points + self.points.size])
-
-    def _gaps(self, state: ContactState, points: Index) -> Array:
+    def _gaps(self, state: Any, points: _PlanePoints | _SolidPoints) -> Array:
         """Fine gaps `(p,)` in a state of these points alone."""
-        force = np.concatenate([state.tangential, -state.normal])
-        risen = self.pad.fine[:, self._both(points)] @ force
+        risen = self.pad.fine[:, points.numbers] @ points.force(state)
         return np.asarray(self.pad.ridges.fine_gap - state.approach - risen)
 
     def _least(self, ridge: int, gaps: Array) -> float:
@@ -241,7 +252,72 @@ class _Path:
         return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
 
 
-def _of_points(state: ContactState, points: Index) -> ContactState:
-    """A state of some points; the others carry nothing."""
-    per_point = ("normal", "tangential", "anchor", "status", "slipped")
-    return replace(state, **{name: getattr(state, name)[points] for name in per_point})
+class _PlanePoints:
+    """Some contact points of a section, `numbers` those of their movements in x, then in z."""
+
+    root = ROOT
+
+    def __init__(self, pad: StickingPad, points: Index, coefficient: float) -> None:
+        self.numbers = np.concatenate([points, points + pad.ridges.gap.size])
+        gap = pad.ridges.gap[points]
+        compliance = pad.compliance[np.ix_(self.numbers, self.numbers)]
+        self.skin = Compliance(compliance, gap, np.zeros(self.numbers.size))
+        self.cone, self.start = FrictionCoefficients(coefficient, coefficient), at_rest(points.size)
+
+    def step(self, before: Any, start: float, end: float) -> ContactState:
+        """The state at a force from the one before."""
+        return halved(lambda _: self.skin, before, Drive(start, 0.0), Drive(end, 0.0), self.cone)
+
+    @staticmethod
+    def force(state: ContactState) -> Array:
+        """The forces on the skin, in x, then in z."""
+        return np.concatenate([state.tangential, -state.normal])
+
+    @staticmethod
+    def some(state: ContactState, points: Index) -> ContactState:
+        """A state of some points; the others carry nothing."""
+        per_point = ("normal", "tangential", "anchor", "status", "slipped")
+        return replace(state, **{name: getattr(state, name)[points] for name in per_point})
+
+
+class _SolidPoints:
+    """Some contact points of a solid, `numbers` those of their movements in x, z and y."""
+
+    root = SOLID_ROOT
+
+    def __init__(self, pad: StickingPad, points: Index, coefficient: float) -> None:
+        m = pad.ridges.gap.size
+        self.numbers = np.concatenate([points, points + m, points + 2 * m])
+        x, z, y = np.arange(3 * points.size).reshape(3, -1)
+        sideways, compliance = np.concatenate([x, y]), pad.compliance[np.ix_(self.numbers, self.numbers)]
+        tangential = compliance[np.ix_(sideways, sideways)]
+        self.skin = DiscCompliance(
+            normal=compliance[np.ix_(z, z)],
+            tangential=tangential,
+            cross=compliance[np.ix_(z, sideways)],
+            gap=pad.ridges.gap[points],
+            able=tangential.diagonal() > HELD * compliance.diagonal().max(),
+            floats=pad.whole,
+        )
+        self.coefficient, self.start = coefficient, unloaded(points.size)
+
+    def step(self, before: Any, start: float, end: float, deepest: int = 4) -> DiscState:
+        """The state at a force from the one before; where points do not settle, in two halves."""
+        try:
+            return solve_discs(self.skin, before, end, self.coefficient)
+        except ContactError:
+            if deepest == 0:
+                raise
+        middle = (start + end) / 2
+        return self.step(self.step(before, start, middle, deepest - 1), middle, end, deepest - 1)
+
+    @staticmethod
+    def force(state: DiscState) -> Array:
+        """The forces on the skin, in x, z and y."""
+        x, y = np.split(state.tangential, 2)
+        return np.concatenate([x, -state.normal, y])
+
+    @staticmethod
+    def some(state: DiscState, points: Index) -> DiscState:
+        """A state of some points; the others carry nothing."""
+        return state.of(points)

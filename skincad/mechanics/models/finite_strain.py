@@ -30,6 +30,7 @@ from skincad.mechanics.bodies.plane_body import NeoHookeBody, transferred
 from skincad.mechanics.contact.newton import (
     DivergedError,
     Elastic,
+    PadTangent,
     PressedPad,
     PressedState,
     press_to,
@@ -119,12 +120,17 @@ def _level(
 
 
 def at_force(
-    problem: PressedPad[Elastic], force: float, scale: float, guess: Array | None = None
+    problem: PressedPad[Elastic],
+    force: float,
+    scale: float,
+    guess: Array | None = None,
+    rest: PadTangent | None = None,
 ) -> PressedState:
-    """Return the state at `force`, InputError beyond the model's range; a force of 1 is `scale` N."""
+    """Return the state at `force`, from a guess or from `rest`; InputError beyond the model's range. A force
+    of 1 is `scale` N."""
     reached = 0.0
     try:
-        state = press_to(problem, force, guess)
+        state = press_to(problem, force, guess, rest)
         wrong = problem.body.undetected_contact(state.values, problem.top - state.approach)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached

@@ -111,16 +111,20 @@ def condensed_pad(
     seconds: dict[str, float],
     *,
     clamped_end: bool = False,
+    in_plane: bool = False,
 ) -> tuple[prisms.Solid, float]:
-    """Return the condensed piece, for many forces, and the force on the whole pad, N, per unit on it."""
+    """Return the condensed piece, for many forces, and the force on the whole pad, N, per unit on it; with
+    `in_plane` condensed to movements along x and y too."""
     half = meshed.whole.length / 2 / meshed.unit
     line = prisms.constant() if along is None else layers_of(meshed, along)
-    check_size(forms, line)
+    check_size(forms, line, 3 if in_plane else 1)
     with one_blas_thread():
         small: prisms.Solid = timed(
             seconds,
             "condense",
-            lambda: prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end),
+            lambda: prisms.condensed(
+                forms, line, plane=along is None, clamped_end=clamped_end, in_plane=in_plane
+            ),
         )
     if not small.rigid_body_error <= BALANCE:
         raise ContactError(
@@ -189,9 +193,10 @@ def layers_of(meshed: PadMesh, along: Layers) -> prisms.AlongY:
     )
 
 
-def check_size(forms: prisms.SectionForms, line: prisms.AlongY) -> None:
+def check_size(forms: prisms.SectionForms, line: prisms.AlongY, directions: int = 1) -> None:
     """Raise SizeError for more unknowns than fit, before any is solved."""
-    unknowns, contact = 3 * forms.clamped.size * line.at.size, forms.plane.contact.size * line.at.size
+    unknowns = 3 * forms.clamped.size * line.at.size
+    contact = directions * forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
         raise SizeError(
             "ridge.count",

@@ -1,9 +1,8 @@
-"""The accuracy study of a design: all ladders, and the cost model from what was timed."""
+"""The accuracy study of a design: all ladders."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -12,7 +11,6 @@ from skincad.base.machine import machine
 from skincad.base.progress import Progress
 from skincad.base.result import Result, item, record, reported
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import ModelTiming, save_timings, without_home
 from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_of
 
 MOST_REPEATS = 100
@@ -28,7 +26,6 @@ class Accuracy(Result):
     machine: dict[str, Any] = item(meaning="on which times were taken")
     repeats: int = item(meaning="of each timed run")
     seconds: float  # wall time of the whole
-    cache_note: str = ""  # in words, where what the models took is kept
 
     @reported(meaning="a model or mesh each: unknowns, seconds, errors")
     def rows(self) -> list[dict[str, Any]]:
@@ -45,35 +42,9 @@ class Accuracy(Result):
         """Seconds as a power of the unknowns, by ladder and model."""
         return {ladder.name: ladder.laws() for ladder in self.ladders}
 
-    @reported(meaning="what `check` chooses models by, and where it is kept")
-    def cost_law(self) -> dict[str, Any]:
-        """What `check` chooses models by, and where it is kept."""
-        return {"taken": self.taken, "kept": self.cache_note}
-
     @reported(meaning="wall time, s", key="seconds")
     def _seconds(self) -> dict[str, float]:
         return {"total": self.seconds}
-
-    @property
-    def taken(self) -> dict[str, ModelTiming]:
-        """What each model's own part took."""
-        return {model: one for ladder in self.ladders for model, one in ladder.timings.items()}
-
-    def keep(self) -> Accuracy:
-        """Keep what the models took in the user's cache folder, for the laws of time that `check` chooses by;
-        return the result that says where, or why not. Nothing where no model was timed."""
-        if not self.taken:
-            return self
-        try:
-            path = save_timings(self.name, self.taken)
-        except (OSError, RuntimeError) as failure:
-            # without the path, which may tell a user's name
-            why = getattr(failure, "strerror", None) or failure
-            return replace(self, cache_note=f"the cost law is not kept: {why}")
-        load, cores = self.machine["load"], self.machine["cores"]
-        busy = f"; with a load of {load} on {cores} cores it is too slow, run it again at rest"
-        note = f"cost law kept in {without_home(path)}; delete it to forget it"
-        return replace(self, cache_note=note + (busy if load and load > 1.5 * cores else ""))
 
 
 def accuracy(

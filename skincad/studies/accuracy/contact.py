@@ -21,15 +21,12 @@ from skincad.mechanics.models.linear import LevelSolver
 from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
 from skincad.mechanics.models.table import (
     MODELS,
-    ModelTiming,
-    own_seconds,
-    plane_unknowns,
     run,
-    seconds_at_size,
     unsupported_reason,
 )
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
 from skincad.mechanics.validity import refuse_crushed
+from skincad.shape.skin import skin_of
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
 
 AIM = {  # the model whose finest setting another's mesh and method aim at
@@ -136,14 +133,13 @@ SOLVERS: dict[str, Callable[[], LevelSolver]] = {
 }
 
 
-SMALL = 1 / 3  # of the size that a law was fitted at; what is smaller takes longer than it, by its overhead
-FINER = 2.0  # unknowns in the law's size: 2.8 of a solid that took its second refinement, else up to 1.4
 # in which models are tried: the known ones as the next builds on the last, then any other of the table
 ORDER = tuple(dict.fromkeys(("winkler", *LEVELS, "solid", "corrected", *BEST[1::-1], *MODELS)))
 SOLID_LEVELS = {"coarse": 0.15, "fine": 0.3}  # layers, and their time in that of the solid model
-# time of a level in that of its model; its unknowns in those of the model's first refinement are (order -
-# 0.65) times this (yamada-2002, 2 % off)
-OF_MODEL, BY_FINENESS = 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
+# Expected times, s: of the linear model on yamada-2002; of a level in that of its model, which grows with
+# (order - 0.65) times this
+LINEAR, OF_LEVEL, BY_FINENESS = 0.9, 0.5, {0.5: 0.425, 1.0: 0.457, 2.0: 0.605}
+RIDGES = 9  # yamada-2002's
 
 
 def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
@@ -155,50 +151,27 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     force, height = runs.request.force, design.skin.thickness
     trials = tuple(trial_of(answer, runs.truth, best, force, height) for answer in runs.found)
     title = f"contact of {design.name} at {force:g} N"
-    measures, timings = measures_of(runs.truth, best), taken_of(design, runs.done)
-    return Ladder("contact", title, trials, measures, skipped=runs.skipped, timings=timings)
-
-
-def taken_of(design: Design, answers: Mapping[str, Answer]) -> dict[str, ModelTiming]:
-    """Return what the models' own parts took, as their laws count it: not what takes as long for every
-    design, nor on so small a one that most of it is overhead, nor where finer meshes were needed."""
-    timings = {}
-    for name, answer in answers.items():
-        model, size = MODELS[name], MODELS[name].size(design)
-        counts = model.law.exponent > 0 and size > SMALL * model.law.size
-        if counts and (model.builds_on or answer.unknowns < FINER * size):
-            timings[name] = ModelTiming(size=size, seconds=answer.own_seconds)
-    return timings
+    return Ladder("contact", title, trials, measures_of(runs.truth, best), skipped=runs.skipped)
 
 
 def prices(design: Design, repeats: int) -> dict[str, float]:
-    """Return the stages and their expected seconds, by the models' laws."""
+    """Return the stages and their expected seconds, by the models' prices and the number of ridges."""
     seconds: dict[str, float] = {}
+    linear_seconds = LINEAR * skin_of(design).count / RIDGES
     for name in (name for name in ORDER if not unsupported_reason(name, design, measured=False)):
-        alone = repeats if name in ALONE else 1
+        alone, price = repeats if name in ALONE else 1, linear_seconds * MODELS[name].price
         for level in LEVELS.get(name, ()):
-            size = plane_unknowns(design) * (level[1] - 0.65) * BY_FINENESS[level[0]]
+            part = OF_LEVEL * (level[1] - 0.65) * BY_FINENESS[level[0]]
             last = level == LEVELS[name][-1]
-            seconds[_level(name, *level)] = repeated(
-                OF_MODEL * seconds_at_size(name, size), 1 if last else repeats
-            )
+            seconds[_level(name, *level)] = repeated(part * price, 1 if last else repeats)
         if name in LEVELS:
             continue
-        price = _own(name, design)
         if name == "solid":
             seconds |= {
                 _layers(solid_level): repeated(s * price, repeats) for solid_level, s in SOLID_LEVELS.items()
             }
         seconds[_stage(name)] = repeated(price, alone)
     return seconds
-
-
-def _own(name: str, design: Design) -> float:
-    """A model's own seconds; nothing for one that refuses the design, as it will when it is tried."""
-    try:
-        return own_seconds(name, design)
-    except (InputError, RefusedError):
-        return 0.0
 
 
 class _ContactRuns:

@@ -16,7 +16,6 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.interrupt import safe_point
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import ModelTiming
 
 PRIOR = 2.0  # s that were as expected before anything is measured: one short stage says little of a machine
 
@@ -163,8 +162,7 @@ class Measurement:
 class Ladder:
     """Rungs with the measures that judge them, the first being the `error` of the contract.
 
-    `lines` says whether trials of a model are steps of one method; `skipped` why a trial is not there;
-    `taken` what each model's own part took.
+    `lines` says whether trials of a model are steps of one method; `skipped` why a trial is not there.
     """
 
     name: str
@@ -173,7 +171,6 @@ class Ladder:
     measures: tuple[ErrorMeasure, ...]
     lines: bool = True
     skipped: dict[str, str] = field(default_factory=dict)
-    timings: dict[str, ModelTiming] = field(default_factory=dict)
 
     def best(self, measure: ErrorMeasure) -> list[Measurement]:
         """Return the trials that no other beats in both time and this error: of all trials, or of its own

@@ -15,7 +15,6 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.models.table import plane_unknowns
 from skincad.scenes.march import LEVELS, Level, expected
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
@@ -28,7 +27,7 @@ TOLD = 3  # paper: the third ridge from an end
 
 def of_size(design: Design) -> float:
     """Return how large a skin is of the paper's, on which the ladders' times were measured."""
-    return plane_unknowns(design) / plane_unknowns(load_scene(SCENE).design)
+    return skin_of(design).count / skin_of(load_scene(SCENE).design).count
 
 
 def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:

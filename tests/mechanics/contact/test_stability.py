@@ -74,7 +74,7 @@ def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPat
     last = caught.value.reached
     # a column that shears is within 25 % of any ridge higher than wide (validity.buckling_force)
     assert last * SCALE == pytest.approx(buckling_force(design_of(1)), rel=0.25)
-    monkeypatch.setattr(newton, "stable", lambda *_: True)
+    monkeypatch.setattr(newton, "stable", lambda *_, **__: True)
     state = press_to(pad(), 1.1 * last)
     _, under_plate, _ = spectra(pad(), state)
     assert under_plate[0] < 0
@@ -156,7 +156,7 @@ def test_both_kinds_of_movements_are_all_there_are(
 ) -> None:
     """Negative eigenvalues of the whole are those of the half's symmetric and antisymmetric movements
     together, held by the plate or not; the verdict is that of the whole's dense ones."""
-    monkeypatch.setattr(newton, "stable", lambda *_: True)
+    monkeypatch.setattr(newton, "stable", lambda *_, **__: True)
     counted = []
     for what in sides(count):
         state = press_to(what, force_of(what, share * 2.62 / SCALE * count))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
+from skincad import check, load
 from skincad.base.errors import InputError
 from skincad.mechanics.bodies import elements, plane_body, prisms, solid_law
 from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
@@ -20,7 +21,7 @@ from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve
 from skincad.mechanics.models.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
 from skincad.mechanics.problem import Pad, Request, pad_of
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.designs import reference, value, yamada
+from tests.mechanics.designs import THREE, reference, value, yamada
 
 FEW = Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
@@ -179,7 +180,7 @@ def test_half_is_the_whole() -> None:
     monkey = pytest.MonkeyPatch()
     with monkey.context() as patch:
         patch.setattr(
-            solid_finite_strain, "meshed_piece", lambda pad, sizes: meshed_piece(pad, sizes, whole=True)
+            solid_finite_strain, "meshed_piece", lambda pad, sizes, **_: meshed_piece(pad, sizes, whole=True)
         )
         whole = solve(pad, 1.0, {}, FEW, fineness=1.5)
     assert half.finite.approach == pytest.approx(whole.finite.approach, rel=5e-3)
@@ -367,3 +368,35 @@ def test_the_boundary_is_looked_at_in_the_middle_and_at_the_end(along: int) -> N
     middle, end = ([p.moved[:, 0] - p.rest[:, 0] for p in loops] for loops in body.outlines(moved))
     for shift, here in ((middle, along == 0), (end, along == -1)):
         assert np.concatenate(shift) == pytest.approx(0.2 if here else 0.0, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_the_solid_models_answer_lies_inside_the_corrected_ones_errors() -> None:
+    design = load("plain-ridges").with_(**THREE, contact={"force": 1.3, "friction": 0.0})
+    cheap = check(design, model="corrected-finite-strain")
+    truth = check(design, model="solid-finite-strain")
+    pairs = [(cheap.all_touch_force, truth.all_touch_force), (cheap.approach, truth.approach)]
+    for one, other in (*pairs, *zip(cheap.ridge_force, truth.ridge_force, strict=True)):
+        assert abs(one.value - other.value) <= one.error
+
+
+def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
+    """Pressed whole, as crests of one part need not mirror each other. The whole's mesh is another one than
+    the half's twice: its change differs by 3e-4 at most of what strain changes."""
+    pad = pad_of(reference().with_(**SMALL))
+    half = solve(pad, 0.5, {}, FEW)
+    whole = solve(pad, 0.5, {}, FEW, crest_offsets=(0.01, 0.01, 0.01))
+    for of in ("all_touch_force", "approach"):
+        changes = [getattr(s.finite, of) / getattr(s.small, of) for s in (half, whole)]
+        assert changes[0] == pytest.approx(changes[1], abs=1e-3)
+
+
+def test_a_lower_crest_asks_for_more_force_in_finite_strain_too() -> None:
+    pad = pad_of(reference().with_(**SMALL))
+    as_designed, lower = (
+        solve(pad, 0.5, {}, FEW, crest_offsets=drops) for drops in ((0.0, 0.0, 1e-9), (0.02, 0.0, 0.0))
+    )
+    for strains in ("small", "finite"):
+        one, other = getattr(as_designed, strains), getattr(lower, strains)
+        assert other.all_touch_force > 1.05 * one.all_touch_force
+        assert other.ridge_force[0] < one.ridge_force[0]

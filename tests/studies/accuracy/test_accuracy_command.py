@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -14,12 +13,9 @@ from PIL import Image
 
 from skincad.base.machine import machine
 from skincad.base.outfolder import replaced
-from skincad.mechanics.models.table import FILE_NAME, FOLDER_VARIABLE, ModelTiming, timing_cache
-from skincad.outputs.accuracies import lines
 from skincad.outputs.figures.canvas import save
 from skincad.outputs.figures.studies import LADDER_SIZE, STYLES, diagram
 from skincad.studies.accuracy import circuit
-from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
 from tests.conftest import run_skincad
 
@@ -80,38 +76,6 @@ def test_json_files_and_manifest(tmp_path: Path) -> None:
     assert first == pytest.approx(data["rows"][0]["error"], rel=1e-3)  # four digits
     with Image.open(folder / "accuracy-circuit.png") as picture:
         assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
-
-
-def test_what_models_took_is_kept_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the JSON and in words; where nothing was timed, or nothing can be kept, the result is the same."""
-    measure = ErrorMeasure("all", "error", "1", "the truth", "")
-    ladder = Ladder(
-        "contact", "contact", (), (measure,), timings={"linear": ModelTiming(size=20_000.0, seconds=4.0)}
-    )
-    accuracy = Accuracy(
-        name="a", ladders=(ladder,), machine={**machine(), "load": 1.4, "cores": 1}, repeats=1, seconds=1.0
-    )
-    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
-    monkeypatch.setattr(Path, "home", lambda: tmp_path.parent)
-    assert accuracy.as_json()["cost_law"] == {
-        "taken": {"linear": {"size": 20_000.0, "seconds": 4.0}}, "kept": ""
-    }  # fmt: skip
-    assert not any(tmp_path.iterdir())  # nobody asked for it
-    answer = accuracy.keep()
-    assert (
-        answer.cache_note == f"cost law kept in {Path('~', tmp_path.name, FILE_NAME)}; delete it to forget it"
-    )
-    assert lines(answer)[-1] == answer.cache_note == answer.as_json()["cost_law"]["kept"]
-    assert timing_cache().timings["linear"]["a"] == ladder.timings["linear"]
-    busy = replace(accuracy, machine={**accuracy.machine, "load": 1.6}).keep().cache_note
-    assert busy == f"{answer.cache_note}; with a load of 1.6 on 1 cores it is too slow, run it again at rest"
-    empty = replace(accuracy, ladders=())
-    assert empty.keep() is empty
-    (tmp_path / "file").write_text("")
-    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "below"))
-    refused = accuracy.keep()
-    assert refused.cache_note.startswith("the cost law is not kept: ")
-    assert str(tmp_path) not in refused.cache_note
 
 
 def test_no_host_and_no_user_is_told() -> None:
