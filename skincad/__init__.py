@@ -103,6 +103,8 @@ _LOADERS = {
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
+    if name == "laws":
+        return import_module("skincad.laws")
     if name not in _HOMES:
         raise AttributeError(f"module 'skincad' has no attribute '{name}'")
     thing = _imported(_HOMES[name])

@@ -249,6 +249,14 @@ Writer = Callable[[Path], None]
 LONGEST_REPR = 200  # letters: a line of a console, not a page
 
 
+def with_picture(text: str, figure: Figure) -> str:
+    """Return the HTML of a text with a matplotlib figure below."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png")
+    data = base64.b64encode(picture.getvalue()).decode()
+    return f'<pre>{html.escape(text)}</pre><img src="data:image/png;base64,{data}">'
+
+
 class Presenter(Protocol):
     """What shows one kind of result: a module of outputs/, or a `Presentation`."""
 
@@ -308,9 +316,6 @@ class Result(Record):
 
     def _repr_html_(self) -> str:
         """The words, and the first figure, for a notebook."""
-        words = f"<pre>{html.escape(str(self))}</pre>"
         if not self.presenter().figures(self):
-            return words
-        picture = io.BytesIO()
-        self.figure().savefig(picture, format="png")
-        return f'{words}<img src="data:image/png;base64,{base64.b64encode(picture.getvalue()).decode()}">'
+            return f"<pre>{html.escape(str(self))}</pre>"
+        return with_picture(str(self), self.figure())

@@ -1,7 +1,13 @@
 """Laws of rubber elasticity: one file each, one line each in the table, imported when named.
 
-A law is a frozen table of constants, as in a design's `[material.law]`, with one energy. The stress of a bar
-is here too; bodies use the energy in mechanics/bodies.
+A law is a frozen table of constants, as in a design's `[material.law]`, with one energy. Stress, energy and
+tangent modulus of a bar are here too; bodies use the energy in mechanics/bodies.
+
+>>> law = skincad.laws.Ogden(mu=(0.0402,), alpha=(3.25,))
+>>> [round(float(stress), 4) for stress in law.stress(np.array([0.8, 1.0, 1.5]))]
+[-0.0206, 0.0, 0.0489]
+>>> round(law.young_modulus(0.5), 4) == round(float(law.tangent_modulus(np.ones(1))[0]), 4) == 0.1206
+True
 """
 
 from __future__ import annotations
@@ -13,7 +19,12 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
+    from skincad.laws.gent import Gent as Gent
+    from skincad.laws.mooney_rivlin import MooneyRivlin as MooneyRivlin
+    from skincad.laws.neo_hooke import NeoHooke as NeoHooke
+    from skincad.laws.ogden import Ogden as Ogden
     from skincad.laws.rubber import Rubber
+    from skincad.laws.yeoh import Yeoh as Yeoh
 
 LAWS = {
     "neo-hooke": "skincad.laws.neo_hooke:NeoHooke",
@@ -22,6 +33,14 @@ LAWS = {
     "gent": "skincad.laws.gent:Gent",
     "ogden": "skincad.laws.ogden:Ogden",
 }
+
+
+def __getattr__(name: str) -> Any:
+    """Import a law by its class's name when it is first used."""
+    for kind, home in LAWS.items():
+        if home.endswith(f":{name}"):
+            return law(kind)
+    raise AttributeError(f"module 'skincad.laws' has no attribute '{name}'")
 
 
 def law(kind: str) -> type[Rubber]:

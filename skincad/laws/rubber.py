@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -21,6 +22,7 @@ from pydantic import Field, model_validator
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
+from skincad.base.result import Figure, with_picture
 from skincad.base.tables import Table, unit_of
 
 # Stretches of a bar between which a law must pull the more the longer the bar is. Assumption: a ridge's root
@@ -75,18 +77,59 @@ class Rubber(Table):
         }
         return type(self)(**{**self.model_dump(), **changed})
 
-    def bar(self, stretch: Array) -> Array:
-        """Return the nominal stress, MPa, of an incompressible bar at `stretch` `(n,)`.
+    def strain_energy(self, stretch: Array) -> Array:
+        """Return the energy, mJ/mm3, of an incompressible bar pulled or squeezed to `stretch` `(n,)`; nan
+        where the law ends. Ogden 1972, eq. (31)."""
+        with np.errstate(all="ignore"):
+            energy = self.shear * np.asarray(self.energy(self._measure(stretch), np), dtype=np.float64)
+            return np.where(np.isfinite(energy), energy, np.nan)
 
-        Nan where the law ends. Ogden 1972, eq. (37) for the powers.
-        """
-        x, pull = np.zeros_like(stretch), np.zeros_like(stretch)
+    def stress(self, stretch: Array) -> Array:
+        """Return the nominal stress, MPa, of such a bar: the energy's slope by its stretch. Ogden 1972, eq.
+        (37) for the powers."""
+        measure = self._measure(stretch)
+        with np.errstate(all="ignore"):
+            stress = self.shear * self.slopes(measure)[0] * self._pull(stretch)
+            return np.where(np.isfinite(self.energy(measure, np)), stress, np.nan)
+
+    def tangent_modulus(self, stretch: Array) -> Array:
+        """Return the nominal stress's slope, MPa; at a stretch of 1 it is Young's modulus."""
+        measure, pull, steeper = self._measure(stretch), self._pull(stretch), np.zeros_like(stretch)
+        for share, power in self.powers:
+            half = -power / 2
+            steeper += (
+                share
+                * 2
+                / power
+                * ((power - 1) * stretch ** (power - 2) - (half - 1) * stretch ** (half - 2))
+            )
+        with np.errstate(all="ignore"):
+            slope, bend = self.slopes(measure)
+            modulus = self.shear * (slope * steeper + bend * pull**2)
+            return np.where(np.isfinite(self.energy(measure, np)), modulus, np.nan)
+
+    def _measure(self, stretch: Array) -> Array:
+        """The measure x of a bar's strain."""
+        x = np.zeros_like(stretch)
         for share, power in self.powers:
             x += share * 2 / power**2 * (stretch**power + 2 * stretch ** (-power / 2) - 3)
+        return x
+
+    def _pull(self, stretch: Array) -> Array:
+        """Its slope by the stretch."""
+        pull = np.zeros_like(stretch)
+        for share, power in self.powers:
             pull += share * 2 / power * (stretch ** (power - 1) - stretch ** (-power / 2 - 1))
-        with np.errstate(all="ignore"):
-            stress = self.shear * self.slopes(x)[0] * pull
-            return np.where(np.isfinite(self.energy(x, np)), stress, np.nan)
+        return pull
+
+    def figure(self) -> Figure:
+        """Return the matplotlib figure of stress and tangent modulus against stretch."""
+        figure: Figure = import_module("skincad.outputs.figures.results").law_figure(self)
+        return figure
+
+    def _repr_html_(self) -> str:
+        """The constants and the curve, for a notebook."""
+        return with_picture(repr(self), self.figure())
 
     def own_rules(self) -> None:
         """Raise InputError for constants that do not go together."""
@@ -97,7 +140,7 @@ class Rubber(Table):
         if not self.shear > 0:
             raise InputError("", "must have a shear modulus above 0 MPa at small strain", self.shear)
         stretch = np.linspace(SHORTEST, LONGEST, 151)
-        negative_eigenvalues = np.diff(self.bar(stretch)) <= 0  # not so where the law has ended
+        negative_eigenvalues = np.diff(self.stress(stretch)) <= 0  # not so where the law has ended
         if negative_eigenvalues.any():
             at = float(
                 stretch[1:][negative_eigenvalues][np.argmin(np.abs(stretch[1:][negative_eigenvalues] - 1))]

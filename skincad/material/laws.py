@@ -88,7 +88,7 @@ def _fit_and_judge(
 def _relative_rms(law: Rubber, test: MaterialTest, rows: Mask) -> float:
     """Root mean square of a law's residuals over the largest stress of these rows."""
     load = test.load[rows]
-    off = law.bar(1 + test.deformation[rows]) - load
+    off = law.stress(1 + test.deformation[rows]) - load
     return float(np.sqrt(np.mean(off**2)) / np.abs(load).max())
 
 
@@ -101,7 +101,7 @@ def _fitted(candidate: Candidate, test: MaterialTest, rows: Mask) -> Rubber | No
 
     def off(numbers: Array) -> Array:
         try:
-            stress = candidate.make(numbers).bar(stretch)
+            stress = candidate.make(numbers).stress(stretch)
         except InputError:
             return np.full(stretch.size, PENALTY)
         return np.where(np.isfinite(stress), stress - wanted, PENALTY)

@@ -177,23 +177,24 @@ class MaterialFit(Result):
 
 
 def material_fit(
-    test: MaterialTest, whole: Regression, modulus: float, model: float, fit: Fit, per_value: float
+    test: MaterialTest,
+    whole: Regression,
+    modulus: float,
+    model: float,
+    fit: Fit,
+    per_value: float,
+    misfit: float | None = None,
 ) -> MaterialFit:
-    """Return the result with the parts of its error; `fit(rows).values[0] * per_value` is E, MPa.
+    """Return the result with the parts of its error; `fit(rows).values[0] * per_value` is E, MPa, of a part.
+    The misfit is that of the parts unless given.
 
     Raises RefusedError for a residual, an interval or a modulus that is no good.
     """
     modulus, largest = float(modulus), float(np.abs(test.load).max())
-    unit = "N" if test.kind == "pad" else "MPa"
-    if whole.rms > LARGEST_RMS * largest:
-        share = f"{whole.rms / largest:.0%} of the largest load ({LARGEST_RMS:.0%} is the most)"
-        raise RefusedError(
-            f"the {test.kind} test does not follow the model: the residual is {whole.rms:.3g} {unit} rms, "
-            f"{share}; try a smaller up_to"
-        )
+    refuse_misfit(test, whole)
     scatter = float(whole.half_width[0]) * per_value
     parts = tuple(_halves(test, whole, fit, per_value))
-    misfit = _misfit(test, parts, modulus)
+    misfit = _misfit(parts, modulus) if misfit is None else float(misfit)
     error = scatter + model + misfit
     if not error <= LARGEST_ERROR * modulus:
         raise RefusedError(f"the rows do not determine the modulus: {Estimate(modulus, error, 'MPa')}")
@@ -220,18 +221,22 @@ def material_fit(
     )
 
 
-def _misfit(test: MaterialTest, parts: tuple[PartModulus, ...], modulus: float) -> float:
-    """Error of the modulus by its change between the halves, MPa.
+def refuse_misfit(test: MaterialTest, fit: Regression) -> None:
+    """Raise RefusedError where a fit leaves too much of the loads."""
+    unit, largest = "N" if test.kind == "pad" else "MPa", float(np.abs(test.load).max())
+    if fit.rms > LARGEST_RMS * largest:
+        share = f"{fit.rms / largest:.0%} of the largest load ({LARGEST_RMS:.0%} is the most)"
+        raise RefusedError(
+            f"the {test.kind} test does not follow the model: the residual is {fit.rms:.3g} {unit} rms, "
+            f"{share}; try a smaller up_to"
+        )
 
-    A bar's modulus changes with strain where rubber leaves the neo-Hookean law: the difference to the line
-    through the halves at no strain, their centres of weight being at 3/8 and 7/9 of the range. A pad's halves
-    determine two numbers each and scatter: what they differ by beyond that.
-    """
+
+def _misfit(parts: tuple[PartModulus, ...], modulus: float) -> float:
+    """Error of the modulus, MPa: what the halves' differ from it by beyond their scatter."""
     if not parts:
         return 0.0
     values = [part.young_modulus.value or 0.0 for part in parts]
-    if test.kind != "pad":
-        return abs(values[0] - (values[1] - values[0]) - modulus)
     return max(
         0.0, *(abs(v - modulus) - (p.young_modulus.error or 0.0) for v, p in zip(values, parts, strict=True))
     )

@@ -9,6 +9,7 @@ import ngsolve as ng
 import numpy as np
 import pytest
 
+import skincad
 from skincad.base.errors import InputError
 from skincad.laws import LAWS, law, law_of
 from skincad.laws.rubber import Rubber
@@ -43,7 +44,7 @@ def test_it_is_the_table_that_it_dumps(rubber: Rubber) -> None:
 @every_law
 def test_scaled_is_scaled(rubber: Rubber) -> None:
     stretch = np.array([0.7, 1.4])
-    assert rubber.scaled(0.37).bar(stretch) == pytest.approx(0.37 * rubber.bar(stretch), rel=1e-13)
+    assert rubber.scaled(0.37).stress(stretch) == pytest.approx(0.37 * rubber.stress(stretch), rel=1e-13)
 
 
 @every_law
@@ -70,7 +71,7 @@ def test_a_bars_stress_is_its_energys_slope(rubber: Rubber) -> None:
 
         slope = (energy(t + size) - energy(t - size)) / (2 * size)
         assert nominal == pytest.approx(slope, rel=1e-8)  # the difference's truncation
-    assert rubber.bar(np.array([1 + 1e-6]))[0] == pytest.approx(3e-6 * rubber.shear, rel=1e-5)
+    assert rubber.stress(np.array([1 + 1e-6]))[0] == pytest.approx(3e-6 * rubber.shear, rel=1e-5)
 
 
 @every_law
@@ -163,3 +164,31 @@ def test_an_unknown_law_is_refused() -> None:
         law_of({"kind": "ogdn"})
     with pytest.raises(InputError, match="kind: is missing; take one of neo-hooke"):
         law_of({"mu": 1.0})
+
+
+@every_law
+def test_stress_and_modulus_are_the_energys_slopes(rubber: Rubber) -> None:
+    """By central differences: 1e-7 is their truncation and rounding."""
+    stretch, step = np.array([0.7, 0.95, 1.0, 1.2, 1.6]), 1e-5
+    for of, slope in ((rubber.strain_energy, rubber.stress), (rubber.stress, rubber.tangent_modulus)):
+        differences = (of(stretch + step) - of(stretch - step)) / (2 * step)
+        assert slope(stretch) == pytest.approx(differences, rel=1e-7, abs=1e-8)
+    at_rest = np.ones(1)
+    assert (rubber.strain_energy(at_rest)[0], rubber.stress(at_rest)[0]) == (0.0, 0.0)
+    assert rubber.tangent_modulus(at_rest)[0] == pytest.approx(rubber.young_modulus(0.5), rel=1e-13)
+
+
+@every_law
+def test_it_draws_its_curve_and_is_public_by_its_name(rubber: Rubber) -> None:
+    assert getattr(skincad.laws, type(rubber).__name__) is type(rubber)
+    (axes,) = rubber.figure().axes
+    stress, modulus = (line.get_ydata() for line in axes.lines)
+    stretch = axes.lines[0].get_xdata()
+    np.testing.assert_array_equal(stress, rubber.stress(stretch))
+    np.testing.assert_array_equal(modulus, rubber.tangent_modulus(stretch))
+    assert "base64" in rubber._repr_html_()
+
+
+def test_no_law_of_another_name() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'Hooke'"):
+        skincad.laws.Hooke  # noqa: B018

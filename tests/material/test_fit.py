@@ -11,6 +11,7 @@ import skincad
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.progress import Stopwatch
 from skincad.inputs.measurements import MaterialTest, material_test
+from skincad.laws import Gent, MooneyRivlin, Ogden, Yeoh
 from skincad.material.fit import fit_material
 from skincad.material.modulus import MaterialFit, regression
 from skincad.material.pad import PadCurve, finite_strain_curve, fit_curve, fit_to_curve, small_strain_curve
@@ -92,17 +93,50 @@ def test_correlated_residuals_widen_the_interval() -> None:
 
 
 def test_a_bar_that_stiffens_covers_its_modulus_at_no_strain(tmp_path: Path) -> None:
-    """10 % stiffer per unit of strain: the law's best fit is 2 % high, and the error says so."""
+    """10 % stiffer per unit of strain: neo-Hooke's best fit would be 2 % high."""
     strain = np.linspace(0.0, 0.3, 60)
     stress = neo_hookean(strain, 0.8) * (1 + 0.1 * strain)
     fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, stress))
-    assert fit.misfit > fit.scatter
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-3)
     assert holds(fit, 0.8)
     first, second = (part.young_modulus.value or 0.0 for part in fit.parts)
     assert 0.8 < first < second
     narrower = fit_material(tmp_path / "test.csv", up_to=0.1)
     assert narrower.rows_used < fit.rows_used
     assert abs((narrower.young_modulus.value or 0.0) - 0.8) < abs((fit.young_modulus.value or 0.0) - 0.8)
+
+
+BENDING = {
+    "dragon-skin-10's ogden": Ogden(mu=(0.0402,), alpha=(3.25,)),
+    "ogden, 2 terms": Ogden(mu=(0.03, 0.02), alpha=(1.5, 5.0)),
+    "ogden that softens": Ogden(mu=(0.1,), alpha=(-2.0,)),
+    "yeoh": Yeoh(c10=0.1, c20=0.03),
+    "gent": Gent(mu=0.1, j_m=3.0),
+    "mooney-rivlin": MooneyRivlin(c10=0.05, c01=0.05),
+}
+
+
+@pytest.mark.parametrize("name", BENDING)
+@pytest.mark.parametrize("ends", [(0.0, 0.3), (0.0, -0.3)])
+def test_the_modulus_is_the_laws_own_within_two_percent(
+    name: str, ends: tuple[float, float], tmp_path: Path
+) -> None:
+    """By rows to a strain of 0.3, whose secant is up to 32 % off. With the scatter of a good machine, 0.3 % of
+    the largest load, four of five stay within 5 %, and the interval holds nineteen of twenty."""
+    law, strain = BENDING[name], np.linspace(*ends, 31)
+    own = 3 * law.shear
+    exact = fit_material(csv(tmp_path, "strain,stress_MPa", strain, law.stress(1 + strain)))
+    assert exact.young_modulus.value == pytest.approx(own, rel=0.02)
+    if ends == (0.0, 0.3):
+        random, near, held = np.random.default_rng(5), 0, 0
+        for _ in range(20):
+            stress = law.stress(1 + strain)
+            stress = stress + 0.003 * stress.max() * random.standard_normal(strain.size)
+            fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, stress))
+            near += abs((fit.young_modulus.value or 0.0) / own - 1) < 0.05
+            held += holds(fit, own)
+        assert near >= 16
+        assert held >= 17
 
 
 def test_only_the_loading_is_used(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def database(name: str) -> np.ndarray:
 
 
 def missed(rubber: Rubber, stress: np.ndarray) -> float:
-    return float(np.sqrt(np.mean((rubber.bar(1 + STRAIN) - stress) ** 2)) / stress.max())
+    return float(np.sqrt(np.mean((rubber.stress(1 + STRAIN) - stress) ** 2)) / stress.max())
 
 
 # five of the six are slow: a second each
@@ -77,9 +77,11 @@ TRUTHS = (
 def test_a_law_is_found_by_its_own_curve(truth: Rubber, sign: float) -> None:
     strain = sign * STRAIN
     kind = "tensile" if sign > 0 else "compression"
-    laws, _ = compare_laws(MaterialTest(kind, strain, truth.bar(1 + strain), 98, ()))  # type: ignore[arg-type]
+    laws, _ = compare_laws(MaterialTest(kind, strain, truth.stress(1 + strain), 98, ()))  # type: ignore[arg-type]
     assert (laws[0].best, laws[0].law.kind) == (True, truth.kind)
-    assert laws[0].law.bar(1 + strain) == pytest.approx(truth.bar(1 + strain), rel=1e-4)  # the solver's end
+    assert laws[0].law.stress(1 + strain) == pytest.approx(
+        truth.stress(1 + strain), rel=1e-4
+    )  # the solver's end
     assert [row.rms_judged for row in laws[1:]] == sorted(row.rms_judged for row in laws[1:])
 
 
@@ -87,7 +89,7 @@ def test_a_law_is_found_by_its_own_curve(truth: Rubber, sign: float) -> None:
 def test_more_constants_must_be_better_beyond_what_they_saw(curves: int) -> None:
     """Noise of 0.6 % on neo-Hooke: what wins is within 1 % of it, and three times of four it is neo-Hooke."""
     truth, random = NeoHooke(mu=0.2), np.random.default_rng(3)
-    stress, won = truth.bar(1 + STRAIN), 0
+    stress, won = truth.stress(1 + STRAIN), 0
     for _ in range(curves):
         test = MaterialTest("tensile", STRAIN, stress + 0.002 * random.standard_normal(98), 98, ())
         best = compare_laws(test)[0][0]
@@ -117,7 +119,7 @@ def test_the_judged_rows_are_not_fitted_to() -> None:
 
 def test_a_short_bar_says_the_modulus_alone(tmp_path: Path) -> None:
     short = STRAIN[:30]
-    fit = fit_material(csv(tmp_path, "strain,stress_MPa", short, NeoHooke(mu=0.2).bar(1 + short)))
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", short, NeoHooke(mu=0.2).stress(1 + short)))
     assert (fit.laws, fit.law) == ((), None)
     assert any("strained to 0.4 or more" in warning for warning in fit.warnings)
 

@@ -38,8 +38,9 @@ MOST_UNKNOWNS = 150_000  # about 4 GB
 # of the approach (at 1 N, else 0.08 %), 0.07 % of the all-touch force, 0.56 % of the mean share (at 1 N, else
 # 0.36 %); on yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
 ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
-# With fewer functions along y, against finer layers and sections with all fillets: on yamada-2002, plain-ridges
-# and 14 random designs at most 0.19 % of the approach, 0.11 % of the all-touch force, 1.3 % of the mean share
+# With fewer functions along y, against finer layers and sections with all fillets: on yamada-2002,
+# plain-ridges and 14 random designs at most 0.19 % of the approach, 0.11 % of the all-touch force, 1.3 % of
+# the mean share
 COARSE_ERRORS = Errors(approach=0.004, threshold=0.003, share=0.015)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from skincad.circuit.calibrate import PAPER_ABOVE, PAPER_BELOW, PAPER_CUTOFF, PAPER_HIGH, PAPER_LOW
 from skincad.circuit.model import constants, load_circuit
+from skincad.laws.rubber import LONGEST, SHORTEST, Rubber
 from skincad.outputs.figures.canvas import (
     BLACK,
     BLUE,
@@ -144,6 +145,21 @@ def fit_figure(fit: MaterialFit) -> Picture:
         axes.set_ylabel("force, N" if pad else "stress, MPa")
         legend(axes)
         figure.suptitle(f"Young's modulus {fit.young_modulus}")
+    return figure
+
+
+def law_figure(law: Rubber) -> Picture:
+    """Return a figure of a law's nominal stress and tangent modulus, MPa, against the stretch of a bar."""
+    stretch = np.linspace(SHORTEST, LONGEST, 301)
+    with sheet(FIT_SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        axes.plot(stretch, law.stress(stretch), color=BLUE, linewidth=1.6, label="nominal stress")
+        modulus = law.tangent_modulus(stretch)
+        axes.plot(stretch, modulus, color=VERMILION, linewidth=1.2, label="tangent modulus")
+        axes.set_xlabel("stretch, mm/mm")
+        axes.set_ylabel("stress and modulus, MPa")
+        legend(axes)
+        figure.suptitle(f"{law.kind} bar, Young's modulus {3 * law.shear:.4g} MPa")
     return figure
 
 
