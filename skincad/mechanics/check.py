@@ -47,6 +47,7 @@ from skincad.mechanics.problem import (
 )
 from skincad.mechanics.validity import (
     exceeds_small_strain,
+    limits,
     material_warnings,
     refuse_crushed,
     slope_warnings,
@@ -116,9 +117,7 @@ def check(
     model_named(model)
     if reason := unsupported_reason(model, design, bool(crest_offsets)):
         raise InputError("model", reason, model, "leave it out")
-    verdict = selection.verdict_of(
-        model, Request(load, tol, budget, crest_offsets, ridge_model=not crest_offsets)
-    )
+    verdict = selection.verdict_of(model, selection.request(tol, budget))
     return with_shortfall(verdict, tol, verdict.model_error)
 
 
@@ -158,9 +157,14 @@ class ModelSelection:
         self.models = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
         self.friction = PlateFriction(design, force, crest_offsets)
 
+    def request(self, tol: float | None, budget: float | None) -> Request:
+        """Return what a model is asked."""
+        drops, limit = self.crest_offsets, limits(self.design).largest
+        return Request(self.force, tol, budget, drops, ridge_model=not drops, ridge_limit=limit)
+
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
         """Try better models until the tolerance is met, the verdict is clear or the budget is used."""
-        request = Request(self.force, None, None, self.crest_offsets, ridge_model=not self.crest_offsets)
+        request = self.request(None, None)
         name = self.models[self._first_index(tol)]
         large = tol is None and name == "linear" and skin_of(self.design).count > LARGE_PAD
         if name != "winkler" and (budget is not None or large):
@@ -346,6 +350,7 @@ class ModelSelection:
             check,
             out_of_range=beyond_reason,
             deformed=self.solved["linear"].deformed if "linear" in self.solved else (),
+            self_contact=self.solved["linear"].self_contact if "linear" in self.solved else None,
             manufacture=None if beyond_reason else result,
             seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
             warnings=(*check.warnings, *failed),

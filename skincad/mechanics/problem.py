@@ -45,8 +45,6 @@ def steepest(plate: Plate, half_width: float) -> float:
     return 0.0
 
 
-# gone
-
 FLAT = Plate()
 NEGLIGIBLE = 0.01  # of the applied force; a smaller all-touch force is negligible
 EQUAL_FORCES = 1e-3  # relative: ridges whose forces differ by less, as a mirrored pair's, touch together
@@ -168,6 +166,16 @@ class Yield(Record):
         return self.passing.error
 
 
+@dataclass(frozen=True)
+class SelfContact(Record):
+    """Contact that no model knows, of the skin with itself or, off its crests, with the plate: found by the
+    linear model's deformed section, up to the force at which its strains end."""
+
+    free_to: float = item("N", "up to this force there is none")
+    begins: Estimate = item("N", "where it begins; null: none is found")
+    where: str = item(meaning="what meets there", null=True, default="")
+
+
 def no_yield(failure: Exception) -> str:
     """Return the warning for a verdict whose yield could not be computed."""
     return f"no yield: {failure}"
@@ -178,6 +186,7 @@ class Request:
     """A request to a model: at `force` N, to a relative tolerance, or the best within `budget` s.
 
     `crest_offsets`, mm, are those of one measured part, positive where a crest is lower than designed.
+    Contact of the skin with itself is looked for up to `ridge_limit` N on a ridge, not at all at 0.
     `ridge_model` asks for the model of the yield too. With `must_fit` a first mesh that would overrun the
     budget raises LateError; otherwise it is solved.
     """
@@ -187,6 +196,7 @@ class Request:
     budget: float | None = None
     crest_offsets: tuple[float, ...] = ()
     ridge_model: bool = False
+    ridge_limit: float = 0.0
     must_fit: bool = False
 
 
@@ -222,6 +232,7 @@ class Answer:
     warnings: tuple[str, ...] = ()
     fault: str = ""
     ridge_model: RidgeModel | None = None
+    self_contact: SelfContact | None = None
     own_seconds: float = 0.0
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
 

@@ -11,7 +11,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
-from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, Yield
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, SelfContact, Yield
 
 Verdict = Literal["passes", "fails", "undecided"]
 
@@ -83,6 +83,9 @@ class ContactCheck(Result):
     manufacture: Yield | None = None
     out_of_range: str = item(
         meaning="why the verdict is outside the model's range", key="beyond_range", null=True, default=""
+    )
+    self_contact: SelfContact | None = item(
+        meaning="from which force on the skin meets itself, or the plate off its crests", default=None
     )
     tipping: float = item(meaning="the most loaded ridge's force over that at which it tips", default=0.0)
     cause: str = item(meaning="why it fails, if requested", null=True, default="")

@@ -84,6 +84,7 @@ def verdict_lines(check: ContactCheck) -> list[str]:
         f"  ridge forces   {shares} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
+        *_self_contact_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
     ]
 
@@ -148,6 +149,16 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
         f"  yield          {summary}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",
     ]
+
+
+def _self_contact_lines(check: ContactCheck) -> list[str]:
+    contact = check.self_contact
+    if contact is None or check.out_of_range:
+        return []
+    force = float(f"{contact.begins.value or contact.free_to:.2g}")
+    if not contact.where:
+        return [f"  self-contact   none is found up to {force:g} N"]
+    return [f"  self-contact   from about {force:g} N on, by small strain: {contact.where}"]
 
 
 def advice_lines(check: ContactCheck) -> list[str]:

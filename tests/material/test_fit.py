@@ -121,8 +121,8 @@ BENDING = {
 def test_the_modulus_is_the_laws_own_within_two_percent(
     name: str, ends: tuple[float, float], tmp_path: Path
 ) -> None:
-    """By rows to a strain of 0.3, whose secant is up to 32 % off. With the scatter of a good machine, 0.3 % of
-    the largest load, four of five stay within 5 %, and the interval holds nineteen of twenty."""
+    """By rows to a strain of 0.3, whose secant is up to 32 % off. With the scatter of a good machine, 0.3 %
+    of the largest load, four of five stay within 5 %, and the interval holds nineteen of twenty."""
     law, strain = BENDING[name], np.linspace(*ends, 31)
     own = 3 * law.shear
     exact = fit_material(csv(tmp_path, "strain,stress_MPa", strain, law.stress(1 + strain)))

@@ -45,6 +45,7 @@ from skincad.mechanics.problem import (
     Pad,
     Request,
     RidgeModel,
+    SelfContact,
     SizeError,
     check_pad,
     no_yield,
@@ -143,6 +144,8 @@ class PlaneSolution:
     fault: str = ""  # undetected contact of the skin with itself or the plate
     half: elements.ContactStiffness | None = None
     outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
+    # the fault at another force, N
+    pressed: Callable[[float], str] | None = field(default=None, compare=False, repr=False)
 
 
 LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...]], PlaneSolution]
@@ -180,13 +183,17 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     ridges = seen_by_plate(pad, system, small.flexibility, unit)
     if crest_offsets:
         ridges = ridges.lowered(np.array(crest_offsets) / unit)
-    state = press(ridges.flexibility, ridges.gap, force / scale)
+
+    def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
+        state = press(ridges.flexibility, ridges.gap, force / scale)
+        moved = _moved(system, small, state)
+        outlines = elements.outlines(system, moved)
+        plate = height_above(pad, ridges, system, state.approach, unit)
+        return state, moved, outlines, undetected_contact(outlines, plate, mirrored=meshed.mirrored)
+
+    state, moved, outlines, wrong = pressed(force)
     threshold = all_touch_force(ridges, force / scale)
-    moved = _moved(system, small, state)
     residual = max(state.residual, _balance(system, moved, force / scale))
-    plate = height_above(pad, ridges, system, state.approach, unit)
-    outlines = elements.outlines(system, moved)
-    wrong = undetected_contact(outlines, plate, mirrored=meshed.mirrored)
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
     return PlaneSolution(
@@ -205,7 +212,34 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
         fault=wrong or "",
         half=assembled if meshed.mirrored else None,
         outlines=tuple(outlines),
+        pressed=lambda force: pressed(force)[-1] or "",
     )
+
+
+FARTHEST = 10.0  # times the force: how far contact of the skin with itself is looked for
+SELF_CONTACT_BISECTIONS = 5  # to a thirtieth of the range looked at
+
+
+def self_contact(solution: PlaneSolution, force: float, ridge_limit: float) -> SelfContact | None:
+    """Return from which force on the skin meets itself or, off its crests, the plate: looked for from `force`
+    N up to FARTHEST times that, or to where a ridge bears about `ridge_limit` N; None where it bears more."""
+    largest = float(solution.ridge_force.max())
+    if solution.pressed is None or largest > ridge_limit:
+        return None
+    low, high, where = 0.0, force, solution.fault
+    with one_blas_thread():
+        if not where:
+            low, high = force, force * min(FARTHEST, ridge_limit / largest)
+            where = solution.pressed(high)
+        if not where:
+            return SelfContact(high, Estimate(None, None, "N"))
+        for _ in range(SELF_CONTACT_BISECTIONS):
+            middle = (low + high) / 2
+            if found := solution.pressed(middle):
+                high, where = middle, found
+            else:
+                low = middle
+    return SelfContact(low, Estimate((low + high) / 2, (high - low) / 2, "N"), where)
 
 
 def too_large(contact: int, most: int, model: str) -> SizeError:
@@ -296,6 +330,9 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     """
     result, best = refine(pad, request, level, "linear", progress)
     result = replace(result, deformed=deformed_section(best))
+    if request.ridge_limit:
+        limit = request.ridge_limit
+        result = replace(result, self_contact=self_contact(best, request.force, limit))
     if result.all_touch_force.value is None:
         result = replace(result, warnings=(*result.warnings, NEVER_ALL_TOUCH))
     if request.ridge_model and best.all_touch_force is not None and len(pad.ridges) > 1:
