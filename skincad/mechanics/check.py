@@ -25,6 +25,7 @@ from skincad.inputs.process import processes
 from skincad.mechanics.left_out import LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
+    MANY,
     MODELS,
     expected_seconds,
     is_small_strain,
@@ -130,7 +131,7 @@ DEFAULT_BUDGET = 30.0
 # Without a tolerance or a budget: a clear verdict still gets a model that leaves less out and ends within
 # SHARP_SECONDS, as long as the relative error that better models remove is above SHARP
 SHARP, SHARP_SECONDS = 0.03, 15.0
-LARGE_PAD = 100  # ridges; a larger pad starts on the coarsest mesh, as with a budget
+REDUCED_SECONDS = 20.0  # s, at most, of the reduced model with any number of features
 # Of the linear model's time: the yield's sample; friction on a section, a ridge, and on a solid
 YIELD_PRICE, FRICTION_PRICE, SOLID_FRICTION_PRICE = 0.5, 0.03, 2.0
 OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
@@ -154,7 +155,12 @@ class ModelSelection:
         self.solved: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        self.models = [name for name in AUTO if not unsupported_reason(name, design, bool(crest_offsets))]
+        self.many = skin_of(design).count > MANY
+        self.models = [
+            name
+            for name in AUTO
+            if (self.many or name != "reduced") and not unsupported_reason(name, design, bool(crest_offsets))
+        ]
         self.friction = PlateFriction(design, force, crest_offsets)
 
     def request(self, tol: float | None, budget: float | None) -> Request:
@@ -166,29 +172,23 @@ class ModelSelection:
         """Try better models until the tolerance is met, the verdict is clear or the budget is used."""
         request = self.request(None, None)
         name = self.models[self._first_index(tol)]
-        large = tol is None and name == "linear" and skin_of(self.design).count > LARGE_PAD
-        if name != "winkler" and (budget is not None or large):
+        if name == "reduced" and (budget is None or budget > REDUCED_SECONDS):
+            return self._select_from(name, request, tol, budget)
+        if name != "winkler" and budget is not None:
             return self._within_budget(request, tol, budget)
         return self._select_from(name, request, tol, budget)
 
-    def _within_budget(self, request: Request, tol: float | None, budget: float | None) -> ContactCheck:
-        """Start with the linear model if it fits into the budget or DEFAULT_BUDGET, else use the closed
-        form."""
-        limit = DEFAULT_BUDGET if budget is None else budget
+    def _within_budget(self, request: Request, tol: float | None, limit: float) -> ContactCheck:
+        """Start with the linear model if it fits into the budget, else use the closed form."""
         least = self.models[0] == "winkler"
         name = "linear" if "linear" in self.models else self.models[0]
         load(name)  # the library's import is no part of the budget
         self.started = perf_counter()
         try:
-            return self._select_from(name, replace(request, must_fit=least, budget=limit), tol, budget)
+            return self._select_from(name, replace(request, must_fit=least, budget=limit), tol, limit)
         except LateError as late:
             check = self._model("winkler", replace(request, tol=FINEST_TOLERANCE))
             words = f"the linear model would take about {about(late.seconds)} of the budget of {limit:g} s"
-            if budget is None:
-                words = (
-                    f"the linear model would take about {about(late.seconds)}, and without --budget a check "
-                    f"takes about {DEFAULT_BUDGET:g} s at most"
-                )
             check = replace(
                 check, warnings=(*check.warnings, words), next_model=NextModel(name, late.seconds)
             )
@@ -253,9 +253,10 @@ class ModelSelection:
     def _first_index(self, tol: float | None) -> int:
         """Index of the first model that may meet the tolerance, judged by Winkler's strains.
 
-        Without a tolerance it is the linear model.
+        Without a tolerance it is the linear model, or of many features the reduced one.
         """
-        first = self.models.index("linear") if "linear" in self.models else 0
+        plain = [name for name in ("reduced", "linear") if name in self.models]
+        first = self.models.index(plain[0]) if plain else 0
         if tol is None or self.crest_offsets:
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
@@ -337,7 +338,7 @@ class ModelSelection:
         """The last verdict with its yield. Earlier verdicts get no yield."""
         known, result, reserved = self.with_model_errors[check.model], None, self._yield_seconds()
         failed: tuple[str, ...] = ()
-        if not (self.crest_offsets or check.out_of_range or check.model == "winkler"):
+        if not (self.crest_offsets or check.out_of_range or check.model in ("winkler", "reduced")):
             try:
                 with resource_guard("the yield"):
                     result = self._manufacture(known)

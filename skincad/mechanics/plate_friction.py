@@ -22,7 +22,7 @@ from skincad.mechanics.problem import Answer, ContactError
 if TYPE_CHECKING:
     from skincad.mechanics.models.friction import TwoPresses
 
-CLOSED_FORM = "winkler"
+CLOSED_FORM, UNPRESSED = "winkler", ("winkler", "reduced")  # whose pads are not pressed with friction
 
 
 class PlateFriction:
@@ -42,7 +42,7 @@ class PlateFriction:
         Friction along y matters where ends are free, unless bonded strips hold the ridges.
         """
         ends = has_ends(model)
-        if self.coefficient == 0.0 or (model != CLOSED_FORM and ends in self.solved):
+        if self.coefficient == 0.0 or (model not in UNPRESSED and ends in self.solved):
             return ()
         if not ends:
             computed = model != CLOSED_FORM and self.coefficient is not None and ends not in self.failed
@@ -61,7 +61,7 @@ class PlateFriction:
         its bound stays.
         """
         ends = has_ends(model)
-        if self.coefficient == 0.0 or model == CLOSED_FORM or not (ends or self.coefficient):
+        if self.coefficient == 0.0 or model in UNPRESSED or not (ends or self.coefficient):
             return answer
         if ends not in self.solved and ends not in self.failed:
             if available is not None and price > available:

@@ -148,6 +148,25 @@ class Errors:
     share: float
 
 
+def relative_changes(before: CoarseAnswer, after: CoarseAnswer) -> Errors:
+    """Return how much changes from one coarse answer to the other: of approach and all-touch force relative,
+    of the share that changes most in mean shares. 0 without both forces."""
+    by_force = 0.0
+    if before.all_touch_force and after.all_touch_force:
+        by_force = after.all_touch_force / before.all_touch_force - 1
+    by_share = np.abs(after.ridge_force - before.ridge_force).max() / before.ridge_force.mean()
+    return Errors(after.approach / before.approach - 1, by_force, float(by_share))
+
+
+def errors_of(changes: Errors, constant: Errors, part: Errors) -> Errors:
+    """Return the errors of these changes: a constant, and a part of each."""
+    return Errors(
+        constant.approach + part.approach * abs(changes.approach),
+        constant.threshold + part.threshold * abs(changes.threshold),
+        constant.share + part.share * changes.share,
+    )
+
+
 def apply_change(
     fine: Answer, before: CoarseAnswer, after: CoarseAnswer, force: float, errors: Errors
 ) -> Answer:

@@ -23,7 +23,7 @@ from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece, triangles
 from skincad.mechanics.contact.frictionless import all_touch_force, press
 from skincad.mechanics.contact.press_path import press_with_friction, sticking_pad_of, sticking_solid_of
 from skincad.mechanics.left_out import FRICTION, LeftOut
-from skincad.mechanics.models.corrected import Errors, apply_change
+from skincad.mechanics.models.corrected import Errors, apply_change, errors_of, relative_changes
 from skincad.mechanics.models.solid import Layers, coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Answer, Pad, SizeError
 
@@ -169,21 +169,17 @@ def with_friction(
     `strain` bounds what small strain leaves out, for an answer at finite strain.
     """
     before, after = friction.without, friction.gripped
-    by_force = 0.0
-    if before.all_touch_force and after.all_touch_force:
-        by_force = after.all_touch_force / before.all_touch_force - 1
-    by_approach, mean = after.approach / before.approach - 1, float(before.ridge_force.mean())
-    by_share = float(np.abs(after.ridge_force - before.ridge_force).max()) / mean
+    changes = relative_changes(before, after)
     lost = (-LOST.threshold * strain.threshold, LOST.approach * strain.approach) if strain else (None, None)
     forces, approaches = (
         _range(change, part, friction.ends, known)
-        for change, part in zip((by_force, by_approach), lost, strict=True)
+        for change, part in zip((changes.threshold, changes.approach), lost, strict=True)
     )
-    part, unknown = (1.0, 0.0) if known else (0.5, 0.5 * by_share)
+    part, unknown = (1.0, 0.0) if known else (0.5, 0.5 * changes.share)
     if strain and friction.ends:
         unknown += LOST.share * strain.share
     elif strain:
-        part, unknown = PLANE_PART * part, unknown + by_share
+        part, unknown = PLANE_PART * part, unknown + changes.share
     middle = CoarsePress(
         before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2),
         before.approach * (1 + sum(approaches) / 2),
@@ -192,11 +188,7 @@ def with_friction(
         after.residual,
     )
     half = Errors((approaches[1] - approaches[0]) / 2, (forces[1] - forces[0]) / 2, unknown)
-    errors = Errors(
-        friction.constant.approach + friction.by_change.approach * abs(by_approach),
-        friction.constant.threshold + friction.by_change.threshold * abs(by_force),
-        friction.constant.share + friction.by_change.share * by_share,
-    )
+    errors = errors_of(changes, friction.constant, friction.by_change)
     left = LeftOut(effect=FRICTION, threshold=half.threshold, approach=half.approach, share=half.share)
     if known:
         errors = Errors(*(a + b for a, b in zip(astuple(errors), astuple(half), strict=True)))

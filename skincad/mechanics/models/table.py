@@ -42,6 +42,7 @@ class ContactModel:
 _ROOM = "skincad.mechanics.models."
 MODELS = {
     "winkler": ContactModel(f"{_ROOM}winkler:answer", 1e-3, shaped_plates=True, doubly_curved=True),
+    "reduced": ContactModel(f"{_ROOM}reduced:answer", 0.5, (FINITE_STRAIN,)),
     "linear": ContactModel(
         f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped_plates=True, measured=True
     ),
@@ -60,7 +61,10 @@ MODELS = {
     "solid": ContactModel(f"{_ROOM}solid:answer", 15.0, (FINITE_STRAIN,), shaped_plates=True),
     "solid-finite-strain": ContactModel(f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",)),
 }
-AUTO = ("winkler", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
+AUTO = ("winkler", "reduced", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
+
+
+MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 
 
 def model_named(name: str) -> ContactModel:
@@ -82,6 +86,8 @@ def unsupported_reason(name: str, design: Design, measured: bool) -> str:
         return f"contact.plate.shape: must be 'flat' for the {name} model"
     if design.skin.curvature_radius_y is not None and not model.doubly_curved:
         return f"skin.curvature_radius_y: must not be given for the {name} model, which takes y as straight"
+    if name == "reduced" and skin_of(design).uneven:
+        return "ridge.heights: must be alike for the reduced model"
     if measured and not model.measured:
         return f"measured: is not judged by the {name} model"
     return ""

@@ -379,7 +379,7 @@ def test_a_tolerance_below_what_a_change_is_known_to_is_said(monkeypatch: pytest
     design, fine = load("plain-ridges"), answer(3.0, 0.2, (2.0, 2.0))
     by_model = {
         solid_finite_strain.ERRORS: solid_finite_strain.answer,
-        solid_finite_strain.COARSE_ERRORS: solid_finite_strain.on_corrected,
+        solid_finite_strain.COARSE_ERRORS: solid_finite_strain.on_corrected,  # nothing changes here
     }
     for errors, by_strain in by_model.items():
         known = max(vars(errors).values())

@@ -35,7 +35,7 @@ def test_what_builds_on_nothing_has_nothing_below() -> None:
 
 
 def test_models_stand_in_the_order_of_their_price_and_auto_goes_by_it() -> None:
-    prices = [whole_price(model) for model in MODELS if model != "finite-strain"]
+    prices = [whole_price(model) for model in MODELS if model not in ("finite-strain", "reduced")]
     assert prices == sorted(prices)
     assert [model for model in MODELS if model in AUTO] == list(AUTO)
 
@@ -59,12 +59,14 @@ def test_finer_refinements_are_nearer_and_the_finest_is_taken_whatever_is_asked(
 def test_which_models_judge_which_skins(yamada: Design) -> None:
     """Measured crests: all in plane strain and what is built on it. A plate of any shape: small strains. A
     skin that is curved along y too: springs alone."""
-    small = {"winkler", "linear", "corrected", "solid"}
+    small = {"winkler", "linear", "corrected", "solid"}  # the reduced model's plate is flat
     plane = {"linear", "corrected", "finite-strain", "corrected-finite-strain"}
     tilted = yamada.with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
     bent = yamada.with_(skin={"curvature_radius_y": 60.0})
     assert all(unsupported_reason(name, yamada, False) == "" for name in MODELS)
+    uneven = yamada.with_(ridge={"levelling": 0.5})
     for design, drops, models, key in (
+        (uneven, False, set(MODELS) - {"reduced"}, "ridge.heights: must be alike"),
         (yamada, True, plane, "measured: "),
         (tilted, False, small, "contact.plate.shape: must be 'flat'"),
         (bent, False, {"winkler"}, "skin.curvature_radius_y: must not be given"),
@@ -76,7 +78,7 @@ def test_which_models_judge_which_skins(yamada: Design) -> None:
 def test_a_model_leaves_out_what_its_name_does_not_tell() -> None:
     for name, model in MODELS.items():
         if name != "winkler":  # its bars are the springs' own
-            ends = "corrected" in name or "solid" in name
+            ends = "corrected" in name or "solid" in name or name == "reduced"
             left = {FREE_ENDS} - ({FREE_ENDS} if ends else set()) | (
                 set() if "finite-strain" in name else {FINITE_STRAIN}
             )

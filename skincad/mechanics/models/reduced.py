@@ -1,0 +1,206 @@
+"""A pad of very many like features: each reduced to its force against indentation, the base to how far a
+force on one feature lowers another.
+
+Both are read off a short pad of the same features on the same base, the cell: in plane strain (linear.py),
+with what free ends add (corrected.py). The cell is long enough for a force in its middle not to be felt at
+its ends. Far from the ends of the pad features feel each other by their distance alone; near an end as near
+the cell's. So
+
+    d - gap_i = self(p_i) + sum over j of coupling_ij p_j    where p_i > 0,
+
+a sparse system however many features there are. Nothing here knows what a feature looks like.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from scipy import interpolate, optimize, sparse
+from scipy.sparse.linalg import splu
+
+from skincad.base.arrays import Array, Index
+from skincad.base.estimate import Estimate
+from skincad.base.interrupt import safe_point
+from skincad.base.progress import Progress
+from skincad.inputs.design import Design
+from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.corrected import Errors, added_compliance
+from skincad.mechanics.problem import Answer, ContactError, Request, RidgeModel, check_flat, pad_of
+from skincad.shape.skin import section, skin_of
+
+REACH = 4.0, 1.5  # thicknesses of the base, and lengths of the skin, between a feature and the cell's end
+FEWEST = 15  # features of the cell, where the pad has as many
+NEWTON_STEPS = 60  # ten are usual
+SETTLED = 1e-10  # of the largest force
+ROOT = 1e-9  # of the approach
+FARTHEST = 64.0  # times the approach that closes all gaps: the search's end
+FINENESS, ORDER = 1.0, 3  # of the cell's section
+# Against the corrected model (bench/table_reduced.py): 45 and 101 plain ridges, 6 to 24 mm long, 2 to 7 mm
+# thick, 0.5 and 0.9 mm high, and 25 to 27 ridges of four templates with strips. At most 7.4 % of the
+# all-touch force (2 % without strips), 1.7 % of the approach, 9 % of the mean share
+ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)
+
+
+@dataclass(frozen=True)
+class FeatureModel:
+    """`gap` `(n,)` mm of each feature from the plate when it first touches; `force` and `indentation` `(t,)`,
+    N and mm, of one alone; `coupling` `(n, n)` mm/N."""
+
+    gap: Array
+    force: Array
+    indentation: Array
+    coupling: sparse.csr_matrix
+
+
+def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
+    """Return the reduced model's verdict on a design; strains are taken as small."""
+    check_flat(design.contact.plate, "reduced", "corrected")
+    seconds: dict[str, float] = {}
+    if progress:
+        progress("reduced model: a short pad of the same features")
+    model, began = feature_model(design, request.force, seconds), perf_counter()
+    forces, approach = pressed(model, request.force)
+    first = all_touch_force(model)
+    seconds["reduced"] = perf_counter() - began
+    error = ERRORS.share * request.force / forces.size
+    return Answer(
+        touching=int(np.count_nonzero(forces > 0)),
+        all_touch_force=Estimate(first, ERRORS.threshold * first, "N"),
+        approach=Estimate(approach, ERRORS.approach * approach, "mm"),
+        ridge_force=tuple(Estimate(float(force), error, "N") for force in forces),
+        unknowns=forces.size,
+        residual=SETTLED,
+        seconds=seconds,
+    )
+
+
+def cell_of(design: Design) -> Design:
+    """Return the design with as few features as feel each other, as far from the ends of its base."""
+    skin = skin_of(design)
+    far = max(REACH[0] * design.skin.thickness, REACH[1] * design.skin.length)
+    reach = math.ceil(far / skin.pitch)
+    count = max(2 * reach + 1, FEWEST)
+    if count >= skin.count:
+        return design
+    shorter = (skin.count - count) * skin.pitch
+    return design.with_(ridge={"count": count}, skin={"width": design.skin.width - shorter})
+
+
+def feature_model(
+    design: Design, force: float, seconds: dict[str, float], *, ends: bool = True
+) -> FeatureModel:
+    """Return the reduced pad of a design for forces of about `force` N; without `ends` in plane strain."""
+    cell = cell_of(design)
+    few, many = skin_of(cell).count, skin_of(design).count
+    began, share, pad = perf_counter(), force * few / many, pad_of(cell)
+    best = linear.level(plane_piece(pad, FINENESS), ORDER, share)
+    parts = linear.reduced_model(pad, best, share, {})
+    seconds["cell"] = perf_counter() - began
+    coupling = parts.coupling * (parts.unit / parts.scale)
+    own, table = np.zeros(few), _middle(parts)
+    if ends:
+        began = perf_counter()
+        more = added_compliance(cell)
+        seconds["solid"] = perf_counter() - began
+        own = more.diagonal().copy()
+        coupling = coupling + more - np.diag(own)
+    force_of_table, indentation = parts.force * parts.scale, table * parts.unit
+    place = _places(few, many)
+    far = few // 2
+    rows, columns, values = [], [], []
+    for offset in range(-far, far + 1):
+        i = np.arange(max(0, -offset), many - max(0, offset))
+        a, b = place[i], place[i + offset]
+        inside = (a + offset >= 0) & (a + offset < few)
+        from_a = np.where(inside, coupling[a, np.clip(a + offset, 0, few - 1)], 0.0)
+        inside = (b - offset >= 0) & (b - offset < few)
+        from_b = np.where(inside, coupling[np.clip(b - offset, 0, few - 1), b], 0.0)
+        rows.append(i)
+        columns.append(i + offset)
+        values.append((from_a + from_b) / 2 + (own[a] if offset == 0 else 0.0))
+    whole = sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(many, many)
+    )
+    tops = np.full(many, -np.inf)
+    for segment in section(design).outline:
+        if segment.touches and segment.feature is not None:
+            tops[segment.feature - 1] = max(tops[segment.feature - 1], segment.top)
+    return FeatureModel(tops.max() - tops, force_of_table, indentation, whole)
+
+
+def _middle(parts: RidgeModel) -> Array:
+    """The indentation of the cell's middle feature `(t,)`."""
+    return np.asarray(parts.indentation[parts.gap.size // 2])
+
+
+def _places(few: int, many: int) -> Index:
+    """Which of the cell's features each of `many` is like `(many,)`: as near to an end, or the middle one."""
+    number, half = np.arange(many), few // 2
+    from_end = many - 1 - number
+    return np.where(number < half, number, np.where(from_end < half, few - 1 - from_end, half))
+
+
+class _Curve:
+    """Force of a feature against its indentation, smooth, and its slope; straight beyond the table."""
+
+    def __init__(self, model: FeatureModel) -> None:
+        self.end = float(model.indentation[-1])
+        self.force = interpolate.PchipInterpolator(model.indentation, model.force)
+        self.slope = self.force.derivative()
+
+    def at(self, indentation: Array) -> tuple[Array, Array]:
+        inside = np.clip(indentation, 0.0, self.end)
+        slope = np.where(indentation > 0, self.slope(inside), 0.0)
+        return self.force(inside) + slope * np.maximum(indentation - self.end, 0.0), slope
+
+
+def at_approach(model: FeatureModel, approach: float, start: Array | None = None) -> tuple[Array, Array]:
+    """Return forces, N, and indentations, mm, `(n,)` where the plate came down by `approach` mm; negative
+    indentations are gaps. Semi-smooth Newton, damped where it does not approach."""
+    curve, n = _Curve(model), model.gap.size
+    forces = np.zeros(n) if start is None else start
+    last, share = math.inf, 1.0
+    for _ in range(NEWTON_STEPS):
+        safe_point()
+        indentation = approach - model.gap - model.coupling @ forces
+        wanted, slope = curve.at(indentation)
+        off = wanted - forces
+        size = float(np.abs(off).max())
+        if size <= SETTLED * max(float(forces.max()), float(wanted.max()), 1e-300):
+            return forces, indentation
+        share = min(1.0, 2 * share) if size < last else share / 2
+        last = size
+        matrix = sparse.identity(n, format="csc") + sparse.diags(slope) @ model.coupling
+        forces = forces + share * splu(sparse.csc_matrix(matrix)).solve(off)
+    raise ContactError("the reduced features do not settle; take a smaller force")
+
+
+def pressed(model: FeatureModel, force: float) -> tuple[Array, float]:
+    """Return the forces `(n,)`, N, and the approach, mm, under a total force."""
+    approach = _root(model, lambda forces, _: float(forces.sum()) - force)
+    return at_approach(model, approach)[0], approach
+
+
+def all_touch_force(model: FeatureModel) -> float:
+    """Return the smallest force, N, under which every feature touches; 0 for one."""
+    if model.gap.size == 1:
+        return 0.0
+    approach = _root(model, lambda _, indentation: float(indentation.min()))
+    return float(at_approach(model, approach)[0].sum())
+
+
+def _root(model: FeatureModel, missing: Callable[[Array, Array], float]) -> float:
+    """The approach, mm, at which `missing(forces, indentations)` is 0; it rises with the approach."""
+    high = float(np.ptp(model.gap)) or float(model.indentation[-1])
+    for _ in range(round(math.log2(FARTHEST))):
+        if missing(*at_approach(model, high)) > 0:
+            break
+        high *= 2
+    else:
+        raise ContactError("no approach brings all features into contact")
+    return float(optimize.brentq(lambda d: missing(*at_approach(model, d)), 0.0, high, xtol=ROOT * high))
