@@ -146,47 +146,47 @@ def _newton_step(
     """The tangential forces `(2 m,)` and the plate's travel after one semi-smooth step, in which the points
     that touch stay."""
     m, touching = skin.gap.size, np.flatnonzero(normal > 0)
-    held = np.flatnonzero(skin.able & np.tile(normal > 0, 2))  # the others carry nothing
-    n, by_x = held.size, (held < m).astype(float)
+    rows = np.flatnonzero(skin.able & np.tile(normal > 0, 2))  # the others carry nothing
+    n, by_x = rows.size, (rows < m).astype(float)
     if not n:
         return np.zeros(2 * m), travel
-    trial, stiffness = (values[held] for values in _trial(skin, t, travel, free))
-    length, now = _lengths(_trial(skin, t, travel, free)[0])[held], _lengths(t)[held]
+    trial, stiffness = (values[rows] for values in _trial(skin, t, travel, free))
+    length, now = _lengths(_trial(skin, t, travel, free)[0])[rows], _lengths(t)[rows]
     place = np.full(2 * m, -1)
-    place[held] = np.arange(n)
-    partner = place[np.where(held < m, held + m, held - m)]
-    pressed = _pressed_by(skin, touching, held)  # the normal forces' derivative by the tangential ones
-    inside = skin.tangential[np.ix_(held, held)] - skin.cross[np.ix_(touching, held)].T @ pressed
+    place[rows] = np.arange(n)
+    partner = place[np.where(rows < m, rows + m, rows - m)]
+    by_tangential = _pressed_by(skin, touching, rows)  # the normal forces' derivative by the tangential ones
+    inside = skin.tangential[np.ix_(rows, rows)] - skin.cross[np.ix_(touching, rows)].T @ by_tangential
     trials = np.eye(n) - stiffness[:, None] * inside
-    slides, bound = sliding[held], coefficient * np.tile(normal, 2)[held]
+    slides, bound = sliding[rows], coefficient * np.tile(normal, 2)[rows]
     way = np.where(slides, trial / np.where(slides, length, 1.0), 0.0)
     cut = np.where(slides, bound / np.where(slides, length, 1.0), 1.0)
-    own = np.where(slides, t[held] / np.maximum(np.maximum(bound, now), 1e-300), 0.0)
-    by_own = cut * (1 - own * way)
-    by_other = np.where(partner >= 0, -cut * own * way[partner], 0.0)
+    outward = np.where(slides, t[rows] / np.maximum(np.maximum(bound, now), 1e-300), 0.0)
+    by_own = cut * (1 - outward * way)
+    by_other = np.where(partner >= 0, -cut * outward * way[partner], 0.0)
     matrix = np.eye(n + skin.floats)
     matrix[:n, :n] -= by_own[:, None] * trials + by_other[:, None] * trials[partner]
-    matrix[:n, :n] -= coefficient * way[:, None] * pressed[np.searchsorted(touching, held % m)]
-    side = np.append(-missing[held], np.zeros(int(skin.floats)))
+    matrix[:n, :n] -= coefficient * way[:, None] * by_tangential[np.searchsorted(touching, rows % m)]
+    side = np.append(-missing[rows], np.zeros(int(skin.floats)))
     if skin.floats:  # the plate goes along x until no force holds it
         pull = stiffness * by_x
         matrix[:n, n] = -(by_own * pull + by_other * pull[partner])
         matrix[n] = np.append(by_x, 0.0)
-        side[n] = -float(t[held] @ by_x)
+        side[n] = -float(t[rows] @ by_x)
     try:
         step = linalg.solve(matrix, side, check_finite=False)
     except linalg.LinAlgError:
         raise ContactError("sticking and sliding points have no common state") from None
     after = np.zeros(2 * m)
-    after[held] = t[held] + step[:n]
+    after[rows] = t[rows] + step[:n]
     return after, travel + (float(step[n]) if skin.floats else 0.0)
 
 
-def _pressed_by(skin: DiscCompliance, touching: Index, held: Index) -> Array:
-    """How tangential forces change the normal ones of points that stay in contact `(touching, held)`."""
+def _pressed_by(skin: DiscCompliance, touching: Index, rows: Index) -> Array:
+    """How tangential forces change the normal ones of points that stay in contact `(touching, rows)`."""
     k = touching.size
     matrix = np.zeros((k + 1, k + 1))
     matrix[:k, :k] = skin.normal[np.ix_(touching, touching)]
     matrix[:k, k], matrix[k, :k] = -1.0, 1.0
-    sides = np.vstack([skin.cross[np.ix_(touching, held)], np.zeros(held.size)])
+    sides = np.vstack([skin.cross[np.ix_(touching, rows)], np.zeros(rows.size)])
     return np.asarray(linalg.solve(matrix, sides, check_finite=False)[:k])

@@ -168,8 +168,8 @@ def press_with_friction(
     all_touch = None if path.waiting and first is not None else first
     searching = all_touch is None and first is not None
     low, high = sorted((force, first or force))
-    beyond = steps if path.plane else max(1, math.ceil(steps * (high / low - 1)))
-    for following in _forces(force, first, steps, beyond):
+    later_steps = steps if path.plane else max(1, math.ceil(steps * (high / low - 1)))
+    for following in _forces(force, first, steps, later_steps):
         if at_force is not None and not searching:
             break
         after = path.points.step(state, load, following)
@@ -192,10 +192,10 @@ def press_with_friction(
     return PressResult(all_touch, at_force.approach, shares, residual)
 
 
-def _forces(force: float, first: float | None, steps: int, beyond: int) -> list[float]:
+def _forces(force: float, first: float | None, steps: int, later_steps: int) -> list[float]:
     """The forces of a press: `force` itself is one of them."""
     low, high = sorted((force, first or force))
-    shares, later = (np.arange(steps) + 1) / steps, (np.arange(beyond) + 1) / beyond
+    shares, later = (np.arange(steps) + 1) / steps, (np.arange(later_steps) + 1) / later_steps
     forces = [*(low * shares[:-1]), low]
     if high > low:
         forces += [*(low + (high - low) * later[:-1]), high]

@@ -235,8 +235,8 @@ def self_contact(solution: PlaneSolution, force: float, ridge_limit: float) -> S
             return SelfContact(high, Estimate(None, None, "N"))
         for _ in range(SELF_CONTACT_BISECTIONS):
             middle = (low + high) / 2
-            if found := solution.pressed(middle):
-                high, where = middle, found
+            if fault := solution.pressed(middle):
+                high, where = middle, fault
             else:
                 low = middle
     return SelfContact(low, Estimate((low + high) / 2, (high - low) / 2, "N"), where)

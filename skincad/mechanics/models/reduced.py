@@ -102,13 +102,13 @@ def feature_model(
     parts = linear.reduced_model(pad, best, share, {})
     seconds["cell"] = perf_counter() - began
     coupling = parts.coupling * (parts.unit / parts.scale)
-    own, table = np.zeros(few), _middle(parts)
+    added, table = np.zeros(few), _middle(parts)
     if ends:
         began = perf_counter()
         more = added_compliance(cell)
         seconds["solid"] = perf_counter() - began
-        own = more.diagonal().copy()
-        coupling = coupling + more - np.diag(own)
+        added = more.diagonal().copy()
+        coupling = coupling + more - np.diag(added)
     force_of_table, indentation = parts.force * parts.scale, table * parts.unit
     place = _places(few, many)
     far = few // 2
@@ -122,7 +122,7 @@ def feature_model(
         from_b = np.where(inside, coupling[np.clip(b - offset, 0, few - 1), b], 0.0)
         rows.append(i)
         columns.append(i + offset)
-        values.append((from_a + from_b) / 2 + (own[a] if offset == 0 else 0.0))
+        values.append((from_a + from_b) / 2 + (added[a] if offset == 0 else 0.0))
     whole = sparse.csr_matrix(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(many, many)
     )
