@@ -41,13 +41,12 @@ class PlateFriction:
 
         Friction along y matters where ends are free, unless bonded strips hold the ridges.
         """
-        ends = has_ends(model)
-        if self.coefficient == 0.0 or (model not in UNPRESSED and ends in self.solved):
+        ends, pressed = has_ends(model), model not in UNPRESSED
+        if self.coefficient == 0.0 or (pressed and ends in self.solved):
             return ()
-        if not ends:
-            computed = model != CLOSED_FORM and self.coefficient is not None and ends not in self.failed
-            return () if computed else (FRICTION,)
-        return (FRICTION,) if self.design.film_state == "bonded" else (FRICTION, ALONG)
+        if pressed and ends not in self.failed:  # it will be pressed, if the coefficient is known or ends are
+            return () if self.coefficient is not None else (FRICTION,)
+        return (FRICTION, ALONG) if ends and self.design.film_state != "bonded" else (FRICTION,)
 
     def lasting_error(self, model: str, bounds: tuple[LeftOut, ...]) -> float:
         """The relative error of the all-touch force that no model after this one removes."""

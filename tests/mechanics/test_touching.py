@@ -28,6 +28,7 @@ from skincad.mechanics.models.linear import level
 from skincad.mechanics.models.table import MODELS, expected_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck, NextModel
+from skincad.outputs.checks import lines
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
 
@@ -358,6 +359,22 @@ def test_slots_that_close_have_no_verdict() -> None:
     flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05}, **THREE)
     assert linear_check(flat, tol=0.05, force=0.4).out_of_range == ""
     assert "closes" in linear_check(flat, tol=0.05, force=2.7).out_of_range
+
+
+def test_a_check_says_from_which_force_on_the_skin_meets_itself() -> None:
+    """The same slots: below the force a check has a verdict, above none. Without slots nothing is found."""
+    flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05}, **THREE)
+    contact = linear_check(flat, tol=0.05, force=0.4).self_contact
+    begins = contact.begins
+    assert "closes" in contact.where
+    assert contact.free_to == pytest.approx(begins.lower)
+    assert 0.4 < begins.lower < begins.upper < 2.7
+    assert linear_check(flat, tol=0.05, force=begins.lower).out_of_range == ""
+    assert "closes" in linear_check(flat, tol=0.05, force=begins.upper).out_of_range
+    clear = linear_check(small(), tol=0.05)
+    assert (clear.self_contact.begins.value, clear.self_contact.where) == (None, "")
+    assert clear.self_contact.free_to > clear.force
+    assert any(line.startswith("  self-contact   none is found up to ") for line in lines(clear))
 
 
 def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so() -> None:

@@ -387,28 +387,30 @@ def press_to(
         except DivergedError:
             pass
     last: PressedState | None = None
-    reached, step = 0.0, 1.0
+    tangent, reached, step = rest, 0.0, 1.0
     while True:
         target = min(1.0, reached + step)
         try:
-            state = _next_state(pad, last, target * force, rest)
+            state = _next_state(pad, last, target * force, tangent)
         except DivergedError as failure:
+            tangent = None  # a plane body's latest is another now
             step = (target - reached) / 2
             if step < SMALLEST_STEP:
                 raise _failure_beyond(pad, last, failure) from None
             continue
         if target == 1.0:
             return state
-        last, reached = state, target
+        last, tangent, reached = state, state.tangent, target
 
 
 def _next_state(
-    pad: PressedPad[Elastic], last: PressedState | None, force: float, rest: PadTangent | None = None
+    pad: PressedPad[Elastic], last: PressedState | None, force: float, tangent: PadTangent | None = None
 ) -> PressedState:
-    """The state under `force`, looked for from another one, or from rest."""
+    """The state under `force`, looked for from another one, or from rest, with the tangent there if it is the
+    body's latest."""
     if last is None:
-        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force), tangent=rest)
-    return newton(pad, last.values, _constant_load(force), last.contact.active, last.tangent)
+        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force), tangent=tangent)
+    return newton(pad, last.values, _constant_load(force), last.contact.active, tangent)
 
 
 def _failure_beyond(

@@ -159,8 +159,8 @@ def press_with_friction(
     """Press to `force` and until all ridges touch; `first` is the all-touch force without friction.
 
     Up to the smaller of both the force rises in `steps` equal steps; from there to the larger in as many, of
-    a solid, whose steps take longer, in those of the same size. Raises ContactError where a step's sets do
-    not settle, halved or not, or all do not touch up to SEARCH_FACTOR.
+    a solid, whose steps take longer, in no more than the same size asks for. Raises ContactError where a
+    step's sets do not settle, halved or not, or all do not touch up to SEARCH_FACTOR.
     """
     path = _Path(pad, coefficient)
     state, load, residual = path.points.start, 0.0, 0.0
@@ -168,7 +168,7 @@ def press_with_friction(
     all_touch = None if path.waiting and first is not None else first
     searching = all_touch is None and first is not None
     low, high = sorted((force, first or force))
-    later_steps = steps if path.plane else max(1, math.ceil(steps * (high / low - 1)))
+    later_steps = steps if path.plane else max(1, math.ceil(steps * min(1.0, high / low - 1)))
     for following in _forces(force, first, steps, later_steps):
         if at_force is not None and not searching:
             break

@@ -193,7 +193,7 @@ def with_friction(
     if known:
         errors = Errors(*(a + b for a, b in zip(astuple(errors), astuple(half), strict=True)))
     result = apply_change(fine, before, middle, force, errors)
-    result = replace(result, warnings=fine.warnings, seconds=fine.seconds, deformed=fine.deformed)
+    result = replace(result, warnings=fine.warnings, seconds=fine.seconds)
     return result, () if known else (left,)
 
 

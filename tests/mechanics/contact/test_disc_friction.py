@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact import disc_friction
+from skincad.mechanics.contact import disc_friction, press_path
 from skincad.mechanics.contact.disc_friction import DiscCompliance, DiscState, solve_discs, unloaded
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.press_path import StickingPad, press_with_friction
@@ -131,3 +132,20 @@ def test_forces_that_do_not_settle_are_refused(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(disc_friction, "ITERATIONS", 1)
     with pytest.raises(ContactError, match="do not settle in 1 sweeps"):
         solve_discs(drawn(5, 4, floats=False), unloaded(5), 1.0, 0.3)
+
+
+def test_crests_that_are_level_take_no_more_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All touch at a millionth of the force: up to it and from it on as many steps as of any pad."""
+    level = in_space(springs((0.0, 1e-6, 2e-6)))
+    first, forces = first_of(level), list[float]()
+    step = press_path._SolidPoints.step
+
+    def counted(points: Any, before: Any, start: float, end: float, *deeper: int) -> DiscState:
+        if points.numbers.size == level.compliance.shape[0]:
+            forces.append(end)
+        return step(points, before, start, end, *deeper)
+
+    monkeypatch.setattr(press_path._SolidPoints, "step", counted)
+    assert first < 1e-2
+    press_with_friction(level, 0.5, 1e3 * first, first, 6)
+    assert len(forces) <= 12
