@@ -19,8 +19,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 import skincad
-from bench.campaign.random_designs import drawn
-from bench.error_bars import force_of
+from bench.table_strain import flat_design
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
@@ -199,11 +198,7 @@ def changes(design: Design, *, finite: bool) -> Errors:
 
 def design_of(name: str) -> Design:
     """Return a template, or the random design of a seed."""
-    if not name.isdigit():
-        return skincad.load_design(name)
-    design = drawn(int(name)).design
-    flat = {"plate": {"shape": "flat"}, "force": force_of(design, int(name))}
-    return design.with_(skin={"curvature_radius_y": None}, contact=flat)
+    return flat_design(int(name)) if name.isdigit() else skincad.load_design(name)
 
 
 def main() -> None:

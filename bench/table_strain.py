@@ -13,7 +13,14 @@ import numpy as np
 from bench.campaign.random_designs import drawn
 from bench.error_bars import force_of
 from skincad.base.errors import InputError
-from skincad.mechanics.models.corrected import errors_of, plain_pad, relative_changes
+from skincad.inputs.design import Design
+from skincad.mechanics.models.corrected import (
+    CoarseAnswer,
+    Errors,
+    errors_of,
+    plain_pad,
+    relative_changes,
+)
 from skincad.mechanics.models.solid import Layers
 from skincad.mechanics.models.solid_finite_strain import (
     COARSE_ERRORS,
@@ -25,15 +32,46 @@ from skincad.mechanics.problem import ContactError, pad_of
 
 MOST = 9_000  # unknowns of the coarse solid; the finer one's are ten times as many
 FINER, FINENESS = Layers(0.3, 1.8, 3), 1.3
+Pair = tuple[CoarseAnswer, CoarseAnswer]  # before and after a change
+
+
+def flat_design(seed: int) -> Design:
+    """Return the random design of a seed, straight along y, under a flat plate at its own force."""
+    design = drawn(seed).design
+    flat = {"plate": {"shape": "flat"}, "force": force_of(design, seed)}
+    return design.with_(skin={"curvature_radius_y": None}, contact=flat)
+
+
+class Judge:
+    """Changes from one coarse answer to another, held against those of a finer pair."""
+
+    def __init__(self) -> None:
+        self.held = self.judged = 0
+
+    def line(self, coarse: Pair, fine: Pair, stated: Errors) -> str:
+        """Return the changes, by how much they are off, and a * where the stated error does not hold."""
+        change, truth = relative_changes(*coarse), relative_changes(*fine)
+        one, other = (
+            (after.ridge_force - before.ridge_force) / before.ridge_force.mean()
+            for before, after in (coarse, fine)
+        )
+        rows = (
+            ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
+            ("approach", change.approach, abs(change.approach - truth.approach), stated.approach),
+            ("share", change.share, float(np.abs(one - other).max()), stated.share),
+        )
+        self.judged += len(rows)
+        self.held += sum(off <= error for *_, off, error in rows)
+        return "; ".join(
+            f"{name} {v:+.4f} off {off:.4f}{'*' * (off > error)}" for name, v, off, error in rows
+        )
 
 
 def main() -> None:
     """Print a line a seed, and how many of the stated errors hold."""
-    held = judged = 0
+    judge = Judge()
     for seed in range(int(sys.argv[1]), int(sys.argv[2])):
-        design = drawn(seed).design
-        flat = {"plate": {"shape": "flat"}, "force": force_of(design, seed)}
-        design = design.with_(skin={"curvature_radius_y": None}, contact=flat)
+        design = flat_design(seed)
         force = design.contact.force
         try:
             coarse = solve(plain_pad(design), force, {}, COARSE_LAYERS)
@@ -43,22 +81,10 @@ def main() -> None:
         except (ContactError, InputError) as refusal:
             print(f"seed {seed}: {refusal}")
             continue
-        change, truth = (relative_changes(s.small, s.finite) for s in (coarse, fine))
-        stated = errors_of(change, COARSE_ERRORS, COARSE_PARTS)
-        one, other = (
-            (s.finite.ridge_force - s.small.ridge_force) / s.small.ridge_force.mean() for s in (coarse, fine)
-        )
-        rows = (
-            ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
-            ("approach", change.approach, abs(change.approach - truth.approach), stated.approach),
-            ("share", change.share, float(np.abs(one - other).max()), stated.share),
-        )
-        words = [
-            f"{name} {value:+.4f} off {off:.4f}{'*' * (off > error)}" for name, value, off, error in rows
-        ]
-        held, judged = held + sum(off <= error for *_, off, error in rows), judged + len(rows)
-        print(f"seed {seed}: {'; '.join(words)}", flush=True)
-    print(f"held {held} of {judged}")
+        pairs = [(one.small, one.finite) for one in (coarse, fine)]
+        stated = errors_of(relative_changes(*pairs[0]), COARSE_ERRORS, COARSE_PARTS)
+        print(f"seed {seed}: {judge.line(*pairs, stated)}", flush=True)
+    print(f"held {judge.held} of {judge.judged}")
 
 
 if __name__ == "__main__":

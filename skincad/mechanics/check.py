@@ -155,11 +155,11 @@ class ModelSelection:
         self.solved: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        self.many = skin_of(design).count > MANY
+        many = skin_of(design).count > MANY
         self.models = [
             name
             for name in AUTO
-            if (self.many or name != "reduced") and not unsupported_reason(name, design, bool(crest_offsets))
+            if (many or name != "reduced") and not unsupported_reason(name, design, bool(crest_offsets))
         ]
         self.friction = PlateFriction(design, force, crest_offsets)
 
@@ -338,7 +338,7 @@ class ModelSelection:
         """The last verdict with its yield. Earlier verdicts get no yield."""
         known, result, reserved = self.with_model_errors[check.model], None, self._yield_seconds()
         failed: tuple[str, ...] = ()
-        if not (self.crest_offsets or check.out_of_range or check.model in ("winkler", "reduced")):
+        if not (self.crest_offsets or check.out_of_range or not MODELS[check.model].meshed):
             try:
                 with resource_guard("the yield"):
                     result = self._manufacture(known)

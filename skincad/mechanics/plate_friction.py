@@ -22,7 +22,7 @@ from skincad.mechanics.problem import Answer, ContactError
 if TYPE_CHECKING:
     from skincad.mechanics.models.friction import TwoPresses
 
-CLOSED_FORM, UNPRESSED = "winkler", ("winkler", "reduced")  # whose pads are not pressed with friction
+CLOSED_FORM = "winkler"
 
 
 class PlateFriction:
@@ -41,7 +41,7 @@ class PlateFriction:
 
         Friction along y matters where ends are free, unless bonded strips hold the ridges.
         """
-        ends, pressed = has_ends(model), model not in UNPRESSED
+        ends, pressed = has_ends(model), MODELS[model].meshed
         if self.coefficient == 0.0 or (pressed and ends in self.solved):
             return ()
         if pressed and ends not in self.failed:  # it will be pressed, if the coefficient is known or ends are
@@ -54,13 +54,13 @@ class PlateFriction:
         return math.fsum(lasting) if has_ends(model) else 0.0
 
     def applied_to(self, model: str, answer: Answer, available: float | None, price: float) -> Answer:
-        """Return a model's answer with friction, unless the model is the closed form.
+        """Return a model's answer with friction, unless the model has no mesh to press.
 
         If friction cannot be computed, or its `price`, s, exceeds the `available` time, a warning says so and
         its bound stays.
         """
         ends = has_ends(model)
-        if self.coefficient == 0.0 or model in UNPRESSED or not (ends or self.coefficient):
+        if self.coefficient == 0.0 or not MODELS[model].meshed or not (ends or self.coefficient):
             return answer
         if ends not in self.solved and ends not in self.failed:
             if available is not None and price > available:

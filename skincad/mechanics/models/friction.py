@@ -21,7 +21,13 @@ from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece, triangles, unit_of
 from skincad.mechanics.contact.frictionless import all_touch_force, press
-from skincad.mechanics.contact.press_path import press_with_friction, sticking_pad_of, sticking_solid_of
+from skincad.mechanics.contact.press_path import (
+    PressResult,
+    StickingPad,
+    press_with_friction,
+    sticking_pad_of,
+    sticking_solid_of,
+)
 from skincad.mechanics.left_out import FRICTION, LeftOut
 from skincad.mechanics.models.corrected import Errors, apply_change, errors_of, relative_changes
 from skincad.mechanics.models.solid import Layers, coarse_sizes, condensed_pad, forms_of
@@ -98,24 +104,8 @@ def solve(
             words = f"is computed with friction for at most {MOST_POINTS} contact points"
             raise SizeError("ridge.count", words, points, "take fewer ridges")
         seen = sticking_pad_of(pad, system, unit)
-        if crest_offsets:
-            seen = seen.lowered(np.array(crest_offsets) / unit)
-        ridges, load = seen.ridges, force / scale
-        first = all_touch_force(ridges, load)
-        smooth = press(ridges.flexibility, ridges.gap, load)
-        shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
-        sticking = press_with_friction(seen, coefficient, load, first, steps)
-
-    def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> CoarsePress:
-        first = None if threshold is None else threshold * scale
-        return CoarsePress(first, approach * unit, share * scale, system.unknowns, residual)
-
-    return TwoPresses(
-        coarse(first, smooth.approach, shares, smooth.residual),
-        coarse(sticking.all_touch_force, sticking.approach, sticking.ridge_force, sticking.residual),
-        BASE_ERRORS,
-        ERRORS_BY_CHANGE,
-    )
+        both = _presses(seen, coefficient, force, crest_offsets, steps, unit, scale, system.unknowns)
+    return TwoPresses(*both, BASE_ERRORS, ERRORS_BY_CHANGE)
 
 
 def solve_solid(
@@ -134,30 +124,35 @@ def solve_solid(
     small, scale = condensed_pad(meshed, forms_of(meshed, order), along, spent, in_plane=True)
     with one_blas_thread():
         seen = sticking_solid_of(meshed.whole, small, meshed.unit, whole=not meshed.mirrored)
-        if crest_offsets:
-            seen = seen.lowered(np.array(crest_offsets) / meshed.unit)
-        ridges, load = seen.ridges, force / scale
-        first = all_touch_force(ridges, load)
-        smooth = press(ridges.flexibility, ridges.gap, load)
-        shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
-        gripped = press_with_friction(seen, coefficient, load, first, steps)
+        both = _presses(seen, coefficient, force, crest_offsets, steps, meshed.unit, scale, small.unknowns)
+    without, gripped = (replace(one, ridge_force=meshed.on_whole(one.ridge_force)) for one in both)
+    return TwoPresses(without, gripped, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
 
-    def coarse(threshold: float | None, approach: float, share: Array, residual: float) -> CoarsePress:
-        return CoarsePress(
-            None if threshold is None else threshold * scale,
-            approach * meshed.unit,
-            meshed.on_whole(share * scale),
-            small.unknowns,
-            residual,
-        )
 
-    return TwoPresses(
-        coarse(first, smooth.approach, shares, smooth.residual),
-        coarse(gripped.all_touch_force, gripped.approach, gripped.ridge_force, gripped.residual),
-        SOLID_ERRORS,
-        SOLID_ERRORS_BY_CHANGE,
-        ends=True,
-    )
+def _presses(
+    seen: StickingPad,
+    coefficient: float,
+    force: float,
+    crest_offsets: tuple[float, ...],
+    steps: int,
+    unit: float,
+    scale: float,
+    unknowns: int,
+) -> tuple[CoarsePress, CoarsePress]:
+    """A pad pressed without and with friction at `force` N; its units are `unit` mm and `scale` N."""
+    if crest_offsets:
+        seen = seen.lowered(np.array(crest_offsets) / unit)
+    ridges, load = seen.ridges, force / scale
+    first = all_touch_force(ridges, load)
+    smooth = press(ridges.flexibility, ridges.gap, load)
+    shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
+    gripped = press_with_friction(seen, coefficient, load, first, steps)
+
+    def coarse(of: PressResult) -> CoarsePress:
+        first = None if of.all_touch_force is None else of.all_touch_force * scale
+        return CoarsePress(first, of.approach * unit, of.ridge_force * scale, unknowns, of.residual)
+
+    return coarse(PressResult(first, smooth.approach, shares, smooth.residual)), coarse(gripped)
 
 
 def with_friction(

@@ -8,7 +8,7 @@ the cell's. So
 
     d - gap_i = self(p_i) + sum over j of coupling_ij p_j    where p_i > 0,
 
-a sparse system however many features there are. Nothing here knows what a feature looks like.
+a sparse system however many features there are. Only `cell_of` knows that they are ridges.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
-from skincad.mechanics.problem import Answer, ContactError, Request, RidgeModel, check_flat, pad_of
+from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
 REACH = 4.0, 1.5  # thicknesses of the base, and lengths of the skin, between a feature and the cell's end
@@ -102,40 +102,46 @@ def feature_model(
     parts = linear.reduced_model(pad, best, share, {})
     seconds["cell"] = perf_counter() - began
     coupling = parts.coupling * (parts.unit / parts.scale)
-    added, table = np.zeros(few), _middle(parts)
     if ends:
         began = perf_counter()
-        more = added_compliance(cell)
+        coupling = coupling + added_compliance(cell)
         seconds["solid"] = perf_counter() - began
-        added = more.diagonal().copy()
-        coupling = coupling + more - np.diag(added)
-    force_of_table, indentation = parts.force * parts.scale, table * parts.unit
-    place = _places(few, many)
-    far = few // 2
-    rows, columns, values = [], [], []
-    for offset in range(-far, far + 1):
-        i = np.arange(max(0, -offset), many - max(0, offset))
-        a, b = place[i], place[i + offset]
-        inside = (a + offset >= 0) & (a + offset < few)
-        from_a = np.where(inside, coupling[a, np.clip(a + offset, 0, few - 1)], 0.0)
-        inside = (b - offset >= 0) & (b - offset < few)
-        from_b = np.where(inside, coupling[np.clip(b - offset, 0, few - 1), b], 0.0)
-        rows.append(i)
-        columns.append(i + offset)
-        values.append((from_a + from_b) / 2 + (added[a] if offset == 0 else 0.0))
-    whole = sparse.csr_matrix(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(many, many)
-    )
     tops = np.full(many, -np.inf)
     for segment in section(design).outline:
         if segment.touches and segment.feature is not None:
             tops[segment.feature - 1] = max(tops[segment.feature - 1], segment.top)
-    return FeatureModel(tops.max() - tops, force_of_table, indentation, whole)
+    return FeatureModel(
+        gap=tops.max() - tops,
+        force=parts.force * parts.scale,
+        indentation=parts.indentation[few // 2] * parts.unit,
+        coupling=repeated(coupling, many),
+    )
 
 
-def _middle(parts: RidgeModel) -> Array:
-    """The indentation of the cell's middle feature `(t,)`."""
-    return np.asarray(parts.indentation[parts.gap.size // 2])
+def repeated(coupling: Array, many: int) -> sparse.csr_matrix:
+    """Return the coupling `(many, many)` of a longer pad from its cell's `(few, few)`.
+
+    A pair is coupled as the cell's of the same distance, by the mean of both features' places there: as near
+    to an end, or in the middle. Beyond half the cell nothing is felt.
+    """
+    few = len(coupling)
+    place, reach = _places(few, many), few // 2
+    rows, columns, values = [], [], []
+    for offset in range(-reach, reach + 1):
+        first = np.arange(max(0, -offset), many - max(0, offset))
+        pairs = ((place[first], offset), (place[first + offset], -offset))
+        rows.append(first)
+        columns.append(first + offset)
+        values.append(sum(_coupled(coupling, at, distance) for at, distance in pairs) / 2)
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return sparse.csr_matrix(entries, shape=(many, many))
+
+
+def _coupled(coupling: Array, at: Index, distance: int) -> Array:
+    """The cell's coupling of features `at` `(k,)` with those so far on; 0 beyond its end."""
+    there = at + distance
+    inside = (there >= 0) & (there < len(coupling))
+    return np.where(inside, coupling[at, np.where(inside, there, 0)], 0.0)
 
 
 def _places(few: int, many: int) -> Index:
@@ -159,11 +165,11 @@ class _Curve:
         return self.force(inside) + slope * np.maximum(indentation - self.end, 0.0), slope
 
 
-def at_approach(model: FeatureModel, approach: float, start: Array | None = None) -> tuple[Array, Array]:
+def at_approach(model: FeatureModel, approach: float) -> tuple[Array, Array]:
     """Return forces, N, and indentations, mm, `(n,)` where the plate came down by `approach` mm; negative
     indentations are gaps. Semi-smooth Newton, damped where it does not approach."""
     curve, n = _Curve(model), model.gap.size
-    forces = np.zeros(n) if start is None else start
+    forces = np.zeros(n)
     last, share = math.inf, 1.0
     for _ in range(NEWTON_STEPS):
         safe_point()

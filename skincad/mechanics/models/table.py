@@ -27,7 +27,8 @@ class ContactModel:
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
     yamada-2002, whose strips ask for a fine section. Flags say whether it supports `shaped_plates`,
-    `measured` crests and `doubly_curved` skins.
+    `measured` crests and `doubly_curved` skins, and whether the pad itself is `meshed`: only then there is a
+    yield, friction is computed, and its time tells that of others.
     """
 
     where: str
@@ -37,12 +38,15 @@ class ContactModel:
     shaped_plates: bool = False
     measured: bool = False
     doubly_curved: bool = False
+    meshed: bool = True
 
 
 _ROOM = "skincad.mechanics.models."
 MODELS = {
-    "winkler": ContactModel(f"{_ROOM}winkler:answer", 2e-3, shaped_plates=True, doubly_curved=True),
-    "reduced": ContactModel(f"{_ROOM}reduced:answer", 5.0, (FINITE_STRAIN,)),
+    "winkler": ContactModel(
+        f"{_ROOM}winkler:answer", 2e-3, shaped_plates=True, doubly_curved=True, meshed=False
+    ),
+    "reduced": ContactModel(f"{_ROOM}reduced:answer", 5.0, (FINITE_STRAIN,), meshed=False),
     "linear": ContactModel(
         f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped_plates=True, measured=True
     ),
@@ -62,8 +66,6 @@ MODELS = {
     "solid-finite-strain": ContactModel(f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",)),
 }
 AUTO = ("winkler", "reduced", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
-
-
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 
 
@@ -113,7 +115,7 @@ def expected_seconds(name: str, design: Design, solved: Mapping[str, Answer]) ->
     that is."""
     unit = FIRST_GUESS * skin_of(design).count
     for model, row in MODELS.items():
-        if model in solved and model not in ("winkler", "reduced"):  # their times don't grow with the pad
+        if model in solved and row.meshed:
             unit = solved[model].own_seconds / row.price
     missing = {*prerequisites(name), name} - set(solved)
     return unit * math.fsum(MODELS[model].price for model in missing)
