@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.base.result import Writer
+from skincad.mechanics.left_out import FRICTION
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs.delivery import Presentation, picture
 
@@ -95,7 +96,10 @@ def _margin_lines(check: ContactCheck) -> list[str]:
     mesh = check.all_touch_force.error - check.model_error
     parts = [f"{mesh:.2g} N from mesh and method"]
     value = check.all_touch_force.value or 0.0
-    parts += [f"{part.threshold * value:.2g} N for leaving out {part.effect}" for part in check.left_out]
+    open_friction = check.friction is None and check.model != "winkler"
+    for part in check.left_out:
+        why = "not knowing" if part.effect == FRICTION and open_friction else "leaving out"
+        parts.append(f"{part.threshold * value:.2g} N for {why} {part.effect}")
     upper = check.all_touch_force.upper or 0.0
     applied = f"{check.force:g} N applied, up to {upper:.2f} N needed"
     return [

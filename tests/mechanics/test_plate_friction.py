@@ -52,7 +52,7 @@ def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactChec
         assert wider.value == before.value
         assert wider.error == pytest.approx(before.error + more * before.value, rel=1e-9)
     assert verdict.ridge_force[0].error > smooth.ridge_force[0].error
-    assert any("N for leaving out friction" in line for line in lines(verdict))
+    assert any("N for not knowing friction" in line for line in lines(verdict))
     assert verdict.as_json()["left_out"][-1]["effect"] == "friction"
 
 
@@ -213,7 +213,7 @@ def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
         between = getattr(corrected[0.3], name).value
         assert min(none, much) < between < max(none, much)
     assert unknown.seconds["friction"] > 0
-    assert any("N for leaving out friction" in line for line in lines(unknown))
+    assert any("N for not knowing friction" in line for line in lines(unknown))
 
 
 def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactCheck]) -> None:

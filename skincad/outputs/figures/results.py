@@ -73,8 +73,8 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
 
 
 def models_figure(models: Points) -> Picture:
-    """Return the relative error of the all-touch force against time, s: a point for each model tried, as
-    `(name, seconds, error)`; the last one gave the verdict."""
+    """Return the relative error of the all-touch force against the usual time, in that of the linear model: a
+    point for each model tried, as `(name, time, error)`; the last one gave the verdict."""
     shown = [model for model in models if model[2] > 0]
     with sheet(REPORT_SIZE) as figure:
         axes = figure.add_subplot()
@@ -89,7 +89,7 @@ def models_figure(models: Points) -> Picture:
             axis.set_major_formatter("{x:g}")
         if max(errors) < NARROW_RATIO * min(errors):  # with its room: no two powers of ten need lie within
             axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.set_xlabel("predicted time, s")
+        axes.set_xlabel("usual time over that of linear, 1")
         axes.set_ylabel("error of the all-touch\nforce, relative")
         _label_points(figure, axes, shown)
     return figure
