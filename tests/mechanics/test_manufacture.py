@@ -70,6 +70,12 @@ def test_a_force_far_below_what_closes_the_gaps_settles() -> None:
     assert forces[1] == pytest.approx([5e-10, 0.0, 5e-10], rel=0, abs=1e-13)
 
 
+def test_no_parts_bear_no_forces() -> None:
+    """As where no part of a sample lies near the verdict's edge."""
+    springs = RidgeModel(np.zeros(2), np.zeros((2, 2)), np.arange(2.0), np.ones((2, 2)), 1.0, 1.0)
+    assert ridge_forces(springs, np.zeros((0, 2)), np.zeros(0)).shape == (0, 2)
+
+
 def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     """docs/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()

@@ -58,6 +58,8 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
     Projected Gauss-Seidel over the ridges; the approach is corrected along with it. Raises ContactError
     when a part does not settle.
     """
+    if not len(drop):
+        return np.empty((0, model.gap.size))
     stiffness = model.force[-1] / model.indentation[:, -1]
     flexibility = np.diag(1 / stiffness) + model.coupling
     by_one = np.asarray(np.linalg.solve(flexibility, np.ones(model.gap.size)), dtype=np.float64)
