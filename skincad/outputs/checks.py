@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 COMMAND = "check"
 NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
 WIDEST_SHARE = 0.8  # a yield's interval that is wider says nothing
+MOST_SHOWN = 30  # forces in a line; of more features their range
 UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 
 
@@ -75,19 +76,25 @@ def lines(check: ContactCheck) -> list[str]:
 
 def verdict_lines(check: ContactCheck) -> list[str]:
     """Return the lines that need no advice."""
-    shares = "  ".join(f"{share.value:.3f}" for share in check.ridge_force)
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
         verdict(check),
         *([f"Next: {check.next_step}"] if check.next_step else []),
         *_margin_lines(check),
         f"  approach       {_shown(check.approach)}",
-        f"  ridge forces   {shares} (± {error:.1g}) N",
+        f"  ridge forces   {_shares([share.value or 0.0 for share in check.ridge_force])} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
         *_self_contact_lines(check),
         *(f"  note           {warning}" for warning in check.warnings),
     ]
+
+
+def _shares(forces: list[float]) -> str:
+    """All forces, N, or of more than MOST_SHOWN the range."""
+    if len(forces) > MOST_SHOWN:
+        return f"{min(forces):.3f} to {max(forces):.3f}"
+    return "  ".join(f"{force:.3f}" for force in forces)
 
 
 def _margin_lines(check: ContactCheck) -> list[str]:
@@ -148,7 +155,10 @@ def _manufacture_lines(check: ContactCheck) -> list[str]:
         return []
     lost = f"most are lost by {part_yield.largest}" if part_yield.largest else "none of those sampled fails"
     summary = share if share.startswith("unknown") else f"{share} of parts pass; {lost}"
-    crests = "  ".join(f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity)
+    slopes = [slope / 100 for slope in part_yield.crest_sensitivity]
+    crests = "  ".join(f"{slope:+.2g}" for slope in slopes)
+    if len(slopes) > MOST_SHOWN:
+        crests = f"{min(slopes):+.2g} to {max(slopes):+.2g}"
     return [
         f"  yield          {summary}",
         f"  crests         0.01 mm lower, each changes the force needed by {crests} N",

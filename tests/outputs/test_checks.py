@@ -103,3 +103,11 @@ def test_a_yield_is_told_inside_0_to_100_percent(
     assert passed.manufacture is not None
     known = replace(passed.manufacture, passing=Estimate(share, 0.5, "1"), interval=interval)
     assert any(words in line for line in lines(replace(passed, manufacture=known)))
+
+
+def test_forces_of_very_many_ridges_are_shown_as_a_range() -> None:
+    design = load("plain-ridges", ["ridge.count=31", "skin.width=33", "skin.curvature_radius=1000"])
+    verdict_of_many = check(design, model="winkler")
+    values = [share.value or 0.0 for share in verdict_of_many.ridge_force]
+    line = next(line for line in lines(verdict_of_many) if "ridge forces" in line)
+    assert f"{min(values):.3f} to {max(values):.3f} (±" in line

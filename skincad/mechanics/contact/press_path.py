@@ -165,8 +165,8 @@ def press_with_friction(
     path = _Path(pad, coefficient)
     state, load, residual = path.points.start, 0.0, 0.0
     at_force: ContactState | DiscState | None = None
-    all_touch = None if path.waiting and first is not None else first
-    searching = all_touch is None and first is not None
+    searching = bool(path.waiting and first)  # at 0 all touch at once
+    all_touch = None if searching else first
     low, high = sorted((force, first or force))
     later_steps = steps if path.plane else max(1, math.ceil(steps * min(1.0, high / low - 1)))
     for following in _forces(force, first, steps, later_steps):
