@@ -25,7 +25,7 @@ from skincad.inputs.process import processes
 from skincad.mechanics.left_out import LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
-    MANY,
+    AUTO_IF,
     MODELS,
     expected_seconds,
     is_small_strain,
@@ -126,6 +126,7 @@ MIN_BUDGET = 1e-3  # s; stands for a used-up budget: only the coarsest mesh is s
 # The mesh's share of a requested tolerance: of models that leave effects out, and of complete ones
 MESH_SHARE, FULL_MODEL_MESH_SHARE = 0.3, 0.5
 FINEST_TOLERANCE = 5e-3  # relative; `auto` asks no finer mesh where the model's error dominates
+SOLID_TOLERANCE = 0.02  # the same of a solid, whose next mesh takes five times as long
 # s; without a tolerance or a budget, no model is started that would end later
 DEFAULT_BUDGET = 30.0
 # Without a tolerance or a budget: a clear verdict still gets a model that leaves less out and ends within
@@ -155,11 +156,11 @@ class ModelSelection:
         self.solved: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        many = skin_of(design).count > MANY
         self.models = [
             name
             for name in AUTO
-            if (many or name != "reduced") and not unsupported_reason(name, design, bool(crest_offsets))
+            if name not in AUTO_IF or AUTO_IF[name](design)
+            if not unsupported_reason(name, design, bool(crest_offsets))
         ]
         self.friction = PlateFriction(design, force, crest_offsets)
 
@@ -253,9 +254,10 @@ class ModelSelection:
     def _first_index(self, tol: float | None) -> int:
         """Index of the first model that may meet the tolerance, judged by Winkler's strains.
 
-        Without a tolerance it is the linear model, or of many features the reduced one.
+        Without a tolerance it is the linear model, of many features the reduced one, of a doubly curved skin
+        the solid.
         """
-        plain = [name for name in ("reduced", "linear") if name in self.models]
+        plain = [name for name in ("reduced", "linear", "solid") if name in self.models]
         first = self.models.index(plain[0]) if plain else 0
         if tol is None or self.crest_offsets:
             return first
@@ -364,7 +366,7 @@ class ModelSelection:
         threshold, parts = answer.all_touch_force.value, answer.ridge_model
         if threshold is None or skin_of(self.design).count == 1:
             return None
-        if parts is None:  # the coarsest linear mesh is enough, as the force is scaled
+        if parts is None and "linear" in self.models:  # its coarsest mesh is enough, as the force is scaled
             rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)
             parts = run("linear", self.design, rough, self.solved, self.progress).ridge_model
         if parts is None:
@@ -462,7 +464,8 @@ def exceeds_model(design: Design, check: ContactCheck) -> bool:
 def mesh_tolerance(name: str, tol: float | None) -> float:
     """Return the mesh tolerance, relative, that `auto` sets for a tolerance `tol` of the whole."""
     share = MESH_SHARE if MODELS[name].leaves_out else FULL_MODEL_MESH_SHARE
-    return FINEST_TOLERANCE if tol is None else min(FINEST_TOLERANCE, share * tol)
+    finest = SOLID_TOLERANCE if name == "solid" else FINEST_TOLERANCE
+    return finest if tol is None else min(finest, share * tol)
 
 
 def spread_of(design: Design) -> Spread:

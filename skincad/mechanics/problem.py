@@ -68,13 +68,35 @@ class LateError(RefusedError):
 
 
 @dataclass(frozen=True)
+class Bend:
+    """The axis along x at the height z = `axis` that a section turns about, in mm or in the pad's units; y is
+    the arc at `radius` from it."""
+
+    radius: float
+    axis: float
+
+    def over(self, unit: float) -> Bend:
+        """Return it in units of so many mm."""
+        return Bend(self.radius / unit, self.axis / unit)
+
+    def stretch(self, z: Array) -> Array:
+        """Return how much longer than y the arc at the height z is."""
+        return np.asarray((z - self.axis) / self.radius)
+
+    def height(self, z: Array, y: Array) -> Array:
+        """Return how high a point of the section at z lies after its turn by the arc y."""
+        return np.asarray(self.axis + (z - self.axis) * np.cos(y / self.radius))
+
+
+@dataclass(frozen=True)
 class Pad:
     """An elastic section of `length` mm along y, clamped at its `back` segments.
 
     Segments that touch may meet the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
     mm/N is the compliance that free ends add, if requested.
-    `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None.
+    `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None. A pad with
+    a `bend` is curved along y too; `length` is that arc's.
     """
 
     section: Section
@@ -90,6 +112,7 @@ class Pad:
     film_density: float = 0.0
     ends: tuple[tuple[float, ...], ...] = ()
     law: Rubber | None = None
+    bend: Bend | None = None
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
@@ -279,14 +302,20 @@ class Answer:
 
 
 def pad_of(design: Design) -> Pad:
-    """Return the pad of a design, its slots filled as `film_state` says.
+    """Return the pad of a design that is straight along y, its slots filled as `film_state` says.
 
-    Raises InputError for a skin that is curved along y too: a pad is straight there.
+    Raises InputError for a skin that is curved along y too.
     """
-    bent = design.skin.curvature_radius_y
-    if bent is not None:
-        rule = "is handled by the winkler model only: the others take the skin as straight along y"
-        raise InputError("skin.curvature_radius_y", rule, bent, "leave it out")
+    radius = design.skin.curvature_radius_y
+    if radius is not None:
+        rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
+        raise InputError("skin.curvature_radius_y", rule, radius, "leave it out")
+    return solid_pad_of(design)
+
+
+def solid_pad_of(design: Design) -> Pad:
+    """Return the pad of a design, straight along y or not."""
+    radius = design.skin.curvature_radius_y
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
     bonded = film if state == "bonded" else None
@@ -304,6 +333,7 @@ def pad_of(design: Design) -> Pad:
         density=material.density,
         film_density=PVDF_DENSITY if strips else 0.0,
         law=material.law,
+        bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
     )
 
 

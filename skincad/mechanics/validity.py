@@ -21,10 +21,13 @@ SHEAR_FACTOR = 5 / 6  # of a rectangular section's area, Timoshenko's
 
 
 class Shares(Protocol):
-    """An answer with the force of each ridge."""
+    """An answer with the force of each ridge and the approach."""
 
     @property
     def ridge_force(self) -> tuple[Estimate, ...]: ...  # noqa: D102
+
+    @property
+    def approach(self) -> Estimate: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -102,12 +105,12 @@ def plane_modulus(design: Design) -> float:
 
 def ridge_strain(design: Design, answer: Shares) -> float:
     """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
-    return limits(design).strain(_largest(answer))
+    return limits(design).strain(_largest(design, answer))
 
 
 def tipping(design: Design, answer: Shares) -> float:
     """Return the most loaded ridge's force over the force at which it tips over."""
-    return _largest(answer) / buckling_force(design)
+    return _largest(design, answer) / buckling_force(design)
 
 
 def exceeds_small_strain(design: Design, answer: Shares) -> bool:
@@ -115,8 +118,25 @@ def exceeds_small_strain(design: Design, answer: Shares) -> bool:
     return ridge_strain(design, answer) > SMALL_STRAIN or tipping(design, answer) > TIPPING_WARNING
 
 
-def _largest(answer: Shares) -> float:
-    return max(force.value or 0.0 for force in answer.ridge_force)
+def _largest(design: Design, answer: Shares) -> float:
+    """The most loaded ridge's force, N; of a skin curved along y what it were with the middle's force per
+    length all along."""
+    return max(force.value or 0.0 for force in answer.ridge_force) * peak(
+        design, answer.approach.value or 0.0
+    )
+
+
+def peak(design: Design, approach: float) -> float:
+    """Return a ridge's largest force per length over its mean: 1 of a straight skin.
+
+    Along y a row of springs is pressed in by `approach` less y^2 / (2 R) mm, and touches where that is above
+    0.
+    """
+    radius, half = design.skin.curvature_radius_y, design.skin.length / 2
+    if radius is None or approach <= 0.0:
+        return 1.0
+    touches = math.sqrt(2 * radius * approach)
+    return 1.5 * half / touches if touches < half else approach / (approach - half**2 / (6 * radius))
 
 
 def buckling_force(design: Design) -> float:
@@ -140,7 +160,7 @@ def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
     threshold = answer.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    return limits(design).overload_reason(_largest(answer) * at)
+    return limits(design).overload_reason(_largest(design, answer) * at)
 
 
 def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:

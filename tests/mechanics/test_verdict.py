@@ -11,6 +11,7 @@ import pytest
 from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError, check, load
 from skincad.mechanics import check as adaptivity
+from skincad.mechanics.models import table
 from skincad.mechanics.verdict import ContactCheck
 
 NEAR = 0.03  # relative: how far the applied forces lie from the one that is needed
@@ -78,7 +79,7 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(monkeypatch: pytest.
 
 def test_a_pad_of_very_many_ridges_has_an_answer_within_any_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     """Or with the reduced model, if the budget suffices for that. Here every pad is large."""
-    monkeypatch.setattr(adaptivity, "MANY", 0)
+    monkeypatch.setitem(table.AUTO_IF, "reduced", lambda _: True)
     monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 1e-6)
     design = load("plain-ridges", ["contact.force=3.0"])
     for budget, model in ((1e-3, "winkler"), (None, "reduced")):

@@ -257,13 +257,14 @@ def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
 
 @dataclass(frozen=True)
 class SectionPoints:
-    """The g points of each of t triangles, of `weight` `(t, g)` in area.
+    """The g points of each of t triangles, of `weight` `(t, g)` in area, at the `height` `(t, g)`.
 
     `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions, `test`
     `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli.
     """
 
     weight: Array
+    height: Array
     basis: Array
     test: Array
     shear: Array
@@ -277,7 +278,7 @@ def section_points(
     elements = list(mesh.Elements(ng.VOL))
     rule = ng.IntegrationRule(ng.TRIG, 2 * space.GetFE(elements[0]).order)
     at, share = [p[:2] for p in rule.points], np.array(rule.weights)
-    _, _, jacobian = fe.mapped(mesh, at, ng.VOL)
+    _, places, jacobian = fe.mapped(mesh, at, ng.VOL)
     # a hierarchical basis looks alike in all triangles whose corners are numbered in the same order
     corners = np.array([[v.nr for v in element.vertices] for element in elements])
     orders, which = np.unique(np.argsort(corners, axis=1), axis=0, return_inverse=True)
@@ -296,6 +297,7 @@ def section_points(
     young, ratio = moduli.T
     return SectionPoints(
         share * np.linalg.det(jacobian),
+        places[..., 1],
         basis,
         test,
         young / (2 * (1 + ratio)),

@@ -3,6 +3,10 @@
 Prisms with a triangle of the section's mesh as base: their functions are products, so the integrals
 factor and the section's curved triangles are used as they are. With the one constant function along y
 the same code is plane strain on the same mesh, to the last digit.
+
+A section may turn about an axis along x instead: y is an arc, a point's functions are those of its movements
+along x, away from the axis and around it, and the gradient has two terms more. Integrals still factor. What
+is unknown are movements along x, z and y at every layer's points all the same.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.condense import Front, Unknowns, dissection, schur
 from skincad.mechanics.bodies.elements import ContactStiffness, Sample, SectionPoints, lobatto, section_points
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.problem import Bend, ContactError
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,8 @@ class AlongY:
 
     `at` `(n,)` are the functions' points, `weight` `(n,)` what length each stands for. `mass` is w_i w_j,
     `slope` w_i w_j', `stiff` w_i' w_j', all `(n, n)`; `mean` r_i w_j, `rise` r_i w_j', both `(q, n)`;
-    `inverse` `(q, q)` is the inverse of r_i r_j. `fine` `(f, n)` samples the functions evenly.
+    `inverse` `(q, q)` is the inverse of r_i r_j. `fine` `(f, n)` samples the functions evenly. Of a section
+    that turns, y is the arc of its `bend`.
     """
 
     at: Array
@@ -43,13 +48,15 @@ class AlongY:
     rise: Array
     inverse: Array
     fine: Array
+    bend: Bend | None = None
 
 
 @dataclass(frozen=True)
 class Inside:
-    """A layer of thickness 1 at its Gauss points `(g,)` of these weights: displacement functions `value`,
-    their `slope`, both `(g, order + 1)`, and the pressure functions `test` `(g, order - 1)`."""
+    """A layer of thickness 1 at its Gauss points `at` `(g,)` of these weights: displacement functions
+    `value`, their `slope`, both `(g, order + 1)`, and the pressure functions `test` `(g, order - 1)`."""
 
+    at: Array
     weight: Array
     value: Array
     slope: Array
@@ -61,7 +68,7 @@ def inside(order: int) -> Inside:
     gauss, weight = legendre.leggauss(order + 1)
     value, slope = _lagrange(lobatto(order)[0], (gauss + 1) / 2)
     test: Array = legendre.legvander(gauss, order - 2).astype(np.float64)
-    return Inside(weight / 2, value, slope, test)
+    return Inside((gauss + 1) / 2, weight / 2, value, slope, test)
 
 
 def constant() -> AlongY:
@@ -82,13 +89,15 @@ def constant() -> AlongY:
 
 def graded(half: float, last: float, growth: float) -> Array:
     """Return the borders `(layers + 1,)` of layers from 0 to `half`; the last is about `last` thick, each
-    one before it thicker by the factor `growth`; two layers at least."""
+    one before it thicker by the factor `growth`, all alike at 1; two layers at least."""
+    if growth == 1.0:
+        return np.linspace(0.0, half, max(2, round(half / last)) + 1)
     count = max(2, round(np.log1p(half / last * (growth - 1)) / np.log(growth)))
     sizes = growth ** np.arange(count)[::-1]
     return np.concatenate([[0.0], np.cumsum(sizes) * half / sizes.sum()])
 
 
-def line(borders: Array, order: int, samples: int = 4) -> AlongY:
+def line(borders: Array, order: int, samples: int = 4, bend: Bend | None = None) -> AlongY:
     """Return Lagrange elements of order 2 or more on the layers' Gauss-Lobatto points.
 
     The pressure is discontinuous and of order - 2: tested with displacements along the section alone, which
@@ -132,6 +141,7 @@ def line(borders: Array, order: int, samples: int = 4) -> AlongY:
         rise=rise,
         inverse=inverse,
         fine=np.vstack([*fine, end]),
+        bend=bend,
     )
 
 
@@ -145,7 +155,15 @@ def _lagrange(points: Array, at: Array) -> tuple[Array, Array]:
     return value, slope
 
 
-AXES = ("x", "z", "y")  # order of the displacement's components
+# For the components x, z, y of a displacement, terms of its gradient: component, direction, which of the
+# section's functions (slope by x, by z, value, value over the arm), whether it derives along y, and its sign.
+# The last ones are those of a section that turns: around the axis a movement away from it stretches, and what
+# moves around it turns
+GRADIENT: tuple[tuple[tuple[int, int, int, int, float], ...], ...] = (
+    ((0, 0, 0, 0, 1.0), (0, 1, 1, 0, 1.0), (0, 2, 2, 1, 1.0)),
+    ((1, 0, 0, 0, 1.0), (1, 1, 1, 0, 1.0), (1, 2, 2, 1, 1.0), (2, 2, 3, 0, 1.0)),
+    ((2, 0, 0, 0, 1.0), (2, 1, 1, 0, 1.0), (2, 2, 2, 1, 1.0), (1, 2, 3, 0, -1.0)),
+)
 
 
 @dataclass(frozen=True)
@@ -170,9 +188,9 @@ class Solid:
     """The condensed solid: `flexibility` `(k, k)` of the contact unknowns, seen like a section's.
 
     `rigid_body_error` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns
-    by 1: the factorisation's rounding error. `along` `(points,)` is y of the contact points. `in_plane`
-    `(3 k, 3 k)` is the flexibility of movements along x, z and y, 0 where one is held; empty unless asked
-    for.
+    by 1, beyond what the functions miss of it: the factorisation's rounding error. `along` `(points,)` is y
+    of the contact points. `in_plane` `(3 k, 3 k)` is the flexibility of movements along x, z and y, 0 where
+    one is held; empty unless asked for.
     """
 
     seen: ContactStiffness
@@ -187,17 +205,28 @@ class Solid:
 class Prisms:
     """Stiffness of the prisms over each triangle, small strain: the sum of `section` `(t, 8, (3 f)^2)` times
     `along` `(8, n^2)`, whose 8 say which factors derive along y. `unknowns` `(t, 3 f n)` numbers them:
-    component x, z, y; section function; function along y."""
+    component x, z, y; section function; function along y. `turn` `(n,)` are the angles, rad, by which a
+    section is turned there, None of a straight solid."""
 
     section: Array
     along: Array
     unknowns: Index
+    turn: Array | None
 
     def stiffness(self, triangle: int) -> Array:
         """Return one triangle's stiffness `(3 f n, 3 f n)`."""
         f, n = (math.isqrt(a.shape[-1]) for a in (self.section, self.along))
         both = (self.section[triangle].T @ self.along).reshape(f, f, n, n)
-        return np.asarray(both.transpose(0, 2, 1, 3).reshape(f * n, f * n))
+        matrix = np.asarray(both.transpose(0, 2, 1, 3).reshape(f * n, f * n))
+        return matrix if self.turn is None else self._upright(self._upright(matrix).T)
+
+    def _upright(self, rows: Array) -> Array:
+        """Rows for movements along z and y, from those for movements away from the axis and around it."""
+        turn = self.turn if self.turn is not None else np.zeros(1)
+        x, away, around = rows.reshape(3, -1, turn.size, len(rows))
+        cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
+        upright = [x, cosine * away - sine * around, sine * away + cosine * around]
+        return np.asarray(np.stack(upright).reshape(rows.shape))
 
 
 def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> SectionForms:
@@ -224,30 +253,42 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
     leaves after condensing the pressure, its weak form the same.
     """
-    at = forms.points
-    count, _, three, f = at.basis.shape
-    basis = at.basis.reshape(*at.weight.shape, three * f)
-    shear = np.swapaxes(basis * (at.weight * at.shear[:, None])[:, :, None], 1, 2) @ basis
-    tested = np.swapaxes(at.test * at.weight[:, :, None], 1, 2)
-    volume_rows, coupled = tested @ at.test / at.bulk[:, None, None], tested @ basis
+    at, bend = forms.points, line.bend
+    weight, basis = at.weight, at.basis
+    if bend is not None:
+        stretch = bend.stretch(at.height)
+        weight, value = weight * stretch, basis[:, :, 2] / stretch[..., None]
+        basis = np.stack([basis[:, :, 0], basis[:, :, 1], value, value / bend.radius], axis=2)
+    count, _, kinds, f = basis.shape
+    flat = basis.reshape(*weight.shape, kinds * f)
+    shear = np.swapaxes(flat * (weight * at.shear[:, None])[:, :, None], 1, 2) @ flat
+    tested = np.swapaxes(at.test * weight[:, :, None], 1, 2)
+    volume_rows, coupled = tested @ at.test / at.bulk[:, None, None], tested @ flat
     volume = np.swapaxes(coupled, 1, 2) @ np.linalg.solve(volume_rows, coupled)
-    shear, volume = (m.reshape(count, three, f, three, f) for m in (shear, volume))
-    section = np.zeros((count, 2, 2, 2, three, f, three, f))
-    ways = [int(axis == "y") for axis in AXES]
-    for a, b in product(range(three), repeat=2):
-        terms = [(b, a, 1.0), (a, b, -2 / 3), *((c, c, 1.0) for c in range(three) if a == b)]
-        for test, basis_of_trial, factor in terms:  # what runs alike along y is added up in the section
-            section[:, 0, ways[test], ways[basis_of_trial], a, :, b] += (
-                factor * shear[:, test, :, basis_of_trial]
-            )
-        section[:, 1, ways[a], ways[b], a, :, b] = volume[:, a, :, b]
+    shear, volume = (m.reshape(count, kinds, f, kinds, f) for m in (shear, volume))
+    section = np.zeros((count, 2, 2, 2, 3, f, 3, f))
+    terms = [
+        (a, *term) for a, by_component in enumerate(GRADIENT) for term in by_component if term[2] < kinds
+    ]
+    for (a, i, j, kind, way, sign), (b, k, m, other, other_way, other_sign) in product(terms, repeat=2):
+        # 2 dev(e):dev(e) of a gradient's terms ij and km
+        part = float(i == k and j == m) + float(i == m and j == k) - 2 / 3 * float(i == j and k == m)
+        if part:
+            section[:, 0, way, other_way, a, :, b] += part * sign * other_sign * shear[:, kind, :, other]
+        if i == j and k == m:
+            section[:, 1, way, other_way, a, :, b] += sign * other_sign * volume[:, kind, :, other]
     strip = line.mean, line.rise
     along = [line.mass, line.slope, line.slope.T, line.stiff]
     along += [one.T @ line.inverse @ other for one in strip for other in strip]
     size, n = forms.clamped.size, line.at.size
-    functions = forms.functions[:, None, :] + size * np.arange(three)[:, None]
+    functions = forms.functions[:, None, :] + size * np.arange(3)[:, None]
     unknowns = functions.reshape(count, -1, 1) * n + np.arange(n)
-    return Prisms(section.reshape(count, 8, -1), np.array(along).reshape(8, -1), unknowns.reshape(count, -1))
+    return Prisms(
+        section=section.reshape(count, 8, -1),
+        along=np.array(along).reshape(8, -1),
+        unknowns=unknowns.reshape(count, -1),
+        turn=None if bend is None else line.at / bend.radius,
+    )
 
 
 def condensed(
@@ -296,10 +337,21 @@ def condensed(
         whole[np.ix_(able, able)], lifted[able] = flexibility, moved
         flexibility, moved = np.split(np.split(whole, 3)[1], 3, axis=1)[1], np.split(lifted, 3)[1]
     expected = np.repeat(forms.plane.lift[flat], layers)
-    rigid_body_error = float(np.abs(moved + expected).max())
+    rigid_body_error = max(0.0, float(np.abs(moved + expected).max()) - MISSED * missed_lift(line))
     seen = seen_by_plate(forms.plane, line)
     along = np.repeat(line.at, forms.plane.nodes.weight.size)
     return Solid(seen, flexibility, along, rigid_body_error, int(free.sum()), whole)
+
+
+MISSED = 20.0  # of what its functions miss of a rigid lift, at most so much is felt; measured: 3 to 10
+
+
+def missed_lift(line: AlongY) -> float:
+    """Return by how much the functions along y miss a rigid lift by 1 of a section that turns."""
+    if line.bend is None:
+        return 0.0
+    turn, fine = line.at / line.bend.radius, line.fine @ line.at / line.bend.radius
+    return max(float(np.abs(line.fine @ of(turn) - of(fine)).max()) for of in (np.cos, np.sin))
 
 
 def free_unknowns(
@@ -346,20 +398,24 @@ def seen_by_plate(plane: ContactStiffness, line: AlongY) -> ContactStiffness:
     """The section's contact points repeated along y; the contact unknowns run along y first."""
     return replace(
         plane,
-        nodes=_repeated(plane.nodes, np.eye(line.at.size), line.weight),
-        fine=_repeated(plane.fine, line.fine, np.full(len(line.fine), 1 / len(line.fine))),
+        nodes=_repeated(plane.nodes, line, np.eye(line.at.size), line.weight),
+        fine=_repeated(plane.fine, line, line.fine, np.full(len(line.fine), 1 / len(line.fine))),
     )
 
 
-def _repeated(sample: Sample, along: Array, weight: Array) -> Sample:
+def _repeated(sample: Sample, line: AlongY, along: Array, weight: Array) -> Sample:
     """The sample at every row of `along`, an edge's points next to each other as `threshold` wants them."""
+    position, area = np.tile(sample.position, (len(along), 1)), np.outer(weight, sample.weight).ravel()
+    if line.bend is not None:
+        area = area * line.bend.stretch(position[:, 1])
+        position[:, 1] = line.bend.height(position[:, 1], np.repeat(along @ line.at, sample.weight.size))
     points, times = sample.weight.size, len(along)
     by_line = np.arange(points * times).reshape(points, times).T.ravel()
     edges = int(sample.edge.max()) + 1
     return Sample(
         sparse.csr_matrix(sparse.kron(sample.rows, along, format="csr"))[by_line],
-        np.tile(sample.position, (times, 1)),
+        position,
         np.tile(sample.ridge, times),
-        np.outer(weight, sample.weight).ravel(),
+        area,
         (np.arange(times)[:, None] * edges + sample.edge).ravel(),
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import ngsolve as ng
 import numpy as np
@@ -20,6 +21,7 @@ from skincad.mechanics.bodies.elements import ContactStiffness, Outline, Section
 from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
+from skincad.mechanics.problem import Bend
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class SolidBody:
     of_element: Index
     of_triangle: Index
     along: Array
+    bend: Bend | None = None
 
     @property
     def displacements(self) -> int:
@@ -102,19 +105,28 @@ class SolidBody:
     def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None."""
         cut = bool(self.forms.cut.any())
-        faults = (
-            undetected_contact(loops, lambda x: np.full_like(x, plate), mirrored=cut)
-            for loops in self.outlines(state)
-        )
-        return next((wrong for wrong in faults if wrong), None)
+        plates = [plate, plate]
+        if self.bend is not None:  # as far from the axis as the end's plane meets it
+            plates[1] = self.bend.axis + (plate - self.bend.axis) / self._lean[1]
+        for height, loops in zip(plates, self.outlines(state), strict=True):
+            wrong = undetected_contact(loops, partial(np.full_like, fill_value=height), mirrored=cut)
+            if wrong:
+                return wrong
+        return None
+
+    @property
+    def _lean(self) -> tuple[float, float]:
+        """Cosine of the angle by which the section is turned in the middle and at the end."""
+        return 1.0, 1.0 if self.bend is None else float(np.cos(self.along.max() / self.bend.radius))
 
     def outlines(self, state: Array) -> list[list[Outline]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
         plane, count = self.forms.plane, self.forms.clamped.size
         loops = []
-        for along in (0, -1):
+        for along, lean in zip((0, -1), self._lean, strict=True):
             moved = np.zeros(plane.space.ndof)
-            moved[: 2 * count] = state[: self.displacements].reshape(3, count, -1)[:2, :, along].ravel()
+            x, z = state[: self.displacements].reshape(3, count, -1)[:2, :, along]
+            moved[: 2 * count] = np.concatenate([x, z / lean])
             loops.append(outlines(plane, moved))
         return loops
 
@@ -162,14 +174,16 @@ def solid_body(
     *,
     clamped_end: bool = False,
     laws: Mapping[str, Rubber] = NO_LAWS,
+    bend: Bend | None = None,
 ) -> SolidBody:
     """Return the body over layers between `borders` `(layers + 1,)`, displacements of `order` along y.
 
-    `laws` as in neo_hooke.body. At y = 0 u_y is 0; with `clamped_end` at the end too: plane strain.
+    `laws` as in neo_hooke.body; a section with a `bend` turns. At y = 0 u_y is 0; with `clamped_end` at the
+    end too: plane strain.
     """
-    line, count, height = prisms.line(borders, order), forms.clamped.size, len(borders) - 1
-    along = line.at.size
-    elements = _extruded(forms.points, np.diff(borders), prisms.inside(order), _numbered(forms, laws, height))
+    line, count = prisms.line(borders, order, bend=bend), forms.clamped.size
+    along, height = line.at.size, len(borders) - 1
+    elements = _extruded(forms.points, borders, prisms.inside(order), _numbered(forms, laws, height), bend)
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -188,6 +202,7 @@ def solid_body(
         of_element=of_element.reshape(total, -1),
         of_triangle=np.arange(total).reshape(-1, height),
         along=np.repeat(line.at, forms.plane.nodes.weight.size),
+        bend=bend,
     )
 
 
@@ -207,12 +222,14 @@ def _numbered(
 
 def _extruded(
     section: SectionPoints,
-    thickness: Array,
+    borders: Array,
     layer: prisms.Inside,
     laws: tuple[tuple[Rubber, Index], ...],
+    bend: Bend | None,
 ) -> Elements:
-    """Products of the section's functions and points with those of layers of `thickness` `(prisms,)`."""
-    triangles, points = section.weight.shape
+    """Products of the section's functions and points with those of layers between `borders`
+    `(layers + 1,)`."""
+    thickness, (triangles, points) = np.diff(borders), section.weight.shape
     shape = (triangles, thickness.size, points, layer.weight.size)
     total = triangles * thickness.size
     weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, layer.weight)
@@ -221,6 +238,14 @@ def _extruded(
     basis = np.empty((*shape, 3, *upright.shape[-2:]))
     basis[..., :2, :, :] = flat[:, None]
     basis[..., 2, :, :] = upright
+    if bend is not None:
+        stretch = bend.stretch(section.height)[:, None, :, None]
+        weight = weight * stretch
+        turn = (borders[:-1, None] + thickness[:, None] * layer.at) / bend.radius
+        cosine, sine = (f(turn)[None, :, None, :, None, None] for f in (np.cos, np.sin))
+        away, around = basis[..., 1, :, :].copy(), basis[..., 2, :, :] / stretch[..., None, None]
+        basis[..., 1, :, :] = cosine * away - sine * around
+        basis[..., 2, :, :] = sine * away + cosine * around
     test = np.einsum("tgp,hr->tghpr", section.test, layer.test)
     test = np.broadcast_to(test[:, None], (*shape, *test.shape[-2:]))
     g = points * layer.weight.size

@@ -39,7 +39,7 @@ from skincad.mechanics.models.solid import (
     solve_level,
     timed,
 )
-from skincad.mechanics.problem import NEGLIGIBLE, Answer, ContactError, Pad, Request, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, ContactError, Pad, Request, solid_pad_of
 from skincad.shape.families import without_fillets
 from skincad.shape.skin import skin_of
 
@@ -91,11 +91,11 @@ def plain_pad(design: Design) -> Pad:
     """Return the pad without small fillets, which take most of the triangles and leave the change alone."""
     ridge = skin_of(design).profile
     if ridge.tip_fillet > MOST_FILLET * ridge.tip_width:
-        return pad_of(design)
+        return solid_pad_of(design)
     try:
-        return pad_of(without_fillets(design))
+        return solid_pad_of(without_fillets(design))
     except InputError:  # a slot that clears the fillet but not the sharp corner
-        return pad_of(design)
+        return solid_pad_of(design)
 
 
 def free_ends(

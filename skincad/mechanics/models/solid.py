@@ -24,7 +24,16 @@ from skincad.mechanics.bodies import elements, prisms
 from skincad.mechanics.bodies.mesh import PadMesh, Sizes, height_of, meshed_piece, unit_of
 from skincad.mechanics.contact.frictionless import NodalContact, all_touch_force, press, seen_by_plate
 from skincad.mechanics.models.linear import relative_error, shortfalls
-from skincad.mechanics.problem import Answer, ContactError, Pad, Request, SizeError, check_pad, pad_of
+from skincad.mechanics.problem import (
+    Answer,
+    Bend,
+    ContactError,
+    Pad,
+    Request,
+    SizeError,
+    check_pad,
+    solid_pad_of,
+)
 
 MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
 MOST_CONTACT = 6000  # dense blocks of 0.3 GB each
@@ -187,10 +196,21 @@ def level_of(
 
 def layers_of(meshed: PadMesh, along: Layers) -> prisms.AlongY:
     """Return the functions along y of these prisms, on half of the pad's length."""
-    half = meshed.whole.length / 2 / meshed.unit
-    return prisms.line(
-        prisms.graded(half, along.last * meshed.height / meshed.unit, along.growth), along.order
+    return prisms.line(borders_of(meshed, along), along.order, bend=bend_of(meshed))
+
+
+def borders_of(meshed: PadMesh, along: Layers) -> Array:
+    """Return the layers' borders `(layers + 1,)` on half of the pad's length, in units; alike on a pad whose
+    contact ends somewhere along y."""
+    growth = along.growth if meshed.whole.bend is None else 1.0
+    return prisms.graded(
+        meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, growth
     )
+
+
+def bend_of(meshed: PadMesh) -> Bend | None:
+    """Return the pad's bend in the piece's units."""
+    return None if meshed.whole.bend is None else meshed.whole.bend.over(meshed.unit)
 
 
 def check_size(forms: prisms.SectionForms, line: prisms.AlongY, directions: int = 1) -> None:
@@ -242,7 +262,7 @@ REFINEMENTS = (
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
     """Return the solid model's verdict on a design."""
-    return solve(pad_of(design), request, progress)
+    return solve(solid_pad_of(design), request, progress)
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:

@@ -19,7 +19,6 @@ from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies import prisms
 from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
@@ -34,7 +33,16 @@ from skincad.mechanics.models.corrected import (
     relative_changes,
 )
 from skincad.mechanics.models.finite_strain import all_touch, at_force
-from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, level_of, timed
+from skincad.mechanics.models.solid import (
+    Layers,
+    SolidSolution,
+    bend_of,
+    borders_of,
+    coarse_sizes,
+    forms_of,
+    level_of,
+    timed,
+)
 from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
 
 LAYERS, COARSE_LAYERS = Layers(0.6, 2.0, 3), Layers(0.6, 2.0, 2)
@@ -141,9 +149,7 @@ def solve(
 def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
     """Return the body of a meshed piece, of `order` in the section."""
     forms = forms_of(meshed, order)
-    borders = prisms.graded(
-        meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, along.growth
-    )
+    borders, bend = borders_of(meshed, along), bend_of(meshed)
     unknowns = 3 * forms.clamped.size * ((borders.size - 1) * along.order + 1)
     if unknowns > MOST_UNKNOWNS:
         raise SizeError(
@@ -152,7 +158,8 @@ def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: 
             unknowns,
             "take fewer ridges, a shorter skin or the corrected model",
         )
-    return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=meshed.piece.laws)
+    laws = meshed.piece.laws
+    return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=laws, bend=bend)
 
 
 def _strains(

@@ -62,11 +62,28 @@ MODELS = {
     "corrected-finite-strain": ContactModel(
         f"{_ROOM}solid_finite_strain:on_corrected", 5.0, builds_on=("corrected",), measured=True
     ),
-    "solid": ContactModel(f"{_ROOM}solid:answer", 15.0, (FINITE_STRAIN,), shaped_plates=True),
-    "solid-finite-strain": ContactModel(f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",)),
+    "solid": ContactModel(
+        f"{_ROOM}solid:answer", 15.0, (FINITE_STRAIN,), shaped_plates=True, doubly_curved=True
+    ),
+    "solid-finite-strain": ContactModel(
+        f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",), doubly_curved=True
+    ),
 }
-AUTO = ("winkler", "reduced", "linear", "corrected", "corrected-finite-strain", "solid-finite-strain")
+AUTO = (
+    "winkler",
+    "reduced",
+    "linear",
+    "corrected",
+    "corrected-finite-strain",
+    "solid",
+    "solid-finite-strain",
+)
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
+# Models of `auto` that are for some designs only
+AUTO_IF: dict[str, Callable[[Design], bool]] = {
+    "reduced": lambda design: skin_of(design).count > MANY,
+    "solid": lambda design: design.skin.curvature_radius_y is not None,
+}
 
 
 def model_named(name: str) -> ContactModel:
@@ -87,7 +104,8 @@ def unsupported_reason(name: str, design: Design, measured: bool) -> str:
     if shape != "flat" and not model.shaped_plates:
         return f"contact.plate.shape: must be 'flat' for the {name} model"
     if design.skin.curvature_radius_y is not None and not model.doubly_curved:
-        return f"skin.curvature_radius_y: must not be given for the {name} model, which takes y as straight"
+        words = f"must not be given for the {name} model, which takes the skin as straight along y"
+        return f"skin.curvature_radius_y: {words}"
     if name == "reduced" and skin_of(design).uneven:
         return "ridge.heights: must be alike for the reduced model"
     if measured and not model.measured:

@@ -24,7 +24,7 @@ from skincad.mechanics.models.table import (
     run,
     unsupported_reason,
 )
-from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Answer, Request, pad_of, solid_pad_of
 from skincad.mechanics.validity import refuse_crushed
 from skincad.shape.skin import skin_of
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
@@ -251,7 +251,7 @@ class _ContactRuns:
 
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its model adds up."""
-        pad, first_level = pad_of(self.design), solid.REFINEMENTS[0]
+        pad, first_level = solid_pad_of(self.design), solid.REFINEMENTS[0]
         for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
             setting = f"order {first_level.order - 1}, {label} layers"
             self._tell(_layers(label))
