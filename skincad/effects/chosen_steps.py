@@ -41,7 +41,7 @@ class _Stresses:
         if strips is None:
             return np.zeros((0, 3)), np.zeros((0, 3, 2 * pad.gap.size))
         stress = strips.at(values)
-        moved = linear.small.at_contact(strips.gradient(pad.body, linear.values).T)
+        moved = linear.linear.small.at_contact(strips.gradient(pad.body, linear.values).T)
         per_force = (pad.rows @ moved).T.reshape(*stress.shape, -1) / pad.scale
         return stress * modulus, np.asarray(per_force) * modulus
 

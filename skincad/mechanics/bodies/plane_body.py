@@ -169,10 +169,17 @@ class NeoHookeBody:
         value = float(self.form.Energy(_vector(self, state)))
         return value if np.isfinite(value) else np.inf
 
-    def linearised(self, state: Array, residual: Array) -> PlaneLinearised:
-        """Return the tangent factorised; ContactError where it is singular."""
+    def linearised(
+        self, state: Array, residual: Array, order: Index | None = None, contact: int = 0
+    ) -> PlaneLinearised:
+        """Return the tangent factorised; ContactError where it is singular.
+
+        Condensed to the contact unknowns, or to the last `contact` ones of another `order` of elimination.
+        """
         at = tangent(self, state, residual)
-        small = factorise(at.matrix, self.order, self.rest.contact.size)
+        small = factorise(
+            at.matrix, self.order if order is None else order, contact or self.rest.contact.size
+        )
         return PlaneLinearised(self, at, small, small.flexibility)
 
     def x_of_largest_displacement(self, step: Array) -> float:
@@ -347,6 +354,10 @@ class PlaneLinearised:
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
         return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
+
+    def unloaded(self) -> Array:
+        """Return the contact unknowns' step `(k,)` without contact forces."""
+        return self.small.at_contact(-self.tangent.residual)
 
 
 def tangent(body: NeoHookeBody, state: Array, residual: Array) -> Tangent:

@@ -3,8 +3,8 @@
 A neo-Hookean pad under a flat plate with Coulomb friction: one step, by Newton. The plate is flat,
 so gaps and slips are linear in the displacements and only the body is linearised. In each iteration the body,
 condensed to its contact points, is a compliance and a place without contact forces; the contact problem with
-*total* forces is then solved exactly (frictional.py), against the anchors of the step's beginning. A tangent
-is kept while the residual falls quickly, from one step to the next too.
+*total* forces is then solved exactly (frictional.py), against the anchors of the step's beginning. The
+iteration is newton.py's; a tangent is kept while the residual falls quickly, from one step to the next too.
 
 A state is accepted if it balances to RESIDUAL of the contact forces. A tangent that is not positive definite
 is no reason to stop: the plate may hold a ridge that would buckle if it were free (press_path.py).
@@ -23,12 +23,11 @@ import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index
-from skincad.mechanics.bodies import plane_body
-from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
+from skincad.mechanics.bodies.condense import fill_order
 from skincad.mechanics.bodies.elements import ContactStiffness
-from skincad.mechanics.bodies.plane_body import NeoHookeBody, Tangent, under
+from skincad.mechanics.bodies.plane_body import NeoHookeBody, PlaneLinearised
 from skincad.mechanics.contact.frictional import in_halves, joined, solve_contact
-from skincad.mechanics.contact.newton import RESIDUAL, ROUNDING, SHORTEST
+from skincad.mechanics.contact.newton import equilibrium
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
@@ -41,19 +40,17 @@ from skincad.mechanics.problem import ContactError
 
 ITERATIONS = 40  # in one step; with a kept tangent five to ten are usual
 SLOW_DECREASE = 0.2  # a residual that falls less in an iteration asks for a new tangent
-MAX_GROWTH = 1e3  # a residual that has grown so much leads nowhere
 
 
 @dataclass(frozen=True, eq=False)
 class Tangential:
-    """The body linearised at the state `values` and condensed to its contact unknowns; `compliance`
-    `(2 m, 2 m)` mm/N.
+    """The body linearised at the state `values` and condensed to its contact unknowns along x and z;
+    `compliance` `(2 m, 2 m)` mm/N.
 
     `solved` remembers the contact's factorisations.
     """
 
-    matrix: sparse.csr_matrix
-    small: Condensation
+    linear: PlaneLinearised
     compliance: Array
     values: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
@@ -146,17 +143,11 @@ def unloaded(pad: FrictionalPad) -> FrictionalState:
 def linearised(pad: FrictionalPad, values: Array, residual: Array) -> Tangential:
     """Return the tangent at a state whose `residual` is at hand, and keep it; ContactError without one."""
     pad.tangents.clear()
-    matrix = plane_body.tangent(pad.body, values, residual).matrix
-    small = factorise(matrix, pad.order, pad.contact.size)
-    compliance = pad.rows @ (pad.rows @ small.flexibility).T * (pad.unit / pad.scale)
-    tangential = Tangential(matrix, small, np.asarray(compliance), values)
+    linear = pad.body.linearised(values, residual, pad.order, pad.contact.size)
+    compliance = pad.rows @ (pad.rows @ linear.flexibility).T * (pad.unit / pad.scale)
+    tangential = Tangential(linear, np.asarray(compliance), values)
     pad.tangents.append(tangential)
     return tangential
-
-
-def balancing_step(linear: Tangential, at: Tangent, push: Array) -> Array:
-    """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
-    return at.recover(linear.small.solve(-at.residual - push))
 
 
 def newton(
@@ -181,33 +172,38 @@ def newton(
             Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.contact, drive, cone
         )
         return FrictionalState(np.zeros_like(values), lifted, -before.values)
-    unbalanced, last = body.residual(values), np.inf
-    if not np.isfinite(unbalanced).all():
-        if guess is not None:
-            return newton(pad, before, drive, cone)
-        raise ContactError("an element turns inside out")
-    linear = pad.tangents[0] if pad.tangents else linearised(pad, values, unbalanced)
-    for i in range(ITERATIONS):
-        at = under(body, linear.matrix, unbalanced)
-        ahead = values[pad.contact] + linear.small.at_contact(-at.residual)
-        contact, slipping = _contact(_compliance(pad, linear, ahead), before.contact, drive, cone)
-        push = contact_load(pad, contact)
-        values, unbalanced, share = _damped_step(body, values, balancing_step(linear, at, push))
-        scale = float(np.linalg.norm(push))
-        size = float(np.linalg.norm((unbalanced + push)[body.free])) / scale
-        if share == 1.0 and size <= max(RESIDUAL, ROUNDING / scale):
-            whole = replace(contact, residual=max(contact.residual, size))
-            spent = dissipated(before.contact, contact)
-            state = FrictionalState(values, whole, values - before.values, spent, size, i + 1)
-            if slipping is not None:
-                raise GrossSlip(state, str(slipping))
-            return state
-        if size > SLOW_DECREASE * last or share < 1.0:
-            if size > MAX_GROWTH * max(last, 1e-3):
-                break
-            linear = linearised(pad, values, unbalanced)
-        last = size
-    raise ContactError(f"Newton finds no equilibrium: the residual is {size:.1e} of the contact force")
+    if guess is not None and not np.isfinite(body.energy(values)):
+        return newton(pad, before, drive, cone)
+
+    def contact(
+        tangent: Tangential, linear: PlaneLinearised, values: Array
+    ) -> tuple[Array, tuple[ContactState, GrossSlip | None]]:
+        ahead = values[pad.contact] + linear.unloaded()
+        found = _contact(_compliance(pad, tangent, ahead), before.contact, drive, cone)
+        return contact_load(pad, found[0]), found
+
+    balanced = equilibrium(
+        body,
+        values,
+        pad.tangents[0] if pad.tangents else None,
+        tangent_at=lambda values, unbalanced, _: linearised(pad, values, unbalanced),
+        contact=contact,
+        keeps=lambda _, history: len(history) == 1 or history[-1] <= SLOW_DECREASE * history[-2],
+        steps=ITERATIONS,
+    )
+    found, slipping = balanced.contact
+    size, values = balanced.history[-1], balanced.values
+    state = FrictionalState(
+        values=values,
+        contact=replace(found, residual=max(found.residual, size)),
+        change=values - before.values,
+        dissipated=dissipated(before.contact, found),
+        residual=size,
+        iterations=len(balanced.history),
+    )
+    if slipping is not None:
+        raise GrossSlip(state, str(slipping))
+    return state
 
 
 def dissipated(before: ContactState, after: ContactState) -> float:
@@ -241,18 +237,6 @@ def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:
     force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
     push[pad.contact] = -(pad.rows.T @ force)
     return push
-
-
-def _damped_step(body: NeoHookeBody, values: Array, move: Array) -> tuple[Array, Array, float]:
-    """Return state and residual after a step, and how much of it was taken: all, or the largest half,
-    quarter, ... that turns no element inside out, where the energy's logarithm has no value."""
-    share = 1.0
-    while share >= SHORTEST:
-        unbalanced = body.residual(values + share * move)
-        if np.isfinite(unbalanced).all():
-            return values + share * move, unbalanced, share
-        share /= 2
-    raise ContactError("an element turns inside out")
 
 
 MAX_HALVINGS = 5  # of a step

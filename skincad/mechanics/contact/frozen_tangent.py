@@ -21,13 +21,11 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.bodies.plane_body import under
 from skincad.mechanics.contact.frictional import halved
 from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
     FrictionalState,
     Tangential,
-    balancing_step,
     contact_load,
     dissipated,
     linearised,
@@ -247,8 +245,9 @@ class FrozenTangentPad:
         if not (pad.tangents and pad.tangents[0] is tangent.linear and tangent.state.values.any()):
             return None
         # of an equilibrium, all that does not balance is the contact's
-        at = under(pad.body, tangent.linear.matrix, -contact_load(pad, tangent.state.contact))
-        return tangent.state.values + balancing_step(tangent.linear, at, contact_load(pad, after.contact))
+        values, body = tangent.state.values, tangent.linear.linear
+        at = body.rebalanced(values, -contact_load(pad, tangent.state.contact))
+        return np.asarray(values + at.move(contact_load(pad, after.contact)))
 
     def _of_ridges(self, force: Array) -> Array:
         """The sums of both forces on each ridge `(2, ridges)`."""

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Generic, Protocol, TypeVar
+from functools import partial
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy import linalg, sparse
@@ -179,6 +180,7 @@ FALLING = 0.1  # of the last residual, in a step; rounding does not fall
 # not kept. One that leaves more than SLOW of a residual is replaced: in three dimensions a new one takes as
 # long as five steps with the old, and squares what each of them divides
 NEAR, SLOW = 1e-2, 0.1
+MAX_GROWTH = 1e3  # a residual that has grown so much in a step leads nowhere
 SHORTEST = 1 / 64  # of a Newton step; one that is still inside out then has lost its way
 UNSTABLE = "no stable equilibrium, a ridge tips over or its tip folds"
 
@@ -240,6 +242,67 @@ class PressedState:
     tangent: PadTangent
 
 
+@dataclass(frozen=True)
+class Equilibrium:
+    """A balanced state: unknowns `values` `(n,)`, what its contact problem found, what the body alone leaves
+    `unbalanced` `(n,)`, the residual of each step relative to the contact forces' norm, and the last
+    tangent, at a state nearby."""
+
+    values: Array
+    contact: Any
+    unbalanced: Array
+    history: tuple[float, ...]
+    tangent: Any
+
+
+def equilibrium(
+    body: Elastic,
+    start: Array,
+    tangent: Any,
+    *,
+    tangent_at: Callable[[Array, Array, float], Any],
+    contact: Callable[[Any, Any, Array], tuple[Array, Any]],
+    keeps: Callable[[Any, list[float]], bool],
+    steps: int,
+) -> Equilibrium:
+    """Return the equilibrium of a body and its contact near `start` `(n,)`; the first of at most so many
+    `steps` takes a `tangent` from another state, unless it is None.
+
+    In each step the body alone is linearised. `tangent_at` does it at values whose residual is at hand, at a
+    known distance from balance; what it returns has the linearised body as `linear`. `contact` takes that
+    tangent, the linearised body rebalanced at the values, and them. It solves the contact with its true gaps
+    and total forces, and returns what these add to the residual, with all that it found. `keeps` says whether
+    a tangent serves on, by the residuals so far. A step is halved while it turns a point of an element inside
+    out. Raises DivergedError when the residual stays above RESIDUAL or grows by MAX_GROWTH.
+    """
+    values = start
+    history: list[float] = []
+    unbalanced = body.residual(values)
+    for _ in range(steps):
+        safe_point()
+        if tangent is None:
+            tangent = tangent_at(values, unbalanced, history[-1] if history else np.inf)
+        linear = tangent.linear.rebalanced(values, unbalanced)
+        push, found = contact(tangent, linear, values)
+        move = linear.move(push)
+        share = _share(body, values, move)
+        values = values + share * move
+        unbalanced = body.residual(values)
+        scale = float(np.linalg.norm(push))
+        history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
+        small = history[-1] <= max(RESIDUAL, ROUNDING / scale)
+        if share == 1.0 and small and not _falls(history, steps):
+            return Equilibrium(values, found, unbalanced, tuple(history), tangent)
+        if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
+            break
+        if share < 1.0 or not keeps(tangent, history):
+            tangent = None
+    raise DivergedError(
+        "no equilibrium is found, as where a tip or a fillet folds "
+        f"(residual {history[-1]:.1e} of the contact force after {len(history)} steps)"
+    )
+
+
 def newton(
     pad: PressedPad[Elastic],
     start: Array,
@@ -251,52 +314,42 @@ def newton(
     """Return the equilibrium near `start` `(n,)`, where `active` `(m,)` touches, at the force that `load`
     asks for.
 
-    The first step takes a `tangent` from another state, if given. Up to the force `stable_to` antisymmetric
-    movements are known to be stable. A step is halved while it turns a point of an element inside out. Raises
-    DivergedError when the residual stays above RESIDUAL, or when the equilibrium is not stable.
+    Up to the force `stable_to` antisymmetric movements are known to be stable. Raises DivergedError as
+    `equilibrium`, or when it is not stable.
     """
-    body, values = pad.body, start
-    history: list[float] = []
-    unbalanced = body.residual(values)
-    for _ in range(MAX_STEPS):
-        safe_point()
-        if tangent is None:
-            tangent = _tangent_at(pad, values, unbalanced, history[-1] if history else np.inf)
-        linear = tangent.linear.rebalanced(values, unbalanced)
+    body, touching = pad.body, active
+
+    def contact(
+        tangent: PadTangent, linear: LinearisedBody, values: Array
+    ) -> tuple[Array, tuple[float, NodalContact, Ridges, float]]:
+        nonlocal touching
         ridges, base = seen_by_plate(pad, tangent.ridges, values, linear)
-        force, contact = contact_under(ridges, load, active)
-        active = contact.active
-        push = np.zeros_like(values)
-        push[body.rest.contact] = body.rest.nodes.rows.T @ contact.force
-        move = linear.move(push)
-        share = _share(body, values, move)
-        values = values + share * move
-        unbalanced = body.residual(values)
-        scale = float(np.linalg.norm(push))
-        history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
-        if share == 1.0 and history[-1] <= max(RESIDUAL, ROUNDING / scale) and not _falls(history):
-            if tangent.residual > NEAR:
-                tangent = _tangent_at(pad, values, unbalanced, history[-1])
-                ridges, _ = seen_by_plate(pad, tangent.ridges, values, tangent.linear)
-            if not stable(body, tangent.linear, ridges, contact, both=force > stable_to):
-                raise UnstableError(UNSTABLE)
-            return PressedState(
-                values=values,
-                force=force,
-                approach=contact.approach + base,
-                contact=contact,
-                ridges=ridges,
-                residual=history[-1],
-                history=tuple(history),
-                tangent=tangent,
-            )
-        near = share == 1.0 and tangent.residual <= NEAR and len(history) > 1
-        if not near or history[-1] > SLOW * history[-2]:
-            tangent = None
-    raise DivergedError(
-        "no equilibrium is found, as where a tip or a fillet folds "
-        f"(residual {history[-1]:.1e} of the contact force after {MAX_STEPS} steps)"
+        force, found = contact_under(ridges, load, touching)
+        touching = found.active
+        return _at_contact(body, body.rest.nodes.rows.T @ found.force), (force, found, ridges, base)
+
+    at = partial(_tangent_at, pad)
+    state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=_keeps, steps=MAX_STEPS)
+    tangent, (force, found, ridges, base) = state.tangent, state.contact
+    if tangent.residual > NEAR:
+        tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
+        ridges, _ = seen_by_plate(pad, tangent.ridges, state.values, tangent.linear)
+    if not stable(body, tangent.linear, ridges, found, both=force > stable_to):
+        raise UnstableError(UNSTABLE)
+    return PressedState(
+        values=state.values,
+        force=force,
+        approach=found.approach + base,
+        contact=found,
+        ridges=ridges,
+        residual=state.history[-1],
+        history=state.history,
+        tangent=tangent,
     )
+
+
+def _keeps(tangent: PadTangent, history: list[float]) -> bool:
+    return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
 
 
 def _tangent_at(pad: PressedPad[Elastic], values: Array, unbalanced: Array, residual: float) -> PadTangent:
@@ -306,9 +359,9 @@ def _tangent_at(pad: PressedPad[Elastic], values: Array, unbalanced: Array, resi
     return PadTangent(linear, ridges if pad.drops is None else ridges.lowered(pad.drops), residual)
 
 
-def _falls(history: list[float]) -> bool:
+def _falls(history: list[float], steps: int) -> bool:
     """Whether a residual that only rounding would excuse still falls: then it is not rounding."""
-    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < MAX_STEPS
+    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
 
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
