@@ -136,13 +136,13 @@ def test_small_strain_is_the_tangent_at_rest_of_finite_strain(monkeypatch: pytes
 
 @pytest.mark.slow
 @pytest.mark.skipif(bool(ccx.missing()), reason=ccx.missing())
-@pytest.mark.parametrize("radius", [60.0, 20.0])
-def test_calculix_finds_the_same_force(radius: float) -> None:
-    """On the package's tetrahedra, at the solid model's approach (test_tetrahedra.py says why 3 %)."""
-    design = bent(reference(), radius).with_(contact={"friction": 0.0})
+def test_calculix_finds_the_same_force() -> None:
+    """At the solid's approach. Measured -1.0 % on a package's tetrahedra, +0.2 % on layers half as thick."""
+    design = reference().with_(ridge={"count": 3}, skin={"curvature_radius": 20.0, "width": 4.0})
+    design = bent(design, 30.0).with_(contact={"friction": 0.0, "force": 1.2})
     verdict = check(design, model="solid", tol=0.05)
-    force = ccx.pressed(design, tetrahedra(design), float(verdict.approach))
-    assert force == pytest.approx(verdict.force, rel=0.03)
+    force = ccx.pressed(design, tetrahedra(design, 0.5), float(verdict.approach))
+    assert force == pytest.approx(verdict.force, rel=0.02)
 
 
 @pytest.mark.parametrize("approach", [1e-4, 0.05, 0.4])

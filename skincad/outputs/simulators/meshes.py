@@ -42,10 +42,8 @@ EDGES = tuple(combinations(range(4), 2))  # of a tetrahedron, in the order below
 # node of each edge in the order 01 12 02 03 13 23 that VTK and CalculiX have
 MIDDLES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 CUTS = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))  # of a prism, corners below 0 1 2, above 3 4 5, ascending
-OUTER_LAYER, GROWTH = (
-    0.15,
-    1.6,
-)  # of the height, the outermost layer; of each layer against the one outside it
+# The outermost layer, of the height; each layer against the one outside it
+OUTER_LAYER, GROWTH = 0.15, 1.6
 
 TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's exactly of second-order elements
 GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # Gmsh has the middle of edge 23 before that of 13
@@ -78,7 +76,9 @@ def tetrahedra(design: Design, fineness: float = 1.0) -> Tetrahedra:
     """Return the mesh of a design; twice the fineness halves the section's edges."""
     pad = pad_of(design.with_(skin={"curvature_radius_y": None}))
     flat = plain_mesh(pad, section_sizes(pad, fineness))
-    half = graded(design.skin.length / 2, OUTER_LAYER * height_of(pad) / fineness, GROWTH)
+    alike = design.skin.curvature_radius_y is not None  # contact ends somewhere along y
+    growth = 1.0 if alike else GROWTH
+    half = graded(design.skin.length / 2, OUTER_LAYER * height_of(pad) / fineness, growth)
     levels = np.concatenate([-half[:0:-1], half])
     corners, count = _sweep(design, flat, levels), len(flat.points)
     cut = _cut(flat.corners, len(levels) - 1, count)
