@@ -126,7 +126,7 @@ STRAINED_SHARES = (0.15, 0.5, 1.0)
 
 # Relative errors of the approach: of the mesh (linear.FINE), of the free ends' change, and of a Poisson's
 # ratio between 0.498 and 0.49999 where the design says 0.499 (measured on yamada-2002)
-APPROACH_ERROR = FINE.usual + corrected.APPROACH_ERROR + 0.004
+APPROACH_ERROR = FINE.usual + corrected.ERRORS.approach + 0.004
 # Of what finite strain changes; it is computed without free ends, which make the strains larger. Assumption:
 # over twice the difference between the ratio at the same force and at the same approach, 18 % on yamada-2002
 STRAINED_ERROR = 0.5

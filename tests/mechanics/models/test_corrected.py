@@ -37,8 +37,8 @@ def test_small_fillets_leave_the_change_alone() -> None:
     with_fillets = corrected.free_ends(pad_of(design), FORCE, {})
     without = corrected.free_ends(corrected.plain_pad(design), FORCE, {})
     ratios = [(approach_ratio(e), threshold_ratio(e)) for e in (with_fillets, without)]
-    assert ratios[0][0] == pytest.approx(ratios[1][0], rel=corrected.APPROACH_ERROR / 2)
-    assert ratios[0][1] == pytest.approx(ratios[1][1], rel=corrected.THRESHOLD_ERROR / 2)
+    assert ratios[0][0] == pytest.approx(ratios[1][0], rel=corrected.ERRORS.approach / 2)
+    assert ratios[0][1] == pytest.approx(ratios[1][1], rel=corrected.ERRORS.threshold / 2)
 
 
 @pytest.mark.slow
@@ -47,9 +47,9 @@ def test_finer_layers_change_less_than_the_error() -> None:
     few, many = (
         corrected.free_ends(pad, FORCE, {}, along) for along in (corrected.LAYERS, Layers(0.15, 1.8, 4))
     )
-    assert few.solid.approach == pytest.approx(many.solid.approach, rel=corrected.APPROACH_ERROR / 2)
+    assert few.solid.approach == pytest.approx(many.solid.approach, rel=corrected.ERRORS.approach / 2)
     assert few.solid.all_touch_force == pytest.approx(
-        many.solid.all_touch_force, rel=corrected.THRESHOLD_ERROR
+        many.solid.all_touch_force, rel=corrected.ERRORS.threshold
     )
 
 
@@ -74,10 +74,10 @@ def test_the_changes_error_on_variants(name: str) -> None:
     forms = forms_of(meshed, 3)
     plane, solid = (solve_level(meshed, forms, along, FORCE, {}) for along in (None, Layers(0.3, 1.8, 4)))
     fine = corrected.Ends(plane, solid)
-    assert approach_ratio(coarse) == pytest.approx(approach_ratio(fine), rel=corrected.APPROACH_ERROR)
-    assert threshold_ratio(coarse) == pytest.approx(threshold_ratio(fine), rel=corrected.THRESHOLD_ERROR)
+    assert approach_ratio(coarse) == pytest.approx(approach_ratio(fine), rel=corrected.ERRORS.approach)
+    assert threshold_ratio(coarse) == pytest.approx(threshold_ratio(fine), rel=corrected.ERRORS.threshold)
     change = [e.solid.ridge_force - e.plane.ridge_force for e in (coarse, fine)]
-    assert change[0] == pytest.approx(change[1], abs=corrected.SHARE_ERROR * FORCE / 3)
+    assert change[0] == pytest.approx(change[1], abs=corrected.ERRORS.share * FORCE / 3)
 
 
 def approach_ratio(ends: corrected.Ends) -> float:
@@ -123,9 +123,9 @@ def test_a_part_measured_as_designed_is_corrected_as_designed() -> None:
     part = corrected.answer(design, Request(FORCE, 0.05, crest_offsets=(0.0,) * 3))
     whole = corrected.answer(design, Request(FORCE, 0.05))
     assert part.all_touch_force.value == pytest.approx(
-        whole.all_touch_force.value, rel=corrected.THRESHOLD_ERROR / 2
+        whole.all_touch_force.value, rel=corrected.ERRORS.threshold / 2
     )
-    assert part.approach.value == pytest.approx(whole.approach.value, rel=corrected.APPROACH_ERROR / 2)
+    assert part.approach.value == pytest.approx(whole.approach.value, rel=corrected.ERRORS.approach / 2)
 
 
 @pytest.mark.slow
