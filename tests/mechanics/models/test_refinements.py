@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -305,11 +306,11 @@ def test_a_change_scales_force_and_approach_and_shifts_shares() -> None:
         fine, spatial(2.0, 0.1, (1.1, 1.8, 1.1)), spatial(1.5, 0.11, (1.3, 1.4, 1.3)), 4.0, ERRORS
     )
     assert result.all_touch_force.value == pytest.approx(3.0 * 0.75)
-    assert result.all_touch_force.error == pytest.approx((0.01 + 0.02 * 3.0) * 0.75)
+    assert result.all_touch_force.error == pytest.approx(math.hypot(0.01, 0.02 * 3.0) * 0.75)
     assert result.approach.value == pytest.approx(0.2 * 1.1)
-    assert result.approach.error == pytest.approx((0.01 + 0.01 * 0.2) * 1.1)
+    assert result.approach.error == pytest.approx(math.hypot(0.01, 0.01 * 0.2) * 1.1)
     assert [f.value for f in result.ridge_force] == pytest.approx([1.2, 1.6, 1.2])
-    assert result.ridge_force[0].error == pytest.approx(0.01 + 0.03 * 4.0 / 3)
+    assert result.ridge_force[0].error == pytest.approx(math.hypot(0.01, 0.03 * 4.0 / 3))
     assert (result.touching, result.unknowns, result.residual) == (3, 20, pytest.approx(1e-9))
     more = apply_change(
         fine, spatial(2.0, 0.1, (1, 2, 1), 2000), spatial(2.0, 0.1, (1, 2, 1), 30), 4.0, ERRORS
