@@ -22,6 +22,7 @@ from skincad.base.progress import Progress, about
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
+from skincad.mechanics.fits import unlike
 from skincad.mechanics.left_out import LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
@@ -383,6 +384,9 @@ class ModelSelection:
         design, force, small = self.design, self.force, is_small_strain(name)
         beyond_reason = (small and small_strain_violation(design, force, answer)) or self._fault(name, answer)
         warnings = (*answer.warnings, *self.notes, *(strain_warnings(design, answer) if small else ()))
+        if numbers := unlike(design, model=name):
+            words = f"no design on which the {name} model's errors were set is like this one: {numbers}"
+            warnings = (*warnings, words)
         return ContactCheck(
             name=design.name,
             force=force,

@@ -151,6 +151,15 @@ class LeftOut(Record):
     share: float
 
 
+# Of the all-touch force, the approach and a share: by the section's diagonal over the length, by the nominal
+# strain, and what friction along y takes back of free ends
+ENDS_BOUND, STRAIN_BOUND, ALONG_PART = (0.3, 0.5, 0.3), (1.3, 0.8, 0.9), (0.45, 0.25, 0.35)
+# A constant, by stiffer tips, by the slope, and by what compressible silicone draws in
+FORCE_BY_FRICTION = 0.015, 0.41, 0.3, 0.06
+# A constant, by softer tips, and the last again; a constant, and by softer tips
+APPROACH_BY_FRICTION, SHARE_BY_FRICTION = (0.005, 0.5, 0.005), (0.08, 0.13)
+
+
 def free_ends(design: Design) -> LeftOut:
     """Return the bound for a pad taken as endless along y.
 
@@ -161,15 +170,20 @@ def free_ends(design: Design) -> LeftOut:
     """
     slender = math.hypot(design.skin.width, design.skin.thickness) / design.skin.length
     reach = min(math.sqrt(slender), 1.5 * slender)
-    return LeftOut(effect=FREE_ENDS, threshold=0.3 * reach, approach=0.5 * reach, share=0.3 * reach)
+    force, approach, share = (part * reach for part in ENDS_BOUND)
+    return LeftOut(effect=FREE_ENDS, threshold=force, approach=approach, share=share)
 
 
 def finite_strain(design: Design, answer: Answer, force: float) -> LeftOut:
     """Return the bound for strains taken as small, by the nominal strain of the most loaded ridge."""
     strain = ridge_strain(design, answer)
     at_threshold = strain * (answer.all_touch_force.value or 0.0) / force
+    of_force, approach, share = STRAIN_BOUND
     return LeftOut(
-        effect=FINITE_STRAIN, threshold=1.3 * at_threshold, approach=0.8 * strain, share=0.9 * strain
+        effect=FINITE_STRAIN,
+        threshold=of_force * at_threshold,
+        approach=approach * strain,
+        share=share * strain,
     )
 
 
@@ -185,17 +199,27 @@ def friction(design: Design, carrying: int) -> LeftOut:
     slope = abs(skin_of(design).lean(ridges)) + steepest(design.contact.plate, skin.width / 2)
     stiffer = tip_constraint(design, ridges) - 1
     drawn_in = (1 - 2 * silicone(design).poisson_ratio) ** 2
-    threshold = 0.015 + 0.41 * stiffer / (1 + (3 * thick) ** 4) + 0.3 * slope + 0.06 * drawn_in
     softer = 1 - 1 / tip_constraint(design, max(carrying, 1))
-    approach = 0.005 + 0.5 * softer + 0.005 * drawn_in
-    return LeftOut(effect=FRICTION, threshold=threshold, approach=approach, share=0.08 + 0.13 * softer)
+
+    def bound(factors: tuple[float, ...], *by: float) -> float:
+        return factors[0] + math.fsum(f * b for f, b in zip(factors[1:], by, strict=True))
+
+    return LeftOut(
+        effect=FRICTION,
+        threshold=bound(FORCE_BY_FRICTION, stiffer / (1 + (3 * thick) ** 4), slope, drawn_in),
+        approach=bound(APPROACH_BY_FRICTION, softer, drawn_in),
+        share=bound(SHARE_BY_FRICTION, softer),
+    )
 
 
 def friction_along(design: Design) -> LeftOut:
     """Return the bound for tips that cannot spread along y: they reduce the effect of free ends."""
-    ends = free_ends(design)
+    ends, (force, approach, share) = free_ends(design), ALONG_PART
     return LeftOut(
-        effect=ALONG, threshold=0.45 * ends.threshold, approach=0.25 * ends.approach, share=0.35 * ends.share
+        effect=ALONG,
+        threshold=force * ends.threshold,
+        approach=approach * ends.approach,
+        share=share * ends.share,
     )
 
 

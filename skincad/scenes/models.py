@@ -30,6 +30,7 @@ from skincad.base.progress import Tick
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Law, LeftOutEffect, PadChange, PlatePath, SceneOutline, Step
 from skincad.mechanics.contact.state import Drive
+from skincad.mechanics.fits import unlike
 from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
@@ -214,7 +215,8 @@ MATTERS = 0.1  # relative; a larger change is warned of
 
 
 def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
-    """Return the effects that the scene leaves out, the one that matters most first."""
+    """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
+    constants were fitted to is like this one, an estimate is not calibrated."""
     history = scene.history
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
@@ -222,7 +224,11 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     times, path = tuple(history.time_s), path_of(march)
     outline = SceneOutline(scene.design, times, loads, path, driven, _friction(scene))
     unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
-    entries = [entry for name in unnamed if (entry := effect(name).left_out(outline))]
+    found = {name: entry for name in unnamed if (entry := effect(name).left_out(outline))}
+    entries = [
+        replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
+        for name, entry in found.items()
+    ]
     return sorted(entries, key=lambda entry: -entry.change)
 
 

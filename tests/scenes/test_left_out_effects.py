@@ -47,6 +47,18 @@ def test_small_pad(tmp_path: Path) -> None:
     assert not {"film", "free_ends"} & {entry.effect for entry in ends.left_out}
 
 
+def test_an_estimate_on_an_unlike_pad_is_not_calibrated(tmp_path: Path) -> None:
+    """A base of six pitches, where no scene behind the constants had more than five."""
+    few = ("history.steps=4", "readout.ridges=[1, 2, 3]")
+    small_scene(tmp_path, PULL, *few)
+    skin = tmp_path / "small.toml"
+    skin.write_text(skin.read_text().replace("thickness = 4.0", "thickness = 6.0", 1))
+    scene = load_scene(tmp_path / "scene.toml", ["skin=small.toml", *FORCES, *few])
+    entry = left_out_entry(at_level(scene, LEVELS[0]), "free_ends")
+    assert (entry.calibrated, entry.within) == (False, None)
+    assert "an uncalibrated estimate" in entry.warning
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("skin", ["yamada-2002", "yamada-2002-tilted", "fingertip-soft", "tilt 20"])
 def test_films(skin: str, tmp_path: Path) -> None:

@@ -1,0 +1,43 @@
+"""Prints the tables of docs/fits.md: every number that was read off runs, and the designs behind it.
+
+`python -m bench.table_fits`; after a change of skincad/mechanics/fits.py paste what it prints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, is_dataclass
+from typing import Any
+
+from skincad.mechanics.fits import DESIGNS, FITS, NUMBERS
+
+
+def as_text(value: Any) -> str:
+    """Return a number, or the numbers of a group, for a cell."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = astuple(value)
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {as_text(one)}" for key, one in value.items())
+    return ", ".join(as_text(one) for one in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+def fits() -> list[str]:
+    """Return the table of fits, a line each."""
+    lines = ["| where | numbers | what they are | designs |", "|---|---|---|---|"]
+    for fit in FITS:
+        numbers = "; ".join(f"{name} {as_text(value)}" for name, value in fit.values.items())
+        room = fit.where.split(":")[0].replace(".", "/")
+        lines.append(f"| {room}.py | {numbers} | {fit.what} | {', '.join(fit.designs)} |")
+    return lines
+
+
+def designs() -> list[str]:
+    """Return the table of the sets of designs, a line each."""
+    lines = [f"| set | designs | {' | '.join(NUMBERS.values())} |", "|---" * (2 + len(NUMBERS)) + "|"]
+    for name, drawn in DESIGNS.items():
+        ranges = " | ".join(f"{low:g} to {high:g}" for low, high in drawn.ranges.values())
+        lines.append(f"| {name} | {drawn.what} | {ranges} |")
+    return lines
+
+
+if __name__ == "__main__":
+    print("\n".join([*fits(), "", *designs()]))

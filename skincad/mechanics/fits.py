@@ -1,0 +1,232 @@
+"""Numbers that were read off runs, in one table: neither physics with a source nor an assumption.
+
+A fit says nothing about designs that are unlike those behind it. What makes designs alike here are six
+numbers without a unit (`shape_of`); a set of designs holds the range of each. A verdict by a model whose
+fits saw nothing like the design says so, and a scene's estimate is then called uncalibrated.
+
+The numbers stay where they are used; a row says where. docs/fits.md shows the table with their values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.validity import mean_width
+from skincad.shape.skin import skin_of
+
+NUMBERS = {
+    "ridges": "ridges",
+    "slenderness": "ridge height by mean width",
+    "base": "base thickness by pitch",
+    "length": "length by base thickness",
+    "curvature": "width by radius",
+    "poisson": "Poisson's ratio",
+}
+ROUNDING = 1e-9  # relative; a design at a range's end is within
+
+
+def shape_of(design: Design) -> dict[str, float]:
+    """Return the design's numbers, keys as in NUMBERS."""
+    skin, table = skin_of(design), design.skin
+    return {
+        "ridges": float(skin.count),
+        "slenderness": max(skin.heights) / mean_width(design),
+        "base": table.thickness / skin.pitch,
+        "length": table.length / table.thickness,
+        "curvature": table.width / table.curvature_radius,
+        "poisson": silicone(design).poisson_ratio,
+    }
+
+
+@dataclass(frozen=True)
+class Designs:
+    """A set of designs: what they are, and between what their numbers lie."""
+
+    what: str
+    ranges: dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Numbers `where` (module and names), what they are, and the sets of designs behind them. `models` are
+    those whose verdict's error they are part of; `effect` is the one whose estimate they scale."""
+
+    where: str
+    what: str
+    designs: tuple[str, ...]
+    models: tuple[str, ...] = ()
+    effect: str = ""
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The numbers by name."""
+        module, names = self.where.split(":")
+        found = import_module(f"skincad.{module}")
+        return {name: getattr(found, name) for name in names.split()}
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Between what each number lies in all sets together."""
+        sets = [DESIGNS[name].ranges for name in self.designs]
+        return {key: (min(of[key][0] for of in sets), max(of[key][1] for of in sets)) for key in sets[0]}
+
+
+def _ranges(*of: tuple[float, float]) -> dict[str, tuple[float, float]]:
+    return dict(zip(NUMBERS, of, strict=True))
+
+
+DESIGNS = {
+    "templates": Designs(
+        "the ten templates",
+        _ranges((3, 21), (0.645, 1.38), (1.667, 4.0), (3.0, 6.0), (0.034, 1.25), (0.499, 0.499)),
+    ),
+    "variants": Designs(
+        "plain-ridges and yamada-2002 with one key or two changed; plain-ridges with 45 and 101 ridges",
+        _ranges((3, 101), (0.4, 1.44), (2.0, 8.0), (1.5, 12.0), (0.07, 0.28), (0.3, 0.49999)),
+    ),
+    "verdicts": Designs(
+        "bench.verdicts, seeds 1000 to 1160 and 5000 to 5044",
+        _ranges((3, 9), (0.447, 2.84), (0.781, 6.674), (0.776, 12.394), (0.034, 0.658), (0.47, 0.499)),
+    ),
+    "campaign": Designs(
+        "bench.campaign.random_designs, seeds 0 to 149",
+        _ranges((1, 15), (0.134, 3.791), (0.241, 33.934), (0.481, 56.631), (0.0, 1.316), (0.499, 0.499)),
+    ),
+    "scenes": Designs(
+        "bench.random_scenes, seeds 0 to 59",
+        _ranges((3, 9), (0.509, 1.38), (1.509, 4.994), (0.883, 11.974), (0.017, 1.25), (0.499, 0.499)),
+    ),
+}
+SEEN = "templates", "variants", "campaign"
+PLANE = "linear", "corrected", "corrected-finite-strain"
+SOLIDS = "solid", "solid-finite-strain"
+
+FITS = (
+    Fit(
+        "mechanics.models.winkler:THRESHOLD_ERROR APPROACH_ERROR PER_RIDGE SHARE_ERROR BASE_COUPLING "
+        "COUPLING_PER_THICKNESS STIFFENING_MARGIN APPROACH_MARGIN FILLET_ROUNDING SHARE_MARGIN",
+        "errors of the closed form, and the springs that it takes for base and fillets",
+        ("variants", "campaign"),
+        ("winkler",),
+    ),
+    Fit(
+        "mechanics.models.winkler:DOUBLY_THRESHOLD_ERROR DOUBLY_APPROACH_ERROR DOUBLY_SHARE_ERROR",
+        "errors of the closed form on a second curvature, in 47 cases of radius 15 mm to infinity",
+        ("templates", "variants"),
+    ),
+    Fit(
+        "mechanics.models.linear:TAIL THRESHOLD_BY_APPROACH APPROACH_BY_THRESHOLD SHARE_BY_APPROACH",
+        "what is left of the mesh's error, by differences of orders and meshes",
+        SEEN,
+        (*PLANE, "finite-strain"),
+    ),
+    Fit(
+        "mechanics.models.finite_strain:EDGE_THRESHOLD EDGE_STATE",
+        "change by the law that the clamped ends follow",
+        ("templates",),
+    ),
+    Fit(
+        "mechanics.models.corrected:ERRORS",
+        "errors of the change by free ends, from a coarse solid",
+        ("templates", "variants", "verdicts", "campaign"),
+        PLANE[1:],
+    ),
+    Fit(
+        "mechanics.models.solid:SECTION_TAIL LAYERS_TAIL",
+        "what is left of a solid's error, by differences of orders and layers",
+        SEEN,
+        SOLIDS,
+    ),
+    Fit("mechanics.bodies.prisms:MISSED", "what a bent solid feels of a missed rigid lift", ("variants",)),
+    Fit(
+        "mechanics.models.solid_finite_strain:ERRORS",
+        "errors of the change by finite strain, from a coarse solid",
+        ("templates", "variants", "verdicts"),
+        SOLIDS[1:],
+    ),
+    Fit(
+        "mechanics.models.solid_finite_strain:COARSE_ERRORS COARSE_PARTS",
+        "the same with fewer functions along y: a constant, and a part of the change",
+        ("templates", "variants", "verdicts", "campaign"),
+        PLANE[2:],
+    ),
+    Fit(
+        "mechanics.models.reduced:ERRORS",
+        "errors of one force a feature against the full model",
+        ("variants",),
+    ),
+    Fit(
+        "mechanics.models.friction:BASE_ERRORS ERRORS_BY_CHANGE PLANE_PART",
+        "errors of the change by friction in plane strain, and what finite strain leaves of it",
+        ("templates", "variants"),
+    ),
+    Fit(
+        "mechanics.models.friction:SOLID_ERRORS SOLID_ERRORS_BY_CHANGE LOST",
+        "the same of a solid",
+        SEEN,
+    ),
+    Fit(
+        "mechanics.left_out:ENDS_BOUND STRAIN_BOUND ALONG_PART",
+        "bounds of what free ends, finite strain and friction along y change",
+        SEEN,
+        ("linear", "corrected", "solid", "finite-strain"),
+    ),
+    Fit(
+        "mechanics.left_out:FORCE_BY_FRICTION APPROACH_BY_FRICTION SHARE_BY_FRICTION",
+        "bounds of what friction changes, where it is not computed",
+        SEEN,
+    ),
+    Fit(
+        "mechanics.left_out:BONDED_STRIPS NO_BONDED_STRIPS",
+        "how far free ends let a ridge sink: reach and fall",
+        ("scenes",),
+    ),
+    Fit(
+        "mechanics.manufacture:MODEL_MISCLASSIFIES SCALED_MISCLASSIFIES SCALED_FROM PROPORTIONAL_MARGIN "
+        "EDGE_MARGIN EXPONENT_MARGINS CONFINEMENT_MARGIN PITCH_MARGIN_BELOW PITCH_MARGIN_ABOVE",
+        "errors of the share of good parts and of sensitivities",
+        ("templates", "variants"),
+    ),
+    Fit("mechanics.film.stress:TAIL", "what is left of a film stress's error", ("templates", "scenes")),
+    Fit(
+        "effects.film:OF_SHEAR OF_PRESSURE WITHIN PRESSED",
+        "what films change of the differential stress",
+        ("scenes",),
+        effect="film",
+    ),
+    Fit(
+        "effects.inertia:CALIBRATED WITHIN ROUGHLY",
+        "what a plate's mass changes of it",
+        ("scenes",),
+        effect="inertia",
+    ),
+    Fit(
+        "effects.free_ends:SLIPPING CALIBRATED WITHIN ROUGHLY",
+        "what free ends change of it",
+        ("scenes",),
+        effect="free_ends",
+    ),
+    Fit(
+        "effects.finite_strain:WITHIN",
+        "what finite strain changes of it",
+        ("scenes",),
+        effect="finite_strain",
+    ),
+    Fit("effects.slip_order:LOADED PULLED CLEAR", "which ridge slips first by another law", ("scenes",)),
+)
+
+
+def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
+    """Return in which numbers the design is unlike all that a model's or an effect's fits saw, or ""."""
+    numbers, found = shape_of(design), {}
+    for fit in FITS:
+        if model in fit.models or (effect and effect == fit.effect):
+            for key, (low, high) in fit.ranges.items():
+                margin = ROUNDING * abs(high)
+                if not low - margin <= numbers[key] <= high + margin:
+                    found[key] = f"{NUMBERS[key]} {numbers[key]:.3g} (seen: {low:.3g} to {high:.3g})"
+    return ", ".join(found.values())
