@@ -24,7 +24,8 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold, mesh
-from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.pouring import poured_volume
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.solids.mold import ClosedMold, mold

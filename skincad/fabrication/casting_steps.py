@@ -13,9 +13,9 @@ from skincad.fabrication.electrodes import PITCH, fan_out_steps, past_tabs, stri
 from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import GLUED_LENGTH, arc_length, arc_radius, shim_length
+from skincad.fabrication.pouring import brushing_steps, filling_words, mixing_step, small_batch, weights
 from skincad.fabrication.strips import (
     GRAVITY,
-    HANDLING_SECONDS,
     HIGHEST_FILM_TEMPERATURE,
     POT_SHARE,
     deflection,
@@ -27,6 +27,7 @@ from skincad.fabrication.strips import (
     release_strain,
     shim_bend,
     strip,
+    strip_seconds,
     strips_per_mix,
     weight,
 )
@@ -36,19 +37,15 @@ from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold, Move
 from skincad.solids.plan import END_PLATES, CutRole, PartRole, bores
 
-DEGAS = (
-    "Degas the mix in its open cup, four times as high as the mix, for it rises; never put the closed mold, "
-    "filled, under vacuum: its silicone would foam out and air come in."
-)
 NUMBERS = (
     "number 1 is at the left, seen from end a; nicks in the end plates' edges mark the ends: one at end a, "
     "two at end b, where the reservoir is"
 )
 TOWARDS = "towards the higher numbers in every slot"  # +x
 PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
+PRIMER = "primer that bonds silicone to plastics and metal (silane or titanate type)"
 PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
-MIX_GRAMS = 2.0  # g, assumption: the least that is weighed within 1 % on a balance of 0.01 g
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
@@ -115,13 +112,17 @@ def _skin_removal_words(job: Job) -> str:
     pulls, mount = bores(carrier, CutRole.PULL), bores(carrier, CutRole.MOUNT)
     other = "by two screws in its mount's threads" if mount else "from its two ends"
     how = "by two M3 screws in its blind holes" if pulls else other
+    washed = ""
+    if "cavity" in printed_parts(job):
+        washed = " Wash the crests with soap and water, then isopropanol: release agent makes them slippery."
     if not split_ridges(job.design):
-        return f"Pull the carrier up {how}; the skin comes out of the cavity with it. Cut the flash there."
+        out = f"Pull the carrier up {how}; the skin comes out of the cavity with it."
+        return f"{out} Cut the flash there.{washed}"
     return (
         f"Hold the carrier {how} and draw the base plate off downward. Tilt the two outer pieces of the "
         "cavity off along the outermost splits, then draw the pieces between out of the valleys, each along "
         "its own ridges. Cut the flash at the carrier; that on the split crowns must be thin: wipe it off, "
-        "don't cut into a crown."
+        f"don't cut into a crown.{washed}"
     )
 
 
@@ -163,12 +164,16 @@ def arcs_to_buy(job: Job) -> list[str]:
 
 def close_steps(job: Job, back: str) -> list[str]:
     """Return how the mold is closed and filled, after cleaning."""
+    combs, brushed = [], brushing_steps(job)
     if job.skin.slot is None:
         ends = f"Lay the carrier on its ledge ({back}); the end plates lean over it and are screwed on next."
     else:
-        ends = (
+        combs = [
             "Screw both combs to the cavity's ends. Lay each shim into its notches, its hollow side up and "
-            f"{GRIP:g} mm out at both ends. Lay the carrier on its ledge ({back}). Then the keepers, which "
+            f"{GRIP:g} mm out at both ends."
+        ]
+        ends = (
+            f"Lay the carrier on its ledge ({back}). Then the keepers, which "
             "lean over it: pressed down onto the combs while you tighten."
         )
     rise, tilt = math.degrees(end_angle(job.design)), job.design.mold.pour_tilt
@@ -177,12 +182,14 @@ def close_steps(job: Job, back: str) -> list[str]:
         if tilt <= rise
         else ""
     )
+    closed = [ends, f"{'Then the foam, cover' if job.closed.of(PartRole.SEAL) else 'Cover'} and bolts."]
+    mixed = [mixing_step(job), *brushed]
     return [
-        ends,
-        f"{'Then the foam, cover' if job.closed.of(PartRole.SEAL) else 'Cover'} and bolts.",
-        f"{DEGAS} Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
+        *combs,
+        *([*mixed, *closed] if brushed else [*closed, *mixed]),
+        f"Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
         "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
-        "the reservoir.",
+        f"the reservoir. {filling_words(job)}{drift_words(job)}",
         "Plug the gate or leave the syringe in it.",
     ]
 
@@ -233,14 +240,14 @@ def comb_step(job: Job) -> str:
     )
 
 
-def filling_time_words(job: Job) -> str:
-    """Return how fast the silicone may rise round strips that are cast in."""
+def drift_words(job: Job) -> str:
+    """Return how far the silicone moves strips that are cast in, filled in `mold.fill_time`."""
     flow = pour(job)
     if flow is None or job.design.mold.method == "shim":
         return ""
     return (
-        f" Take {job.design.mold.fill_time:g} s to fill it: the strips are moved aside by up to "
-        f"{flow.drift:.2g} mm and come back within {5 * flow.settling:.2g} s."
+        f" In {job.design.mold.fill_time:g} s, the strips are moved aside by up to {flow.drift:.2g} mm and "
+        f"come back within {5 * flow.settling:.2g} s."
     )
 
 
@@ -261,23 +268,40 @@ def strip_count(job: Job) -> int:
     return 2 * skin.count * job.design.mold.cavities if skin.slot else 0
 
 
-def release_agent_places(job: Job) -> str:
+def printed_parts(job: Job) -> list[str]:
+    """Return which parts of the mold need release agent: printed ones; silicone leaves metal by itself."""
+    made = {"cavity": job.cavity_process, "end plates": job.end_process, "cover": job.lid_process}
+    return [name for name, process in made.items() if process.layer]
+
+
+def release_agent_words(job: Job) -> str:
     """Return where release agent goes, and what it is kept from, so that films hold."""
-    if job.skin.slot is None:
-        return "cavity, end plates and cover; none on the carrier."
-    if job.design.film is None:
-        shims = "cover and shims" if job.design.mold.method == "shim" else "cover"
-        return f"cavity, end plates, {shims}; none on the carrier."
-    if job.design.mold.method == "cast-in":
-        return (
-            "cavity, end plates and cover with a brush, and let it dry; none on the carrier, and none on the "
-            "strips, which would not hold."
-        )
-    return (
-        "cavity, end plates and cover with a brush, and let it dry; none on the carrier, and none on the "
-        "shims: it would stay on the slots' walls, and no film would hold. Wipe each shim twice with "
+    printed, film = printed_parts(job), job.design.film is not None
+    clean = (
+        " Wipe each shim twice with "
         "isopropanol, each time with a fresh wipe, and touch it by its ends from now on. Test that on a "
         "piece of the stock: water must spread, not bead (water-break test)."
+    )
+    kept = ["none on the carrier"]
+    if film and job.inserts:
+        kept.append(
+            "none on the shims: it would stay on the slots' walls, and no film would hold"
+            if job.inserts == "shims"
+            else "none on the strips, which would not hold"
+        )
+    elif job.inserts == "shims":
+        printed = [*printed, "shims"]
+    if job.inserts:
+        kept.append("none in the notches")
+    after = clean if film and job.inserts == "shims" else ""
+    if not printed:
+        return (
+            f"Use no release agent: silicone leaves metal by itself, and crests copy what lies on it.{after}"
+        )
+    where = printed[0] if len(printed) == 1 else f"{', '.join(printed[:-1])} and {printed[-1]}"
+    return (
+        f"Put release agent for silicone on {where} with a brush, wipe it thin and let it dry; "
+        f"{'; '.join(kept)}.{after}"
     )
 
 
@@ -308,10 +332,10 @@ def preparation_steps(job: Job) -> list[str]:
     return [
         f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in strips.dxf). Wipe "
         "both faces with isopropanol on a lint-free wipe; from now on touch them by their ends. Fold "
-        f"low-tack masking tape over {masked}: what is contacted later must stay free of primer and "
-        f"silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min at 20 to 25 °C "
-        "and 40 % humidity or more; where its data sheet says otherwise, that counts. Use the strips within "
-        f"{PRIMER_H} h."
+        f"low-tack tape with acrylic adhesive over {masked}: what is contacted later must stay free of "
+        f"primer and silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min "
+        "at 20 to 25 °C and 40 % humidity or more; where its data sheet says otherwise, that counts. Use "
+        f"the strips within {PRIMER_H} h."
     ]
 
 
@@ -341,11 +365,11 @@ def drawing_step(job: Job) -> str:
     way = f"{'along y' if straight else 'along its arc'}, towards end {end}"
     if lap(job) is None:
         return f"Draw each shim out {way}."
-    other = "b" if end == "a" else "a"
+    other, grams = "b" if end == "a" else "a", small_batch(job.silicone)
     stop = f"skin's end {other} (its cut-off mark is at end {end} then)" if straight else f"end plate {other}"
     return (
-        f"Mix {MIX_GRAMS:g} g of the same silicone and draw in {_batches(job)}. Coat both faces of a "
-        "strip, all "
+        f"Mix {grams:g} g of the same silicone ({weights(job.silicone, grams)}; stir it for 3 min) and draw "
+        f"in {_batches(job)}. Coat both faces of a strip, all "
         f"but the mask, grip its shim with pliers at end {end}, and draw it out {way}, in "
         f"{drawing_time(job):.2g} s or more: the strip follows it in, wired end last; it is too thin to "
         f"be pushed. Stop when its mask meets the {stop}. If the strip stretches or stays behind, its lap "
@@ -356,7 +380,7 @@ def drawing_step(job: Job) -> str:
 
 def _batches(job: Job) -> str:
     minutes, most, strips = job.silicone.pot_life_min, strips_per_mix(job), strip_count(job)
-    seconds = HANDLING_SECONDS + drawing_time(job)
+    seconds = strip_seconds(job)
     pace = f"at {seconds:.2g} s each"
     if minutes is None or most is None:
         return f"as many strips as half the pot life on its data sheet takes {pace}, then mix again"
@@ -430,10 +454,9 @@ def bonding_kit(job: Job) -> list[str]:
         f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",
         f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad; for each skin a "
         f"pin header of 2 x {2 * skin.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
-        f"primer that bonds silicone to plastics and metal (silane or titanate type), {max(1.0, coat):.2g} "
-        "ml, and a fine brush",
+        f"{PRIMER}, {max(1.0, coat):.2g} ml, and a fine brush",
         f"isopropanol, {math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml, and {wiped} lint-free wipes",
-        f"low-tack masking tape, {(strips + spare) * masked / 1000:.2g} m",
+        f"low-tack tape with acrylic adhesive, {(strips + spare) * masked / 1000:.2g} m",
     ]
     if cast_in:
         rows += [
@@ -444,8 +467,8 @@ def bonding_kit(job: Job) -> list[str]:
     else:
         mixes = math.ceil(strips / most) if most else 1
         rows += [
-            f"thin cyanoacrylate, 1 g, polythene film, flat pliers; {MIX_GRAMS * mixes:g} g more of the "
-            "silicone"
+            f"thin cyanoacrylate, 1 g, polythene film, flat pliers; {small_batch(job.silicone) * mixes:g} g "
+            "more of the silicone"
         ]
     hung = f"{1000 * pull.force / GRAVITY:.3g} g"
     return [

@@ -8,7 +8,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import markdown_text
 from skincad.base.result import Result, item, record, reported
-from skincad.fabrication.sheet import DEAD_VOLUME, mixing
+from skincad.fabrication.pouring import DEAD_VOLUME, mixing
 from skincad.inputs.catalog import Own, load_design
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -264,8 +264,8 @@ def _cast(kit: CouponKit) -> list[str]:
     sealed = ""
     if kit.process.inhibits_platinum and material.platinum_cure:
         sealed = (
-            f" Parts by {kit.name} may keep this silicone from curing: wash, post-cure and bake the molds "
-            "first, and seal them. Castings that stay sticky say nothing."
+            f" Parts by {kit.name} may keep this silicone from curing: wash, cure and bake the molds first, "
+            "and cast a trial drop on a plate of the same resin. Castings that stay sticky say nothing."
         )
     return _section(
         "Cast bars and pad",

@@ -75,9 +75,9 @@ def views(part: Part) -> list[PartView]:
     x, y, z = front.towards
     below, from_left = View(right, (-x, -y, -z)), View(front.towards, up)
     if part.role in LIDS:
-        words = "from above", "from end b", "from the left"
+        words = "top view", "from end b", "from the left"
     else:
-        words = f"from outside end {part.end or 'a'}", "from above", "from its left"
+        words = "front view", "top view", "left view"
     return [
         PartView(name, caption, view, _turned(part, view))
         for name, caption, view in zip((FRONT, ABOVE, LEFT), words, (front, below, from_left), strict=True)

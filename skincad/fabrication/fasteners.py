@@ -38,7 +38,7 @@ _FOR = {
     CutRole.GATE: "gate",
     CutRole.VENT: "vent",
     CutRole.RIVET: "silicone rivet",
-    CutRole.PULL: "M3 screw to pull by",
+    CutRole.PULL: "M3 jack screw",
     CutRole.MOUNT: "mount",
     CutRole.FIDUCIAL: "fiducial for a camera",
     CutRole.RESERVOIR: "riser cup",
@@ -92,8 +92,8 @@ def purpose(job: Job, part: Part, role: CutRole) -> str:
     if role is CutRole.MOUNT_PIN and job.design.mount and job.design.mount.pin:
         return f"pin {job.design.mount.pin:g} of mount"
     if role in PINNED:
-        fit = "pressed" if is_pressed(part, role) else "sliding"
-        return f"pin {2 * PIN_RADIUS:g} {_FOR[role]}, {fit}"
+        fit = "press fit" if is_pressed(part, role) else "sliding fit"
+        return f"dowel Ø{2 * PIN_RADIUS:g} {_FOR[role]}, {fit}"
     return _FOR[role]
 
 

@@ -79,6 +79,13 @@ class Job:
         """Diameter of the gate, mm; None where silicone is poured into the open trough."""
         return gate(self.design)
 
+    @property
+    def inserts(self) -> str:
+        """What stands in the slots while silicone is poured: shims, strips, or "" without slots."""
+        if self.skin.slot is None:
+            return ""
+        return "shims" if self.design.mold.method == "shim" else "strips"
+
     @cached_property
     def clamped(self) -> bool:
         """Whether clamps hold the cover, not bolts."""

@@ -346,7 +346,7 @@ def _elsewhere(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Find
         remedy = f"room for a tool of {2 * reach:g} mm" + (f" in {notch:.3g} mm" if comb else "")
         yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy)
     elif depth > limit + ERROR:
-        what = "the shims' edges" if comb else "the edges of what lies in it"
+        what = "the shims' edges" if comb else "the carrier's edges"
         remedy = f"break {what} by {depth - play:.2g} mm"
         yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy, grave=False)
 

@@ -273,6 +273,7 @@ def _build(
     from skincad.fabrication.findings import design_findings
     from skincad.fabrication.measures import interference
     from skincad.fabrication.meshes import asked_chord, mesh, print_chord
+    from skincad.fabrication.pouring import pouring_findings
     from skincad.fabrication.strips import strip_findings
 
     designed, closed, choice = job.skin_part, job.closed, job.design.mold
@@ -303,7 +304,7 @@ def _build(
         gap = min(choice.clearance, choice.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(job), *interference(closed, fine)]
-        findings += [*filling_findings(job), *strip_findings(job)]
+        findings += [*filling_findings(job), *pouring_findings(job), *strip_findings(job)]
     with watch.stage("estimates"):
         effort = estimates(job, build.laid)
     alone = by_part(effort)

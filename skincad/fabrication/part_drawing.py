@@ -37,7 +37,7 @@ from skincad.fabrication.drawn_features import (
 from skincad.fabrication.fasteners import PINNED
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
-from skincad.fabrication.rules import Case, grooves, slit_play, walls_close
+from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
 from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process
@@ -87,7 +87,7 @@ def material_words(job: Job, part: Part) -> str:
     """Return of what a part can be: assumption, by what its process cuts."""
     process = job.process(part)
     if process.layer:
-        return "rigid resin or filament" + (", sealed against silicone" if process.inhibits_platinum else "")
+        return "rigid resin or filament" + (", sealed against silicone" if coating(job, process) else "")
     return "brass or tool steel" if process.tool == "wire" else "aluminium or brass"
 
 
@@ -105,8 +105,11 @@ def notes(job: Job, part: Part) -> list[str]:
     else:
         rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
     process = job.process(part)
-    if process.inhibits_platinum:
-        rows.append("The process may keep platinum silicone from curing: wash, cure fully and seal the part.")
+    if process.inhibits_platinum and job.silicone.platinum_cure:
+        sealed = f" and seal it with {coat:g} mm" if (coat := coating(job, process)) else ""
+        rows.append(
+            f"The resin may keep platinum silicone from curing: wash, cure and bake the part{sealed}."
+        )
     return [*rows, *_cutter(Case(job, part, job.maker(part)))]
 
 
@@ -122,7 +125,7 @@ def _cutter(case: Case) -> list[str]:
     kerf = math.floor(100 * (width - 2 * process.spark_gap) + 1e-6) / 100
     if kerf <= 0:
         return []
-    sparks = f"; {process.spark_gap:g} a side sparks off" if process.spark_gap else ""
+    sparks = f"; spark gap {process.spark_gap:g} a side" if process.spark_gap else ""
     return [f"{CUTTERS[process.tool]}: Ø{kerf:g} at most, for {where}{sparks}."]
 
 
@@ -186,8 +189,8 @@ def _crests(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
         which = judged.drops.index(least) + 1
         word = "any depth does" if math.isinf(least) else f"ridge {which} allows least, {least:.4f}"
         rows.append(
-            "Grooves: each alone may be too shallow by what the table allows until the check's margin is "
-            f"used up and a ridge stays off the plate; {word}. The process's sigma is {sigma}."
+            "Grooves: the tolerance in the table is for one groove alone; a shallower one uses up the "
+            f"check's margin, and a ridge stays off the plate; {word}. The process's sigma is {sigma}."
         )
     else:
         rows.append(
@@ -375,6 +378,8 @@ def _groove_table(
         x, z = groove.bottom
         row = str(groove.ridge), number(x_of(x)), number(-z), _degrees(groove.lean)
         allowed = drops[groove.ridge - 1] if drops else None
-        rows.append(row if allowed is None else (*row, "any" if math.isinf(allowed) else f"{allowed:.4f}"))
-    heads = ("ridge", "x", "below seat", "leaning", "too shallow by")[: 5 if drops else 4]
+        rows.append(
+            row if allowed is None else (*row, "free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
+        )
+    heads = ("ridge", "x", "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
     return DrawingTable(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))

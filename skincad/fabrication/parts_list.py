@@ -13,7 +13,7 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.part_drawing import material_words, process_words
 from skincad.fabrication.patterns import shim_length
-from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
+from skincad.fabrication.pouring import batch
 from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import pin_depth
 from skincad.solids.inserts import PIN_RADIUS
@@ -101,9 +101,8 @@ def _bought_items(job: Job) -> Iterator[Item]:
         strips = job.design.mold.cavities * 2 * skin.count
         yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
     material = job.silicone
-    grams = poured_volume(job) * material.density * 1e-6 + DEAD_VOLUME
     yield Item(
-        quantity=f"{grams:.4g} g",
+        quantity=f"{batch(job):.4g} g",
         what="silicone",
         designation=material.name,
         made_by="bought",

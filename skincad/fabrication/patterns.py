@@ -101,7 +101,7 @@ def cut_words(job: Job, part: Part) -> str:
     process = job.process(part)
     kerf = "kerf not compensated"
     if process.tool == "wire":
-        wire, off = f"wire Ø{2 * process.tool_radius:g}", f"{process.spark_gap:g} a side sparks off"
+        wire, off = f"wire Ø{2 * process.tool_radius:g}", f"spark gap {process.spark_gap:g} a side"
         kerf += f": {wire}, {off}, path {process.reach:g} beside it"
     return f"Layer CUT: profile and through holes (of a cone the narrow end) at nominal size, {kerf}."
 

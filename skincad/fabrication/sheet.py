@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from skincad.base.reading import markdown_text
 from skincad.base.version import __version__
 from skincad.fabrication.casting_steps import (
-    DEGAS,
+    PRIMER,
+    PRIMER_MIN,
     arcs_to_buy,
     bent_screws,
     bonding_kit,
     close_steps,
     comb_step,
-    filling_time_words,
     opening_steps,
     preparation_steps,
-    release_agent_places,
+    printed_parts,
+    release_agent_words,
     to_buy,
     under_heads,
 )
@@ -33,37 +33,33 @@ from skincad.fabrication.fasteners import (
     screws_to_buy,
     thread,
 )
-from skincad.fabrication.filling import perforated, void
+from skincad.fabrication.filling import perforated
 from skincad.fabrication.inspection import Inspection, inspection_lines
 from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import process_words
+from skincad.fabrication.pouring import (
+    DEAD_VOLUME,
+    batch,
+    brushing_steps,
+    cure_words,
+    filling_words,
+    mixing,
+    mixing_step,
+    poured_volume,
+    syringe_to_buy,
+)
 from skincad.fabrication.rules import Finding, coating, counted
 from skincad.fabrication.strips import lap
 from skincad.inputs.catalog import display_name
-from skincad.inputs.silicone import Silicone
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import SQUEEZED_SHARE, fits
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import END_PLATES, CutRole, Part, PartRole, Prism, bores
 
-# mm, source: outer diameters of needle tubing by gauge (Birmingham wire gauge)
-TIPS = {10: 3.40, 12: 2.77, 14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72, 25: 0.51}
 RIVETED = "- The carrier is held by rivets of silicone: give it a light pull test before use."
-TIP_PLAY = 0.1  # mm, assumption: least play of a tip in the gate
-LUER = (4.03, 4.48)  # mm, source: ISO 80369-7, male slip, largest at its end, and 7.5 mm of 6 % behind
-DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
-
-
-def poured_volume(job: Job) -> float:
-    """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
-    their bleeds, and the flash in the gap round the carrier; for all skins of a gang, whose cover and seal
-    are thicker than those of one."""
-    spaces = void(job).spaces
-    below = math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
-    lids = job.closed.of(PartRole.COVER, PartRole.SEAL)
-    over = [bore.volume for part in lids for bore in bores(part, CutRole.RESERVOIR, CutRole.BLEED)]
-    return job.design.mold.cavities * below + math.fsum(over)
+# assumption, as resin makers' guides have it: two baths, drying, ultraviolet light, baking; data sheets count
+BATHS, BATH_MIN, DRYING_MIN, LIGHT_MIN, BAKING_H, BAKING_C = 2, 5, 30, 30, 4, 60
 
 
 def casting_sheet(
@@ -76,7 +72,6 @@ def casting_sheet(
 ) -> str:
     """Return the sheet as Markdown. `verdict` is the contact check's, `passed` that of the whole job,
     `inspected` what to measure on the skin, `estimates` what each process takes."""
-    material = job.silicone
     summary = f"Mold: {counted(findings)}."
     if not passed:
         summary = f"**Don't make it yet.** {summary}"
@@ -88,7 +83,7 @@ def casting_sheet(
         f"Revision {job.design.revision} of the design, by skincad {__version__}.",
         "",
         *_parts(job, estimates),
-        *_mix(material, poured_volume(job)),
+        *_mix(job),
         *_order(job),
         "## Watch",
         "",
@@ -109,10 +104,14 @@ def _parts(job: Job, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
         *_seal(job.closed),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, the end plates and the cavity's top for a sliding fit",
-        f"release agent, {_tip(job)}tape for the bleeds, nitrile gloves (latex inhibits platinum silicone)",
+        f"{_release_agent(job)}{syringe_to_buy(job)}tape with acrylic adhesive for the bleeds, nitrile "
+        "gloves (rubber adhesive, as on crepe tape, and latex keep platinum silicone from curing)",
     ]
     bought += (arcs_to_buy if job.bent else to_buy)(job)
-    bought += [*screws_to_buy(job), *bonding_kit(job)]
+    kit = bonding_kit(job)
+    if not perforated(job.closed) and not kit:  # else films' primer does for the carrier too
+        kit = [f"{PRIMER}, 1 ml, and a fine brush"]
+    bought += [*screws_to_buy(job), *kit]
     return [
         "## Parts",
         "",
@@ -175,43 +174,14 @@ def _shrinkage(job: Job) -> str:
     )
 
 
-def _tip(job: Job) -> str:
-    """What goes into the gate: the luer slip itself where it seats, or the widest blunt tip that fits."""
-    wide = job.gate
-    if wide is None:
-        return ""
-    if LUER[0] <= wide <= LUER[1]:
-        return "a syringe whose luer slip seats in the gate, a plug for the gate, "
-    fits = [f"a blunt tip of {n} gauge ({d:g} mm)" for n, d in TIPS.items() if d + TIP_PLAY <= wide]
-    what = fits[0] if fits and wide < LUER[0] else f"a tube of {wide - TIP_PLAY:g} mm"
-    return f"a syringe with {what} for the gate, a plug for the gate, "
-
-
-def mixing(material: Silicone, total: float) -> tuple[str, str]:
-    """Return as words what to weigh for `total` g of a silicone, and its pot life and cure."""
-    parts = f"mix {total:.4g} g by its data sheet"
-    if material.mix:
-        a, b = (total * share / sum(material.mix) for share in material.mix)
-        parts = f"weigh {a:.4g} g of A and {b:.4g} g of B, {total:.4g} g"
-    pot = f"{material.pot_life_min:g} min" if material.pot_life_min else "by its data sheet"
-    return parts, f"Pot life {pot}; cure {cure_words(material)}."
-
-
-def cure_words(material: Silicone) -> str:
-    """Return as words how long a silicone cures, and how warm."""
-    cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
-    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
-    return f"{cure} at {warm}"
-
-
-def _mix(material: Silicone, volume: float) -> list[str]:
-    grams = volume * material.density * 1e-6
-    parts, times = mixing(material, grams + DEAD_VOLUME)
+def _mix(job: Job) -> list[str]:
+    material, volume = job.silicone, poured_volume(job)
+    parts, times = mixing(material, batch(job))
     return [
         "## Silicone",
         "",
         f"{markdown_text(material.name)}, {material.density:g} kg/m³; the mold takes "
-        f"{volume / 1000:.4g} cm³, {grams:.4g} g.",
+        f"{volume / 1000:.4g} cm³, {volume * material.density * 1e-6:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         times,
         "",
@@ -219,15 +189,13 @@ def _mix(material: Silicone, volume: float) -> list[str]:
 
 
 def _order(job: Job) -> list[str]:
-    back = (
-        "its holes widen upward and hold the skin like rivets"
-        if perforated(job.closed)
-        else "prime its lower face for silicone, or the skin comes off"
-    )
+    riveted = perforated(job.closed)
+    back = "its holes widen upward and hold the skin like rivets" if riveted else "its primed face down"
     close = [
         preparation(job),
         *cleanliness_steps(job),
-        ("End a has the gate. " if job.gate else "") + f"Put release agent on {release_agent_places(job)}",
+        *([] if riveted else [_priming()]),
+        ("End a has the gate. " if job.gate else "") + release_agent_words(job),
         *([] if lap(job) else preparation_steps(job)),
         *_closing_steps(job, back),
         f"Lay the mold level to cure, {cure_words(job.silicone)}. Top up the reservoir over the vent "
@@ -235,7 +203,8 @@ def _order(job: Job) -> list[str]:
         "the mix still flows: it makes up for shrinkage and for bubbles that rise.",
     ]
     leave = [step.words for step in opening_steps(job)]
-    steps = [f"{i}. {text}" for i, text in enumerate([*close, *leave], 1)]
+    trial = _trial(job)
+    steps = [f"{i}. {text}" for i, text in enumerate([*trial, *close, *leave], 1 - len(trial))]
     return ["## In this order", "", *steps, ""]
 
 
@@ -255,11 +224,13 @@ def _fasteners(job: Job) -> str:
 
 
 def _by_syringe(job: Job, back: str) -> list[str]:
+    mixed = [mixing_step(job), *brushing_steps(job)]
+    closed = f"Lay the carrier on its ledge ({back}), then the foam, cover and {_fasteners(job)}."
     return [
-        f"Lay the carrier on its ledge ({back}), then the foam, cover and {_fasteners(job)}.",
-        f"{DEGAS} Raise end b by {job.design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
-        "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir."
-        + filling_time_words(job),
+        *([*mixed, closed] if len(mixed) > 1 else [closed, *mixed]),
+        f"Raise end b by {job.design.mold.pour_tilt:g} degrees, fill slowly through the gate at "
+        "end a, and tape each bleed as silicone shows in it, until silicone stands in the reservoir. "
+        + filling_words(job),
         "Plug the gate or leave the syringe in it: it is the lowest point.",
     ]
 
@@ -267,9 +238,11 @@ def _by_syringe(job: Job, back: str) -> list[str]:
 def _open(job: Job, back: str) -> list[str]:
     inserts = "shims" if job.design.mold.method == "shim" else "strips"
     return [
-        f"{DEGAS} Lay the mold level and pour in a thin stream along one side, until the silicone "
-        f"stands a little above the ledge; pierce any bubbles left on ridges and {inserts}."
-        + filling_time_words(job),
+        mixing_step(job),
+        *brushing_steps(job),
+        "Lay the mold level and pour in a thin stream along one side, until the silicone "
+        f"stands a little above the ledge; pierce any bubbles left on ridges and {inserts}. "
+        + filling_words(job),
         f"Raise end b by {job.design.mold.pour_tilt:g} degrees. Set the carrier down at end a first and "
         f"lower it slowly onto its ledge, so that it drives the air towards end b ({back}).",
         f"Lay on the foam, cover and {_fasteners(job)}; silicone rises in the bleeds and in the "
@@ -298,8 +271,40 @@ def _sealing(job: Job, parts: list[Part]) -> Iterator[str]:
     coats = {coating(job, job.process(part)) for part in parts} - {0.0}
     if names:
         which = "all parts" if len(names) == len(parts) else _listed(names)
-        seal = "".join(f", then seal with a coat of {coat:g} mm" for coat in sorted(coats))
-        yield f"Wash, post-cure and bake {which} by the resin's data sheet{seal}."
+        yield (
+            f"Wash {which} in {BATHS} baths of isopropanol, {BATH_MIN} min each. Dry them for {DRYING_MIN} "
+            f"min, cure them under ultraviolet light for {LIGHT_MIN} min and bake them for {BAKING_H} h at "
+            f"{BAKING_C} °C; where the resin's data sheet says otherwise, that counts."
+        )
+        for coat in sorted(coats):
+            yield f"Seal them with a coat of {coat:g} mm and let it cure."
+
+
+def _trial(job: Job) -> list[str]:
+    """A step before all others where a resin may keep the silicone from curing: a drop that shows it."""
+    parts = [part for part in job.closed.parts if part.made == "made"]
+    if not list(_sealing(job, parts)):
+        return []
+    coated = " and sealed" if any(coating(job, job.process(part)) for part in parts) else ""
+    return [
+        f"Trial: print a small plate of the same resin, washed, cured, baked{coated} as in step 1. Put a "
+        f"drop of mixed silicone on it. After {cure_words(job.silicone)} it must be dry to the finger, "
+        "underneath too, and peel off. If it is sticky, stop: the mold would spoil the cast. Bake longer; "
+        "or seal the parts and give the process that `coating`, so that notches and crests allow for it."
+    ]
+
+
+def _priming() -> str:
+    """How a plain carrier is made to hold the skin."""
+    return (
+        f"Prime the carrier's lower face: wipe it with isopropanol, brush {PRIMER} on it thinly, and let it "
+        f"dry for {PRIMER_MIN} min. Nothing else holds the skin."
+    )
+
+
+def _release_agent(job: Job) -> str:
+    """What to buy so that silicone leaves printed parts."""
+    return "release agent for silicone, " if printed_parts(job) else ""
 
 
 def _threading(job: Job, parts: list[Part]) -> Iterator[str]:

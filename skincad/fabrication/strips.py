@@ -46,7 +46,6 @@ _SLACK = 500.0  # u above which 1 / cosh u is below any float
 GLUE_THICKNESS = 0.01  # mm, assumption: of thin cyanoacrylate that is pressed out between film and shim
 LEAST_TAIL = 0.015  # mm, assumption: the thinnest that can be handled; shim steel is sold from 0.01 mm
 LEAST_CONTACT = 2.0  # mm, assumption: of a lead that stays out of a notch and clean, to be contacted
-HANDLING_SECONDS = 7.0  # a strip, assumption: to coat it and wipe its ends
 DRAWING_SECONDS = 7.0  # a strip, assumption: to draw it in at best
 POT_SHARE = 0.5  # assumption: of the pot life, after which a silicone wets badly
 THICKENING = 2.0  # assumption: a mix's viscosity when it is drawn in last, by that of a fresh one
@@ -294,7 +293,12 @@ def drawing_time(job: Job) -> float:
 def strips_per_mix(job: Job) -> int | None:
     """Return how many strips are drawn in with one mix of silicone; None where its pot life isn't known."""
     minutes = job.silicone.pot_life_min
-    return None if minutes is None else int(60 * minutes * POT_SHARE / (HANDLING_SECONDS + drawing_time(job)))
+    return None if minutes is None else int(60 * minutes * POT_SHARE / strip_seconds(job))
+
+
+def strip_seconds(job: Job) -> float:
+    """Return how long a strip takes with one mix, s: to coat it, to draw it in and to wipe its ends."""
+    return job.cavity_process.handling_s + drawing_time(job)
 
 
 class Pull(NamedTuple):
@@ -332,7 +336,7 @@ def drawing_findings(job: Job) -> list[Finding]:
     findings = [*_notches(job, joint), *_slot(job, joint)]
     minutes = job.silicone.pot_life_min
     if minutes is not None and strips_per_mix(job) == 0:
-        where, needs = "one strip, drawn in behind its shim", HANDLING_SECONDS + drawing_time(job)
+        where, needs = "one strip, drawn in behind its shim", strip_seconds(job)
         remedy = "a thinner silicone or one with a longer pot life, a shorter skin, or a thicker slot"
         findings.append(error("strip batch", where, needs, 60 * minutes * POT_SHARE, "s", remedy))
     return findings

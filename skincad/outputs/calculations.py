@@ -15,7 +15,7 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.network import PICO, charge, electrode
 from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import DEAD_VOLUME, poured_volume
+from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.models import winkler

@@ -7,7 +7,7 @@ import pytest
 
 import skincad
 from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.casting_steps import bonding_kit, opening_steps, release_agent_places
+from skincad.fabrication.casting_steps import bonding_kit, opening_steps, release_agent_words
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -15,11 +15,11 @@ from tests.bent_skin import three_ridges
 from tests.fabrication.test_sheet import sheet
 
 ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
-    "Put release agent on",
+    "End a has the gate",
     "water-break",
     "Brush primer",
     "cyanoacrylate between",
-    "g of the same silicone and draw in",
+    "g of the same silicone (weigh",
     "Let the strips cure in",
     "Pull test: hang",
 )
@@ -77,15 +77,15 @@ def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn
 
 
 def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
-    """Six skins of seven ridges; 20 min: 42 of them in 10 min."""
+    """Six skins of seven ridges; 20 min: 6 of them in 10 min."""
     settings = ["ridge.count=7", "mold.cavities=6", "material.name=dragon-skin-10"]
     design = skincad.load("yamada-2002", settings)
     text = sheet(design)
-    assert "draw in 42 of the 84 strips with it, at 14 s each, within 10 min" in text
-    assert "2 times in all" in text
-    assert "4 g more of the silicone" in text
+    assert "draw in 6 of the 84 strips with it, at 97 s each, within 10 min" in text
+    assert "14 times in all" in text
+    assert "28 g more of the silicone" in text
     unknown = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
-    assert "as half the pot life on its data sheet takes at 14 s each" in unknown
+    assert "as half the pot life on its data sheet takes at 97 s each" in unknown
 
 
 def test_a_film_is_never_baked(yamada: Design) -> None:
@@ -105,9 +105,9 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "36 crimp contacts for flat cable, 2.54 mm apart",  # two pads a strip
         "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
         "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
-        "masking tape, 0.72 m",  # 20 folded over lead and tab, 18 mm
+        "acrylic adhesive, 0.72 m",  # 20 folded over lead and tab, 18 mm
         "cyanoacrylate, 1 g",
-        "2 g more of the silicone",
+        "4 g more of the silicone",
         "10.7 g together, and 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
@@ -122,7 +122,7 @@ def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     words = [step.words for step in opening_steps(Job(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in line or "strip" in line for line in words)
-    assert "cover and shims" in release_agent_places(Job(bare))
+    assert "shims with a brush" in release_agent_words(Job(bare))
 
 
 @pytest.mark.parametrize("name", FILMED)

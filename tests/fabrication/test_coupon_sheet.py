@@ -31,7 +31,7 @@ def test_the_sheet_is_whole_for_every_process(process: str) -> None:
     assert "\n\n\n" not in sheet
     assert all(f"| {part.name} |" in sheet for part in kit.parts)
     assert all(f"fill in {name}" in sheet for name in coupon_forms(kit))
-    assert ("seal them" in sheet) == (process == "sla")
+    assert ("cast a trial drop" in sheet) == (process == "sla")
     assert ("None: the tool of cnc cuts nothing narrower than 0.5 mm" in sheet) == (process == "cnc")
     assert "None}" not in sheet
 
@@ -42,7 +42,7 @@ def test_amounts_by_hand() -> None:
     density = kit.silicone.density * 1e-6
     total = sum(cut.volume for part in kit.parts for cut in part.cuts) * density + 8
     assert sum(kit.grams.values()) + 8 == pytest.approx(total)
-    assert f"{total / 2:.4g} g of A and {total / 2:.4g} g of B" in coupon_sheet(kit)
+    assert f"{total / 2:.2f} g of A and {total / 2:.2f} g of B" in coupon_sheet(kit)
 
 
 def test_a_workshops_own_process_is_read_back_with_its_file() -> None:

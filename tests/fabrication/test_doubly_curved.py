@@ -18,8 +18,9 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference, measure
 from skincad.fabrication.meshes import laid, manifold, mesh
 from skincad.fabrication.patterns import arc_radius, pattern_notes, strip_patterns
+from skincad.fabrication.pouring import poured_volume
 from skincad.fabrication.rules import Finding
-from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.sheet import casting_sheet
 from skincad.fabrication.strips import shim_bend
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import PAGE, drawing

@@ -132,13 +132,15 @@ def test_a_contact_that_ends_in_its_notch_is_told() -> None:
 
 
 def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
-    """20 min: 600 s at 14 s each."""
-    assert strips_per_mix(Job(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}}))) == 42
+    """20 min: 600 s at 97 s each."""
+    assert strips_per_mix(Job(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}}))) == 6
     assert strips_per_mix(Job(yamada.with_(material={"name": None, "young_modulus": 0.5}))) is None
-    fast = yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 0.4}})
+    fast = yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 3.0}})
     finding = by_rule(fast)["strip batch"]
-    assert (finding.measured, finding.limit, finding.severity) == (14.0, pytest.approx(12.0), "error")
+    assert (finding.measured, finding.limit, finding.severity) == (97.0, pytest.approx(90.0), "error")
     assert "strip batch" not in by_rule(yamada)
+    deft = yamada.with_(printer={"edm": {"handling_s": 7.0}})
+    assert strips_per_mix(Job(deft)) == 96  # 45 min: 1350 s at 14 s each
 
 
 def test_a_long_strip_is_drawn_in_slowly_for_its_drags_sake(yamada: Design) -> None:
@@ -151,7 +153,7 @@ def test_a_long_strip_is_drawn_in_slowly_for_its_drags_sake(yamada: Design) -> N
     assert drawing_time(Job(tight)) == pytest.approx(
         1.1 * drawing_time(Job(long)), rel=1e-12
     )  # a coat of 0.010
-    assert strips_per_mix(Job(long)) == int(0.5 * 45 * 60 / (7 + drawing_time(Job(long))))
+    assert strips_per_mix(Job(long)) == int(0.5 * 45 * 60 / (90 + drawing_time(Job(long))))
 
 
 def test_the_pull_test_is_a_third_of_the_weaker_of_film_and_bond(yamada: Design) -> None:

@@ -24,7 +24,8 @@ from skincad.fabrication.filling import (
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
-from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.pouring import poured_volume
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.mold import ClosedMold, mold

@@ -21,12 +21,12 @@ def words(name: str, settings: list[str]) -> str:
         ("yamada-2002", [], "Press the dowel pins into cavity and cover."),
         ("yamada-2002", [], "each shim drops into its notches"),
         ("lab-bench", [], "Set the M3 inserts (glued) into cavity."),
-        ("lab-bench", [], "bake all parts by the resin's data sheet."),
+        ("lab-bench", [], "Wash all parts in 2 baths of isopropanol, 5 min each."),
         ("nozzle-04", [], "Set the M3 inserts (heat-set) into cavity."),
         ("cast-in", [], "a spare strip drops into each notch"),
         ("steep-fingertip", [], "Press the dowel pins into"),
         ("yamada-2002", ["skin.curvature_radius_y=200"], "Press the dowel pins into cavity"),
-        ("yamada-2002", ["mold.lid_process=sla"], "bake carrier and cover by the resin's data sheet."),
+        ("yamada-2002", ["mold.lid_process=sla"], "Wash carrier and cover in 2 baths of isopropanol"),
     ],
 )
 def test_what_is_done_to_the_parts(name: str, settings: list[str], told: str) -> None:

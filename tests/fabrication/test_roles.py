@@ -12,7 +12,8 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.measures import interference
-from skincad.fabrication.sheet import casting_sheet, poured_volume
+from skincad.fabrication.pouring import poured_volume
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.overview import drawing
 from skincad.outputs.view import explosion_offset

@@ -4,7 +4,8 @@ import pytest
 
 from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
-from skincad.fabrication.sheet import DEAD_VOLUME, casting_sheet, poured_volume
+from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
@@ -107,10 +108,10 @@ def test_two_inserts_a_ridge_and_cavity_are_to_be_bought(name: str, cavities: in
 @pytest.mark.parametrize(
     ("name", "settings", "coated"),
     [
-        ("yamada-2002", [], False),
-        ("yamada-2002", ["skin.curvature_radius_y=200"], False),
-        ("yamada-2002", ["film=none", "contact.film=loose"], True),
-        ("cast-in", [], False),
+        ("lab-bench", [], False),
+        ("lab-bench", ["skin.curvature_radius_y=100"], False),
+        ("lab-bench", ["film=none", "contact.film=loose"], True),
+        ("cast-in", ["mold.lid_process=sla"], False),
         ("plain-ridges", [], False),
     ],
 )
@@ -119,8 +120,39 @@ def test_no_release_agent_comes_to_where_a_film_must_hold(
 ) -> None:
     """What a shim has on it, it leaves on the slot's walls."""
     lines = sheet(load(name, settings)).splitlines()
-    (agent,) = (line for line in lines if "release agent on cavity" in line)
-    assert ("cover and shims;" in agent) == coated
-    assert ("end plates and cover" in agent) != coated
-    assert ("none on the shims" in agent) == (name == "yamada-2002" and not coated)
+    (agent,) = (line for line in lines if "Put release agent" in line)
+    assert ("cover and shims with a brush" in agent) == coated
+    assert ("none on the shims" in agent) == (name == "lab-bench" and not coated)
     assert ("none on the strips" in agent) == (name == "cast-in")
+    assert ("none in the notches" in agent) == (name != "plain-ridges")
+    assert "none on the carrier" in agent
+
+
+def test_metal_needs_no_release_agent_and_resin_is_washed_of_it() -> None:
+    metal, mixed, resin = (
+        sheet(load(*given))
+        for given in (("yamada-2002",), ("cast-in", ["mold.lid_process=sla"]), ("lab-bench",))
+    )
+    assert "Use no release agent" in metal
+    assert "release agent for silicone," not in metal
+    assert "Put release agent for silicone on cover with a brush" in mixed
+    assert [text.count("Wash the crests with soap and water") for text in (metal, mixed, resin)] == [0, 0, 1]
+
+
+@pytest.mark.parametrize("coating", [0.0, 0.02])
+def test_a_resin_is_tried_by_a_drop_before_all_else(coating: float) -> None:
+    """One story: nothing is sealed that the design has no coat for."""
+    text = sheet(load("lab-bench", [f"printer.sla.coating={coating}"]))
+    steps = re.findall(r"^(\d+)\. (.*)$", text.partition("## In this order")[2], re.MULTILINE)
+    assert [number for number, _ in steps] == [str(i) for i in range(len(steps))]
+    assert steps[0][1].startswith("Trial: print a small plate")
+    assert ("baked and sealed as in step 1" in steps[0][1]) == (coating > 0)
+    assert ("Seal them with a coat of 0.02 mm" in steps[1][1]) == (coating > 0)
+    assert "Trial" not in sheet(load("yamada-2002"))
+
+
+def test_a_plain_carrier_is_primed_before_the_mix_and_its_primer_is_bought() -> None:
+    text = sheet(load("plain-ridges", ["mold.carrier=plain"]))
+    assert text.index("Prime the carrier's lower face") < text.index("Mix. Start a clock")
+    assert "- primer that bonds silicone" in text
+    assert "Prime the carrier" not in sheet(load("plain-ridges"))

@@ -17,9 +17,13 @@ from skincad.solids.mold import mold
         (
             "yamada-2002",
             "cavity",
-            "Wire: Ø0.08 at most, for inner corners of radius 0.05; 0.01 a side sparks",
+            "Wire: Ø0.08 at most, for inner corners of radius 0.05; spark gap 0.01 a side",
         ),
-        ("yamada-2002", "end-a-comb", "Wire: Ø0.04 at most, for a 0.06 wide notch of a shim; 0.01 a side"),
+        (
+            "yamada-2002",
+            "end-a-comb",
+            "Wire: Ø0.04 at most, for a 0.06 wide notch of a shim; spark gap 0.01 a side",
+        ),
         ("milled-pad", "cavity", "Ball-end mill: Ø0.5 at most, for inner corners of radius 0.25."),
     ],
 )

@@ -9,7 +9,7 @@ from skincad.fabrication.filling import pockets
 from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
-from skincad.fabrication.sheet import poured_volume
+from skincad.fabrication.pouring import poured_volume
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid

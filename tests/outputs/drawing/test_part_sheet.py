@@ -315,7 +315,7 @@ def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     drops = (0.0123, *(0.05,) * 7, math.inf)
     drawing = part_drawing(Job(design), part, shape, CrestAllowance(drops))
     grooves = drawing.tables[-1]
-    assert [row[-1] for row in grooves.rows] == ["0.0123", *["0.0500"] * 7, "any"]
+    assert [row[-1] for row in grooves.rows] == ["0/-0.0123", *["0/-0.0500"] * 7, "free"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
     assert not any("yield" in note.lower() for note in drawing.notes)  # a shop can do nothing about it
     unchecked = part_drawing(Job(design), part, shape, None)
