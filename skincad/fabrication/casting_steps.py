@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from skincad.fabrication.electrodes import PITCH, fan_out_steps, past_tabs, strip_capacitance, tab
+from skincad.fabrication.electrodes import fan_out_steps, past_tabs, strip_capacitance, tab
 from skincad.fabrication.fasteners import Screws
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import GLUED_LENGTH, arc_length, arc_radius, shim_length
@@ -46,7 +46,6 @@ PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry,
 PRIMER = "primer that bonds silicone to plastics and metal (silane or titanate type)"
 PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
-SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 
@@ -436,42 +435,3 @@ def _wired(job: Job) -> str:
         "half of it: a lead is torn. No capacitance at all, or less than 100 MΩ: the faces touch at a cut "
         "edge; trim it. Write the values down by strip number: the charge of a strip goes with them."
     )
-
-
-def bonding_kit(job: Job) -> list[str]:
-    """Return what is to be bought so that films go in and hold, with amounts; nothing without film."""
-    skin = job.skin
-    film, slot, rod, pull = job.design.film, skin.slot, strip(job), pull_test(job)
-    if film is None or slot is None or rod is None or pull is None:
-        return []
-    strips, cast_in, most = strip_count(job), lap(job) is None, strips_per_mix(job)
-    wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
-    coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * job.design.skin.length / 100
-    masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
-    sheets = f"{job.design.mold.cavities} times, " if job.design.mold.cavities > 1 else ""
-    rows = [
-        f"{strips} strips of PVDF film, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, "
-        f"patterned and cut by strips.dxf or strips.svg, its + side up, {sheets}and {spare} to spare",
-        f"{2 * strips} crimp contacts for flat cable, {PITCH:g} mm apart: one for each pad; for each skin a "
-        f"pin header of 2 x {2 * skin.count}, {PITCH:g} mm, on a board by strip-board.kicad_mod",
-        f"{PRIMER}, {max(1.0, coat):.2g} ml, and a fine brush",
-        f"isopropanol, {math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml, and {wiped} lint-free wipes",
-        f"low-tack tape with acrylic adhesive, {(strips + spare) * masked / 1000:.2g} m",
-    ]
-    if cast_in:
-        rows += [
-            f"{2 * strips} weights of {rod.hung:.3g} g and {2 * strips * THREAD_LENGTH:.3g} m of thread "
-            "to hang "
-            "them by; 2 rods of 3 mm for it to run over, on one board with the mold"
-        ]
-    else:
-        mixes = math.ceil(strips / most) if most else 1
-        rows += [
-            f"thin cyanoacrylate, 1 g, polythene film, flat pliers; {small_batch(job.silicone) * mixes:g} g "
-            "more of the silicone"
-        ]
-    hung = f"{1000 * pull.force / GRAVITY:.3g} g"
-    return [
-        *rows,
-        f"for the pull test a film clip and weight, {hung} together, and {THREAD_LENGTH:g} m of thread",
-    ]

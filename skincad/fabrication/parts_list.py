@@ -14,6 +14,7 @@ from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.part_drawing import material_words, process_words
 from skincad.fabrication.patterns import shim_length
 from skincad.fabrication.pouring import batch
+from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import pin_depth
 from skincad.solids.inserts import PIN_RADIUS
@@ -46,8 +47,8 @@ class Item(NamedTuple):
 
 
 def parts_list(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
-    """Return what is made, a row for each part with its estimates, then what is bought; consumables are the
-    casting sheet's."""
+    """Return what is made, a row for each part with its estimates, then what is bought, the bench's
+    consumables last."""
     return [*_made_items(job, by_part(estimates)), *_bought_items(job)]
 
 
@@ -96,10 +97,6 @@ def _bought_items(job: Job) -> Iterator[Item]:
     if shims and slot is not None:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         yield _item(shims, "shim", size, "spring steel", "slots")
-    if job.design.film is not None:
-        size = f"{job.design.film.thickness:g} thick, cut by strips.dxf"
-        strips = job.design.mold.cavities * 2 * skin.count
-        yield _item(strips, "film strip", size, "PVDF, electrodes on both faces", "slots")
     material = job.silicone
     yield Item(
         quantity=f"{batch(job):.4g} g",
@@ -110,6 +107,8 @@ def _bought_items(job: Job) -> Iterator[Item]:
         volume="",
         place="skin, cup and syringe",
     )
+    for need in consumables(job):
+        yield _item(need.quantity, need.what, need.size, "", need.use)
 
 
 def _screws(screws: Screws, place: str) -> Iterator[Item]:

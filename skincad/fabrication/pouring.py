@@ -153,13 +153,6 @@ def outlet_words(gate: float) -> str:
     return f"with a tube of {gate - TIP_PLAY:g} mm for the gate"
 
 
-def syringe_to_buy(job: Job) -> str:
-    """Return the words for what the gate is filled by; "" without one."""
-    if job.gate is None:
-        return ""
-    return f"a syringe of {filling(job).syringe} ml {outlet_words(job.gate)}, a plug for the gate, "
-
-
 def weights(material: Silicone, total: float) -> str:
     """Return as words what to weigh for `total` g of a silicone, on a scale of SCALE."""
     if not material.mix:

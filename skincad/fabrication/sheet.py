@@ -11,12 +11,10 @@ from skincad.fabrication.casting_steps import (
     PRIMER_MIN,
     arcs_to_buy,
     bent_screws,
-    bonding_kit,
     close_steps,
     comb_step,
     opening_steps,
     preparation_steps,
-    printed_parts,
     release_agent_words,
     to_buy,
     under_heads,
@@ -46,9 +44,9 @@ from skincad.fabrication.pouring import (
     mixing,
     mixing_step,
     poured_volume,
-    syringe_to_buy,
 )
 from skincad.fabrication.rules import Finding, coating, counted
+from skincad.fabrication.shopping import consumables
 from skincad.fabrication.strips import lap
 from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
@@ -104,14 +102,9 @@ def _parts(job: Job, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
         *_seal(job.closed),
         f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
         "fit, the end plates and the cavity's top for a sliding fit",
-        f"{_release_agent(job)}{syringe_to_buy(job)}tape with acrylic adhesive for the bleeds, nitrile "
-        "gloves (rubber adhesive, as on crepe tape, and latex keep platinum silicone from curing)",
     ]
     bought += (arcs_to_buy if job.bent else to_buy)(job)
-    kit = bonding_kit(job)
-    if not perforated(job.closed) and not kit:  # else films' primer does for the carrier too
-        kit = [f"{PRIMER}, 1 ml, and a fine brush"]
-    bought += [*screws_to_buy(job), *kit]
+    bought += [*screws_to_buy(job), *(need.words for need in consumables(job))]
     return [
         "## Parts",
         "",
@@ -300,11 +293,6 @@ def _priming() -> str:
         f"Prime the carrier's lower face: wipe it with isopropanol, brush {PRIMER} on it thinly, and let it "
         f"dry for {PRIMER_MIN} min. Nothing else holds the skin."
     )
-
-
-def _release_agent(job: Job) -> str:
-    """What to buy so that silicone leaves printed parts."""
-    return "release agent for silicone, " if printed_parts(job) else ""
 
 
 def _threading(job: Job, parts: list[Part]) -> Iterator[str]:

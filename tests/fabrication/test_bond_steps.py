@@ -7,8 +7,10 @@ import pytest
 
 import skincad
 from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.casting_steps import bonding_kit, opening_steps, release_agent_words
+from skincad.fabrication.casting_steps import opening_steps, release_agent_words
 from skincad.fabrication.job import Job
+from skincad.fabrication.parts_list import parts_list
+from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from tests.bent_skin import three_ridges
@@ -83,7 +85,7 @@ def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
     text = sheet(design)
     assert "draw in 6 of the 84 strips with it, at 97 s each, within 10 min" in text
     assert "14 times in all" in text
-    assert "28 g more of the silicone" in text
+    assert "silicone, 28 g more: draws the strips in, 14 x 2 g" in text
     unknown = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
     assert "as half the pot life on its data sheet takes at 97 s each" in unknown
 
@@ -97,28 +99,40 @@ def test_a_film_is_never_baked(yamada: Design) -> None:
 
 def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     """18 strips and two to spare; primer for 2 x 20 x 0.25 x 12 mm2 is 0.024 ml, less than the least told."""
-    rows = " | ".join(bonding_kit(Job(yamada)))
+    rows = " | ".join(need.words for need in consumables(Job(yamada)))
     for words in (
-        "18 strips of PVDF film, 28 µm",
-        "sputtered metal on both faces",
-        "and 2 to spare",
-        "36 crimp contacts for flat cable, 2.54 mm apart",  # two pads a strip
+        "18 film strips, PVDF, 28 µm, sputtered metal on both faces, and 2 to spare",
+        "36 crimp contacts, for flat cable, 2.54 mm apart",  # two pads a strip
         "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
-        "isopropanol, 37 ml, and 54 lint-free wipes",  # 10 and 0.5 a wipe; one a strip, two a shim
+        "isopropanol, 37 ml",  # 10 and 0.5 a wipe
+        "54 lint-free wipes",  # one a strip, two a shim
         "acrylic adhesive, 0.72 m",  # 20 folded over lead and tab, 18 mm
-        "cyanoacrylate, 1 g",
-        "4 g more of the silicone",
-        "10.7 g together, and 0.3 m of thread",  # 0.105 N
+        "cyanoacrylate, thin, 1 g",
+        "silicone, 4 g more",
+        "film clip and weight, 10.7 g together: pull test, on 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
-    cast = " | ".join(bonding_kit(Job(skincad.load("cast-in"))))
-    assert "36 weights of 5.1 g and 10.8 m of thread" in cast
+    cast = " | ".join(need.words for need in consumables(Job(skincad.load("cast-in"))))
+    assert "36 weights, 5.1 g" in cast
+    assert "thread, 10.8 m" in cast
     assert "cyanoacrylate" not in cast
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_sheet_and_parts_list_say_the_same_of_all_that_is_bought(name: str) -> None:
+    job = Job(skincad.load(name))
+    bought = {(item.quantity, item.what, item.designation) for item in parts_list(job)}
+    text = sheet(job.design)
+    for need in consumables(job):
+        assert (str(need.quantity), need.what, need.size) in bought
+        assert f"- {need.words}" in text.splitlines()
 
 
 def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     bare = yamada.with_(film=None, contact={"film": "loose"})
-    assert bonding_kit(Job(bare)) == []
+    words = " ".join(need.words for need in consumables(Job(bare)))
+    assert "film" not in words
+    assert "primer" not in words
     words = [step.words for step in opening_steps(Job(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in line or "strip" in line for line in words)

@@ -71,7 +71,7 @@ def test_every_templates_mold_is_full_within_its_pot_life(name: str) -> None:
     assert pouring_findings(job) == []
     text = casting_sheet(job, [], "", True)
     assert f"Take {pouring.time_words(how.seconds)} to fill it" in text
-    assert (f"a syringe of {how.syringe} ml" in text) == (job.gate is not None)
+    assert (f"- syringe, {how.syringe} ml" in text) == (job.gate is not None)
 
 
 def test_a_mix_that_thickens_before_the_mold_is_full_is_warned_of(yamada: Design) -> None:
