@@ -94,7 +94,7 @@ def _films(job: Job) -> Iterator[Need]:
     else:
         most = strips_per_mix(job)
         mixes, each = math.ceil(strips / most) if most else 1, small_batch(job.silicone)
-        yield Need(1, "silicone", f"{mixes * each:g} g more", f"draws the strips in, {mixes} x {each:g} g")
+        yield Need(1, "more silicone", f"{mixes * each:g} g", f"draws the strips in, {mixes} x {each:g} g")
         yield Need(1, "cyanoacrylate", "thin, 1 g", "glues strips to shims")
         yield Need(1, "polythene film", "10 cm or so", "keeps glue off")
         yield Need(1, "flat pliers", "smooth jaws", "draw the shims")

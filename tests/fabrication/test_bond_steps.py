@@ -85,7 +85,7 @@ def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
     text = sheet(design)
     assert "draw in 6 of the 84 strips with it, at 97 s each, within 10 min" in text
     assert "14 times in all" in text
-    assert "silicone, 28 g more: draws the strips in, 14 x 2 g" in text
+    assert "more silicone, 28 g: draws the strips in, 14 x 2 g" in text
     unknown = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
     assert "as half the pot life on its data sheet takes at 97 s each" in unknown
 
@@ -108,7 +108,7 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "54 lint-free wipes",  # one a strip, two a shim
         "acrylic adhesive, 0.72 m",  # 20 folded over lead and tab, 18 mm
         "cyanoacrylate, thin, 1 g",
-        "silicone, 4 g more",
+        "more silicone, 4 g",
         "film clip and weight, 10.7 g together: pull test, on 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
