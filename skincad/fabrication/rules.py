@@ -222,8 +222,8 @@ def _cure(case: Case) -> Iterator[Finding]:
     material = case.job.silicone
     if case.process.inhibits_platinum and material.platinum_cure:
         place = f"{case.name} parts may keep {material.name}, a platinum-cured silicone, from curing"
-        sealed = " and seal" if coating(case.job, case.process) else ""
-        remedy = f"wash, cure, bake{sealed} them as the casting sheet says, and cast its trial drop first"
+        how = "wash, cure, bake and seal" if coating(case.job, case.process) else "wash, cure and bake"
+        remedy = f"{how} them as the casting sheet says, and cast its trial drop first"
         yield note("cure inhibition", place, 1.0, 0.0, "", remedy)
 
 

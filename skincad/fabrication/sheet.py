@@ -278,9 +278,10 @@ def _trial(job: Job) -> list[str]:
     parts = [part for part in job.closed.parts if part.made == "made"]
     if not list(_sealing(job, parts)):
         return []
-    coated = " and sealed" if any(coating(job, job.process(part)) for part in parts) else ""
+    coated = any(coating(job, job.process(part)) for part in parts)
+    made = "washed, cured, baked and sealed" if coated else "washed, cured and baked"
     return [
-        f"Trial: print a small plate of the same resin, washed, cured, baked{coated} as in step 1. Put a "
+        f"Trial: print a small plate of the same resin, {made} as in step 1. Put a "
         f"drop of mixed silicone on it. After {cure_words(job.silicone)} it must be dry to the finger, "
         "underneath too, and peel off. If it is sticky, stop: the mold would spoil the cast. Bake longer; "
         "or seal the parts and give the process that `coating`, so that notches and crests allow for it."
