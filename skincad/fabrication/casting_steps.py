@@ -50,6 +50,12 @@ THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 
 
+LOOK = (
+    "Look at it under a lamp: no bubble in a crest, no tacky face, no flash on a crest. Any of these is a "
+    "fault of the cast; a tacky face means that something kept the silicone from curing."
+)
+
+
 class OpeningStep(NamedTuple):
     """A step of opening: the sheet's words, and the moves that it makes; none where nothing leaves yet."""
 
@@ -70,7 +76,7 @@ def opening_steps(job: Job) -> list[OpeningStep]:
     drawn_in = [*_without_moves(gluing_steps(job)), OpeningStep(drawing_step(job), shims)] if shims else []
     drawn_in += _without_moves(curing_steps(job))
     out, proof = (
-        OpeningStep(_skin_removal_words(job), tuple(by["skin"])),
+        OpeningStep(f"{_skin_removal_words(job)} {LOOK}", tuple(by["skin"])),
         _without_moves(pull_test_steps(job)),
     )
     led = _without_moves(fan_out_steps(job))
@@ -423,6 +429,9 @@ def pull_test_steps(job: Job) -> list[str]:
         f"sheared by {pull.shear:.2g} MPa) on each lead for 10 s, over a rod, so that it pulls along y. A "
         f"strip that creeps out does not hold: {bad}.{last}",
         _wired(job),
+        "Measure between the pads of neighbouring strips: 100 MΩ or more. Then clip each strip to an "
+        "oscilloscope, its + side to the tip, and tap its ridge lightly from above: every strip kicks, all "
+        "to the same side. One that kicks to the other side lies turned over; one that doesn't is dead.",
     ]
 
 

@@ -37,6 +37,7 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import process_words
 from skincad.fabrication.pouring import (
     DEAD_VOLUME,
+    USUAL_C,
     batch,
     brushing_steps,
     cure_words,
@@ -83,6 +84,7 @@ def casting_sheet(
         *_parts(job, estimates),
         *_mix(job),
         *_order(job),
+        *_record(job),
         "## Watch",
         "",
         *(f"- {markdown_text(str(finding))}" for finding in findings),
@@ -191,14 +193,37 @@ def _order(job: Job) -> list[str]:
         ("End a has the gate. " if job.gate else "") + release_agent_words(job),
         *([] if lap(job) else preparation_steps(job)),
         *_closing_steps(job, back),
-        f"Lay the mold level to cure, {cure_words(job.silicone)}. Top up the reservoir over the vent "
-        "while "
-        "the mix still flows: it makes up for shrinkage and for bubbles that rise.",
+        f"Lay the mold level to cure, {cure_words(job.silicone)}. Top up the reservoir over the vent while "
+        "the mix still flows: it makes up for shrinkage and for bubbles that rise. Pour what is left in the "
+        "cup beside it as a puck, 5 mm thick. Don't open the mold before the puck is dry and springs back "
+        "under a finger.",
     ]
     leave = [step.words for step in opening_steps(job)]
     trial = _trial(job)
     steps = [f"{i}. {text}" for i, text in enumerate([*trial, *close, *leave], 1 - len(trial))]
     return ["## In this order", "", *steps, ""]
+
+
+def _record(job: Job) -> list[str]:
+    """A table that goes with the part: what nobody can tell afterwards."""
+    material, total = job.silicone, batch(job)
+    weighed = [("mixed", total)]
+    if material.mix:
+        weighed = [
+            (f"{name}, g", total * part / sum(material.mix))
+            for name, part in zip("AB", material.mix, strict=True)
+        ]
+    rows = [
+        ("batch of the silicone, A and B", ""),
+        ("date and name", ""),
+        ("room, °C", f"{USUAL_C:g}"),
+        *((name, f"{grams:.2f}") for name, grams in weighed),
+        ("A met B at", ""),
+        ("mold full at", ""),
+        ("puck dry at", ""),
+    ]
+    lines = [f"| {what} | {nominal} | |" for what, nominal in rows]
+    return ["## Record", "", "| what | nominal | as it was |", "|---|---|---|", *lines, ""]
 
 
 def _closing_steps(job: Job, back: str) -> list[str]:

@@ -156,3 +156,20 @@ def test_a_plain_carrier_is_primed_before_the_mix_and_its_primer_is_bought() -> 
     assert text.index("Prime the carrier's lower face") < text.index("Mix. Start a clock")
     assert "- primer that bonds silicone" in text
     assert "Prime the carrier" not in sheet(load("plain-ridges"))
+
+
+def test_a_record_goes_with_the_part_and_a_puck_tells_when_to_open() -> None:
+    text = sheet(load("lab-bench"))
+    a, b = re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B, [\d.]+ g, into one cup", text)[0]
+    assert f"| A, g | {a} | |" in text
+    assert f"| B, g | {b} | |" in text
+    assert (
+        text.index("as a puck, 5 mm thick") < text.index("Look at it under a lamp") < text.index("## Record")
+    )
+    unknown = sheet(load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
+    assert "| mixed | 8." in unknown
+
+
+def test_strips_are_tried_for_insulation_and_polarity_where_there_are_some() -> None:
+    assert "all to the same side" in sheet(load("yamada-2002"))
+    assert "oscilloscope" not in sheet(load("plain-ridges"))
