@@ -22,7 +22,6 @@ from skincad.fabrication.strips import (
     drawing_time,
     lap,
     placement_error,
-    pour,
     pull_test,
     release_strain,
     shim_bend,
@@ -48,8 +47,6 @@ PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the 
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
 THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
-
-
 LOOK = (
     "Look at it under a lamp: no bubble in a crest, no tacky face, no flash on a crest. Any of these is a "
     "fault of the cast; a tacky face means that something kept the silicone from curing."
@@ -194,7 +191,7 @@ def close_steps(job: Job, back: str) -> list[str]:
         *([*mixed, *closed] if brushed else [*closed, *mixed]),
         f"Raise end b by {tilt:g} degrees (both ends lean by {rise:.3g}{both}). Fill slowly "
         "through the gate at end a, and tape each bleed as silicone shows in it, until silicone stands in "
-        f"the reservoir. {filling_words(job)}{drift_words(job)}",
+        f"the reservoir. {filling_words(job)}",
         "Plug the gate or leave the syringe in it.",
     ]
 
@@ -242,17 +239,6 @@ def comb_step(job: Job) -> str:
         "sags by "
         f"{abs(deflection(rod, load)):.2g} mm at most. Then the keepers, pressed down onto the combs while "
         "you tighten. The weights hang until the silicone has cured."
-    )
-
-
-def drift_words(job: Job) -> str:
-    """Return how far the silicone moves strips that are cast in, filled in `mold.fill_time`."""
-    flow = pour(job)
-    if flow is None or job.design.mold.method == "shim":
-        return ""
-    return (
-        f" In {job.design.mold.fill_time:g} s, the strips are moved aside by up to {flow.drift:.2g} mm and "
-        f"come back within {5 * flow.settling:.2g} s."
     )
 
 

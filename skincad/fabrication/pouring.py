@@ -216,13 +216,18 @@ def brushing_steps(job: Job) -> list[str]:
 
 
 def filling_words(job: Job) -> str:
-    """Return how long filling takes, and what the thumb feels."""
-    how = filling(job)
+    """Return how long filling takes, what the thumb feels, and how far strips that are cast in give way: as
+    the front's speed, so by less than in `mold.fill_time` where filling takes longer."""
+    how, flow = filling(job), pour(job)
     words = f"Take {time_words(how.seconds)} to fill it; faster, the silicone runs over the grooves"
     if how.force:
         words += f" (the thumb presses {how.force:.2g} N)"
     if how.fills > 1:
         words += f". Fill the syringe {how.fills} times"
+    if flow is not None and job.inserts == "strips":
+        drift = flow.drift * job.design.mold.fill_time / how.seconds
+        words += f". The strips are moved aside by up to {drift:.2g} mm and come back within "
+        words += f"{5 * flow.settling:.2g} s"
     return words + "."
 
 

@@ -25,6 +25,7 @@ from skincad.fabrication.pouring import batch, filling, outlet_words, small_batc
 from skincad.fabrication.strips import GRAVITY, lap, pull_test, strip, strips_per_mix
 
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
+BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
 RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: makers' data sheets, 3 to 4
 
 
@@ -57,6 +58,10 @@ def _filling(job: Job) -> Iterator[Need]:
         yield Need(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
     if printed_parts(job):
         yield Need(1, "release agent", "for silicone, with a brush", "printed parts")
+    if job.silicone.platinum_cure and any(
+        job.process(part).inhibits_platinum for part in job.closed.parts if part.made == "made"
+    ):
+        yield Need(1, "isopropanol for the baths", f"{BATHS_ML} ml", "washes resin parts")
     yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:

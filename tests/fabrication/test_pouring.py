@@ -9,6 +9,7 @@ from skincad.fabrication import pouring
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import filling, front_time, groove_time, pouring_findings, small_batch
 from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.strips import pour
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
@@ -72,6 +73,17 @@ def test_every_templates_mold_is_full_within_its_pot_life(name: str) -> None:
     text = casting_sheet(job, [], "", True)
     assert f"Take {pouring.time_words(how.seconds)} to fill it" in text
     assert (f"- syringe, {how.syringe} ml" in text) == (job.gate is not None)
+
+
+def test_strips_that_are_cast_in_are_told_how_far_they_give_way() -> None:
+    """In the time that filling takes: the drift is the front's speed times a constant."""
+    job = Job(skincad.load("cast-in"))
+    flow = pour(job)
+    assert flow is not None
+    slow = flow.drift * job.design.mold.fill_time / filling(job).seconds
+    assert f"moved aside by up to {slow:.2g} mm" in casting_sheet(job, [], "", True)
+    assert slow < flow.drift
+    assert "moved aside" not in casting_sheet(Job(skincad.load("yamada-2002")), [], "", True)
 
 
 def test_a_mix_that_thickens_before_the_mold_is_full_is_warned_of(yamada: Design) -> None:
