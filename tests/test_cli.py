@@ -39,7 +39,9 @@ def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path)
     assert result["check"].keys() >= CHECK_KEYS
     assert result["passed"]
     assert all((tmp_path / file["path"]).stat().st_size == file["bytes"] for file in result["files"])
-    assert {Path(f["path"]).parent for f in result["files"]} == {Path("out", "plain-ridges")}
+    folder = Path("out", "plain-ridges")
+    below = {folder, folder / "solids", folder / "drawings"}
+    assert {Path(f["path"]).parent for f in result["files"]} == below
     assert all(part["deviation_mm"] <= part["asked_deviation_mm"] for part in result["parts"])
     assert done.stderr == ""
 
@@ -64,9 +66,10 @@ def test_a_failed_verdict_exits_with_1(tmp_path: Path) -> None:
 def test_a_format_is_written_alone(tmp_path: Path) -> None:
     done = run_skincad("make", "plain-ridges", *ONE_RIDGE, "--format", "dxf", "-o", "here", cwd=tmp_path)
     assert done.returncode == 0
-    names = {p.name for p in (tmp_path / "here").iterdir()}
+    drawn = {p.name for p in (tmp_path / "here" / "drawings").iterdir()}
     made = {"carrier.dxf", "cavity.dxf", "cover.dxf", "end-a.dxf", "end-b.dxf"}  # a drawing of each part
-    assert names == {"make.json", "section.dxf", "seal.dxf", *made}
+    assert drawn == {"section.dxf", "seal.dxf", *made}
+    assert {p.name for p in (tmp_path / "here").iterdir()} == {"make.json", "drawings"}
 
 
 @pytest.mark.parametrize(

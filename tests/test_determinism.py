@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from skincad.base.outfolder import files_below
 from tests.conftest import skincad_process
 from tests.processes import python
 
@@ -51,8 +52,8 @@ def test_same_bytes_on_one_thread_and_on_two(job: str, tmp_path: Path) -> None:
         run(job, name, tmp_path, PYTHONHASHSEED=name, OPENBLAS_NUM_THREADS=name, OMP_NUM_THREADS=name)
         for name in ("1", "2")
     )
-    names = sorted(p.name for p in one.iterdir())
-    assert names == sorted(p.name for p in two.iterdir())
+    names = list(files_below(one))
+    assert names == list(files_below(two))
     for name in names:
         assert told(one / name) == told(two / name), name
 
@@ -73,8 +74,8 @@ def test_same_bytes_by_another_numpy(job: str, tmp_path: Path, record_property: 
 
     assert other_version() != np.__version__
     one, two = run(job, "one", tmp_path), run(job, "two", tmp_path, PYTHONPATH=FIRST)
-    names = sorted(p.name for p in one.iterdir())
-    assert names == sorted(p.name for p in two.iterdir())
+    names = list(files_below(one))
+    assert names == list(files_below(two))
     differ = [name for name in names if told(one / name) != told(two / name)]
     record_property("summary", f"numpy {np.__version__} and {other_version()}: differ {differ or 'nothing'}")
     for name in differ:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 import skincad
+from skincad.base.outfolder import files_below
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples").glob("*.ipynb"))
 WALK = "wish-to-skin"  # the one that writes
@@ -41,7 +42,7 @@ def keeps_its_word(names: dict[str, Any], folder: Path) -> None:
     assert verdict.all_touch_force.upper < verdict.force
     assert made.passed
     assert json.loads((folder / "make.json").read_text())["passed"]
-    assert {"skin.step", "mold.3mf", "casting-sheet.md"} <= {path.name for path in folder.iterdir()}
+    assert {"solids/skin.step", "solids/mold.3mf", "casting-sheet.md"} <= {*files_below(folder)}
     assert names["gain"].slopes.below.value == pytest.approx(20, abs=0.1)  # dB/dec: the rate
     # what is noticed behind the amplifier is noticed after it began
     noticed = {ridge: lead for ridge, lead in told["lead_time_s"].items() if lead is not None}

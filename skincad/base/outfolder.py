@@ -45,6 +45,10 @@ COMMANDS = (
 )
 
 
+# a result may have folders of these names, one deep, and no others
+FOLDERS = ("solids", "drawings", "film", "orders")
+
+
 def manifest_name(command: str) -> str:
     """Return the name of a command's manifest."""
     return f"{command}.json"
@@ -56,7 +60,7 @@ def write_manifest(staging: Path, command: str, data: Mapping[str, Any]) -> None
     Raises RefusedError for a number that is not finite, which JSON has not.
     """
     name = manifest_name(command)
-    hashes = {path.name: _hash(path) for path in sorted(staging.iterdir()) if path.name != name}
+    hashes = {told: _hash(path) for told, path in files_below(staging).items() if told != name}
     head = {"skincad": __version__, "command": command}
     text = manifest_text({**head, **data, "files": list(hashes), "sha256": hashes})
     (staging / name).write_text(text, encoding="utf-8")
@@ -71,6 +75,13 @@ def manifest_text(data: Mapping[str, Any]) -> str:
     timeless = strict_json({key: value for key, value in bare.items() if key != "seconds"})
     bare["manifest_sha256"] = hashlib.sha256(timeless.encode()).hexdigest()
     return strict_json(bare, indent=1) + "\n"
+
+
+def files_below(folder: Path) -> dict[str, Path]:
+    """Return the files in a folder and in its `FOLDERS` by their names from there, as "solids/skin.stl"."""
+    below = [folder / name for name in FOLDERS if _is_plain_folder(folder / name)]
+    paths = [path for place in (folder, *below) if place.exists() for path in place.iterdir()]
+    return dict(sorted((p.relative_to(folder).as_posix(), p) for p in paths if not _is_plain_folder(p)))
 
 
 def _hash(path: Path) -> str:
@@ -93,7 +104,13 @@ def listed(folder: Path, command: str) -> dict[str, str] | None:
         ours = data["command"] == command and text == manifest_text(data)
     except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError, RecursionError, RefusedError):
         return None
-    return hashes if ours and all(name == Path(name).name for name in hashes) else None
+    return hashes if ours and all(_lies_below(name) for name in hashes) else None
+
+
+def _lies_below(name: str) -> bool:
+    """Whether a name is that of a file in a folder or in one of its `FOLDERS`."""
+    place, stroke, bare = name.rpartition("/")
+    return bare == Path(bare).name not in {"", ".."} and (place in FOLDERS or not stroke)
 
 
 def unchanged(path: Path, digest: str) -> bool:
@@ -267,7 +284,14 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     for name in names:
         if name not in earlier and os.path.lexists(folder / name):
             raise _in_the_way(folder / name)
+    for below in {(folder / name).parent for name in (*names, *earlier)}:
+        if os.path.lexists(below) and not _is_plain_folder(below):
+            raise _in_the_way(below)
     return earlier
+
+
+def _is_plain_folder(path: Path) -> bool:
+    return path.is_dir() and not path.is_symlink()
 
 
 def _in_the_way(path: Path) -> InputError:
@@ -281,7 +305,7 @@ def _in_the_way(path: Path) -> InputError:
 def _put_in_place(run: Path, command: str) -> None:
     """Let the run's files take the places of the earlier result's; the folder is locked meanwhile."""
     folder, new, old, manifest = run.parent, run / "new", run / "old", manifest_name(command)
-    names = sorted((path.name for path in new.iterdir()), key=lambda name: name == manifest)
+    names = sorted(files_below(new), key=lambda name: name == manifest)
     earlier = _earlier(folder, command, names)
     try:
         old.mkdir()
@@ -301,20 +325,26 @@ def _settle(run: Path) -> None:
     folder, new, old = run.parent, run / "new", run / "old"
     command = RUN.fullmatch(run.name)[1]  # type: ignore[index]
     manifest = manifest_name(command)
+    earlier = sorted(files_below(old), key=lambda name: name == manifest)
+    come = listed(new, command) or {}
     if (new / manifest).exists() and old.exists():  # it comes last
-        for name, digest in (listed(new, command) or {}).items():
+        for name, digest in come.items():
             if not (new / name).exists() and os.path.lexists(folder / name):
                 if not unchanged(folder / name, digest):
                     raise _in_the_way(folder / name)
                 _move(folder / name, new / name)
-        for path in sorted(old.iterdir(), key=lambda path: path.name == manifest):
-            _move(path, folder / path.name)
+        for name in earlier:
+            _move(old / name, folder / name)
+    for below in {(folder / name).parent for name in (*earlier, *come)} - {folder}:
+        with suppress(OSError):  # it holds files
+            below.rmdir()
     _discard(run)
 
 
 def _move(source: Path, target: Path) -> None:
     if os.path.lexists(target):
         raise _in_the_way(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
     source.rename(target)
 
 
@@ -336,10 +366,11 @@ def _discard(run: Path) -> None:
     """
     with suppress(OSError):
         for part in (run / "old", run / "new"):
-            if part.exists():
-                for path in part.iterdir():
-                    path.unlink()
-                part.rmdir()
+            for path in files_below(part).values():
+                path.unlink()
+            for place in (*(part / name for name in FOLDERS), part):
+                if place.exists():
+                    place.rmdir()
         run.rmdir()
 
 

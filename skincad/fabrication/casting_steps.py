@@ -158,7 +158,7 @@ def arcs_to_buy(job: Job) -> list[str]:
         )
     return [
         f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(job.closed))} mm long, cut or "
-        f"etched as arcs from sheet by shims.dxf, deburred{thin}; "
+        f"etched as arcs from sheet by film/shims.dxf, deburred{thin}; "
         f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
         f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
     ]
@@ -321,7 +321,7 @@ def preparation_steps(job: Job) -> list[str]:
         masked = f"the last {masked_length(job):g} mm of the wired end (end {film.wiring_side})"
         masked += ", where it stays for now, its number and + side written on it"
     return [
-        f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in strips.dxf). Wipe "
+        f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in film/strips.dxf). Wipe "
         "both faces with isopropanol on a lint-free wipe; from now on touch them by their ends. Fold "
         f"low-tack tape with acrylic adhesive over {masked}: what is contacted later must stay free of "
         f"primer and silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min "

@@ -237,7 +237,7 @@ def fan_out_steps(job: Job) -> list[str]:
         else f"film.lead is {film.lead:g} mm, so give the outer ones single plugs on wires"
     )
     return [
-        f"Bring the tabs to a board (strip-board.kicad_mod), strip by strip from {first.feature} "
+        f"Bring the tabs to a board (film/strip-board.kicad_mod), strip by strip from {first.feature} "
         f"{first.side} to {last.feature} {last.side}.{crossed} Turn each tab upright, its cut corner to the "
         "ridges, crimp a "
         f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "

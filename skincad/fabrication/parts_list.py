@@ -91,7 +91,9 @@ def _bought_items(job: Job) -> Iterator[Item]:
         yield _item(count, "dowel pin", size, "steel", f"holes that take {most:g} mm")
     for seal in job.closed.of(PartRole.SEAL):
         if isinstance(seal.body, Prism):
-            size = f"sheet of {(seal.body.high - seal.body.low) / SQUEEZED_SHARE:.3g}, cut by seal.dxf"
+            size = (
+                f"sheet of {(seal.body.high - seal.body.low) / SQUEEZED_SHARE:.3g}, cut by drawings/seal.dxf"
+            )
             yield _item(1, "seal", size, "closed-cell EVA foam", "under the cover")
     shims = len(job.closed.of(PartRole.SHIM))
     if shims and slot is not None:

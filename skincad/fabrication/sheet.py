@@ -152,8 +152,8 @@ def _seal(closed: ClosedMold) -> list[str]:
     """The foam under the cover, as it is bought and as it lies."""
     highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
     return [
-        f"closed-cell EVA foam, a sheet of {high / SQUEEZED_SHARE:.3g} mm, cut by seal.dxf to carrier and "
-        "end plates "
+        f"closed-cell EVA foam, a sheet of {high / SQUEEZED_SHARE:.3g} mm, cut by drawings/seal.dxf to "
+        "carrier and end plates "
         f"with the cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so it follows "
         "what these stand higher or lower by their processes' tolerances"
         for high in highs

@@ -78,7 +78,7 @@ def _films(job: Job) -> Iterator[Need]:
     wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
     coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * job.design.skin.length / 100
     masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
-    sheets = f"strips.dxf {cavities} times" if cavities > 1 else "strips.dxf"
+    sheets = f"film/strips.dxf {cavities} times" if cavities > 1 else "film/strips.dxf"
     yield Need(
         strips,
         "film strip",
@@ -87,7 +87,7 @@ def _films(job: Job) -> Iterator[Need]:
     )
     yield Need(2 * strips, "crimp contact", f"for flat cable, {PITCH:g} mm apart", "one for each pad")
     yield Need(cavities, "pin header", f"2 x {2 * job.skin.count}, {PITCH:g} mm", "on the board")
-    yield Need(cavities, "board", "by strip-board.kicad_mod, FR-4, 1.6 mm", "brings the tabs together")
+    yield Need(cavities, "board", "by film/strip-board.kicad_mod, FR-4, 1.6 mm", "brings the tabs together")
     yield Need(1, PRIMER, f"{max(1.0, coat):.2g} ml, with a fine brush", "the strips' faces")
     yield Need(1, "isopropanol", f"{math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml", "")
     yield Need(wiped, "lint-free wipe", "10 cm or so", "")

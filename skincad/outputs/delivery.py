@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.outfolder import checked_folder, fresh, manifest_name, replaced
+from skincad.base.outfolder import checked_folder, files_below, fresh, manifest_name, replaced
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import strict_json
 from skincad.base.result import Result, Writer
@@ -63,8 +63,9 @@ def write(
     with replaced(target, presenter.COMMAND, presenter.manifest(result)) as staging:
         for name, writer in chosen.items():
             with watch.stage("picture" if _ending(name) in PICTURES else "files"):
+                (staging / name).parent.mkdir(parents=True, exist_ok=True)
                 writer(staging / name)
-        sizes = tuple((path.name, path.stat().st_size) for path in sorted(staging.iterdir()))
+        sizes = tuple((name, path.stat().st_size) for name, path in files_below(staging).items())
     return Delivery(target, manifest_name(presenter.COMMAND), sizes, watch.seconds())
 
 

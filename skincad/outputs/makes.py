@@ -100,24 +100,28 @@ def writers(
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     printed = [part.name for part in closed.parts if part.made == "made"]
     strips: dict[str, BuildWriter] = {
-        "strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
-        "strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
-        "strip-board.kicad_mod": lambda build, path: flat.write_strip_board(build.job, path),
+        "film/strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
+        "film/strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
+        "film/strip-board.kicad_mod": lambda build, path: flat.write_strip_board(build.job, path),
     }
-    shims: dict[str, BuildWriter] = {"shims.dxf": lambda build, path: flat.write_shims_dxf(build.job, path)}
-    seal: dict[str, BuildWriter] = {"seal.dxf": lambda build, path: flat.write_seal_dxf(build.closed, path)}
+    shims: dict[str, BuildWriter] = {
+        "film/shims.dxf": lambda build, path: flat.write_shims_dxf(build.job, path)
+    }
+    seal: dict[str, BuildWriter] = {
+        "drawings/seal.dxf": lambda build, path: flat.write_seal_dxf(build.closed, path)
+    }
     return {
         **(_solid_writers(printed) if solids else {}),
-        **{f"{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
-        "mold.3mf": lambda build, path: write_3mf(
+        **{f"solids/{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
+        "solids/mold.3mf": lambda build, path: write_3mf(
             {name: (mesh, build.closed.part(name).colour) for name, mesh in build.laid.items()}, path
         ),
-        "skin.3mf": lambda build, path: write_3mf(
+        "solids/skin.3mf": lambda build, path: write_3mf(
             {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
         ),
-        "section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
-        "section.svg": lambda build, path: flat.write_section_svg(build.design, path),
-        "drawing.svg": _text(drawing_svg),
+        "drawings/section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
+        "drawings/section.svg": lambda build, path: flat.write_section_svg(build.design, path),
+        "drawings/drawing.svg": _text(drawing_svg),
         **(strips if design.film else {}),
         **(shims if closed.of(PartRole.SHIM) else {}),
         **(seal if closed.of(PartRole.SEAL) else {}),
@@ -149,9 +153,9 @@ def _solid_writers(printed: list[str]) -> dict[str, BuildWriter]:
         drawings[kind](_once(build, f"sheet {name}", lambda: sheet_of(build, name)), path)
 
     return {
-        **{f"{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
-        "assembly.step": _write_assembly,
-        **{f"{name}.{kind}": partial(drawn, name, kind) for name in printed for kind in drawings},
+        **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
+        "solids/assembly.step": _write_assembly,
+        **{f"drawings/{name}.{kind}": partial(drawn, name, kind) for name in printed for kind in drawings},
     }
 
 

@@ -291,11 +291,12 @@ def test_a_link_in_the_out_folder_is_not_written_through(tmp_path: Path) -> None
     (tmp_path / "victim").write_text("mine")
     out = tmp_path / "out"
     write(out, "circuit", gain="1")
-    (out / "section.dxf").symlink_to(tmp_path / "victim")
+    (out / "drawings").mkdir()
+    (out / "drawings" / "section.dxf").symlink_to(tmp_path / "victim")
     message = refused_command("make", "plain-ridges", "--format", "dxf", "-o", "out", cwd=tmp_path)
     assert "section.dxf was not written by skincad, or was changed since; move it away" in message
     assert (tmp_path / "victim").read_text() == "mine"
-    assert (out / "section.dxf").readlink() == tmp_path / "victim"
+    assert (out / "drawings" / "section.dxf").readlink() == tmp_path / "victim"
 
 
 def test_an_out_folder_that_links_to_a_home_is_refused(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from skincad.base import outfolder
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.outfolder import COMMANDS, checked_folder, replaced
+from skincad.base.outfolder import COMMANDS, checked_folder, files_below, replaced
 
 
 def write(folder: Path, command: str = "make", **texts: str) -> None:
@@ -276,3 +276,100 @@ def test_a_lock_on_the_parent_folder_keeps_nobody_waiting(
     finally:
         os.close(descriptor)
     assert contents(tmp_path / "x") == {"a.txt": "2"}
+
+
+def write_below(folder: Path, **texts: str) -> None:
+    """Write files whose names have _ for the stroke between folders."""
+    with replaced(folder) as staging:
+        for name, text in texts.items():
+            path = staging / name.replace("_", "/")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+
+
+def tree(folder: Path) -> dict[str, str]:
+    return {name: path.read_text() for name, path in files_below(folder).items() if name != "make.json"}
+
+
+def test_files_of_an_older_layout_give_way(tmp_path: Path) -> None:
+    """As its manifest lists them, whether they lay at the top or below; a folder left empty goes."""
+    write_below(tmp_path / "x", skin="1", cavity="1")
+    write_below(tmp_path / "x", solids_skin="2", film_strips="2", orders_cnc="2")
+    assert tree(tmp_path / "x") == {"solids/skin": "2", "film/strips": "2", "orders/cnc": "2"}
+    assert json.loads((tmp_path / "x" / "make.json").read_text())["files"] == [*tree(tmp_path / "x")]
+    (tmp_path / "x" / "film" / "mine").write_text("mine")
+    write_below(tmp_path / "x", solids_skin="3")
+    assert tree(tmp_path / "x") == {"film/mine": "mine", "solids/skin": "3"}
+    assert not (tmp_path / "x" / "orders").exists()
+
+
+def test_a_changed_file_below_stands_in_the_way(tmp_path: Path) -> None:
+    write_below(tmp_path / "x", solids_skin="1")
+    (tmp_path / "x" / "solids" / "skin").write_text("mine")
+    with pytest.raises(InputError, match="changed since"):
+        write_below(tmp_path / "x", solids_skin="2")
+    assert tree(tmp_path / "x") == {"solids/skin": "mine"}
+
+
+@pytest.mark.parametrize("what", ["link", "file"])
+def test_nothing_is_written_through_what_is_no_folder(tmp_path: Path, what: str) -> None:
+    write_below(tmp_path / "x", design="1")
+    (tmp_path / "other").mkdir()
+    place = tmp_path / "x" / "solids"
+    if what == "link":
+        place.symlink_to(tmp_path / "other")
+    else:
+        place.write_text("mine")
+    with pytest.raises(InputError, match="solids was not written by skincad"):
+        write_below(tmp_path / "x", design="2", solids_skin="2")
+    assert not [*(tmp_path / "other").iterdir()]
+    assert (tmp_path / "x" / "design").read_text() == "1"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../victim",
+        "/victim",
+        "solids//b",
+        "./a",
+        "solids/../../victim",
+        "solids/..",
+        "sub/a",
+        "solids/a/b",
+        "",
+        "..",
+    ],
+)
+def test_a_manifest_that_leads_out_of_its_folder_is_none(tmp_path: Path, name: str) -> None:
+    write(tmp_path / "x", a="1")
+    manifest = tmp_path / "x" / "make.json"
+    data = json.loads(manifest.read_text())
+    data["sha256"][name] = "0"
+    manifest.write_text(outfolder.manifest_text(data))
+    assert outfolder.listed(tmp_path / "x", "make") is None
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("move", range(4))
+def test_an_interruption_leaves_no_empty_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, move: int, after: bool
+) -> None:
+    write_below(tmp_path / "x", film_strips="1")
+    rename, seen = Path.rename, list[Path]()
+
+    def interrupted(self: Path, target: Path) -> Path:
+        seen.append(self)
+        if after:
+            rename(self, target)
+        if len(seen) == move + 1:
+            raise KeyboardInterrupt
+        return target if after else rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_below(tmp_path / "x", solids_skin="2")
+    monkeypatch.undo()
+    whole = after and move == 3
+    assert tree(tmp_path / "x") == ({"solids/skin": "2"} if whole else {"film/strips": "1"})
+    assert [p.name for p in (tmp_path / "x").iterdir() if p.is_dir()] == ["solids" if whole else "film"]

@@ -42,7 +42,7 @@ class Job:
     @property
     def printed(self) -> list[PartReport]:
         """Parts with an STL of their own, the skin among them."""
-        return [part for part in self.result.parts if self.file(f"{part.name}.stl").is_file()]
+        return [part for part in self.result.parts if self.file(f"solids/{part.name}.stl").is_file()]
 
 
 def volume_slack(part: PartReport) -> float:

@@ -69,7 +69,7 @@ def in_grooves(job: Job, radius: float) -> dict[str, tuple[float, float]]:
 
 
 def _in_grooves(job: Job, part: Part, radius: float) -> tuple[float, float]:
-    outline, shape = _outline(part), trimesh.load_mesh(job.file(f"{part.name}.stl"))
+    outline, shape = _outline(part), trimesh.load_mesh(job.file(f"solids/{part.name}.stl"))
     assert not laid_on_end(job.plan, part)
     corners = np.array([s.start for s in outline])
     middle, lowest = (corners[:, 0].max() + corners[:, 0].min()) / 2, corners[:, 1].min()

@@ -29,7 +29,7 @@ def polygons(path: Path, layer: str) -> list[shapely.Polygon]:
 
 def complaints(job: Job) -> list[str]:
     """Return what of section.dxf is not the section, and cutting patterns that overlap or are missing."""
-    shape, path = section(job.design), job.file("section.dxf")
+    shape, path = section(job.design), job.file("drawings/section.dxf")
     outline, slots = polygons(path, "OUTLINE"), polygons(path, "SLOTS")
     if len(outline) != 1 or len(slots) != len(shape.slots):
         return [f"section.dxf: {len(outline)} outlines and {len(slots)} slots"]

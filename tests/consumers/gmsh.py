@@ -70,14 +70,14 @@ def complaints(job: Job) -> list[str]:
     """Return every STEP file without one solid of its volume, and what the assembly lost."""
     wrong = []
     for part in job.result.parts:
-        volumes = read(job.file(f"{part.name}.step")).volumes
+        volumes = read(job.file(f"solids/{part.name}.step")).volumes
         if len(volumes) != 1 or abs(volumes[0] - part.volume) > VOLUME * part.volume:
             wrong.append(f"{part.name}.step: {volumes} mm3, made were {part.volume:.12g}")
     return wrong + _of_assembly(job)
 
 
 def _of_assembly(job: Job) -> list[str]:
-    parts, named = mold(job.design).parts, read(job.file("assembly.step"))
+    parts, named = mold(job.design).parts, read(job.file("solids/assembly.step"))
     if named.names != tuple(part.name for part in parts) or len(named.volumes) != len(parts):
         return [f"assembly.step: {len(named.volumes)} solids named {', '.join(named.names)}"]
     wrong = []

@@ -63,7 +63,7 @@ def complaints(job: Job) -> list[str]:
     wrong = []
     colours = {p.name: tuple(round(255 * c) for c in p.colour) for p in mold(job.design).parts}
     molded = [part for part in job.result.parts if part.name != "skin"]
-    for name, parts in (("skin.3mf", job.result.parts[:1]), ("mold.3mf", molded)):
+    for name, parts in (("solids/skin.3mf", job.result.parts[:1]), ("solids/mold.3mf", molded)):
         objects, warnings = read(job.file(name))
         wrong += [f"{name}: {warning}" for warning in warnings]
         if list(objects) != [part.name for part in parts]:

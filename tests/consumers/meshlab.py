@@ -70,17 +70,17 @@ def deviations(job: Job) -> dict[str, float]:
     parts = {part.name: part for part in mold(job.design).parts}
     rows = {}
     for part in job.printed:
-        true = tessellated(job.file(f"{part.name}.step"), part.asked_deviation / FINER)
+        true = tessellated(job.file(f"solids/{part.name}.step"), part.asked_deviation / FINER)
         if part.name != "skin":
             part_values = parts[part.name]
             true = laid(true, laid_on_end(job.plan, part_values), part_values)
-        rows[part.name] = deviation(job.file(f"{part.name}.stl"), true)
+        rows[part.name] = deviation(job.file(f"solids/{part.name}.stl"), true)
     return rows
 
 
 def complaints(job: Job) -> list[str]:
     """Return flaws of the STL files, and those further from their STEP than was asked."""
-    wrong = [flaw for part in job.printed for flaw in flaws(job.file(f"{part.name}.stl"))]
+    wrong = [flaw for part in job.printed for flaw in flaws(job.file(f"solids/{part.name}.stl"))]
     chord = job.result.parts[0].asked_deviation
     # the triangles' own, and digits of an STL: 6e-8 of 100 mm
     allowed = chord * (1 + 1 / FINER) + 1e-5

@@ -101,14 +101,16 @@ def run(*arguments: str) -> str:
 
 def complaints(job: Job) -> list[str]:
     """Return what is not manifold, not one part or not of its volume, as read or as sliced."""
-    wrong = [text for part in job.printed for text in _of_mesh(part, info(job.file(f"{part.name}.stl")))]
+    wrong = [
+        text for part in job.printed for text in _of_mesh(part, info(job.file(f"solids/{part.name}.stl")))
+    ]
     molded = [part for part in job.printed if part.name != "skin"]
-    objects = info(job.file("mold.3mf"))
+    objects = info(job.file("solids/mold.3mf"))
     if len(objects) != len(molded):
         wrong.append(f"mold.3mf: {len(objects)} objects")
     wrong += [f"mold.3mf, {t}" for p, said in zip(molded, objects, strict=False) for t in _of_mesh(p, [said])]
     for part in job.printed:
-        path = job.file(f"{part.name}.stl")
+        path = job.file(f"solids/{part.name}.stl")
         volume, true = sliced(path), sections(path)
         if abs(volume - true) > SLICED * true:
             wrong.append(f"{part.name}: its layers hold {volume:.6g} mm3, its sections {true:.6g}")

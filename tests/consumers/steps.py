@@ -56,7 +56,7 @@ def sheet_numbers(text: str) -> dict[str, str]:
 
 def from_solids(job: Job) -> dict[str, float]:
     """Return the same numbers from the assembly's solids."""
-    path = job.file("assembly.step")
+    path = job.file("solids/assembly.step")
     volumes = {name: solid.Volume() / 1000 for name, solid in read(path)[0].items()}
     volume = poured(path) / 1000
     return {**volumes, "poured": volume, "grams": volume * silicone(job.design).density * 1e-3}
@@ -64,7 +64,7 @@ def from_solids(job: Job) -> dict[str, float]:
 
 def complaints(job: Job) -> list[str]:
     """Return names and colours that the assembly lost, and the sheet's numbers that its solids don't have."""
-    solids, colours = read(job.file("assembly.step"))
+    solids, colours = read(job.file("solids/assembly.step"))
     if list(solids) != job.names:
         return [f"assembly.step: {', '.join(solids)}"]
     wrong = [

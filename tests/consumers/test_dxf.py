@@ -17,7 +17,7 @@ def test_the_section_re_reads_with_its_area_and_slots(job: Job) -> None:
 
 def test_arcs_that_became_chords_would_be_seen(made: Made, tmp_path: Path) -> None:
     job = Job(skin_of(made), made)
-    (outline,) = dxf.polygons(made.folder / "section.dxf", "OUTLINE")
+    (outline,) = dxf.polygons(made.folder / "drawings/section.dxf", "OUTLINE")
     corners = shapely.Polygon([s.start for s in section(job.design).outline])
     assert abs(outline.area - corners.area) > 1e3 * dxf.CHORD * outline.length
 

@@ -23,7 +23,7 @@ def test_every_step_has_one_solid_of_its_volume_and_the_assembly_names_and_colou
 
 def test_a_solid_of_another_size_is_seen(made: Made, tmp_path: Path) -> None:
     """A metre for a millimetre: what a reader with another unit would see."""
-    text = (made.folder / "cover.step").read_text("latin-1").replace(".MILLI.,.METRE.", "$,.METRE.")
+    text = (made.folder / "solids/cover.step").read_text("latin-1").replace(".MILLI.,.METRE.", "$,.METRE.")
     (tmp_path / "cover.step").write_text(text, "latin-1")
     (volume,) = gmsh.read(tmp_path / "cover.step").volumes
     true = next(part.volume for part in made.parts if part.name == "cover")
@@ -38,7 +38,7 @@ def combs_and_shims(closed: ClosedMold, path: Path) -> gmsh.Read:
 
 
 def test_a_tail_that_is_too_short_is_seen(made: Made) -> None:
-    read = gmsh.read(made.folder / "assembly.step")
+    read = gmsh.read(made.folder / "solids/assembly.step")
     assert sum(name.startswith("shim") for name in read.names) == 18
     assert gmsh.short_tails(read) == []
     low, high = read.along[read.names.index("shim-1-S1")]

@@ -82,13 +82,15 @@ def test_the_levelled_mold_is_made_and_passes_its_checks(levelled: tuple[Design,
 
 def test_the_kernel_reads_the_levelled_heights_back(levelled: tuple[Design, Made]) -> None:
     design, result = levelled
-    assert heights_by_kernel(result.folder / "skin.step", design) == pytest.approx(design.heights, abs=CLOSE)
+    assert heights_by_kernel(result.folder / "solids/skin.step", design) == pytest.approx(
+        design.heights, abs=CLOSE
+    )
 
 
 @pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 def test_gmsh_reads_the_levelled_heights_back(levelled: tuple[Design, Made], tmp_path: Path) -> None:
     design, result = levelled
-    heights = heights_by_gmsh(result.folder / "skin.step", design, tmp_path)
+    heights = heights_by_gmsh(result.folder / "solids/skin.step", design, tmp_path)
     assert heights == pytest.approx(design.heights, abs=CLOSE)
 
 

@@ -18,7 +18,7 @@ def test_every_part_is_one_manifold_of_its_volume_and_slices(job: Job) -> None:
 
 
 def test_a_torn_mesh_is_told_though_it_exits_with_0(made: Made, tmp_path: Path) -> None:
-    torn = trimesh.load_mesh(made.folder / "end-a-comb.stl")
+    torn = trimesh.load_mesh(made.folder / "solids/end-a-comb.stl")
     torn.update_faces([i % 100 != 0 for i in range(len(torn.faces))])
     torn.export(tmp_path / "torn.stl")
     (said,) = prusaslicer.info(tmp_path / "torn.stl")
@@ -27,6 +27,6 @@ def test_a_torn_mesh_is_told_though_it_exits_with_0(made: Made, tmp_path: Path) 
 
 def test_its_default_gap_closing_fills_the_slits(made: Made) -> None:
     """Which is why the layers are counted without it: 18 slits of 0.06 x 0.25 mm through 4 mm of plate."""
-    comb = made.folder / "end-a-comb.stl"
+    comb = made.folder / "solids/end-a-comb.stl"
     filled = prusaslicer.sliced(comb, prusaslicer.DEFAULT_CLOSING) - prusaslicer.sliced(comb)
     assert filled == pytest.approx(18 * 0.06 * 0.25 * 4.0, rel=0.15)  # also corners elsewhere, and mouths

@@ -236,9 +236,13 @@ def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
     assert result.result.passed
     assert all(p.valid and p.watertight and not p.self_intersections for p in result.parts)
     assert all(p.deviation <= p.asked_deviation for p in result.parts)
-    assert {"assembly.step", "mold.3mf", "picture.png", "drawing.svg", "casting-sheet.md"} <= {
-        file for file, _ in result.written.files
-    }
+    assert {
+        "solids/assembly.step",
+        "solids/mold.3mf",
+        "picture.png",
+        "drawings/drawing.svg",
+        "casting-sheet.md",
+    } <= {file for file, _ in result.written.files}
 
 
 def ring(

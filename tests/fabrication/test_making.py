@@ -100,11 +100,11 @@ def test_a_preview_finds_what_the_whole_finds(preview: MakeResult, unchecked: Ma
 
 def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: MakeResult) -> None:
     left_out = unchecked.files().keys() - preview.files().keys()
-    assert {"skin.step", "cavity.step", "assembly.step"} <= left_out
+    assert {f"solids/{name}.step" for name in ("skin", "cavity", "assembly")} <= left_out
     assert preview.files().keys() >= {
-        "skin.stl",
-        "mold.3mf",
-        "section.dxf",
+        "solids/skin.stl",
+        "solids/mold.3mf",
+        "drawings/section.dxf",
         "picture.png",
         "casting-sheet.md",
     }
@@ -131,7 +131,7 @@ def test_the_command_previews_and_makes_step_where_that_is_asked(tmp_path: Path)
     assert result.stdout.startswith("Preview: meshes and findings alone")
     result = run_skincad("make", "plain-ridges", *few, "step", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert (tmp_path / "out" / "plain-ridges" / "skin.step").is_file()
+    assert (tmp_path / "out" / "plain-ridges" / "solids" / "skin.step").is_file()
     result = run_skincad("make", "plain-ridges", "--preview", "--tier", "linear", cwd=tmp_path)
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
 

@@ -44,20 +44,20 @@ def dxf_loops(path: Path) -> dict[str, list[tuple[Segment, ...]]]:
 
 def test_step_parts_re_read_with_their_volume(made: Made) -> None:
     for part in made.parts:
-        shape = cq.importers.importStep(str(made.folder / f"{part.name}.step"))
+        shape = cq.importers.importStep(str(made.folder / f"solids/{part.name}.step"))
         assert len(shape.solids().vals()) == 1
         assert shape.val().Volume() == pytest.approx(part.volume, rel=1e-11)  # STEP's 15 digits
 
 
 def test_step_products_carry_the_parts_names(made: Made) -> None:
     for name in ("skin", "cavity", "end-a-comb"):
-        assert f"PRODUCT('{name}'" in (made.folder / f"{name}.step").read_text()
+        assert f"PRODUCT('{name}'" in (made.folder / f"solids/{name}.step").read_text()
 
 
 def test_assembly_re_reads_with_names_colours_and_mm(made: Made, yamada: Design) -> None:
-    text = (made.folder / "assembly.step").read_text()
+    text = (made.folder / "solids/assembly.step").read_text()
     assert "SI_UNIT(.MILLI.,.METRE.)" in text
-    whole = cq.Assembly.importStep(str(made.folder / "assembly.step"))
+    whole = cq.Assembly.importStep(str(made.folder / "solids/assembly.step"))
     closed = mold(yamada)
     assert whole.name == "yamada-2002"
     assert {child.name for child in whole.children} == {part.name for part in closed.parts}
@@ -68,15 +68,15 @@ def test_assembly_re_reads_with_names_colours_and_mm(made: Made, yamada: Design)
 
 
 def test_skin_step_has_its_ridges_up_and_cavity_down(made: Made) -> None:
-    skin = cq.importers.importStep(str(made.folder / "skin.step")).val().BoundingBox()
+    skin = cq.importers.importStep(str(made.folder / "solids/skin.step")).val().BoundingBox()
     assert (skin.zmin, skin.zmax) == pytest.approx((0.0, 4.5), abs=2e-5)  # crown's summit between corners
-    cavity = cq.importers.importStep(str(made.folder / "cavity.step")).val().BoundingBox()
+    cavity = cq.importers.importStep(str(made.folder / "solids/cavity.step")).val().BoundingBox()
     assert cavity.zmin == pytest.approx(-9.0 - 4.5 / 0.999, abs=2e-5)  # floor, and the skin as poured
 
 
 def test_stl_re_reads_watertight_with_the_parts_volume(made: Made) -> None:
     for part in made.parts:
-        shape = trimesh.load_mesh(made.folder / f"{part.name}.stl")
+        shape = trimesh.load_mesh(made.folder / f"solids/{part.name}.stl")
         assert shape.is_watertight
         # single precision, and chords within the deviation over the whole surface
         assert shape.volume == pytest.approx(part.volume, abs=part.area * part.deviation)
@@ -92,7 +92,7 @@ def read_3mf(path: Path) -> Any:
 
 
 def test_3mf_re_reads_strictly_with_names_and_colours(made: Made) -> None:
-    model = read_3mf(made.folder / "mold.3mf")
+    model = read_3mf(made.folder / "solids/mold.3mf")
     assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
     objects = model.GetMeshObjects()
     names = []
@@ -106,7 +106,7 @@ def test_3mf_re_reads_strictly_with_names_and_colours(made: Made) -> None:
 
 def test_3mf_parts_lie_side_by_side(made: Made) -> None:
     rows = []
-    objects = read_3mf(made.folder / "mold.3mf").GetMeshObjects()
+    objects = read_3mf(made.folder / "solids/mold.3mf").GetMeshObjects()
     while objects.MoveNext():
         along = [corner.Coordinates[1] for corner in objects.GetCurrentMeshObject().GetVertices()]
         rows.append((min(along), max(along)))
@@ -116,15 +116,15 @@ def test_3mf_parts_lie_side_by_side(made: Made) -> None:
 
 
 def test_dxf_keeps_true_arcs_and_the_area(made: Made, yamada: Design) -> None:
-    loops = dxf_loops(made.folder / "section.dxf")
+    loops = dxf_loops(made.folder / "drawings/section.dxf")
     total = sum(map(area, loops["OUTLINE"])) - sum(map(area, loops["SLOTS"]))
     assert total == pytest.approx(section(yamada).area, rel=1e-12)
-    assert ezdxf.readfile(made.folder / "section.dxf").header["$INSUNITS"] == 4  # mm
+    assert ezdxf.readfile(made.folder / "drawings/section.dxf").header["$INSUNITS"] == 4  # mm
 
 
 def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
-    drawing = ezdxf.readfile(made.folder / "strips.dxf")
-    cuts = dxf_loops(made.folder / "strips.dxf")["CUT"]
+    drawing = ezdxf.readfile(made.folder / "film/strips.dxf")
+    cuts = dxf_loops(made.folder / "film/strips.dxf")["CUT"]
     assert len(cuts) == 18
     places = np.array([s.start for s in cuts[0]])
     long = 12.0 + 8.0 + GLUED_LENGTH + 10.0  # and tab
@@ -221,7 +221,7 @@ def test_the_corner_that_tells_the_sides_is_at_the_wiring_end_and_the_ridges(tmp
 
 
 def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
-    root = ET.parse(made.folder / "strips.svg").getroot()
+    root = ET.parse(made.folder / "film/strips.svg").getroot()
     space = "{http://www.w3.org/2000/svg}"
     classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
     assert {name: classes.count(name) for name in set(classes)} == {
@@ -242,7 +242,7 @@ def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
 
 
 def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
-    root = ET.parse(made.folder / "section.svg").getroot()
+    root = ET.parse(made.folder / "drawings/section.svg").getroot()
     paths = root.findall("{http://www.w3.org/2000/svg}path")
     assert len(paths) == 19
     assert root.attrib["width"] == "13mm"

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import typer
 
+from skincad.base.outfolder import files_below
 from skincad.cli.app import app
 from skincad.studies.accuracy import circuit
 from tests.small_scene import small_scene
@@ -114,9 +115,7 @@ def test_all_commands_live_in_one_folder(told: tuple[Path, dict[str, tuple[int, 
     out, _ = told
     manifests = {command: strict((out / f"{command}.json").read_text("utf-8")) for command in WRITING}
     listed = [name for manifest in manifests.values() for name in manifest["files"]]
-    assert sorted([*listed, *(f"{command}.json" for command in WRITING)]) == sorted(
-        path.name for path in out.iterdir()
-    )
+    assert sorted([*listed, *(f"{command}.json" for command in WRITING)]) == list(files_below(out))
     assert {command: manifest["command"] for command, manifest in manifests.items()} == {
         command: command for command in WRITING
     }
@@ -128,8 +127,8 @@ def test_every_file_is_listed_with_what_is_printed(told: tuple[Path, dict[str, t
     for name in ("circuit again", "accuracy", "make"):
         files = strict(said[name][1])["files"]
         manifest = strict((out / f"{RUNS[name][0]}.json").read_text("utf-8"))
-        assert [Path(file["path"]).name for file in files] == manifest["files"]
-        assert all((out / Path(file["path"]).name).stat().st_size == file["bytes"] for file in files)
+        assert [Path(file["path"]).relative_to(out).as_posix() for file in files] == manifest["files"]
+        assert all(Path(file["path"]).stat().st_size == file["bytes"] for file in files)
 
 
 def test_the_schema_is_json(tmp_path: Path) -> None:

@@ -148,10 +148,10 @@ def test_files_of_a_mold_with_flat_crowns_read_back(tmp_path: Path) -> None:
         assert part.watertight
         assert part.self_intersections == 0
         assert part.deviation <= part.asked_deviation
-        again = cq.importers.importStep(str(result.folder / f"{part.name}.step")).val()
+        again = cq.importers.importStep(str(result.folder / f"solids/{part.name}.step")).val()
         assert again.isValid()
         assert volume(closed.part(part.name), again) == pytest.approx(part.volume, rel=1e-9)  # STEP's digits
-        assert trimesh.load_mesh(result.folder / f"{part.name}.stl").is_watertight
+        assert trimesh.load_mesh(result.folder / f"solids/{part.name}.stl").is_watertight
 
 
 def test_a_bore_into_a_far_arc_is_the_frustum_above_it() -> None:

@@ -91,7 +91,7 @@ def test_sixty_random_designs_strips_too(tmp_path: Path) -> None:
 
 
 def test_the_layers_say_what_is_cut_kept_and_marked(made: Made) -> None:
-    drawing = dxf_parser.parse((made.folder / "strips.dxf").read_text(encoding="utf-8"))
+    drawing = dxf_parser.parse((made.folder / "film/strips.dxf").read_text(encoding="utf-8"))
     colours = {name: row["colorIndex"] for name, row in drawing["tables"]["layer"]["layers"].items()}
     assert {name: colours[name] for name in ("CUT", "FRONT", "BACK", "ENGRAVE", "MARK", "DIMENSIONS")} == {
         "CUT": 1,
