@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 
+import skincad
 from skincad.inputs.catalog import template_names
+from skincad.inputs.design import Design
 
 # as yamada-2002, by edm; lab-bench as plain-ridges, by sla
 OTHER_SIZES = {"fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
 KINDS = [
     pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in template_names()
 ]
+
+# combs by the machine that prints the rest, which does not hold their notches
+ONE_PRINTER = {
+    "lab-bench": ["mold.end_plate_process=sla", "mold.slit_clearance=0.028"],
+    "nozzle-04": ["mold.end_plate_process=fdm", "mold.slit_clearance=0.1"],
+}
+
+
+def of_one_printer(name: str, settings: Sequence[str] = ()) -> Design:
+    """A template whose combs come from the machine that prints the rest."""
+    given = {setting.partition("=")[0] for setting in settings}
+    kept = [one for one in ONE_PRINTER.get(name, ()) if one.partition("=")[0] not in given]
+    return skincad.load_design(name, [*kept, *settings])

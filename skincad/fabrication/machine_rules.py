@@ -21,6 +21,7 @@ from skincad.base.arrays import Array
 from skincad.fabrication.crests import snapping_remarks, uncertain_ridges
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import (
+    FINER_COMBS,
     Case,
     Finding,
     Rule,
@@ -278,7 +279,7 @@ def passage(job: Job, width: float, pixel: float) -> float:
 
 def _notch(case: Case) -> Iterator[Finding]:
     """What is left of a comb's notch by whole pixels, and by a coat and growth on both walls, against what
-    lies in it."""
+    lies in it: an error, since no shim goes in."""
     process, job = case.process, case.job
     coat, wall = coating(job, process), walls_close(job, process)
     pixel = process.pixel if process.tool == "screen" else 0.0
@@ -297,7 +298,8 @@ def _notch(case: Case) -> Iterator[Finding]:
     ways = ("in whole pixels", pixel), ("under its coat", coat), ("grown", process.growth)
     what = " and ".join(words for words, size in ways if size)
     where = f"{notch.where} {what}"
-    yield case.breaks("notch", where, left, need, "mm", f"mold.slit_clearance of {least:.3g} mm")
+    place = f"{case.part.role.label}, {where}, by {case.name}"
+    yield error("notch", place, left, need, "mm", f"mold.slit_clearance of {least:.3g} mm, {FINER_COMBS}")
 
 
 MACHINE_RULES: tuple[Rule, ...] = (_build_volume, _notch)

@@ -299,18 +299,38 @@ def _sealing(job: Job, parts: list[Part]) -> Iterator[str]:
 
 
 def _trial(job: Job) -> list[str]:
-    """A step before all others where a resin may keep the silicone from curing: a drop that shows it."""
+    """A step before all others where something may spoil the cast: a ladder of notches for printed combs, and
+    a drop on a resin that may keep the silicone from curing."""
     parts = [part for part in job.closed.parts if part.made == "made"]
+    steps = [" ".join([*_notch_trial(job), *_drop_trial(job, parts)])]
+    return steps if steps[0] else []
+
+
+def _notch_trial(job: Job) -> Iterator[str]:
+    """What shows that a printer's notches take the shims, before it prints combs."""
+    combs = job.closed.of(PartRole.COMB)
+    if not combs or not job.process(combs[0]).layer:
+        return
+    gap, name = job.design.core_thickness + 2 * job.design.mold.slit_clearance, job.maker(combs[0])
+    insert = "shim" if job.design.mold.method == "shim" else "strip"
+    yield (
+        f"Trial of the notches: print the notch ladder of `skincad coupon {name}`. The {insert} must drop "
+        f"into its notch of {gap:.3g} mm by itself. If it does not, enter what you measured as the coupon's sheet "
+        "says, and make the mold again with that printer."
+    )
+
+
+def _drop_trial(job: Job, parts: list[Part]) -> Iterator[str]:
     if not list(_sealing(job, parts)):
-        return []
+        return
     coated = any(coating(job, job.process(part)) for part in parts)
     made = "washed, cured, baked and sealed" if coated else "washed, cured and baked"
-    return [
-        f"Trial: print a small plate of the same resin, {made} as in step 1. Put a "
+    yield (
+        f"Trial of the resin: print a small plate of it, {made} as in step 1. Put a "
         f"drop of mixed silicone on it. After {cure_words(job.silicone)} it must be dry to the finger, "
         "underneath too, and peel off. If it is sticky, stop: the mold would spoil the cast. Bake longer; "
         "or seal the parts and give the process that `coating`, so that notches and crests allow for it."
-    ]
+    )
 
 
 def _priming() -> str:

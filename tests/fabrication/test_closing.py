@@ -17,6 +17,7 @@ from skincad.solids.layout import SHEETS
 from skincad.solids.mold import mold
 from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import bent
+from tests.templates import of_one_printer
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -35,7 +36,7 @@ def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
 
 def test_a_printed_cover_of_four_millimetres_over_a_wide_skin_bows() -> None:
     """Two screws held it, and nobody said that it gaped."""
-    bow, pushed = closing_findings(Job(skincad.load("nozzle-04", ["mold.cover=4.0"])))
+    bow, pushed = closing_findings(Job(of_one_printer("nozzle-04", ["mold.cover=4.0"])))
     assert bow.rule == "cover bow"
     assert bow.measured > 0.2
     assert pushed.rule == "closing stack"  # six times as far by its own seal
@@ -123,7 +124,7 @@ def test_threads_that_meet_in_a_short_skin_ask_for_a_bottoming_tap() -> None:
 
 
 def test_a_process_too_coarse_for_any_seal_is_told() -> None:
-    coarse = skincad.load("nozzle-04", ["printer.fdm.tolerance=1.0"])
+    coarse = of_one_printer("nozzle-04", ["printer.fdm.tolerance=1.0"])
     (finding,) = (f for f in closing_findings(Job(coarse)) if f.rule == "closing stack")
     assert finding.measured > 3.2 > finding.limit == pytest.approx(2.4)
 

@@ -19,6 +19,7 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.solids.mold import mold
+from tests.templates import of_one_printer
 
 
 def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
@@ -44,19 +45,19 @@ def test_every_made_part_has_estimates_with_errors(name: str) -> None:
 
 def test_resin_takes_the_tallest_part_of_each_plate() -> None:
     """lab-bench: the cavity, 23.06 mm high, and what lies beside it; the cover does not fit there."""
-    design = skincad.load("lab-bench")
+    design = of_one_printer("lab-bench")
     (resin,) = estimated(design)
     sla = processes()["sla"]
     assert resin.plates == 2
     assert float(resin.time) == pytest.approx((exposure_time(23.06, sla) + exposure_time(4.0, sla)) / 3600)
     assert float(resin.time) < sum(float(part.time) for part in resin.parts)
-    (one,) = estimated(skincad.load("lab-bench", ["printer.sla.build_y=120.0"]))
+    (one,) = estimated(of_one_printer("lab-bench", ["printer.sla.build_y=120.0"]))
     assert one.plates == 1
     assert float(one.time) == pytest.approx(exposure_time(23.06, sla) / 3600)
 
 
 def test_filament_takes_all_parts_one_after_the_other() -> None:
-    (filament,) = estimated(skincad.load("nozzle-04"))
+    (filament,) = estimated(of_one_printer("nozzle-04"))
     assert filament.plates == 1
     assert float(filament.time) == pytest.approx(sum(float(part.time) for part in filament.parts))
 
@@ -73,18 +74,18 @@ def test_parts_of_two_processes_are_told_apart() -> None:
 
 def test_cost_is_material_machine_and_setup() -> None:
     """Of lab-bench by hand; and where prices are known, its error is that of mass and time."""
-    (resin,) = estimated(skincad.load("lab-bench"))
+    (resin,) = estimated(of_one_printer("lab-bench"))
     sla = processes()["sla"]
     material = float(resin.mass) / 1000 * (1 + sla.waste) * sla.price
     machine, setup = float(resin.time) * sla.rate, resin.plates * sla.setup / 60 * sla.rate
     assert float(resin.cost) == pytest.approx(material + machine + setup)
-    (sure,) = estimated(skincad.load("lab-bench", ["printer.sla.price_error=0.0"]))
+    (sure,) = estimated(of_one_printer("lab-bench", ["printer.sla.price_error=0.0"]))
     assert sure.cost.error == pytest.approx(material * sla.mass_error + machine * sla.time_error)
 
 
 def test_a_workshops_own_prices_count() -> None:
-    (shipped,) = estimated(skincad.load("lab-bench"))
-    (priced,) = estimated(skincad.load("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
+    (shipped,) = estimated(of_one_printer("lab-bench"))
+    (priced,) = estimated(of_one_printer("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
     setup, hours = 2 * 45 / 60, float(shipped.time)
     assert float(priced.cost) == pytest.approx(20.0 * (hours + setup))
     assert priced.mass == shipped.mass
@@ -96,7 +97,7 @@ def test_a_workshops_own_prices_count() -> None:
 )
 def test_bad_keys_are_refused(key: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"^printer.fdm.{key}: "):
-        skincad.load("nozzle-04", [f"printer.fdm.{key}={value}"])
+        of_one_printer("nozzle-04", [f"printer.fdm.{key}={value}"])
 
 
 def test_the_parts_list_has_them_beside_the_volumes() -> None:

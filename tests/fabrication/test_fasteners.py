@@ -11,6 +11,7 @@ from skincad.inputs.catalog import template_names
 from skincad.solids.fasteners import LENGTHS
 from skincad.solids.mold import mold
 from skincad.solids.plan import END_PLATES, PINS, CutRole, PartRole, bores
+from tests.templates import of_one_printer
 
 
 @pytest.mark.parametrize("name", template_names())
@@ -29,7 +30,7 @@ def test_each_hole_has_its_screw_and_each_pin_its_dowel(name: str) -> None:
 
 
 def test_a_screw_through_both_plates_ends_in_a_nut_or_in_the_second() -> None:
-    by_wire, printed = (skincad.load(name) for name in ("yamada-2002", "lab-bench"))
+    by_wire, printed = (of_one_printer(name) for name in ("yamada-2002", "lab-bench"))
     assert end_screws(Job(by_wire)).nuts == 0
     screws = end_screws(Job(printed))
     assert screws.nuts == screws.pieces

@@ -93,6 +93,7 @@ def test_lids_are_judged_by_the_molds_process_unless_they_have_one(yamada: Desig
 
 def test_a_finer_machine_of_ones_own_is_what_would_make_it(yamada: Design) -> None:
     fine = {"fine": {"based_on": "sla", "gap": 0.05, "clearance": 0.01, "pixel": 0.009, "layer": 0.02}}
+    fine["fine"]["tolerance"] = 0.004  # else it would not hold a notch
     coarse = by(yamada, "sla").with_(printer=fine)
     slit = next(f for f in design_findings(Job(coarse)) if f.rule == "gap")
     assert slit.remedy.endswith("or by edm or fine")

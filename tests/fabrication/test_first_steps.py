@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-import skincad
 from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import preparation
+from tests.templates import of_one_printer
 
 
 def words(name: str, settings: list[str]) -> str:
-    design = skincad.load(name, settings)
+    design = of_one_printer(name, settings)
     return preparation(Job(design))
 
 

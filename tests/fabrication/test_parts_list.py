@@ -14,6 +14,7 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole
+from tests.templates import of_one_printer
 
 
 def read(design: Design) -> list[dict[str, str]]:
@@ -47,7 +48,7 @@ def test_standards_are_named() -> None:
     designations = {row["what"]: row["designation"] for row in read(skincad.load("yamada-2002"))}
     assert designations["screw"] == "ISO 4762 M3 x 8"  # the cover's, the last
     assert designations["dowel pin"] == "ISO 8734 2 x 8"
-    printed = {row["what"]: row["designation"] for row in read(skincad.load("lab-bench"))}
+    printed = {row["what"]: row["designation"] for row in read(of_one_printer("lab-bench"))}
     assert (printed["nut"], printed["threaded insert"]) == ("ISO 4032 M3", "M3, glued")
 
 

@@ -18,13 +18,14 @@ from skincad.inputs.design import Design
 from skincad.shape.skin import section
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
+from tests.templates import of_one_printer
 
 
 def findings_of(design: Design, rule: str) -> list[skincad.fabrication.rules.Finding]:
     return [f for f in design_findings(Job(design)) if f.rule == rule]
 
 
-@pytest.mark.parametrize("design", [skincad.load("lab-bench"), three_ridges()], ids=["straight", "bent"])
+@pytest.mark.parametrize("design", [of_one_printer("lab-bench"), three_ridges()], ids=["straight", "bent"])
 def test_extents_are_those_of_the_mesh_on_the_bed(design: Design) -> None:
     for part in mold(design).parts:
         if (
@@ -72,7 +73,7 @@ def thickest(width: float, depth: float, lean: float, pixel: float, shift: tuple
 
 def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
     """And not less by more than a pixel: the bound is that of the worst place on the screen."""
-    design = skincad.load("lab-bench")
+    design = of_one_printer("lab-bench")
     assert design.slot is not None
     width, pixel = 0.156, 0.05
     least = {}
@@ -87,10 +88,10 @@ def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
 
 
 def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_clearance_that_does() -> None:
-    design = skincad.load("lab-bench")
+    design = of_one_printer("lab-bench")
     assert findings_of(design, "notch") == []
     (finding,) = findings_of(design.with_(mold={"slit_clearance": 0.01}), "notch")
-    assert (finding.severity, finding.limit) == ("warning", 0.1)
+    assert (finding.severity, finding.limit) == ("error", 0.1)
     assert finding.measured == pytest.approx(0.12 - 0.05 * (math.cos(0.06668) + math.sin(0.06668)), abs=1e-4)
     least = float(finding.remedy.split(" of ")[1].split(" mm")[0])
     assert findings_of(design.with_(mold={"slit_clearance": least}), "notch") == []
@@ -103,7 +104,7 @@ def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_cleara
 
 
 def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> None:
-    design = skincad.load("lab-bench", ["printer.sla.coating=0.01"])
+    design = of_one_printer("lab-bench", ["printer.sla.coating=0.01"])
     (notch,), (gap,) = findings_of(design, "notch"), findings_of(design, "clearance")
     assert notch.measured == pytest.approx(passage(Job(design), 0.156, 0.05) - 0.02, abs=1e-12)
     least = float(notch.remedy.split(" of ")[1].split(" mm")[0])
@@ -116,7 +117,9 @@ def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> No
 
 def test_growth_narrows_a_notch_on_both_sides() -> None:
     """By hand for a wire, 0.156 - 2 * 0.03 around a shim of 0.1; beside pixels and a coat for a screen."""
-    design = skincad.load("lab-bench", ["mold.process=edm", "printer.edm.growth=0.03"])
+    design = of_one_printer(
+        "lab-bench", ["mold.process=edm", "mold.end_plate_process=edm", "printer.edm.growth=0.03"]
+    )
     (finding,) = findings_of(design, "notch")
     assert (finding.measured, finding.limit) == (pytest.approx(0.096), 0.1)
     assert finding.where == "end plates' combs, notch of a shim grown, by edm"
@@ -126,7 +129,7 @@ def test_growth_narrows_a_notch_on_both_sides() -> None:
         assert findings_of(design.with_(printer={"edm": {"growth": less}}), "notch") == []
     shut = design.with_(printer={"edm": {"growth": 0.2}})
     assert [f.measured for f in findings_of(shut, "notch")] == [0.0]
-    screen = skincad.load("lab-bench", ["printer.sla.coating=0.01", "printer.sla.growth=0.03"])
+    screen = of_one_printer("lab-bench", ["printer.sla.coating=0.01", "printer.sla.growth=0.03"])
     (both,) = findings_of(screen, "notch")
     assert both.measured == pytest.approx(passage(Job(screen), 0.156, 0.05) - 2 * 0.04, abs=1e-12)
     least_clearance = float(both.remedy.split(" of ")[1].split(" mm")[0])

@@ -145,7 +145,7 @@ def test_a_resin_is_tried_by_a_drop_before_all_else(coating: float) -> None:
     text = sheet(load("lab-bench", [f"printer.sla.coating={coating}"]))
     steps = re.findall(r"^(\d+)\. (.*)$", text.partition("## In this order")[2], re.MULTILINE)
     assert [number for number, _ in steps] == [str(i) for i in range(len(steps))]
-    assert steps[0][1].startswith("Trial: print a small plate")
+    assert steps[0][1].startswith("Trial of the resin: print a small plate")
     assert ("baked and sealed as in step 1" in steps[0][1]) == (coating > 0)
     assert ("Seal them with a coat of 0.02 mm" in steps[1][1]) == (coating > 0)
     assert "Trial" not in sheet(load("yamada-2002"))
@@ -173,3 +173,9 @@ def test_a_record_goes_with_the_part_and_a_puck_tells_when_to_open() -> None:
 def test_strips_are_tried_for_insulation_and_polarity_where_there_are_some() -> None:
     assert "all to the same side" in sheet(load("yamada-2002"))
     assert "oscilloscope" not in sheet(load("plain-ridges"))
+
+
+def test_printed_combs_are_tried_by_a_ladder_of_notches() -> None:
+    tried = "print the notch ladder of `skincad coupon sla`. The shim must drop into its notch of 0.62 mm"
+    assert tried in sheet(load("nozzle-04"))
+    assert "notch ladder" not in sheet(load("lab-bench"))  # its combs are cut by wire

@@ -9,6 +9,7 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import notes, surface_words, what_matters
 from skincad.inputs.process import processes
 from skincad.solids.mold import mold
+from tests.templates import of_one_printer
 
 
 @pytest.mark.parametrize(
@@ -34,7 +35,7 @@ def test_the_thickest_cutter_is_named(name: str, part: str, says: str) -> None:
 
 
 def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:
-    printed, narrow = skincad.load("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
+    printed, narrow = of_one_printer("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
     for design, part in ((printed, "end-a-comb"), (narrow, "cavity")):
         assert not any("at most, for" in row for row in notes(Job(design), mold(design).part(part)))
 

@@ -69,9 +69,9 @@ def test_filled_in_forms_become_a_printers_file(made: Path, tmp_path: Path) -> N
     assert f"skincad fit-material {tmp_path / 'tensile.csv'} --gauge-length 20 --area 8" in process.stdout
     row = tomllib.loads((tmp_path / "mine" / "printer.toml").read_text())
     assert row["sla"]["growth"] == 0.0294
-    process = run_skincad(
-        "make", "lab-bench", "--preview", "--printer", "mine/printer.toml", "--format", "toml", cwd=tmp_path
-    )
+    by_sla = ("--set", "mold.end_plate_process=sla", "--set", "mold.slit_clearance=0.028", "--preview")
+    words = ("make", "lab-bench", *by_sla, "--printer", "mine/printer.toml", "--format", "toml")
+    process = run_skincad(*words, cwd=tmp_path)
     assert "notch of a shim in whole pixels and grown, by sla" in process.stdout
 
 

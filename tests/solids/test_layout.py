@@ -17,7 +17,7 @@ from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
-from tests.templates import KINDS
+from tests.templates import KINDS, of_one_printer
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
 
@@ -37,7 +37,7 @@ def pockets(design: Design) -> list[tuple[Part, Prism]]:
 
 @pytest.mark.parametrize("name", ["lab-bench", "nozzle-04", "plain-ridges"])
 def test_a_nut_goes_into_each_pocket_of_a_printed_end_plate_and_does_not_turn(name: str) -> None:
-    nuts = pockets(skincad.load(name))
+    nuts = pockets(of_one_printer(name))
     assert len(nuts) == 4
     for part, cut in nuts:
         assert part.name.startswith("end-b")

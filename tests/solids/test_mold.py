@@ -16,7 +16,7 @@ from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, bores, box
-from tests.templates import KINDS
+from tests.templates import KINDS, of_one_printer
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -344,7 +344,7 @@ def test_what_random_designs_broke_is_refused(template: str, settings: list[str]
 def test_under_a_nut_enough_of_a_thin_end_plate_is_left() -> None:
     """The pocket goes as deep as the nut is high, or leaves 1 mm of a plate that is too thin for both."""
     for thick in (3.0, 3.5, 6.0):
-        closed = mold(load("lab-bench").with_(mold={"end_plate": thick}))
+        closed = mold(of_one_printer("lab-bench").with_(mold={"end_plate": thick}))
         holes = [
             cut
             for part in closed.parts
