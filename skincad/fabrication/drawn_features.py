@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from skincad.fabrication.fasteners import full_thread, limits, purpose, thread
+from skincad.fabrication.fasteners import full_thread, limits, purpose, thread, thread_words
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point
@@ -130,6 +130,7 @@ class HoleGroup:
     holes: tuple[Hole, ...]
     side_views: tuple[SideView, ...]
     full: float | None = None  # depth of its full thread, where that is not all of it
+    callout: str = ""  # the thread with its depths
 
     @property
     def size(self) -> str:
@@ -192,6 +193,7 @@ def _group(job: Job, part: Part, letter: str, alike: list[_DrilledBore], seen: l
         places[(round(x, 6) + 0.0, round(y, 6) + 0.0)] = None
     rows = sorted(places, key=lambda at: (-at[1], at[0]))
     names = _SIDES[first.bore.axis]
+    depth = None if all(first.opens) else first.bore.length
     sides = [name for i, name in enumerate(names) if any(one.opens[i] for one in alike)]
     return HoleGroup(
         letter=letter,
@@ -200,14 +202,15 @@ def _group(job: Job, part: Part, letter: str, alike: list[_DrilledBore], seen: l
         purpose=purpose(job, part, first.role),
         diameter=2 * first.bore.radius,
         far_diameter=2 * first.bore.far_radius,
-        depth=None if all(first.opens) else first.bore.length,
+        depth=depth,
         thread=thread(job, part, first.role),
         limits=limits(job, part, first.role),
         sides=tuple(sides),
         lean=abs(first.lean),
         holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
         side_views=tuple(_side_views(alike, [one for one in seen if one is not view])),
-        full=full_thread(job, first.role),
+        full=full_thread(job, part, first.role, depth),
+        callout=thread_words(job, part, first.role, depth),
     )
 
 

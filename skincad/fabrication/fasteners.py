@@ -12,8 +12,11 @@ from skincad.solids.fasteners import (
     LENGTHS,
     METRIC,
     PITCH,
+    RUN_OUT,
     BlindThread,
     blind_thread,
+    insert_outer,
+    insert_radius,
     screw_for,
     standard_length,
 )
@@ -26,7 +29,10 @@ THREADED = frozenset({CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL, Cu
 PINNED = frozenset({CutRole.END_PIN, CutRole.COVER_PIN, CutRole.BASE_PIN})
 CLEARING = frozenset({CutRole.END_BOLT, CutRole.COVER_BOLT})
 H13 = 0.18  # mm, source: ISO 286-2, of 3 to 6 mm; ISO 273 has it for the medium series of clearance holes
-H7 = 0.010  # mm, source: ISO 286-2, up to 3 mm: what a dowel pin m6 is pressed into
+H7 = 0.010  # mm, source: ISO 286-2, up to 3 mm: what a mount's dowel pin goes into
+# source: ISO 286-2, up to 3 mm: P7 is 0.006 to 0.016 below the pin's nominal size, and the hole is drawn 0.01
+# below it, the next size of a reamer
+PRESSED = "+0.004/-0.006 (P7), ream"
 _FOR = {
     CutRole.END_BOLT: "M3 bolt of end plate",
     CutRole.END_THREAD: "M3 bolt of end plate",
@@ -73,10 +79,33 @@ def mount_thread(job: Job) -> BlindThread | None:
     return blind_thread(name, job.lid_process) if name else None
 
 
-def full_thread(job: Job, role: CutRole) -> float | None:
-    """Return how deep a bore has full thread, mm, where that is not all of it."""
-    blind = mount_thread(job) if role is CutRole.MOUNT else None
-    return blind.most if blind and not blind.insert else None
+def full_thread(job: Job, part: Part, role: CutRole, depth: float | None) -> float | None:
+    """Return how deep a blind bore of this depth has full thread, mm; None for any other bore."""
+    if depth is None or role not in THREADED or "insert" in thread(job, part, role):
+        return None
+    if role is CutRole.MOUNT and (blind := mount_thread(job)):
+        return blind.most
+    bottoming = role is CutRole.PULL or (
+        role is CutRole.END_THREAD and job.bent and end_screws(job).bottoming
+    )
+    return depth - (PITCH if bottoming else RUN_OUT)
+
+
+def thread_words(job: Job, part: Part, role: CutRole, depth: float | None) -> str:
+    """Return a thread as a drawing has it: "M3-6H x 5 / Ø2.5 x 7.5", or an insert with its length and outer
+    diameter; "" where there is none."""
+    name = thread(job, part, role).partition(" ")[0]
+    if not name:
+        return ""
+    metric = METRIC[name]
+    if "insert" in thread(job, part, role):
+        how = job.process(part).thread
+        return f"{name} insert {metric.insert:g} x Ø{insert_outer(name, how):g}, {how}"
+    full = full_thread(job, part, role, depth)
+    if full is None or depth is None:
+        return f"{name}-6H"
+    tap = ", bottoming tap" if depth - full < RUN_OUT - 1e-9 else ""
+    return f"{name}-6H x {round(full, 2):g} / Ø{metric.drill:g} x {round(depth, 2):g}{tap}"
 
 
 def major(thread: str) -> float | None:
@@ -109,18 +138,21 @@ def thread(job: Job, part: Part, role: CutRole) -> str:
 
 
 def limits(job: Job, part: Part, role: CutRole) -> str:
-    """Return the limits of a bore's diameter, mm: its fit's, where the process keeps it, or the process's."""
+    """Return the limits of a bore's diameter, mm: its fit's, where the process keeps it, or the process's;
+    "" where the general tolerance does."""
     process = job.process(part)
-    either = f"±{process.tolerance:g}"
+    either, general = f"±{process.tolerance:g}", f"±{process.tolerance:g}" if process.layer else ""
     if role in CLEARING:
         return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
     if role is CutRole.MOUNT_PIN:
         return either if process.layer else f"+{H7:.3f}/0 (H7)"
     if role in PINNED and is_pressed(part, role):
-        return either if process.layer else f"+{H7:.3f}/0 (H7)"
+        return f"ream Ø{2 * PIN_RADIUS:g} H7" if process.layer else PRESSED
+    if role in PINNED:
+        return either
     if role in THREADED and (process.thread == "tapped" or role is CutRole.PULL):
         return "6H"
-    return either
+    return either if role in THREADED else general
 
 
 class Screws(NamedTuple):
@@ -135,7 +167,7 @@ class Screws(NamedTuple):
 
     @property
     def rod(self) -> bool:
-        """Whether there are none so long: a threaded rod with a nut at both ends."""
+        """Whether there are none so long: studs, with nuts where a screw would have its head or nut."""
         return self.length > LENGTHS[-1]
 
 
@@ -149,7 +181,8 @@ def cover_screws(job: Job) -> Screws | None:
     thread_length = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     split = bool(job.closed.of(PartRole.BASE))
     long, washers = screw_for(screws[0].length + passed, thread_length, job.cavity_process, bottomed=split)
-    return Screws(len(screws), long, washers)
+    studs = long > LENGTHS[-1]
+    return Screws(len(screws), long + (NUT if studs else 0.0), washers, len(screws) if studs else 0)
 
 
 def end_screws(job: Job) -> Screws:
@@ -167,7 +200,9 @@ def end_screws(job: Job) -> Screws:
     count = cuts.count(CutRole.END_BOLT) + tapped
     through = job.cast.skin.length + 2 * job.design.mold.end_plate
     long = standard_length(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
-    return Screws(count, long, nuts=0 if tapped else count * (2 if long > LENGTHS[-1] else 1))
+    if long <= LENGTHS[-1]:
+        return Screws(count, long, nuts=0 if tapped else count)
+    return Screws(count, math.ceil(long + NUT), nuts=count * (1 if tapped else 2))
 
 
 def dowels(closed: ClosedMold) -> dict[float, int]:
@@ -238,8 +273,9 @@ def screws_to_buy(job: Job) -> list[str]:
     count, (least, most) = job.design.mold.cavities * len(mount.positions), mount.reach
     kinds = []
     if mount.insert:
-        long, wide = METRIC[mount.thread].insert, METRIC[mount.thread].insert_hole
-        size = f"({mount.insert}, {long:g} mm long, in holes of {wide:g} mm)"
+        metric, hole = METRIC[mount.thread], 2 * insert_radius(mount.thread, mount.insert)
+        outer = f"{metric.insert:g} mm long, {insert_outer(mount.thread, mount.insert):g} mm wide"
+        size = f"({mount.insert}, {outer}, in holes of {hole:g} mm)"
         kinds.append(f"{count} threaded inserts {mount.thread} {size}")
     if mount.pin is not None:
         kinds.append(f"a dowel pin of {mount.pin:g} mm for each carrier")

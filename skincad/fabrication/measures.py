@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +14,25 @@ from manifold3d import Manifold
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.interrupt import safe_point
+from skincad.fabrication.fasteners import PINNED
 from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.fabrication.rules import Finding, error
 from skincad.shape.curves import polygon
+from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import Body, ExtendedCut, Part, PartRole, Prism, RevolvedBody, RotatedBody
+from skincad.solids.plan import (
+    PINS,
+    Body,
+    Bore,
+    ExtendedCut,
+    Part,
+    PartRole,
+    Prism,
+    RevolvedBody,
+    RotatedBody,
+    bores,
+)
 from skincad.solids.skin import Way, swept
 
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
@@ -141,8 +154,9 @@ def _mesh_set(*shapes: trimesh.Trimesh) -> pymeshlab.MeshSet:
 def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     """Return every pair of parts that share volume, closed or on the way of an opening step.
 
-    All meshes take their corners from the same exact section, so touching faces share none. `tolerance`
-    (mm) must be well below the clearances.
+    A pin fills the hole that it is pressed into, which is smaller by design. All meshes take their corners
+    from the same exact section, so touching faces share none. `tolerance` (mm) must be well below the
+    clearances.
     """
     shapes = {part.name: _Shape(part, manifold(part, tolerance), tolerance) for part in assembled.parts}
     names = list(shapes)
@@ -197,7 +211,24 @@ def _common(a: _Shape, b: _Shape) -> float:
         return _turned_alike(one.body, other.body, a.tolerance / 2)
     if any(_lies_in(p, q, a.tolerance / 2) for p, q in ((one, other), (other, one))):
         return 0.0
-    return float((a.mesh ^ b.mesh).volume())
+    return float((_pressed(a, b).mesh ^ _pressed(b, a).mesh).volume())
+
+
+def _pressed(shape: _Shape, other: _Shape) -> _Shape:
+    """A pin as it is in a part that it is pressed into, whose hole is smaller; any other shape as it is."""
+    least = min((bore.radius for bore in bores(other.part, *PINNED)), default=PIN_RADIUS)
+    if shape.part.role not in PINS or least >= PIN_RADIUS:
+        return shape
+    body = shape.part.body
+    slim: Body
+    if isinstance(body, RotatedBody) and isinstance(body.body, Bore):
+        slim = replace(body, body=replace(body.body, radius=least))
+    elif isinstance(body, Bore):
+        slim = replace(body, radius=least)
+    else:
+        return shape
+    part = replace(shape.part, body=slim)
+    return _Shape(part, manifold(part, shape.tolerance), shape.tolerance)
 
 
 def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:

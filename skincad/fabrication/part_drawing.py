@@ -51,6 +51,15 @@ if TYPE_CHECKING:
 
 UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
+GENERAL_RA = 1.6  # µm, source: what shops keep without a surcharge on milled and wire-cut faces
+ACCURATE = {  # faces on which others close or from which strips hang
+    PartRole.COMB: "inner face, lower face, slits and the edge under the keeper",
+    PartRole.KEEPER: "inner face and the edge on the comb",
+    PartRole.END_PLATE: "inner face and lower face",
+    PartRole.CARRIER: "lower face, length and width",
+    PartRole.COVER: "lower face",
+    PartRole.BASE: "upper face",
+}
 _TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
 Coordinate = Callable[[float], float]
 NUT = "N"
@@ -67,13 +76,16 @@ class CrestAllowance(NamedTuple):
 
 def general_tolerance(job: Job, part: Part) -> str:
     """Return what holds where a size has no limits of its own."""
-    return f"±{job.process(part).tolerance:g} (by {job.maker(part)})"
+    process = job.process(part)
+    return f"±{process.tolerance:g} (by {job.maker(part)})" if process.layer else "ISO 2768-m"
 
 
 def surface_words(job: Job, part: Part) -> str:
-    """Return how rough all faces may be, µm (ISO 21920-1); "" where the process says nothing of it."""
-    rough = job.process(part).roughness
-    return f"Ra {rough:g}" if rough else ""
+    """Return how rough all faces may be, µm (ISO 21920-1), but those on the silicone where a shop cuts it; ""
+    where the process says nothing of it."""
+    process = job.process(part)
+    rough = process.roughness if process.layer else max(process.roughness, GENERAL_RA)
+    return f"Ra {rough:g}" if process.roughness else ""
 
 
 def process_words(job: Job, part: Part) -> str:
@@ -84,18 +96,16 @@ def process_words(job: Job, part: Part) -> str:
 
 
 def material_words(job: Job, part: Part) -> str:
-    """Return of what a part can be: assumption, by what its process cuts."""
+    """Return of what a part is, and whether it is sealed."""
     process = job.process(part)
-    if process.layer:
-        return "rigid resin or filament" + (", sealed against silicone" if coating(job, process) else "")
-    return "brass or tool steel" if process.tool == "wire" else "aluminium or brass"
+    return process.material + (", sealed against silicone" if coating(job, process) else "")
 
 
 def notes(job: Job, part: Part) -> list[str]:
     """Return what holds for the whole part."""
     share = 100 * job.shrinkage
     edges = f"{'right' if leftward(part) else 'left'} and {'upper' if downward(part) else 'lower'}"
-    rows = [f"Coordinates x, y from the view's {edges} edge. Exact shape: the STEP file."]
+    rows = [f"x, y from the view's {edges} edge. Exact shape: the STEP file."]
     if part.role in CAVITIES and share:
         rows.append(
             f"Trough larger than the skin by the silicone's shrinkage, {share:.3g} %: sizes are the mold's."
@@ -114,7 +124,7 @@ def notes(job: Job, part: Part) -> list[str]:
 
 
 def _cutter(case: Case) -> list[str]:
-    """The thickest wire or mill that the narrowest groove takes, and the cavity's inner corners."""
+    """The wire or mill of the process, and what it leaves beside it in the narrowest groove."""
     process, ridge = case.process, case.job.skin.profile
     takes = [(groove.width, f"a {groove.width:.4g} wide {groove.where}") for groove in grooves(case)]
     if not takes or process.tool not in CUTTERS:
@@ -122,16 +132,19 @@ def _cutter(case: Case) -> list[str]:
     if case.part.role in CAVITIES and ridge.tip_fillet:
         takes.append((2 * ridge.tip_fillet, f"inner corners of radius {ridge.tip_fillet:g}"))
     width, where = min(takes)
-    kerf = math.floor(100 * (width - 2 * process.spark_gap) + 1e-6) / 100
-    if kerf <= 0:
-        return []
-    sparks = f"; spark gap {process.spark_gap:g} a side" if process.spark_gap else ""
-    return [f"{CUTTERS[process.tool]}: Ø{kerf:g} at most, for {where}{sparks}."]
+    beside = (width - 2 * process.reach) / 2
+    if beside < -1e-9:
+        return []  # the rule `tool reach` reports what it leaves
+    sparks = f" with a spark gap of {process.spark_gap:g} a side" if process.spark_gap else ""
+    cutter = f"{CUTTERS[process.tool]} Ø{2 * process.tool_radius:g}{sparks}"
+    left = f"for {where}, with {beside:.2g} a side for trim cuts" if beside >= 5e-4 else f"as wide as {where}"
+    return [f"{cutter}: {left}."]
 
 
 def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
-    rows = _crests(job, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
+    rows = [_accurate(job, part)]
+    rows += _crests(job, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
     if part.role is PartRole.COMB:
         process = job.process(part)
         gap, drawn = slit_play(job, process), job.design.mold.slit_clearance
@@ -163,6 +176,18 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
             "the parts don't slide onto each other."
         )
     return rows
+
+
+def _accurate(job: Job, part: Part) -> str:
+    """Which faces the process's own tolerance is for; all others have the general one."""
+    process = job.process(part)
+    faces = ACCURATE.get(part.role, "seat, trough, grooves, both ends and the top")
+    smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""
+    lapped = " once lapped" if process.layer else ""
+    return (
+        f"Accurate, ±{process.tolerance:g}{smooth}: {faces}; flat, and square to datum A, within "
+        f"{process.tolerance:g}{lapped}."
+    )
 
 
 def pattern_words(mount: Mount) -> str:
@@ -275,7 +300,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         cut=cut_through,
         cut_notes=(cut_words(job, part),) if cut_through else (),
         tables=tuple(table for table in tables if table.rows),
-        notes=("Datums: " + "; ".join(f"{d.letter} {d.what}" for d in datum) + ".", *words),
+        notes=(f"Datums: {'; '.join(f'{d.letter} {d.what}' for d in datum)}; {words[0]}", *words[1:]),
         process=process_words(job, part),
         material=material_words(job, part),
         tolerance=general_tolerance(job, part),
@@ -299,9 +324,9 @@ def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limit
             f"{g.letter} ({len(g.holes)}x)",
             g.purpose,
             g.size,
-            g.limits,
+            "-" if g.limits in ("", "6H") else g.limits,
             g.reach,
-            g.thread or "-",
+            g.callout or "-",
             _from(g),
         )
         for g in holes
@@ -316,7 +341,9 @@ def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limit
 
 
 def _from(group: HoleGroup) -> str:
-    sides = " & ".join(group.sides) + (", from each" if group.depth and len(group.sides) == 2 else "")
+    sides = group.sides[0] if group.sides else ""
+    if len(group.sides) == 2:
+        sides = "both ends" if group.sides[0] == "end a" else "both faces"
     return f"{sides}, {_degrees(math.degrees(group.lean))} aslant" if group.lean else sides
 
 

@@ -16,7 +16,7 @@ from skincad.fabrication.patterns import shim_length
 from skincad.fabrication.pouring import batch
 from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import display_name
-from skincad.solids.fasteners import pin_depth
+from skincad.solids.fasteners import METRIC, insert_outer, pin_depth
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import SQUEEZED_SHARE
 from skincad.solids.plan import PartRole, Prism
@@ -84,7 +84,9 @@ def _bought_items(job: Job) -> Iterator[Item]:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
     if job.cavity_process.thread != "tapped":
         inserts = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
-        yield _item(inserts, "threaded insert", f"M3, {job.cavity_process.thread}", "brass", "printed parts")
+        metric, how = METRIC["M3"], job.cavity_process.thread
+        size = f"M3 x {metric.insert:g}, outer diameter {insert_outer('M3', how):g}, {how}"
+        yield _item(inserts, "threaded insert", size, "brass", "printed parts")
     yield from _mount(job)
     for most, count in sorted(dowels(job.closed).items()):
         size = f"ISO 8734 {2 * PIN_RADIUS:g} x {pin_length(most):g}"
@@ -116,7 +118,7 @@ def _bought_items(job: Job) -> Iterator[Item]:
 def _screws(screws: Screws, place: str) -> Iterator[Item]:
     what, size = "screw", f"ISO 4762 M3 x {screws.length:g}"
     if screws.rod:
-        what, size = "threaded rod", f"DIN 976 M3 x {screws.length:g}"
+        what, size = "stud", f"DIN 976 M3 x {screws.length:g}"
     yield _item(screws.pieces, what, size, "steel", place)
     if screws.washers:
         yield _item(screws.pieces * screws.washers, "washer", "ISO 7089 3", "steel", place)
@@ -133,7 +135,10 @@ def _mount(job: Job) -> Iterator[Item]:
     size = f"ISO 4762 {mount.thread}, {least:g} to {most:g} in the carrier"
     yield _item(count, "mount screw", size, "steel", "carrier, from the robot's side; no longer")
     if mount.insert:
-        yield _item(count, "threaded insert", f"{mount.thread}, {mount.insert}", "brass", "carrier, mount")
+        name = mount.thread or ""
+        outer = f"outer diameter {insert_outer(name, mount.insert):g}"
+        size = f"{name} x {METRIC[name].insert:g}, {outer}, {mount.insert}"
+        yield _item(count, "threaded insert", size, "brass", "carrier, mount")
     if mount.pin is not None:
         size = f"ISO 8734 {mount.pin:g}, {pin_depth(mount.pin):g} in the carrier"
         yield _item(job.design.mold.cavities, "mount pin", size, "steel", "carrier, from the robot's side")

@@ -130,7 +130,8 @@ def _bolts(job: Job) -> list[str]:
     hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
     if (lid := cover_screws(job)) is not None:
-        upper = f"M3 screws, ISO 4762: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
+        kind = "studs, DIN 976, with a nut each" if lid.rod else "screws, ISO 4762"
+        upper = f"M3 {kind}: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
         upper += under_heads(lid.washers)
     tightest = min(map(torque, (process, job.end_process, job.lid_process)))
     tight = (
@@ -142,9 +143,11 @@ def _bolts(job: Job) -> list[str]:
         return [bent_screws(ends, hold), upper, tight]
     sunk = sum(cut.role is CutRole.NUT for p in job.closed.of(*END_PLATES) if p.end == "b" for cut in p.cuts)
     where = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled"
-    if ends.nuts:
+    if ends.nuts > ends.pieces or (ends.nuts and not ends.rod):
         where = f"with nuts, {sunk} of them sunk in end plate b"
-    kind = "threaded rods with nuts at both ends" if ends.rod else "bolts, ISO 4762"
+    kind = "bolts, ISO 4762"
+    if ends.rod:
+        kind = f"studs, DIN 976, with a nut {'each' if ends.nuts == ends.pieces else 'at both ends'}"
     return [f"M3 {kind}: {ends.pieces} M3 x {ends.length:g} along y, {where}", upper, tight]
 
 
@@ -315,7 +318,7 @@ def _notch_trial(job: Job) -> Iterator[str]:
     insert = "shim" if job.design.mold.method == "shim" else "strip"
     yield (
         f"Trial of the notches: print the notch ladder of `skincad coupon {name}`. The {insert} must drop "
-        f"into its notch of {gap:.3g} mm by itself. If it does not, enter what you measured as the coupon's sheet "
+        f"into its notch of {gap:.3g} mm by itself. If it does not, enter what you measured as its sheet "
         "says, and make the mold again with that printer."
     )
 

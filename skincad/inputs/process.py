@@ -111,6 +111,7 @@ class Process(Table):
         le=3600.0,
         default=90.0,
     )
+    material: str = Field(default="", description="what its parts are made of", max_length=60)
     density: float = quantity("g/cm3", "of filament, cured resin or stock", gt=0.0, le=30.0, default=1.0)
     price: float = quantity("EUR/kg", "of filament, resin or stock", ge=0.0, le=1e5, default=0.0)
     rate: float = quantity("EUR/h", "of the machine, with who runs it", ge=0.0, le=1e4, default=0.0)

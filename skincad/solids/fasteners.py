@@ -19,8 +19,7 @@ from skincad.solids.shrinkage import on_grid
 
 DIAMETER, PITCH = 3.0, 0.5  # mm, source: ISO 261, M3 coarse
 TAP_RADIUS = 1.25  # mm, source: ISO 2306, drill before tapping M3
-# mm, source: ISO 4762, the nominal lengths; of M3 30 is the longest that all makers have
-LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120)
+LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30)  # mm, source: ISO 4762, M3; a longer one is a stud with nuts
 TIP_ROOM = 1.0  # mm, assumption: least between a screw's tip and the thread's end; screws come 0.3 longer
 RUN_OUT = 2.5  # mm, source: DIN 76-1, short: five pitches below the last full thread, for the tap's lead
 INSERT = 5.7  # mm, source: makers' tables, length of a threaded M3 insert
@@ -75,22 +74,38 @@ def torque(process: Process) -> float:
 
 class Metric(NamedTuple):
     """A coarse thread (ISO 261): diameter and pitch, the drill before tapping (ISO 2306), the clearance hole
-    (ISO 273, medium), and a threaded insert's length and hole (makers' tables)."""
+    (ISO 273, medium), and by makers' tables a threaded insert's length, its outer diameter and hole where it
+    is melted in, and the outer diameter of a slimmer one that is glued in."""
 
     diameter: float
     pitch: float
     drill: float
     clearance: float
     insert: float
+    insert_outer: float
     insert_hole: float
+    glued_outer: float
 
 
 METRIC = {
-    "M2": Metric(2.0, 0.4, 1.6, 2.4, 4.0, 3.2),
-    "M2.5": Metric(2.5, 0.45, 2.05, 2.9, 5.7, 4.0),
-    "M3": Metric(DIAMETER, PITCH, 2 * TAP_RADIUS, 3.4, INSERT, 4.0),
-    "M4": Metric(4.0, 0.7, 3.3, 4.5, 8.1, 5.6),
+    "M2": Metric(2.0, 0.4, 1.6, 2.4, 4.0, 3.6, 3.2, 3.2),
+    "M2.5": Metric(2.5, 0.45, 2.05, 2.9, 5.7, 4.6, 4.0, 3.6),
+    "M3": Metric(DIAMETER, PITCH, 2 * TAP_RADIUS, 3.4, INSERT, 4.6, 4.0, 3.9),
+    "M4": Metric(4.0, 0.7, 3.3, 4.5, 8.1, 6.3, 5.6, 5.4),
 }
+GLUE_GAP = 0.05  # mm a side, assumption: round an insert that is glued in
+
+
+def insert_radius(name: str, how: str) -> float:
+    """Return the radius of a threaded insert's hole: narrower where it is melted in, wider for glue."""
+    return insert_outer(name, how) / 2 + GLUE_GAP if how == "glued" else METRIC[name].insert_hole / 2
+
+
+def insert_outer(name: str, how: str) -> float:
+    """Return the outer diameter of a threaded insert that is melted or glued in."""
+    return METRIC[name].glued_outer if how == "glued" else METRIC[name].insert_outer
+
+
 # of diameters, assumption: a mount bears what presses the skin, some 10 N, and needs no thread that breaks
 # its screw; an insert is taken whole
 MOUNT_ENGAGEMENT = {"metal": 1.0, "plastic": 1.5, "insert": ENGAGEMENT["insert"]}
@@ -117,7 +132,8 @@ def blind_thread(name: str, process: Process) -> BlindThread:
     metric = METRIC[name]
     if process.thread != "tapped":
         depth, least = on_grid(metric.insert + TIP_ROOM), MOUNT_ENGAGEMENT["insert"] * metric.diameter
-        return BlindThread(metric.insert_hole / 2, depth, least, metric.insert, process.thread)
+        radius = insert_radius(name, process.thread)
+        return BlindThread(radius, depth, least, metric.insert, process.thread)
     least = MOUNT_ENGAGEMENT["plastic" if process.layer else "metal"] * metric.diameter
     depth = on_grid(least + LENGTH_CHOICE + RUN_OUT_TURNS * metric.pitch)
     return BlindThread(metric.drill / 2, depth, least, least + LENGTH_CHOICE, "")

@@ -29,7 +29,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.curves import Point, loop
 from skincad.shape.skin import Section
-from skincad.solids.fasteners import TAP_RADIUS, blind_depth, least_thickness
+from skincad.solids.fasteners import TAP_RADIUS, blind_depth, insert_radius, least_thickness
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.plan import CutRole, Prism
 from skincad.solids.shrinkage import on_grid, shrinkage
@@ -118,11 +118,12 @@ def seal_thickness(stack: float) -> float:
 
 
 BOLT_RADIUS = 1.7  # mm, source: ISO 273 clearance hole for M3, medium series
-INSERT_RADIUS = 2.0  # mm, source: makers' tables, hole for a threaded M3 insert, 3.9 to 4.2 mm wide
 NUT_FLATS = 5.5  # mm, source: ISO 4032, M3, width across flats
 NUT_DEPTH = 2.75  # mm: ISO 4032 has 2.4 mm high M3 nuts; the rest is an assumption
 NUT_PLAY = 0.1  # mm, assumption: least gap a side of a nut in its pocket
-PRESS_SHARE = 0.25  # assumption: of a print's sliding clearance, for a pin pressed into it; metal is reamed
+# mm a side, by which a hole is smaller than the pin that is pressed into it. Metal: source: ISO 286-2, P7 of
+# a hole of 2 mm is 0.006 to 0.016 below; a reamer of 1.99 makes it. Print, assumption: it is reamed to 2 mm
+PRESS_METAL, PRESS_PRINT = 0.005, 0.1
 EDGE = 1.2  # mm, assumption: least material between two bores, or a bore and an edge
 BESIDE = 0.8  # mm, assumption: least of a keeper over and under its bolts and nuts
 LEDGE = 2.0  # mm, assumption: width of the seat on which the carrier seals the skin's back
@@ -131,6 +132,7 @@ FOOT = 1.0  # mm, assumption: least of a split cavity's piece under the deepest 
 BASE_PIN = 3.0  # mm, assumption: of a pin in a split cavity's base, and as much in the piece on it
 WALL, FLOOR, CARRIER = 13.0, 9.0, 4.0  # mm, assumption: where bolts and pins find room in them
 STOCK = 0.5  # mm, assumption: what is computed goes up to a multiple of this, as plates are sold
+ROUND_DOWN = 0.05  # mm, assumption: by which a wall or a ledge may be thinner than asked for a round size
 LEAST_BOLTED = 9.0  # mm, assumption: length of a skin whose cover has bolts; a shorter one's is clamped
 KEYING = 0.5  # mm, assumption: one pin stands aside by this and two clearances: the cover fits one way only
 
@@ -176,9 +178,10 @@ def fits(design: Design, name: str) -> Fits:
     """Return the holes of a part that a process makes."""
     process = processes(design.printer)[name]
     gap, printed = max(design.mold.clearance, process.clearance), process.layer > 0
-    press = PIN_RADIUS + (PRESS_SHARE * gap if printed else 0.0)
+    press = PIN_RADIUS - (PRESS_PRINT if printed else PRESS_METAL)
     insert = "" if process.thread == "tapped" else process.thread
-    return Fits(PIN_RADIUS + gap, press, INSERT_RADIUS if insert else TAP_RADIUS, insert, printed)
+    hole = insert_radius("M3", insert) if insert else TAP_RADIUS
+    return Fits(PIN_RADIUS + gap, press, hole, insert, printed)
 
 
 def end_process(design: Design) -> Process:
@@ -213,11 +216,10 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     slide = max(ends.slide, fits(design, choice.process).slide)
     nut = NUT_FLATS / 2 + max(NUT_PLAY, ends.slide - PIN_RADIUS)
     pin_offset = 2 / math.sqrt(3) * nut + EDGE + slide  # of a pin beside a nut's corner
-    trough = skin.width / 2 + LEDGE + choice.clearance
+    trough = _rounded_up(skin.width + 2 * LEDGE) / 2 + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
-    outer = inner + EDGE + 2 * BOLT_RADIUS
-    if skin.curvature_radius_y is not None:  # screws into threads beside the cover's, which may be inserts
-        outer += max(0.0, fits(design, choice.process).thread - BOLT_RADIUS)
+    widest = max(BOLT_RADIUS, fits(design, choice.process).thread)  # of the cover's row: it may have inserts
+    outer = inner + EDGE + BOLT_RADIUS + widest
     count, short = choice.cavities, is_clamped(design)
     row_offset = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
     half_pitch = trough + EDGE + BOLT_RADIUS + (row_offset if count > 1 else 0.0)
@@ -229,6 +231,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     row, lid, spans = _cover_screws(design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
     need = outer - centres[-1] + BOLT_RADIUS + EDGE - skin.width / 2
     wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
+    half = centres[-1] + skin.width / 2 + wall
     broken += _length(design)
     split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
@@ -245,13 +248,13 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         need = max(need, blind_depth(lid, cavity_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
-    bottom = lowest - floor
+    bottom = lowest - floor if choice.floor else top - _rounded_up(top - lowest + floor)
     depth = on_grid(min(PIN_DEPTH, 0.4 * skin.length))
     bolt = bottom + EDGE + nut
     key = KEYING + 2 * (slide - PIN_RADIUS)
     place = Layout(
         centres=centres,
-        half=centres[-1] + skin.width / 2 + wall,
+        half=half if choice.wall else _rounded_up(2 * half) / 2,
         end=skin.length / 2,
         bottom=bottom,
         back=back,
@@ -263,7 +266,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         bolts=() if short else _bolts(row_places, row, diagonal),
         pin_along=diagonal if row.screws == 1 else row.spacing / 2 * (row.screws % 2),
         pin_depth=depth,
-        cover=skin.length / 2 + choice.end_plate,
+        cover=_rounded_up(skin.length + 2 * choice.end_plate) / 2,
         lid=lid,
         spans=spans,
         split=split,
@@ -314,6 +317,12 @@ def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tup
         return (row_places[-1], diagonal), (row_places[0], -diagonal), *((x, 0.0) for x in row_places[1:-1])
     ys = [row.spacing * (i - (row.screws - 1) / 2) for i in range(row.screws)]
     return tuple((x, y) for x in row_places for y in ys)
+
+
+def _rounded_up(size: float) -> float:
+    """An outer size, mm, up to a multiple of `STOCK`, or down to one that lies within `ROUND_DOWN`: only the
+    skin's negative carries shrinkage."""
+    return on_grid(math.ceil((size - ROUND_DOWN) / STOCK) * STOCK)
 
 
 def is_clamped(design: Design) -> bool:

@@ -189,9 +189,9 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     end, chosen, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
     beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
     most = min(min(beside) - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
-    most = min(most, end + design.mold.end_plate - EDGE / 2)  # and off the cover's edge at end a
+    most = min(most, place.cover - EDGE / 2)  # and off the cover's edge at end a
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
-    outmost = end + design.mold.end_plate - EDGE / 2
+    outmost = place.cover - EDGE / 2
     y = min(end, outmost - wide)
     need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
     if not need <= wide <= most:

@@ -33,7 +33,9 @@ def test_a_screw_through_both_plates_ends_in_a_nut_or_in_the_second() -> None:
     by_wire, printed = (of_one_printer(name) for name in ("yamada-2002", "lab-bench"))
     assert end_screws(Job(by_wire)).nuts == 0
     screws = end_screws(Job(printed))
-    assert screws.nuts == screws.pieces
+    assert (screws.rod, screws.nuts) == (True, 2 * screws.pieces)  # M3 screws end at 30 mm
+    short = end_screws(Job(of_one_printer("lab-bench", ["skin.length=15.0"])))
+    assert (short.rod, short.nuts) == (False, short.pieces)
 
 
 def test_a_doubly_curved_molds_plates_are_screwed_to_its_cavity() -> None:

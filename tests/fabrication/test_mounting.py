@@ -19,6 +19,7 @@ from skincad.fabrication.fasteners import (
     purpose,
     screws_to_buy,
     thread,
+    thread_words,
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import what_matters
@@ -67,7 +68,7 @@ def test_what_is_bought_is_counted_for_every_carrier() -> None:
     (inserts,) = (row for row in rows if row["what"] == "threaded insert" and "mount" in row["place"])
     assert (screws["quantity"], inserts["quantity"]) == ("8", "8")
     assert screws["designation"] == "ISO 4762 M3, 4.5 to 5.7 in the carrier"
-    assert inserts["designation"] == "M3, glued"
+    assert inserts["designation"] == "M3 x 5.7, outer diameter 3.9, glued"
     metal = bought(mounted_design("milled-pad"))
     assert [row["designation"] for row in metal if row["what"].startswith("mount")] == [
         "ISO 4762 M3, 3 to 4 in the carrier",
@@ -83,7 +84,7 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     (buy,), (clean,) = screws_to_buy(Job(design, closed)), cleanliness_steps(Job(design, closed))
     assert f"- {buy}" in sheet
     assert clean in sheet
-    assert "4 threaded inserts M3 (glued, 5.7 mm long, in holes of 4 mm), 4 M3 screws" in buy
+    assert "4 threaded inserts M3 (glued, 5.7 mm long, 3.9 mm wide, in holes of 4 mm), 4 M3 screws" in buy
     assert "Set the M3 inserts (glued) into cavity and carrier." in sheet
     assert "under the foam" in clean
     assert "Tape" not in clean
@@ -138,8 +139,11 @@ def test_a_drawing_says_thread_depth_and_use() -> None:
         assert thread(Job(design), part, CutRole.MOUNT) == said
         assert purpose(Job(design), part, CutRole.MOUNT) == use
         assert limits(Job(design), part, CutRole.MOUNT) == size
-        assert full_thread(Job(design), CutRole.MOUNT) == deep
-        assert full_thread(Job(design), CutRole.PULL) is None
+        assert full_thread(Job(design), part, CutRole.MOUNT, 7.5) == deep
+        words = "M3-6H x 4 / Ø2.5 x 7.5" if deep else "M3 insert 5.7 x Ø3.9, glued"
+        assert thread_words(Job(design), part, CutRole.MOUNT, 7.5) == words
+        assert thread_words(Job(design), part, CutRole.PULL, 3.0) == "M3-6H x 2.5 / Ø2.5 x 3, bottoming tap"
+        assert thread_words(Job(design), part, CutRole.RIVET, 3.0) == ""
     part = mold(metal).part("carrier")
     assert purpose(Job(metal), part, CutRole.MOUNT_PIN) == "pin 2 of mount"
     assert limits(Job(metal), part, CutRole.MOUNT_PIN) == "+0.010/0 (H7)"

@@ -49,7 +49,10 @@ def test_standards_are_named() -> None:
     assert designations["screw"] == "ISO 4762 M3 x 8"  # the cover's, the last
     assert designations["dowel pin"] == "ISO 8734 2 x 8"
     printed = {row["what"]: row["designation"] for row in read(of_one_printer("lab-bench"))}
-    assert (printed["nut"], printed["threaded insert"]) == ("ISO 4032 M3", "M3, glued")
+    assert (printed["nut"], printed["threaded insert"]) == (
+        "ISO 4032 M3",
+        "M3 x 5.7, outer diameter 3.9, glued",
+    )
 
 
 def test_words_with_commas_stay_one_column() -> None:

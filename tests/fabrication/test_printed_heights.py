@@ -73,14 +73,14 @@ def test_a_groove_that_ends_at_a_layers_middle_is_told(floor: float, found: tupl
 
 def test_within_a_pixel_a_ridge_that_leans_is_higher_or_lower() -> None:
     """Of 0.05 mm by tan 0.05, 2.5 um, which 2 um of rounding alone leave out at ridges 2 and 8."""
-    design = skincad.load("plain-ridges")
+    design = skincad.load("plain-ridges", ["mold.floor=9.0"])
     fine = design.with_(printer={"sla": {"pixel": 0.001}})
     assert uncertain_ridges(Job(design)) == (2, 8)
     assert uncertain_ridges(Job(fine)) == ()
 
 
 def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
-    design = skincad.load("plain-ridges")
+    design = skincad.load("plain-ridges", ["mold.floor=9.0"])
     ledge = -min(s.start.z for s in mold(design).part("cavity").body.outline)
     floor = 9.0 + 0.05 * (np.ceil(ledge / 0.05 - 0.5) + 0.5) - ledge
     moved = skincad.load("plain-ridges", [f"mold.floor={floor:.6f}"])

@@ -18,18 +18,18 @@ from tests.templates import of_one_printer
         (
             "yamada-2002",
             "cavity",
-            "Wire: Ø0.08 at most, for inner corners of radius 0.05; spark gap 0.01 a side",
+            "Wire Ø0.03 with a spark gap of 0.01 a side: for inner corners of radius 0.05, with 0.025",
         ),
         (
             "yamada-2002",
             "end-a-comb",
-            "Wire: Ø0.04 at most, for a 0.06 wide notch of a shim; spark gap 0.01 a side",
+            "Wire Ø0.03 with a spark gap of 0.01 a side: for a 0.06 wide notch of a shim, with 0.005",
         ),
-        ("milled-pad", "cavity", "Ball-end mill: Ø0.5 at most, for inner corners of radius 0.25."),
+        ("milled-pad", "cavity", "Ball-end mill Ø0.5: as wide as inner corners of radius 0.25."),
     ],
 )
-def test_the_thickest_cutter_is_named(name: str, part: str, says: str) -> None:
-    """By hand: 2 x 0.05 - 2 x 0.01, 0.06 - 2 x 0.01, and 2 x 0.25."""
+def test_the_cutter_is_named_with_what_it_leaves_for_trim_cuts(name: str, part: str, says: str) -> None:
+    """By hand: 0.05 - 0.025, 0.03 - 0.025, and 0.25 - 0.25."""
     design = skincad.load(name)
     assert any(row.startswith(says) for row in notes(Job(design), mold(design).part(part)))
 
@@ -37,7 +37,7 @@ def test_the_thickest_cutter_is_named(name: str, part: str, says: str) -> None:
 def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:
     printed, narrow = of_one_printer("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
     for design, part in ((printed, "end-a-comb"), (narrow, "cavity")):
-        assert not any("at most, for" in row for row in notes(Job(design), mold(design).part(part)))
+        assert not any("trim cuts" in row for row in notes(Job(design), mold(design).part(part)))
 
 
 def test_slits_and_seat_are_told_as_they_come_out() -> None:
@@ -62,6 +62,9 @@ def test_each_process_says_how_rough_its_faces_are(name: str) -> None:
     part = mold(design).part("cavity")
     rough = processes()[name].roughness
     assert rough > 0
-    assert surface_words(Job(design), part) == f"Ra {rough:g}"
+    cut = not processes()[name].layer  # the general one; faces on the silicone have the process's own
+    assert surface_words(Job(design), part) == ("Ra 1.6" if cut else f"Ra {rough:g}")
+    accurate = what_matters(Job(design), part, None)[0]
+    assert (f", Ra {rough:g}: seat, trough, grooves" in accurate) == cut
     unsaid = design.with_(printer={name: {"roughness": 0.0}})
     assert surface_words(Job(unsaid), part) == ""

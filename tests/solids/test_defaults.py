@@ -1,5 +1,5 @@
-"""Random sections with nothing said of the mold but its process: what is computed makes one, and changes no
-mold that plain values make."""
+"""Random sections with nothing said of the mold but its process: what is computed makes one, that of plain
+values in a round block where these make one."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from bench.campaign.soundness import faults
 from bench.table_molds import refusals, sections
 from skincad.base.errors import InputError
 from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.plan import CAVITIES, PartRole
 
 FEW, MANY = 80, 1000
 RESCUED = 12  # of them are built
@@ -78,12 +80,16 @@ def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
     told_in_keys_that_were_written([refused for _, refused in refusals(sections(MANY))], MANY)
 
 
-def test_where_plain_values_make_a_mold_it_is_the_computed_one() -> None:
-    for design in map(skincad.load, template_names()):
-        assert mold(design) == mold(plain(design)), design.name
-    same = [result == expected for _, result, expected in few() if isinstance(expected, ClosedMold)]
-    assert all(same)
-    assert len(same) > FEW / 5  # else nothing is shown
+def test_where_plain_values_make_a_mold_the_computed_one_is_that_in_a_round_block() -> None:
+    """Up to the next half millimetre of width and height, where neither wall nor floor is given."""
+    pairs = [(mold(d), mold(plain(d))) for d in map(skincad.load, template_names())]
+    pairs += [(one, other) for _, one, other in few() if isinstance(other, ClosedMold)]
+    for computed, given in pairs:
+        sides = [(extent(m.of(*CAVITIES)[0]), extent(m.first(PartRole.COVER))) for m in (computed, given)]
+        assert sides[0][0][1] == sides[1][0][1]  # the skin's negative, open at its ends
+        for size, least in ((sides[0][i][j], sides[1][i][j]) for i, j in ((0, 0), (0, 2), (1, 0), (1, 1))):
+            assert -0.05 - 1e-9 <= size - least < 0.5
+    assert len(pairs) > FEW / 5  # else nothing is shown
 
 
 def test_a_value_that_was_written_is_refused_not_changed() -> None:
@@ -139,7 +145,7 @@ def test_a_gang_of_two_has_its_gates_in_the_sheet(yamada: Design) -> None:
 def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: Design) -> None:
     short = yamada.with_(skin={"length": 5.0})
     closed = mold(short)
-    assert {cut.radius for cut in closed.part("cover").cuts[:2]} == {1.0}  # pins, no bolts
+    assert {cut.radius for cut in closed.part("cover").cuts[:2]} == {0.995}  # pins, no bolts
     sheet = casting_sheet(Job(short, closed), [], "", True)
     assert "two clamps that hold the cover down" in sheet
     assert "2 for the cover" not in sheet

@@ -72,8 +72,8 @@ def test_pins_press_and_slide_as_the_process_needs(yamada: Design) -> None:
     for name in ("fdm", "sla", "cnc", "edm"):
         holes = fits(tight, name)
         assert holes.slide == 1.0 + known[name].clearance
-        assert 1.0 <= holes.press < holes.slide
-        assert (holes.press == 1.0) == (known[name].layer == 0)  # metal is reamed
+        # below the pin's radius: metal by what P7 asks for, a print by what is reamed out of it
+        assert holes.press == (0.9 if known[name].layer else 0.995)
     assert fits(yamada, "edm").slide == 1.0 + yamada.mold.clearance
 
 

@@ -99,7 +99,7 @@ def test_a_large_carrier_spaces_its_holes_wider(yamada: Design) -> None:
 
 
 def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
-    yamada = yamada.with_(mold={"shrinkage": 0.0})
+    yamada = yamada.with_(mold={"shrinkage": 0.0, "floor": 9.0})
     closed = mold(yamada)
     cavity, skin = manifold(closed.part("cavity"), 1e-4), manifold(closed.part("skin"), 1e-4)
     shims = sum(manifold(p, 1e-4).volume() for p in closed.parts if p.name.startswith("shim")) * 12 / 32
@@ -128,7 +128,7 @@ def test_parts_have_the_holes_they_need(yamada: Design) -> None:
 
 
 def test_comb_and_keeper_close_the_end_but_for_the_slits(yamada: Design) -> None:
-    yamada = yamada.with_(mold={"shrinkage": 0.0})
+    yamada = yamada.with_(mold={"shrinkage": 0.0, "floor": 9.0})
     closed = mold(yamada)
     comb, keeper = closed.part("end-b-comb").body, closed.part("end-b-keeper").body
     bottom, top = -section(yamada).top - 9.0, 4.0

@@ -165,7 +165,7 @@ REFUSED = [
     (
         "yamada-2002",
         {**IN_LINE, "pitch_x": 14.0},
-        "mount.pitch_x: must be at most 11.011 mm, for 1.2 mm between a thread and",
+        "mount.pitch_x: must be at most 11 mm, for 1.2 mm between a thread and",
     ),
     (
         "yamada-2002",

@@ -8,8 +8,14 @@ import pytest
 
 from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import processes
-from skincad.solids.fasteners import LEAST_UNDER_HOLE, METRIC, blind_thread, least_thickness, run_out_room
-from skincad.solids.layout import INSERT_RADIUS
+from skincad.solids.fasteners import (
+    LEAST_UNDER_HOLE,
+    METRIC,
+    blind_thread,
+    insert_radius,
+    least_thickness,
+    run_out_room,
+)
 
 METAL, RESIN = processes()["edm"], processes()["sla"]
 # source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)
@@ -44,7 +50,7 @@ def test_a_screw_has_its_thread_and_the_tap_its_run_out(name: str) -> None:
 def test_an_m3_is_the_mold_s_own() -> None:
     for process in (METAL, RESIN):
         blind = blind_thread("M3", process)
-        assert 2 * blind.radius == (2.5 if not blind.insert else 2 * INSERT_RADIUS)
+        assert 2 * blind.radius == (2.5 if not blind.insert else 2 * insert_radius("M3", blind.insert))
         assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(
             run_out_room(process)
         )

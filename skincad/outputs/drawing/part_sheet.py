@@ -405,11 +405,12 @@ def _title(drawing: PartDrawing, title_block: TitleBlock, left: float, low: floa
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
         ((0, 22.5, 96, 30), "what it is", drawing.what, HEAD),
         ((96, 22.5, 150, 30), "document", "part drawing", HEAD),
-        ((0, 15, 58, 22.5), "material (proposal)", drawing.material, HEAD),
+        ((0, 15, 58, 22.5), "material", drawing.material, HEAD),
         ((58, 15, 102, 22.5), "process", drawing.process, HEAD),
-        ((102, 15, 141, 22.5), "general tolerance", drawing.tolerance, HEAD),
+        ((102, 15, 141, 22.5), "tolerance unless said", drawing.tolerance, HEAD),
         ((141, 15, 180, 22.5), "all faces, µm (ISO 21920-1)", "" if drawing.surface else "-", HEAD),
-        ((0, 7.5, 75, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
+        ((0, 7.5, 60, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
+        ((60, 7.5, 75, 15), "quantity", "1", HEAD),
         ((75, 7.5, 125, 15), "drawn by", f"skincad {title_block.version}", HEAD),
         ((125, 7.5, 180, 15), "approved by", "", HEAD),
         ((0, 0, 40, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
