@@ -170,7 +170,7 @@ def plates(parts: Sequence[BedPart], process: Process) -> list[list[BedPart]]:
     full: list[list[BedPart]] = []
     for part in sorted(parts, key=lambda part: (-part.z, part.name)):
         for plate in full:
-            if _fit([*plate, part], process):
+            if arranged([*plate, part], process) is not None:
                 plate.append(part)
                 break
         else:
@@ -178,19 +178,31 @@ def plates(parts: Sequence[BedPart], process: Process) -> list[list[BedPart]]:
     return full
 
 
-def _fit(parts: list[BedPart], process: Process) -> bool:
-    """Whether parts lie in rows, widest rows first, each part with its longer side along the row."""
+class Spot(NamedTuple):
+    """Where a part lies on a plate: its middle from the plate's, mm, and whether it is turned by a right
+    angle."""
+
+    name: str
+    x: float
+    y: float
+    turned: bool
+
+
+def arranged(parts: list[BedPart], process: Process) -> list[Spot] | None:
+    """Return where parts lie in rows along the bed's longer side, the widest rows first, each part with its
+    longer side along its row; None where they don't fit."""
     longer, shorter = sorted((process.build_x, process.build_y), reverse=True)
-    if not shorter:
-        return True  # no limit
-    sides = sorted((sorted((part.x, part.y)) for part in parts), reverse=True)
-    used = reach = deep = 0.0
-    for wide, long in sides:
-        if reach and reach + PART_GAP + long <= longer:
+    spots: list[Spot] = []
+    used = reach = deep = most = 0.0
+    for part in sorted(parts, key=lambda part: sorted((part.x, part.y)), reverse=True):
+        wide, long = sorted((part.x, part.y))
+        if reach and (not longer or reach + PART_GAP + long <= longer):
             reach += PART_GAP + long
         else:
             used += deep + (PART_GAP if deep else 0.0)
             reach, deep = long, wide
-        if reach > longer or used + deep > shorter:
-            return False
-    return True
+        most = max(most, reach)
+        if shorter and (reach > longer or used + deep > shorter):
+            return None
+        spots.append(Spot(part.name, reach - long / 2, used + wide / 2, part.x < part.y))
+    return [Spot(s.name, s.x - most / 2, s.y - (used + deep) / 2, s.turned) for s in spots]

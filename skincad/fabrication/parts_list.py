@@ -11,7 +11,7 @@ from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, mount_of, pin_length
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
-from skincad.fabrication.part_drawing import material_words, process_words
+from skincad.fabrication.part_drawing import general_tolerance, material_words, process_words
 from skincad.fabrication.patterns import shim_length
 from skincad.fabrication.pouring import batch
 from skincad.fabrication.shopping import consumables
@@ -23,12 +23,17 @@ from skincad.solids.plan import PartRole, Prism
 
 HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
 ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
+ORDERED = ("unit", "tolerance", "condition", "design")
+
+
+SHIM_STEEL = "spring steel 1.4310, hard-rolled"  # assumption: feeler stock is that, or C100S hardened
+SHIM_TOLERANCE = "thickness ±5 %, depth ±0.02"  # source: makers' data sheets, precision strip; assumption
 
 
 class Item(NamedTuple):
     """A row: how many, what, by which standard or of which size, mm, how it is come by, of what; the volume,
     cm3, of one that is made; where it goes; mass g, time h and cost EUR of one that is made, with their
-    errors, and the basis of these estimates."""
+    errors, and the basis of these estimates; the quantity's unit, tolerance, and condition as delivered."""
 
     quantity: str
     what: str
@@ -44,6 +49,9 @@ class Item(NamedTuple):
     cost: str = ""
     cost_error: str = ""
     basis: str = ""
+    unit: str = "pcs"
+    tolerance: str = ""
+    condition: str = ""
 
 
 def parts_list(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:
@@ -53,10 +61,10 @@ def parts_list(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> list[It
 
 
 def parts_csv(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
-    """Return the parts list as CSV, after a comment with the design's name and revision."""
-    rows = [(number, *item) for number, item in enumerate(parts_list(job, estimates), 1)]
-    comment = f"{display_name(job.design)}, revision {job.design.revision}, skincad {__version__}; mm"
-    return csv_text([(*HEADS, *ESTIMATED), *rows], [comment])
+    """Return the parts list as CSV, lengths in mm; its last column is the design's name and revision."""
+    design = f"{display_name(job.design)}, revision {job.design.revision}, skincad {__version__}"
+    rows = [(number, *item, design) for number, item in enumerate(parts_list(job, estimates), 1)]
+    return csv_text([(*HEADS, *ESTIMATED, *ORDERED), *rows])
 
 
 def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
@@ -65,11 +73,13 @@ def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
             size = " x ".join(f"{side:.2f}" for side in extent(part))
             volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
             details = material_words(job, part), volume, part.role.what
-            cells = []
+            cells = [""] * len(ESTIMATED)
             if (took := estimates.get(part.name)) is not None:
                 numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]
                 cells = [*(f"{number:.4g}" for number in numbers), took.basis]
-            yield Item("1", part.name, size, by, *details, *cells)
+            limits, edges = general_tolerance(job, part), "as its drawing says"
+            row = Item("1", part.name, size, by, *details, *cells)
+            yield row._replace(tolerance=limits, condition=edges)
 
 
 def _bought_items(job: Job) -> Iterator[Item]:
@@ -100,10 +110,11 @@ def _bought_items(job: Job) -> Iterator[Item]:
     shims = len(job.closed.of(PartRole.SHIM))
     if shims and slot is not None:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
-        yield _item(shims, "shim", size, "spring steel", "slots")
+        yield _item(shims, "shim", size, SHIM_STEEL, "slots", SHIM_TOLERANCE, shim_edges(job))
     material = job.silicone
     yield Item(
-        quantity=f"{batch(job):.4g} g",
+        quantity=f"{batch(job):.4g}",
+        unit="g",
         what="silicone",
         designation=material.name,
         made_by="bought",
@@ -112,7 +123,8 @@ def _bought_items(job: Job) -> Iterator[Item]:
         place="skin, cup and syringe",
     )
     for need in consumables(job):
-        yield _item(need.quantity, need.what, need.size, "", need.use)
+        row = _item(need.quantity, need.what, need.size, "", need.use, need.tolerance, need.condition)
+        yield row._replace(unit=need.unit)
 
 
 def _screws(screws: Screws, place: str) -> Iterator[Item]:
@@ -144,7 +156,20 @@ def _mount(job: Job) -> Iterator[Item]:
         yield _item(job.design.mold.cavities, "mount pin", size, "steel", "carrier, from the robot's side")
 
 
-def _item(quantity: int, what: str, designation: str, material: str, place: str) -> Item:
+def shim_edges(job: Job) -> str:
+    """Return the condition of a shim's edges: a burr must be less than the clearance in its notch."""
+    return f"deburred, burr at most {job.design.mold.slit_clearance / 2:.2g}, all on one face"
+
+
+def _item(
+    quantity: int,
+    what: str,
+    designation: str,
+    material: str,
+    place: str,
+    tolerance: str = "",
+    condition: str = "",
+) -> Item:
     return Item(
         quantity=f"{quantity}",
         what=what,
@@ -153,4 +178,6 @@ def _item(quantity: int, what: str, designation: str, material: str, place: str)
         material=material,
         volume="",
         place=place,
+        tolerance=tolerance,
+        condition=condition,
     )

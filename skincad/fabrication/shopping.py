@@ -30,18 +30,25 @@ RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: mak
 
 
 class Need(NamedTuple):
-    """A thing to buy: how many, what, of which size or kind, and what for."""
+    """A thing to buy: how much, what, of which size or kind, what for, the quantity's unit, and tolerance and
+    condition as it is delivered."""
 
     quantity: int
     what: str
     size: str
     use: str
+    unit: str = "pcs"
+    tolerance: str = ""
+    condition: str = ""
 
     @property
     def words(self) -> str:
         """As the casting sheet has it."""
         what = f"{self.quantity} {self.what}s" if self.quantity > 1 else self.what
-        return f"{what}, {self.size}" + (f": {self.use}" if self.use else "")
+        if self.unit != "pcs":
+            what = f"{self.quantity} {self.unit} of {self.what}"
+        size = f", {self.size}" if self.size else ""
+        return f"{what}{size}" + (f": {self.use}" if self.use else "")
 
 
 def consumables(job: Job) -> list[Need]:
@@ -61,13 +68,13 @@ def _filling(job: Job) -> Iterator[Need]:
     if job.silicone.platinum_cure and any(
         job.process(part).inhibits_platinum for part in job.closed.parts if part.made == "made"
     ):
-        yield Need(1, "isopropanol for the baths", f"{BATHS_ML} ml", "washes resin parts")
+        yield Need(BATHS_ML, "isopropanol", "", "washes resin parts", "ml")
     yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:
         yield Need(1, "soft brush", "2 mm wide or less", "the mix into the grooves")
     if not perforated(job.closed) and job.design.film is None:
-        yield Need(1, PRIMER, "1 ml, with a fine brush", "the carrier's lower face")
+        yield Need(1, PRIMER, "with a fine brush", "the carrier's lower face", "ml")
 
 
 def _films(job: Job) -> Iterator[Need]:
@@ -84,23 +91,38 @@ def _films(job: Job) -> Iterator[Need]:
         "film strip",
         f"PVDF, {1000 * film.thickness:.0f} µm, sputtered metal on both faces, and {spare} to spare",
         f"cut by {sheets}, its + side up",
+        tolerance=f"cut ±{film.cut_tolerance:g}, faces registered ±{film.registration:g}",
+        condition="poled, draw axis along the strips; cut edges free of metal burrs",
     )
     yield Need(2 * strips, "crimp contact", f"for flat cable, {PITCH:g} mm apart", "one for each pad")
     yield Need(cavities, "pin header", f"2 x {2 * job.skin.count}, {PITCH:g} mm", "on the board")
-    yield Need(cavities, "board", "by film/strip-board.kicad_mod, FR-4, 1.6 mm", "brings the tabs together")
-    yield Need(1, PRIMER, f"{max(1.0, coat):.2g} ml, with a fine brush", "the strips' faces")
-    yield Need(1, "isopropanol", f"{math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped)} ml", "")
+    yield Need(
+        cavities,
+        "board",
+        "by film/strip-board.kicad_mod, FR-4, 1.6 mm",
+        "brings the tabs together",
+        tolerance="thickness ±10 %",
+        condition="tinned or gold pads",
+    )
+    yield Need(max(1, math.ceil(coat)), PRIMER, "with a fine brush", "the strips' faces", "ml")
+    yield Need(
+        math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped), "isopropanol", "", "wipes strips and shims", "ml"
+    )
     yield Need(wiped, "lint-free wipe", "10 cm or so", "")
-    yield Need(1, "low-tack tape", f"acrylic adhesive, {(strips + spare) * masked / 1000:.2g} m", "masks")
+    tape = math.ceil((strips + spare) * masked / 10)
+    yield Need(tape, "low-tack tape", "acrylic adhesive", "masks", "cm")
     if cast_in:
         yield Need(2 * strips, "weight", f"{rod.hung:.3g} g", "hang on the strips' tabs")
-        yield Need(1, "thread", f"{2 * strips * THREAD_LENGTH:.3g} m", "holds the weights")
+        yield Need(math.ceil(2 * strips * THREAD_LENGTH), "thread", "", "holds the weights", "m")
         yield Need(2, "rod", "3 mm", "for the thread to run over, on one board with the mold")
     else:
         most = strips_per_mix(job)
         mixes, each = math.ceil(strips / most) if most else 1, small_batch(job.silicone)
-        yield Need(1, "more silicone", f"{mixes * each:g} g", f"draws the strips in, {mixes} x {each:g} g")
-        yield Need(1, "cyanoacrylate", "thin, 1 g", "glues strips to shims")
+        more = math.ceil(mixes * each)
+        yield Need(
+            more, "more silicone", job.silicone.name, f"draws the strips in, {mixes} x {each:g} g", "g"
+        )
+        yield Need(1, "cyanoacrylate", "thin", "glues strips to shims", "g")
         yield Need(1, "polythene film", "10 cm or so", "keeps glue off")
         yield Need(1, "flat pliers", "smooth jaws", "draw the shims")
     hung = f"{1000 * pull.force / GRAVITY:.3g} g together"

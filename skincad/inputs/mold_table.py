@@ -33,16 +33,16 @@ class Mold(Table):
     )
     wall: float | None = quantity(
         "mm",
-        "block beside the skin; if not given 13, or what two rows of bolts beside the trough need, and what makes "
-        "the block a multiple of half a millimetre wide",
+        "block beside the skin; if not given 13, or what two rows of bolts beside the trough need, and what "
+        "makes the block a multiple of half a millimetre wide",
         ge=12.0,
         le=500.0,
         default=None,
     )
     floor: float | None = quantity(
         "mm",
-        "block below the deepest ridge; if not given 9, or what bolts, nuts and pins need (and a split cavity's "
-        "base), and what makes the block a multiple of half a millimetre high",
+        "block below the deepest ridge; if not given 9, or what bolts, nuts and pins need (and a split "
+        "cavity's base), and what makes the block a multiple of half a millimetre high",
         ge=9.0,
         le=200.0,
         default=None,

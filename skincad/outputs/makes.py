@@ -11,9 +11,12 @@ from typing import Any, TypeVar, cast
 from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
 from skincad.fabrication.making import Build, MakeResult, passes
+from skincad.fabrication.orders import Order, orders
 from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.fabrication.parts_list import parts_csv
+from skincad.fabrication.printing import PrintPlate, print_plates
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.design import Design
 from skincad.outputs import checks
@@ -110,12 +113,15 @@ def writers(
     seal: dict[str, BuildWriter] = {
         "drawings/seal.dxf": lambda build, path: flat.write_seal_dxf(build.closed, path)
     }
+    job = Job(design, closed)
+    plates = {plate.file: partial(_write_plate, plate) for plate in print_plates(job)}
     return {
         **(_solid_writers(printed) if solids else {}),
         **{f"solids/{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
         "solids/mold.3mf": lambda build, path: write_3mf(
             {name: (mesh, build.closed.part(name).colour) for name, mesh in build.laid.items()}, path
         ),
+        **plates,
         "solids/skin.3mf": lambda build, path: write_3mf(
             {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
         ),
@@ -131,6 +137,7 @@ def writers(
             lambda build: page(sheet_text(build), drawing_svg(build), f"Casting sheet: {build.design.name}")
         ),
         "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
+        **{name: _text(partial(_order, order)) for name, order in orders(job, solids).items()},
         "view.html": _text(lambda build: view_page(build.job, build.meshes, build.check, _verdict(build))),
         **({} if preview else {"report.html": _text(_report)}),
         "picture.png": _picture,
@@ -162,9 +169,9 @@ def _solid_writers(printed: list[str]) -> dict[str, BuildWriter]:
 def sheet_of(build: Build, name: str) -> Sheet:
     """Return a made part's sheet; its date is SOURCE_DATE_EPOCH's, or left out."""
     part = build.closed.part(name)
-    crests = CrestAllowance(checks.allowed_drops(build.check)) if build.check else None
     date = source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
-    return part_sheet(part_drawing(build.job, part, build.solid(part).val(), crests), __version__, date)
+    drawn = part_drawing(build.job, part, build.solid(part).val(), _crests(build))
+    return part_sheet(drawn, __version__, date)
 
 
 def _write_solid(name: str, build: Build, path: Path) -> None:
@@ -178,6 +185,28 @@ def _write_assembly(build: Build, path: Path) -> None:
 
 def _write_stl(name: str, build: Build, path: Path) -> None:
     write_stl(build.skin if name == "skin" else build.laid[name], path)
+
+
+def _write_plate(plate: PrintPlate, build: Build, path: Path) -> None:
+    """A plate's parts where they lie on the bed, its corner at the origin."""
+    process = build.job.processes[plate.process]
+    shapes = {}
+    for spot in plate.spots:
+        shape = build.laid[spot.name].copy()
+        if spot.turned:
+            shape.vertices = shape.vertices[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]
+        shape.vertices += [spot.x + process.build_x / 2, spot.y + process.build_y / 2, 0.0]
+        shapes[spot.name] = (shape, build.closed.part(spot.name).colour)
+    write_3mf(shapes, path, placed=True)
+
+
+def _order(order: Order, build: Build) -> str:
+    return order(list(build.findings), _crests(build))
+
+
+def _crests(build: Build) -> CrestAllowance | None:
+    """What the check allows of each crest; None where nobody asked for it."""
+    return CrestAllowance(checks.allowed_drops(build.check)) if build.check else None
 
 
 def _verdict(build: Build) -> str:

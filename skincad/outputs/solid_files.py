@@ -63,8 +63,11 @@ def write_stl(mesh: trimesh.Trimesh, path: Path) -> None:
     path.write_bytes(mesh.export(file_type="stl"))
 
 
-def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float]]], path: Path) -> None:
-    """Write named, coloured meshes as one 3MF, mm, side by side along y."""
+def write_3mf(
+    meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float]]], path: Path, placed: bool = False
+) -> None:
+    """Write named, coloured meshes as one 3MF, mm: where they are if they are `placed`, or else side by side
+    along y."""
     import lib3mf
 
     library = lib3mf.get_wrapper()
@@ -77,7 +80,7 @@ def write_3mf(meshes: dict[str, tuple[trimesh.Trimesh, tuple[float, float, float
         shape.SetName(name)
         shape.SetUUID(_uuid(name, "object"))
         low, high = mesh.bounds
-        corners = np.asarray(mesh.vertices) + np.array([0.0, along - low[1], 0.0])
+        corners = np.asarray(mesh.vertices) + np.array([0.0, 0.0 if placed else along - low[1], 0.0])
         along += high[1] - low[1] + 5.0
         shape.SetGeometry(
             [lib3mf.Position((float(x), float(y), float(z))) for x, y, z in corners],

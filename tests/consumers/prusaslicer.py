@@ -19,6 +19,7 @@ from manifold3d import Manifold, Mesh
 from PIL import Image
 
 from skincad.fabrication.making import PartReport
+from skincad.inputs.process import Process
 from tests.consumers import Job, volume_slack
 
 PROGRAM = "prusa-slicer"
@@ -128,3 +129,22 @@ def _of_mesh(part: PartReport, said: list[dict[str, str]]) -> list[str]:
     if abs(float(mesh["volume"]) - part.volume) > volume_slack(part) + single:
         wrong.append(f"{part.name}: {mesh['volume']} mm3 of {part.volume:.6g}")
     return wrong
+
+
+def sliced_plate(path: Path, process: Process, folder: Path) -> int:
+    """Slice a plate where its parts lie, with a process's layer and bed, and return the file's bytes. Raises
+    RuntimeError where the program does not."""
+    wide, long = process.build_x, process.build_y
+    bed = f"0x0,{wide}x0,{wide}x{long},0x{long}"
+    settings: dict[str, object] = {"layer-height": process.layer, "bed-shape": bed}
+    if process.exposure:
+        out = folder / f"{path.stem}.sl1"
+        settings |= {"display-width": wide, "display-height": long, "max-print-height": process.build_z}
+        settings |= {"display-pixels-x": round(10 * wide), "display-pixels-y": round(10 * long)}
+        settings |= {"supports-enable": 0, "pad-enable": 0}
+        way = "--export-sla"
+    else:
+        out, way = folder / f"{path.stem}.gcode", "--export-gcode"
+        settings |= {"nozzle-diameter": process.pixel, "skirts": 0, "max-print-height": process.build_z}
+    run(way, str(path), "-o", str(out), "--dont-arrange", *(f"--{k}={v}" for k, v in settings.items()))
+    return out.stat().st_size

@@ -85,7 +85,8 @@ def test_eighty_four_strips_are_drawn_in_by_the_pot_life() -> None:
     text = sheet(design)
     assert "draw in 6 of the 84 strips with it, at 97 s each, within 10 min" in text
     assert "14 times in all" in text
-    assert "more silicone, 28 g: draws the strips in, 14 x 2 g" in text
+    assert "28 g of more silicone, " in text
+    assert ": draws the strips in, 14 x 2 g" in text
     unknown = sheet(skincad.load("yamada-2002").with_(material={"name": None, "young_modulus": 0.5}))
     assert "as half the pot life on its data sheet takes at 97 s each" in unknown
 
@@ -103,18 +104,18 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     for words in (
         "18 film strips, PVDF, 28 µm, sputtered metal on both faces, and 2 to spare",
         "36 crimp contacts, for flat cable, 2.54 mm apart",  # two pads a strip
-        "primer that bonds silicone to plastics and metal (silane or titanate type), 1 ml",
-        "isopropanol, 37 ml",  # 10 and 0.5 a wipe
+        "primer that bonds silicone to plastics and metal (silane or titanate type), with a fine brush",
+        "37 ml of isopropanol",  # 10 and 0.5 a wipe
         "54 lint-free wipes",  # one a strip, two a shim
-        "acrylic adhesive, 0.72 m",  # 20 folded over lead and tab, 18 mm
-        "cyanoacrylate, thin, 1 g",
-        "more silicone, 4 g",
+        "72 cm of low-tack tape, acrylic adhesive",  # 20 folded over lead and tab, 18 mm
+        "1 g of cyanoacrylate, thin",
+        "4 g of more silicone",
         "film clip and weight, 10.7 g together: pull test, on 0.3 m of thread",  # 0.105 N
     ):
         assert words in rows
     cast = " | ".join(need.words for need in consumables(Job(skincad.load("cast-in"))))
     assert "36 weights, 5.1 g" in cast
-    assert "thread, 10.8 m" in cast
+    assert "11 m of thread" in cast
     assert "cyanoacrylate" not in cast
 
 

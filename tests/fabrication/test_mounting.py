@@ -33,7 +33,7 @@ from tests.mounted import IN_LINE, MOUNTS, NAMES, PLAIN, mounted_design
 
 
 def bought(design: Design) -> list[dict[str, str]]:
-    _, *rows = parts_csv(Job(design)).splitlines()
+    rows = parts_csv(Job(design)).splitlines()
     return [row for row in csv.DictReader(rows) if row["made_by"] == "bought"]
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import skincad
 from skincad.fabrication.job import Job
-from skincad.fabrication.parts_list import ESTIMATED, HEADS, parts_csv
+from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED, parts_csv
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
@@ -18,23 +18,25 @@ from tests.templates import of_one_printer
 
 
 def read(design: Design) -> list[dict[str, str]]:
-    comment, *rows = parts_csv(Job(design)).splitlines()
-    assert comment.startswith(f"# {design.name}")
-    assert design.revision in comment
-    return list(csv.DictReader(rows))
+    rows = list(csv.DictReader(parts_csv(Job(design)).splitlines()))  # its first row is the head
+    for row in rows:
+        assert row["design"].startswith(design.name)
+        assert design.revision in row["design"]
+    return rows
 
 
 @pytest.mark.parametrize("name", template_names())
 def test_every_part_and_every_bought_piece_is_there(name: str) -> None:
     design = skincad.load(name)
     closed, rows = mold(design), read(design)
-    assert set(rows[0]) == {*HEADS, *ESTIMATED}
+    assert set(rows[0]) == {*HEADS, *ESTIMATED, *ORDERED}
     assert [row["item"] for row in rows] == [str(number) for number in range(1, len(rows) + 1)]
     rows_made = [row for row in rows if row["made_by"] != "bought"]
     assert [row["what"] for row in rows_made] == [part.name for part in closed.parts if part.made == "made"]
     for row in rows_made:
         x, y, z = map(float, row["designation"].split(" x "))
         assert 0 < float(row["volume_cm3"]) < x * y * z / 1000
+    assert all(row["unit"] and float(row["quantity"]) > 0 for row in rows)
     counts = Counter[str]()
     for row in rows:
         if row["made_by"] == "bought" and row["what"] != "silicone":

@@ -154,7 +154,7 @@ def test_a_resin_is_tried_by_a_drop_before_all_else(coating: float) -> None:
 def test_a_plain_carrier_is_primed_before_the_mix_and_its_primer_is_bought() -> None:
     text = sheet(load("plain-ridges", ["mold.carrier=plain"]))
     assert text.index("Prime the carrier's lower face") < text.index("Mix. Start a clock")
-    assert "- primer that bonds silicone" in text
+    assert "- 1 ml of primer that bonds silicone" in text
     assert "Prime the carrier" not in sheet(load("plain-ridges"))
 
 

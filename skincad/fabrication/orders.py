@@ -1,0 +1,150 @@
+"""Orders: what a workshop needs to quote and make the parts of one process, and what is cut from sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from skincad.base.reading import markdown_text
+from skincad.base.version import __version__
+from skincad.fabrication.fasteners import PINNED, THREADED, is_pressed
+from skincad.fabrication.job import Job
+from skincad.fabrication.papers import paper
+from skincad.fabrication.part_drawing import (
+    CrestAllowance,
+    general_tolerance,
+    process_words,
+    surface_words,
+    what_matters,
+)
+from skincad.fabrication.parts_list import Item, parts_list
+from skincad.fabrication.printing import bed_words, face_down, print_plates, print_settings
+from skincad.fabrication.rules import Finding
+from skincad.inputs.catalog import display_name
+from skincad.inputs.process import Process
+from skincad.solids.plan import Part
+
+SHEET_GOODS = {  # what is cut by a pattern: the file of each
+    "film strip": "film/strips.dxf",
+    "shim": "film/shims.dxf",
+    "seal": "drawings/seal.dxf",
+    "board": "film/strip-board.kicad_mod",
+}
+
+
+class OrderRow(NamedTuple):
+    """A part of an order: how many, what, of what, how large, its files, and what matters on it."""
+
+    quantity: str
+    what: str
+    material: str
+    size: str
+    files: list[str]
+    matters: list[str]
+
+
+Order = Callable[[list[Finding], CrestAllowance | None], str]
+
+
+def orders(job: Job, solids: bool = True) -> dict[str, Order]:
+    """Return the writer of each order by its file's name, known before any work: one for each process, and
+    one for what is cut from film and sheet. `solids`: whether there are STEP files and drawings."""
+    makers = dict.fromkeys(job.maker(part) for part in job.closed.parts if part.made == "made")
+
+    def of_process(name: str) -> Order:
+        return lambda findings, crests: _process_order(job, name, findings, crests, solids)
+
+    found: dict[str, Order] = {f"orders/order-{name}.md": of_process(name) for name in makers}
+    if any(item.what in SHEET_GOODS for item in parts_list(job)):
+        found["orders/order-sheet.md"] = lambda _, __: _sheet_order(job)
+    return found
+
+
+def _process_order(
+    job: Job, name: str, findings: list[Finding], crests: CrestAllowance | None, solids: bool
+) -> str:
+    process, closed = job.processes[name], job.closed
+    parts = [part for part in closed.parts if part.made == "made" and job.maker(part) == name]
+    items = {item.what: item for item in parts_list(job)}
+    supports = any(f.rule == "overhang" and f.where.endswith(f"by {name}") for f in findings)
+    return _order(
+        job,
+        title=process_words(job, parts[0]),
+        settings=print_settings(process, supports) if process.layer else "",
+        bed=bed_words(process),
+        rows=[_row(job, part, items[part.name], crests, solids) for part in parts],
+        general=_general(job, parts, process),
+    )
+
+
+def _row(job: Job, part: Part, item: Item, crests: CrestAllowance | None, solids: bool) -> OrderRow:
+    if job.process(part).layer:
+        plates = [p.file for p in print_plates(job) if part.name in {spot.name for spot in p.spots}]
+        files = [*plates, f"solids/{part.name}.stl"]
+    else:
+        files = [f"solids/{part.name}.step"] if solids else [f"solids/{part.name}.stl"]
+    drawings = [f"drawings/{part.name}.{kind}" for kind in ("pdf", "dxf")] if solids else []
+    return OrderRow(
+        quantity=item.quantity,
+        what=part.name,
+        material=markdown_text(item.material),
+        size=item.designation,
+        files=[*files, *drawings],
+        matters=what_matters(job, part, crests),
+    )
+
+
+def _general(job: Job, parts: list[Part], process: Process) -> list[str]:
+    """What holds for all parts of an order."""
+    first = parts[0]
+    rows = [f"Tolerances: {general_tolerance(job, first)} where nothing else is said."]
+    if surface := surface_words(job, first):
+        rows.append(f"Faces: {surface} µm where nothing else is said (ISO 21920-1).")
+    if process.layer:
+        down: dict[str, list[str]] = {}
+        for part in parts:
+            down.setdefault(face_down(job, part), []).append(part.name)
+        rows += [f"On the plate: the {face} of {', '.join(names)}." for face, names in down.items()]
+    else:
+        rows.append("Edges broken 0.1 to 0.3; those at trough and slits sharp and free of burrs.")
+    roles = {(part, cut.role) for part in parts for cut in part.cuts}
+    if any(role in THREADED for _, role in roles) and process.thread == "tapped":
+        rows.append("Threads: 6H, cut; a blind one as deep as its drawing says.")
+    if any(role in PINNED and is_pressed(part, role) for part, role in roles if role):
+        rows.append("Dowels of 2 mm, ISO 8734, are pressed in by us; don't widen their holes.")
+    return rows
+
+
+def _sheet_order(job: Job) -> str:
+    """What is cut from film, steel and foam, and the board."""
+    rows = [
+        OrderRow(
+            quantity=item.quantity,
+            what=item.what,
+            material=item.material,
+            size=item.designation,
+            files=[SHEET_GOODS[item.what]],
+            matters=[text for text in (item.tolerance, item.condition) if text],
+        )
+        for item in parts_list(job)
+        if item.what in SHEET_GOODS
+    ]
+    return _order(job, title="film, sheet and board", settings="", bed="", rows=rows, general=[])
+
+
+def _order(job: Job, title: str, settings: str, bed: str, rows: list[OrderRow], general: list[str]) -> str:
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        alike.setdefault(tuple(row.matters), []).append(row.what)
+    return paper(
+        "order.md",
+        title=title,
+        design=markdown_text(display_name(job.design)),
+        revision=job.design.revision,
+        version=__version__,
+        settings=settings,
+        bed=bed,
+        rows=rows,
+        general=general,
+        matters=[(names, lines) for lines, names in alike.items() if lines],
+    )

@@ -1,0 +1,91 @@
+"""Prints: on which plates of a machine the parts lie, and the slicer's settings that estimates assume."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from skincad.fabrication.job import Job
+from skincad.fabrication.machine_rules import extent, laid_on_end, on_end
+from skincad.fabrication.meshes import BedPart, Spot, arranged, plates
+from skincad.inputs.process import Process
+from skincad.solids.plan import END_PLATES, Part
+
+# mm, assumption: what slicers take off the first layers' sides; source: PrusaSlicer's default for filament
+ELEPHANT_FOOT = {"filament": 0.2, "resin": 0.1}
+LAPPING = (
+    "Lap the printed joint faces (both ends and the top of the cavity, the inner faces of the end plates, "
+    "the carrier's lower face) on 400 grit paper on a glass plate until they are evenly dull. When you close "
+    "the mold, put a thin coat of petroleum jelly on the joints, and none on the carrier or in the trough."
+)
+
+
+class PrintPlate(NamedTuple):
+    """One plate: its number from 1 among all of a mold, its process's name, and where its parts lie."""
+
+    number: int
+    process: str
+    spots: tuple[Spot, ...]
+
+    @property
+    def file(self) -> str:
+        """The file that has it."""
+        return f"solids/mold-plate-{self.number}.3mf"
+
+
+def print_plates(job: Job) -> list[PrintPlate]:
+    """Return the plates that a mold's printed parts fill, each by one process; none where nothing is printed.
+
+    A part that is larger than its machine's bed has a plate to itself, in the middle of it: the finding
+    `build volume` reports it.
+    """
+    lying: dict[str, list[BedPart]] = {}
+    for part in job.closed.parts:
+        if part.made == "made" and job.process(part).layer:
+            lying.setdefault(job.maker(part), []).append(_on_bed(job, part))
+    rows = [(name, plate) for name, parts in lying.items() for plate in plates(parts, job.processes[name])]
+    return [
+        PrintPlate(number, name, tuple(_spots(plate, job.processes[name])))
+        for number, (name, plate) in enumerate(rows, 1)
+    ]
+
+
+def _on_bed(job: Job, part: Part) -> BedPart:
+    x, y, z = extent(part)
+    return BedPart(part.name, x, z, y) if laid_on_end(job, part) else BedPart(part.name, x, y, z)
+
+
+def _spots(plate: list[BedPart], process: Process) -> list[Spot]:
+    spots = arranged(plate, process)
+    return [Spot(plate[0].name, 0.0, 0.0, False)] if spots is None else spots
+
+
+def print_settings(process: Process, supports: bool) -> str:
+    """Return the slicer's settings that price, mass and stiffness assume."""
+    held = "supports where the sheet's Watch says" if supports else "no supports"
+    if process.exposure:
+        return (
+            f"layers of {process.layer:g} mm, {process.exposure:g} s each, the first {process.first_layers} "
+            f"{process.first_exposure:g} s, fading over {process.fading}; solid, no pad, {held}; "
+            f"elephant foot compensated by {ELEPHANT_FOOT['resin']:g} mm"
+        )
+    return (
+        f"layers of {process.layer:g} mm, lines {process.line:g} mm wide, {process.loops} walls, "
+        f"{process.shells} solid layers under tops and over bottoms, {100 * process.infill:g} % infill, "
+        f"{held}; elephant foot compensated by {ELEPHANT_FOOT['filament']:g} mm"
+    )
+
+
+def face_down(job: Job, part: Part) -> str:
+    """Return which face of a part lies on the plate."""
+    if not on_end(part, job.process(part)):
+        return "lower face"
+    if part.role in END_PLATES:
+        return "outer face" if part.end == "a" else "inner face"
+    return "face at end a"
+
+
+def bed_words(process: Process) -> str:
+    """Return the bed of a process's machine."""
+    if not process.build_x:
+        return "any bed"
+    return f"a bed of {process.build_x:g} x {process.build_y:g} mm, {process.build_z:g} mm high"
