@@ -232,14 +232,28 @@ class DrawingTable(NamedTuple):
     rows: tuple[tuple[str, ...], ...]
 
 
-@dataclass(frozen=True)
-class PartDrawing:
-    """A part's drawing: views by name, what is dimensioned in them, tables, and words; lengths mm."""
+@dataclass(frozen=True, kw_only=True)
+class Titled:
+    """What the title block, the notes and the tables of any drawing say."""
 
     name: str
+    document: str
     design: str
     revision: str
     what: str
+    tables: tuple[DrawingTable, ...]
+    notes: tuple[str, ...]
+    process: str
+    material: str
+    tolerance: str
+    surface: str  # "" where the process says nothing of it
+    cut_from_solid: bool  # not printed
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartDrawing(Titled):
+    """A part's drawing: views by name and what is dimensioned in them; lengths mm."""
+
     views: dict[str, Projection]
     captions: dict[str, str]
     holes: tuple[HoleGroup, ...]
@@ -251,13 +265,6 @@ class PartDrawing:
     profile: tuple[Stroke, ...]  # that a detail shows: the front view, or a bent mold's middle section
     cut: CutProfile | None  # what is cut right through, for DXF
     cut_notes: tuple[str, ...]  # what is said of it there
-    tables: tuple[DrawingTable, ...]
-    notes: tuple[str, ...]
-    process: str
-    material: str
-    tolerance: str
-    surface: str  # "" where the process says nothing of it
-    cut_from_solid: bool  # not printed
 
 
 def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
@@ -285,6 +292,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         words.append(_gang_words(job, part))
     return PartDrawing(
         name=part.name,
+        document="part drawing",
         design=display_name(job.design),
         revision=job.design.revision,
         what=part.role.what,

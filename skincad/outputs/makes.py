@@ -10,6 +10,7 @@ from typing import Any, TypeVar, cast
 
 from skincad.base.result import Writer
 from skincad.base.version import __version__
+from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.job import Job
 from skincad.fabrication.making import Build, MakeResult, passes
@@ -22,6 +23,7 @@ from skincad.inputs.design import Design
 from skincad.outputs import checks
 from skincad.outputs.delivery import text
 from skincad.outputs.drawing import flat
+from skincad.outputs.drawing.assembly_sheet import assembly_sheet
 from skincad.outputs.drawing.formats import sheet_svg, write_sheet_dxf, write_sheet_pdf
 from skincad.outputs.drawing.marks import Sheet
 from skincad.outputs.drawing.overview import drawing
@@ -45,6 +47,11 @@ T = TypeVar("T")
 
 COMMAND = "make"
 PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
+SHEETS: dict[str, Callable[[Sheet, Path], object]] = {
+    "pdf": write_sheet_pdf,
+    "svg": lambda sheet, path: path.write_text(sheet_svg(sheet), encoding="utf-8"),
+    "dxf": write_sheet_dxf,
+}
 BuildWriter = Callable[[Build, Path], None]
 
 
@@ -125,6 +132,7 @@ def writers(
         "solids/skin.3mf": lambda build, path: write_3mf(
             {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
         ),
+        **_assembly_writers(),
         "drawings/section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
         "drawings/section.svg": lambda build, path: flat.write_section_svg(build.design, path),
         "drawings/drawing.svg": _text(drawing_svg),
@@ -150,28 +158,38 @@ def _text(of: Callable[[Build], str]) -> BuildWriter:
 
 def _solid_writers(printed: list[str]) -> dict[str, BuildWriter]:
     """The files that show exact solids: STEP, and shop drawings, each sheet laid out once for its formats."""
-    drawings: dict[str, Callable[[Sheet, Path], object]] = {
-        "pdf": write_sheet_pdf,
-        "svg": lambda sheet, path: path.write_text(sheet_svg(sheet), encoding="utf-8"),
-        "dxf": write_sheet_dxf,
-    }
 
     def drawn(name: str, kind: str, build: Build, path: Path) -> None:
-        drawings[kind](_once(build, f"sheet {name}", lambda: sheet_of(build, name)), path)
+        SHEETS[kind](_once(build, f"sheet {name}", lambda: sheet_of(build, name)), path)
 
     return {
         **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
         "solids/assembly.step": _write_assembly,
-        **{f"drawings/{name}.{kind}": partial(drawn, name, kind) for name in printed for kind in drawings},
+        **{f"drawings/{name}.{kind}": partial(drawn, name, kind) for name in printed for kind in SHEETS},
     }
+
+
+def _assembly_writers() -> dict[str, BuildWriter]:
+    """The drawing of the closed mold, which needs no exact solid."""
+
+    def drawn(kind: str, build: Build, path: Path) -> None:
+        def sheet() -> Sheet:
+            return assembly_sheet(assembly_drawing(build.job), __version__, _date())
+
+        SHEETS[kind](_once(build, "sheet of the assembly", sheet), path)
+
+    return {f"drawings/assembly.{kind}": partial(drawn, kind) for kind in SHEETS}
+
+
+def _date() -> str:
+    return source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
 
 
 def sheet_of(build: Build, name: str) -> Sheet:
     """Return a made part's sheet; its date is SOURCE_DATE_EPOCH's, or left out."""
     part = build.closed.part(name)
-    date = source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
     drawn = part_drawing(build.job, part, build.solid(part).val(), _crests(build))
-    return part_sheet(drawn, __version__, date)
+    return part_sheet(drawn, __version__, _date())
 
 
 def _write_solid(name: str, build: Build, path: Path) -> None:

@@ -14,7 +14,7 @@ import shapely
 
 from skincad.base.arrays import Array
 from skincad.fabrication.drawn_features import FRONT, Groove, Slit, number
-from skincad.fabrication.part_drawing import DrawingTable, PartDrawing
+from skincad.fabrication.part_drawing import DrawingTable, PartDrawing, Titled
 from skincad.outputs.drawing.marks import Box, Ink, Mark, Sheet, Words, aligned, line, rectangle, width
 from skincad.outputs.drawing.part_views import ViewPlacement, corner_of, places, size_of, view_marks
 from skincad.shape.curves import Loop
@@ -320,12 +320,12 @@ class TitleBlock(NamedTuple):
     date: str  # "" where it is left out
 
 
-def column_height(drawing: PartDrawing) -> float:
+def column_height(drawing: Titled) -> float:
     """Return how high the column is, mm."""
     return TITLE + GAP + _notes_height(drawing) + sum(GAP + _table_height(t) for t in drawing.tables)
 
 
-def column(drawing: PartDrawing, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
+def column(drawing: Titled, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
     """Return the column's marks, its lower left corner there."""
     marks = _title(drawing, title_block, left, low)
     high = low + TITLE + GAP + _notes_height(drawing)
@@ -339,7 +339,7 @@ def column(drawing: PartDrawing, title_block: TitleBlock, left: float, low: floa
     return marks
 
 
-def _wrapped(drawing: PartDrawing) -> list[str]:
+def _wrapped(drawing: Titled) -> list[str]:
     max_letters = int((COLUMN - 4.0) / width("n", TEXT) * 1.12)  # a text has narrow letters too
     lines = []
     for note in drawing.notes:
@@ -347,7 +347,7 @@ def _wrapped(drawing: PartDrawing) -> list[str]:
     return lines
 
 
-def _notes_height(drawing: PartDrawing) -> float:
+def _notes_height(drawing: Titled) -> float:
     return ROW * len(_wrapped(drawing)) + 1.0
 
 
@@ -399,12 +399,12 @@ def _grid(
     return marks
 
 
-def _title(drawing: PartDrawing, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
+def _title(drawing: Titled, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
     cells: list[tuple[Box, str, str, float]] = [
         ((0, 30, 96, TITLE), "title", f"{drawing.name}", 3.5),
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
         ((0, 22.5, 96, 30), "what it is", drawing.what, HEAD),
-        ((96, 22.5, 150, 30), "document", "part drawing", HEAD),
+        ((96, 22.5, 150, 30), "document", drawing.document, HEAD),
         ((0, 15, 58, 22.5), "material", drawing.material, HEAD),
         ((58, 15, 102, 22.5), "process", drawing.process, HEAD),
         ((102, 15, 141, 22.5), "tolerance unless said", drawing.tolerance, HEAD),
@@ -433,7 +433,7 @@ def _title(drawing: PartDrawing, title_block: TitleBlock, left: float, low: floa
     return [*marks, *_surface(drawing, left + 144.0, low + 15.6), *_symbol(left, low)]
 
 
-def _surface(drawing: PartDrawing, x: float, y: float) -> list[Mark]:
+def _surface(drawing: Titled, x: float, y: float) -> list[Mark]:
     """The symbol of a surface's texture (ISO 21920-1), its tip there, with a bar where material is taken off
     and without one where it is only put on, and what it asks for."""
     if not drawing.surface:
