@@ -1,14 +1,11 @@
 """How silicone is mixed and brought into the mold: amounts, a clock against its pot life, time and force.
 
-A front of silicone, h deep on a floor tilted by a, levels itself at most at rho g h^2 sin(a) / (3 mu)
-(Nusselt's film; Bird, Stewart and Lightfoot, Transport Phenomena, sec. 2.2). Pressed faster it piles up and
-runs over grooves before these fill. A groove d deep fills through its narrowest passage b, from h of silicone
-over it, in 6 mu d^2 / (rho g h b^2): Poiseuille's flow between plates, Washburn's integral. Its air leaves
-along it, towards the raised end, until the front arrives there. By then a groove may lag behind by LAG of the
-length; where that takes longer than anyone waits, grooves are brushed full before the carrier goes on.
-
-What the thumb presses: 128 mu l Q / (pi d^4) in the tip or the gate, by the plunger's area (Hagen-Poiseuille;
-silicones thin a little as they are sheared, which is left out). Range: Newtonian, a mix that is fresh.
+A front of silicone that is pressed faster than its slope (solids/gate.py) piles up and runs over grooves
+before these fill. A groove d deep fills through its narrowest passage b, from h of silicone over it, in
+6 mu d^2 / (rho g h b^2): Poiseuille's flow between plates, Washburn's integral. Its air leaves along it,
+towards the raised end, until the front arrives there. By then a groove may lag behind by LAG of the length;
+where that takes longer than anyone waits, grooves are brushed full before the carrier goes on. Range:
+Newtonian, a mix that is fresh.
 """
 
 from __future__ import annotations
@@ -21,27 +18,9 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, warning
 from skincad.fabrication.strips import GRAVITY, pour
 from skincad.inputs.silicone import Silicone
+from skincad.solids.gate import LUER, SYRINGES, THUMB, TIP_LENGTH, TIP_PLAY, TIPS, filling_time, press, tip
 from skincad.solids.plan import CutRole, PartRole, bores
 
-# mm, source: outer and inner diameters of needle tubing by gauge (Birmingham wire gauge, regular wall)
-TIPS = {
-    10: (3.40, 2.69),
-    12: (2.77, 2.16),
-    14: (2.11, 1.60),
-    16: (1.65, 1.19),
-    18: (1.27, 0.84),
-    20: (0.91, 0.60),
-    22: (0.72, 0.41),
-    25: (0.51, 0.26),
-}
-TIP_LENGTH = 12.7  # mm, source: blunt tips are sold half an inch long
-TIP_PLAY = 0.1  # mm, assumption: least play of a tip in the gate
-TUBE_WALL = 0.5  # mm, assumption: of a tube in a gate that is wider than the largest tip
-LUER = (4.03, 4.48)  # mm, source: ISO 80369-7, male slip, largest at its end, and 7.5 mm of 6 % behind
-LUER_BORE, LUER_LENGTH = 2.1, 10.0  # mm, assumption: of a plastic syringe's slip
-# ml and mm, source: inner diameters that makers of plastic syringes state for pumps
-SYRINGES = {5: 12.06, 10: 14.5, 20: 19.13, 30: 21.7, 60: 26.72}
-THUMB = 30.0  # N, assumption: what a thumb presses for minutes; it can do three times as much for seconds
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 SCALE = 0.01  # g, assumption: what the scale shows
 LEAST_PORTION = 0.5  # g, assumption: of A or B; the scale knows it to 2 %
@@ -104,9 +83,7 @@ def filling(job: Job) -> Filling:
 
 def front_time(job: Job) -> float:
     """Return the least time in which a front keeps its slope along the skin, s."""
-    skin, tilt = job.design.skin, math.radians(max(job.design.mold.pour_tilt, 1.0))
-    weight = job.silicone.density * GRAVITY * math.sin(tilt) * (1e-3 * skin.thickness) ** 2
-    return 3 * job.silicone.viscosity * 1e-3 * skin.length / weight
+    return filling_time(job.design)
 
 
 def groove_time(job: Job) -> float:
@@ -119,27 +96,7 @@ def groove_time(job: Job) -> float:
 
 def thumb_work(job: Job, gate: float, syringe: int) -> float:
     """Return the thumb's force times the time of filling, N s: it falls as the time grows."""
-    length, bore = outlet(gate)
-    volume = poured_volume(job) * 1e-9
-    pressure = 128 * job.silicone.viscosity * length * 1e-3 * volume / (math.pi * (bore * 1e-3) ** 4)
-    return pressure * math.pi / 4 * (SYRINGES[syringe] * 1e-3) ** 2
-
-
-def tip(gate: float) -> int | None:
-    """Return the gauge of the widest blunt tip that goes into a gate; None where a luer slip or a tube
-    does."""
-    if gate >= LUER[0]:
-        return None
-    return next((gauge for gauge, (outer, _) in TIPS.items() if outer + TIP_PLAY <= gate), None)
-
-
-def outlet(gate: float) -> tuple[float, float]:
-    """Return length and bore, mm, of what the silicone is pressed through."""
-    if (gauge := tip(gate)) is not None:
-        return TIP_LENGTH, TIPS[gauge][1]
-    if LUER[0] <= gate <= LUER[1]:
-        return LUER_LENGTH, LUER_BORE
-    return TIP_LENGTH, max(gate - TIP_PLAY - 2 * TUBE_WALL, gate / 2)
+    return press(job.silicone.viscosity, poured_volume(job), gate, SYRINGES[syringe])
 
 
 def outlet_words(gate: float) -> str:

@@ -115,8 +115,8 @@ class Mold(Table):
     )
     gate: float | None = quantity(
         "mm",
-        "diameter of the pouring gate; 2, or the largest tenth that leaves 0.3 of the skin's end round it, "
-        "if not given",
+        "diameter of the pouring gate; if not given 2, or up to 4.2 so that a thumb fills the mold in time, "
+        "or the largest tenth that leaves 0.3 of the skin's end round it",
         gt=0.2,
         le=20.0,
         default=None,

@@ -11,6 +11,7 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, flipped, loop
 from skincad.shape.skin import Section, section
 from skincad.solids.fasteners import TAP_RADIUS, engagement
+from skincad.solids.gate import WIDTHS, wanted_gate
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,
@@ -26,7 +27,6 @@ from skincad.solids.plan import Body, Bore, CutRole, End, Part, PartRole, Prism,
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.split import closed_edge, split_edges, split_height
 
-GATE = 2.0  # mm, assumption: takes a blunt tip of 16 gauge, 1.65 mm, through which silicone still flows well
 LEAST_GATE = 0.7  # mm, assumption: takes the thinnest usual blunt tip, 25 gauge, 0.51 mm
 GATE_SILL = 0.3  # mm, assumption: least skin below and above the gate, so that it can be trimmed
 GATE_WEB = 0.8  # mm, assumption: of plate under the gate, two lines of a nozzle; less where there is no room
@@ -163,8 +163,11 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
     skin, choice, diameter = design.skin, design.mold, design.mold.gate
     if choice.pour == "open":
         return None
-    body, most = _gate_room(design, shape, (diameter or GATE) / 2)
-    wide = diameter or min(GATE, math.floor(10 * most) / 10)  # a drill
+    body, most = _gate_room(design, shape, (diameter or WIDTHS[0]) / 2)
+    wide = diameter or min(wanted_gate(design, shape), math.floor(10 * most) / 10)  # a drill
+    if diameter is None and wide > WIDTHS[0]:  # a wider one stands further from the middle
+        most = _gate_room(design, shape, wide / 2)[1]
+        wide = max(WIDTHS[0], min(wide, math.floor(10 * most) / 10))
     straight, room = skin.curvature_radius_y is None, f"leaves {most:.4g} mm for the gate in the skin's end"
     way_out = ', or take mold.pour = "open"' if straight else ""
     if most <= 0 or (diameter is None and wide < LEAST_GATE):

@@ -158,7 +158,7 @@ def _clear(at: tuple[float, float], wide: float, other: Vector, radius: float) -
 
 HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, spacing of the carrier's holes
 # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
-MOST_HOLES = 60
+MOST_HOLES = 24
 BLEED = 0.4  # mm, assumption: least radius of the cover's bleed over each of them, which would keep its air
 VENT = 1.0  # mm, assumption: through which silicone rises without much pressure
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
@@ -189,14 +189,14 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     end, chosen, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
     beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
     most = min(min(beside) - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
-    most = min(most, place.cover - EDGE / 2)  # and off the cover's edge at end a
+    rim = min(place.cover, end + design.mold.end_plate) - EDGE / 2
+    most = min(most, rim)  # and off the cover's edge at end a
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
-    outmost = place.cover - EDGE / 2
-    y = min(end, outmost - wide)
+    y = min(end, rim - wide)
     need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
     if not need <= wide <= most:
         least = max(end - inner, vent.start[1] + vent.radius - end, OVERLAP)
-        least = least if least <= outmost - end else (outmost - inner) / 2
+        least = least if least <= rim - end else (rim - inner) / 2
         rule = f"must be from {2 * least:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
     return Bore((0.0, y, place.top), "z", place.lid, need, wide, role=CutRole.RESERVOIR)

@@ -13,6 +13,7 @@ from skincad.fabrication.strips import pour
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
+from skincad.solids.gate import WIDTHS
 
 
 def test_a_front_is_a_film_under_its_own_weight(yamada: Design) -> None:
@@ -52,15 +53,28 @@ def test_grooves_that_the_mix_does_not_flow_into_are_brushed(yamada: Design) -> 
 
 def test_the_thumb_presses_by_hagen_and_poiseuille() -> None:
     """A blunt tip of 16 gauge, 1.19 x 12.7 mm, and a syringe of 5 ml, 12.06 mm."""
-    job = Job(skincad.load("milled-pad"))
+    job = Job(skincad.load("milled-pad", ["mold.gate=2.0"]))
     how = filling(job)
-    assert job.gate == 2.0
     flow = pouring.poured_volume(job) * 1e-9 / how.seconds
     pressure = 128 * 20 * 12.7e-3 * flow / (math.pi * 1.19e-3**4)
     assert how.force == pytest.approx(pressure * math.pi / 4 * 12.06e-3**2, rel=1e-12)
     stiff = Job(job.design.with_(silicones={job.silicone.name: {"viscosity": 200.0}}))
     assert filling(stiff).force <= pouring.THUMB
     assert filling(stiff).seconds > how.seconds
+
+
+def test_a_gate_is_wider_where_a_thumb_would_press_too_hard_and_the_skin_has_room() -> None:
+    """The next usual width at which the force asks for no longer time; a thin skin keeps it narrow."""
+    design = skincad.load("milled-pad", ["mold.fill_time=30"])
+    stiff = design.with_(silicones={design.material.name: {"viscosity": 200.0}}, skin={"thickness": 12.0})
+    wide, job = WIDTHS.index(Job(stiff).gate or 0.0), Job(stiff)
+    assert wide > 0
+    assert filling(job).force < pouring.THUMB
+    narrower = Job(stiff.with_(mold={"gate": WIDTHS[wide - 1]}))
+    assert filling(narrower).force > 0.9 * pouring.THUMB
+    thin = Job(stiff.with_(skin={"thickness": 3.0}))
+    assert thin.gate is not None
+    assert thin.gate < WIDTHS[wide]
 
 
 @pytest.mark.parametrize("name", template_names())
