@@ -30,6 +30,7 @@ from skincad.fabrication.strips import (
     strips_per_mix,
     weight,
 )
+from skincad.inputs.skin_tables import Film
 from skincad.solids.cavity import split_ridges
 from skincad.solids.inserts import GRIP, drawing_end
 from skincad.solids.layout import end_angle
@@ -300,7 +301,7 @@ def masked_length(job: Job) -> float:
     """Return how much of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch."""
     if job.design.film is None:
         return 0.0
-    bent, lead = job.bent, job.design.film.lead
+    bent, lead = job.bent, job.lead
     return tab(job.design.film)[1] + (max(0.0, lead - job.design.mold.end_plate) if bent else lead)
 
 
@@ -321,13 +322,24 @@ def preparation_steps(job: Job) -> list[str]:
         masked = f"the last {masked_length(job):g} mm of the wired end (end {film.wiring_side})"
         masked += ", where it stays for now, its number and + side written on it"
     return [
-        f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in film/strips.dxf). Wipe "
+        f"{when} the film strips ready ({1000 * film.thickness:.0f} µm, numbered in film/strips.dxf). "
+        f"{_plus_face(film)} Wipe "
         "both faces with isopropanol on a lint-free wipe; from now on touch them by their ends. Fold "
         f"low-tack tape with acrylic adhesive over {masked}: what is contacted later must stay free of "
         f"primer and silicone. Brush primer thinly onto both faces, {rest}. It dries in {PRIMER_MIN} min "
         "at 20 to 25 °C and 40 % humidity or more; where its data sheet says otherwise, that counts. Use "
         f"the strips within {PRIMER_H} h."
     ]
+
+
+def _plus_face(film: Film) -> str:
+    """How the + face of bought film is found: it goes positive as the film is pulled along its draw axis."""
+    way = "up" if film.d31 > 0 else "down"
+    return (
+        "Find the + face on an offcut before you cut: clip an oscilloscope's tip to one face and its ground "
+        "to the other, and pull the film quickly and lightly along its draw axis. If the first kick goes "
+        f"{way}, the tip is on the + face; mark it."
+    )
 
 
 def gluing_steps(job: Job) -> list[str]:

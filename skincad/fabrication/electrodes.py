@@ -29,8 +29,8 @@ from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, loop, rectangle
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import section
+from skincad.solids.inserts import PITCH, fan_lead, fan_offset
 
-PITCH = 2.54  # mm, source: 0.1 inch, crimps and clinchers for flat cable (TE 108-9024, FCI BUS-12-022)
 PAD = (3.0, 1.5)  # mm, length and width; assumption: those crimps' conductors are 1.27 wide (TE 108-9024)
 EDGE = 0.5  # mm, assumption: bare film round pads on their tab, by which it is held
 LINK = 1.0  # mm, assumption: width of the metal from a lead to its pad
@@ -41,8 +41,6 @@ PERMITTIVITY = (12.5, 0.5)  # relative, and its error; source: data sheets of PV
 FILM_THICKNESS = 0.05  # relative, assumption: by which a film differs from its nominal thickness
 COPLANAR = 0.12  # pF/mm of lead, source: see circuit/network.py, on a half space of film
 LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
-MOST_TURN = math.radians(30.0)  # assumption: by which a lead may leave its slot's direction
-BEND = 50.0  # thicknesses of film, assumption: radius of a bend, 1 % of strain; it yields at 1.5 (strips.py)
 
 
 class Faces(NamedTuple):
@@ -131,7 +129,7 @@ def strip_capacitance(job: Job) -> Capacitance:
     value = capacitance(electrode(job.design), film.thickness, PERMITTIVITY[0]) / PICO
     narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
     share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
-    return Capacitance(value, share * value, COPLANAR * (film.lead + tab(film)[0]))
+    return Capacitance(value, share * value, COPLANAR * (job.lead + tab(film)[0]))
 
 
 def past_tabs(design: Design) -> str:
@@ -178,10 +176,11 @@ def _tab(job: Job, film: Film) -> Iterator[Finding]:
     thick, cast_in = job.design.mold.end_plate, job.design.mold.method == "cast-in"
     if not cast_in and not job.bent:
         return
-    free = film.lead if cast_in else film.lead - thick
+    lead = job.lead
+    free = lead if cast_in else lead - thick
     if free < thick:
         where = f"lead between end plate {film.wiring_side} and the tab with the pads"
-        remedy = f"film.lead of {film.lead + thick - free:g} mm or more, for the plate to slide off its pins"
+        remedy = f"film.lead of {lead + thick - free:g} mm or more, for the plate to slide off its pins"
         yield warning("strip tab", where, free, thick, "mm", remedy)
 
 
@@ -205,23 +204,13 @@ def fan_out(job: Job) -> FanOut | None:
     strips = tuple(sorted(section(cast).slots, key=lambda place: place.centre.x))
     half = half_tab(film, slot.depth)
     tabs = [shapely.LineString([s.at(0.0, -half), s.at(0.0, half)]) for s in strips]
-    middle = (len(strips) - 1) / 2
-    offset = max(abs(PITCH * (i - middle) - s.centre.x) for i, s in enumerate(strips))
     return FanOut(
         strips,
         min(a.distance(b) for a, b in pairwise(tabs)) - film.thickness,
         min(b.centre.x - a.centre.x for a, b in pairwise(strips)),
-        offset,
-        _fan_lead(offset, BEND * film.thickness),
+        fan_offset(cast),
+        fan_lead(cast),
     )
-
-
-def _fan_lead(offset: float, radius: float) -> float:
-    """Length of an S of two arcs and a straight, which moves a lead aside by `offset`, mm."""
-    by_arcs = 2 * radius * (1 - math.cos(MOST_TURN))
-    if offset <= by_arcs:
-        return 2 * radius * math.acos(1 - offset / 2 / radius)
-    return 2 * radius * MOST_TURN + (offset - by_arcs) / math.sin(MOST_TURN)
 
 
 def fan_out_steps(job: Job) -> list[str]:
@@ -232,12 +221,15 @@ def fan_out_steps(job: Job) -> list[str]:
     first, *_, last = spread.strips
     crossed = " Tabs cross as the slots hold them." if spread.tab_gap <= 0 else ""
     room = (
-        f"the lead of {film.lead:g} mm is long enough"
-        if film.lead >= spread.lead
-        else f"film.lead is {film.lead:g} mm, so give the outer ones single plugs on wires"
+        f"the lead of {lead:g} mm is long enough"
+        if (lead := job.lead) >= spread.lead
+        else f"film.lead is {lead:g} mm, so give the outer ones single plugs on wires"
     )
     return [
-        f"Bring the tabs to a board (film/strip-board.kicad_mod), strip by strip from {first.feature} "
+        "Relieve the leads where they leave the skin: put a drop of the same silicone on each, 3 mm along "
+        "it, and let it cure before anything is bent. Stick polyester tape of 0.1 mm behind the pads: bare "
+        "film tears in a crimp. "
+        f"Then bring the tabs to a board (film/strip-board.kicad_mod), strip by strip from {first.feature} "
         f"{first.side} to {last.feature} {last.side}.{crossed} Turn each tab upright, its cut corner to the "
         "ridges, crimp a "
         f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "

@@ -14,6 +14,7 @@ from skincad.inputs.process import Process, processes
 from skincad.inputs.silicone import Silicone
 from skincad.shape.skin import Section, Skin, section, skin_of
 from skincad.solids.ends import gate
+from skincad.solids.inserts import lead_length
 from skincad.solids.layout import Fits, Layout, fits, is_clamped, layout
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import CAVITIES, END_PLATES, Part
@@ -85,6 +86,11 @@ class Job:
         if self.skin.slot is None:
             return ""
         return "shims" if self.design.mold.method == "shim" else "strips"
+
+    @cached_property
+    def lead(self) -> float:
+        """How long the straight leads of the strips are, mm; 0 without film."""
+        return lead_length(self.cast if self.design.mold.method == "cast-in" else self.design)
 
     @cached_property
     def clamped(self) -> bool:

@@ -26,6 +26,7 @@ from skincad.fabrication.rules import (
     Finding,
     Rule,
     coating,
+    drawn_at,
     error,
     grooves,
     note,
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 
 CHORD = 2e-5  # mm, of the polygons that stand for arcs; depths below are exact to `ERROR`
 ERROR = 5 * CHORD  # two buffers and the outline's own chords, and one in reserve
+TOLD = 1e-3  # mm; by less than that a note is none
 _SAMPLES = 8  # least points a segment besides its chords' ends; corners are always among them
 CREST_TOLERANCE = 0.02  # mm, asked: of a crest, to what the casting sheet says of it
 BED = 1e-6  # mm, rounding of the lowest facets
@@ -347,19 +349,19 @@ def _elsewhere(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Find
         notch = grooves(case)[0].width if comb else math.inf
         remedy = f"room for a tool of {2 * reach:g} mm" + (f" in {notch:.3g} mm" if comb else "")
         yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy)
-    elif depth > limit + ERROR:
+    elif depth > limit + TOLD:
         what = "the shims' edges" if comb else "the carrier's edges"
         remedy = f"break {what} by {depth - play:.2g} mm"
         yield case.breaks("tool reach", _place(case, worst), depth, limit, "mm left", remedy, grave=False)
 
 
 def _place(case: Case, segment: Segment) -> str:
-    """Name a segment: the slot that it is next to in a comb, else its place in the mold's frame."""
+    """Name a segment: the slot that it is next to in a comb, else its place in its drawing."""
     x, z = (segment.start.x + segment.end.x) / 2, (segment.start.z + segment.end.z) / 2
     if case.part.role is PartRole.COMB:
         slot = min(case.job.section.slots, key=lambda s: math.hypot(s.centre.x - x, s.centre.z + z))
         return f"notch {slot.side} of ridge {slot.feature}"
-    return f"corner near x {x:.3g}, z {z:.3g} mm"
+    return f"corner near {drawn_at(case.part, x, z)}"
 
 
 def _depth(case: Case) -> Iterator[Finding]:

@@ -24,7 +24,6 @@ from skincad.fabrication.electrodes import (
     EDGE,
     LABEL,
     PAD,
-    PITCH,
     SHOULDER,
     faces,
     half_tab,
@@ -40,7 +39,7 @@ from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, Segment, area, rectangle
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import section
-from skincad.solids.inserts import GRIP, strip_overhangs
+from skincad.solids.inserts import GRIP, PITCH, strip_overhangs
 from skincad.solids.layout import SQUEEZED_SHARE
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (

@@ -7,16 +7,12 @@ from typing import NamedTuple
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent, laid_on_end, on_end
 from skincad.fabrication.meshes import BedPart, Spot, arranged, plates
+from skincad.fabrication.papers import listed
 from skincad.inputs.process import Process
-from skincad.solids.plan import END_PLATES, Part
+from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
 
 # mm, assumption: what slicers take off the first layers' sides; source: PrusaSlicer's default for filament
 ELEPHANT_FOOT = {"filament": 0.2, "resin": 0.1}
-LAPPING = (
-    "Lap the printed joint faces (both ends and the top of the cavity, the inner faces of the end plates, "
-    "the carrier's lower face) on 400 grit paper on a glass plate until they are evenly dull. When you close "
-    "the mold, put a thin coat of petroleum jelly on the joints, and none on the carrier or in the trough."
-)
 
 
 class PrintPlate(NamedTuple):
@@ -72,6 +68,24 @@ def print_settings(process: Process, supports: bool) -> str:
         f"layers of {process.layer:g} mm, lines {process.line:g} mm wide, {process.loops} walls, "
         f"{process.shells} solid layers under tops and over bottoms, {100 * process.infill:g} % infill, "
         f"{held}; elephant foot compensated by {ELEPHANT_FOOT['filament']:g} mm"
+    )
+
+
+def lapping_words(job: Job) -> str:
+    """Return how printed joint faces are made flat; "" where none is printed."""
+    faces = {
+        "both ends and the top of the cavity": CAVITIES,
+        "the end plates' inner faces": END_PLATES,
+        "the carrier's lower face": {PartRole.CARRIER},
+    }
+    printed = {part.role for part in job.closed.parts if part.made == "made" and job.process(part).layer}
+    lapped = [face for face, roles in faces.items() if roles & printed]
+    if not lapped:
+        return ""
+    return (
+        f"Lap the printed joint faces ({listed(lapped)}) on 400 grit paper on a glass plate until they are "
+        "evenly dull. When you close the mold, put a thin coat of petroleum jelly on the joints, and none on "
+        "the carrier or in the trough."
     )
 
 

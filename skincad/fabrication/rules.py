@@ -24,7 +24,7 @@ from skincad.fabrication.job import Job
 from skincad.inputs.process import Process
 from skincad.shape.curves import Loop, Point, Segment, polygon
 from skincad.shape.skin import GUARD_TOLERANCE, Narrowest
-from skincad.solids.plan import CAVITIES, Part, PartRole, Prism, bores, unturned
+from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole, Prism, bores, unturned
 from skincad.solids.split import notch_rise
 
 FINER_COMBS = 'or a finer process for the combs: mold.end_plate_process = "edm"'
@@ -261,9 +261,24 @@ def _knife_edge(case: Case) -> Iterator[Finding]:
         return
     place, angle = min(edges(body.outline), key=lambda edge: edge[1])
     if angle < LEAST_ANGLE:
-        where = f"{case.part.role.label}, x {place.x:.3g}, z {place.z:.3g} mm"
+        where = f"{case.part.role.label}, {drawn_at(case.part, place.x, place.z)}"
         remedy = "a slot or flank that meets its parting line at a larger angle, or a larger curvature_radius"
         yield warning("knife edge", where, angle, LEAST_ANGLE, "deg", remedy)
+
+
+def drawn_at(part: Part, x: float, z: float) -> str:
+    """Return a place of a part's section as its drawing's front view has it: from its left or right edge, and
+    from its lower or upper one, as the drawing's notes say."""
+    body = (part.straight or unturned(part)).body
+    if not isinstance(body, Prism):
+        return f"x {x:.4g}, z {z:.4g} mm"
+    points = np.asarray(polygon(body.outline, GUARD_TOLERANCE))
+    (left, low), (right, high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    from_top = part.role is PartRole.KEEPER and part is unturned(part)
+    across = right - x if part.role is PartRole.RIGHT else x - left
+    up = high - z if from_top else z - low
+    whose = "end a's drawing" if part.role in END_PLATES else "its drawing"  # end b's is its mirror image
+    return f"x {across:.4g}, y {up:.4g} mm of {whose}"
 
 
 EDGE_RULES: tuple[Rule, ...] = (_knife_edge,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from skincad.base.reading import markdown_text
@@ -19,6 +20,7 @@ from skincad.fabrication.casting_steps import (
     to_buy,
     under_heads,
 )
+from skincad.fabrication.day_plan import day_plan_lines
 from skincad.fabrication.estimates import ProcessEstimate, lines
 from skincad.fabrication.fasteners import (
     PINNED,
@@ -34,6 +36,7 @@ from skincad.fabrication.fasteners import (
 from skincad.fabrication.filling import perforated
 from skincad.fabrication.inspection import Inspection, inspection_lines
 from skincad.fabrication.job import Job
+from skincad.fabrication.papers import listed
 from skincad.fabrication.part_drawing import process_words
 from skincad.fabrication.pouring import (
     DEAD_VOLUME,
@@ -46,9 +49,10 @@ from skincad.fabrication.pouring import (
     mixing_step,
     poured_volume,
 )
+from skincad.fabrication.printing import PrintPlate, lapping_words, print_plates, print_settings
 from skincad.fabrication.rules import Finding, coating, counted
 from skincad.fabrication.shopping import consumables
-from skincad.fabrication.strips import lap
+from skincad.fabrication.strips import BOND_STRENGTH, GRAVITY, lap
 from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.inserts import PIN_RADIUS
@@ -56,7 +60,10 @@ from skincad.solids.layout import SQUEEZED_SHARE, fits
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import END_PLATES, CutRole, Part, PartRole, Prism, bores
 
-RIVETED = "- The carrier is held by rivets of silicone: give it a light pull test before use."
+RIVET_STRAIN = 0.5  # assumption: of a rivet's neck under the test, well below what breaks silicone
+BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed back
+POST_CURE = (80, 2, 100, 1)  # C and h, source: silicone makers' technical bulletins, in this order
+POST_CURE_STIFFER = 0.05  # assumption: by which it raises E; bars of one's own batch tell (fit-material)
 # assumption, as resin makers' guides have it: two baths, drying, ultraviolet light, baking; data sheets count
 BATHS, BATH_MIN, DRYING_MIN, LIGHT_MIN, BAKING_H, BAKING_C = 2, 5, 30, 30, 4, 60
 
@@ -81,29 +88,42 @@ def casting_sheet(
         "",
         f"Revision {job.design.revision} of the design, by skincad {__version__}.",
         "",
-        *_parts(job, estimates),
+        *_parts(job, estimates, findings),
         *_mix(job),
         *_order(job),
+        *day_plan_lines(job),
         *_record(job),
         "## Watch",
         "",
         *(f"- {markdown_text(str(finding))}" for finding in findings),
-        *([RIVETED] if perforated(job.closed) else []),
+        f"- {pull_off_words(job)}",
         "",
         *(inspection_lines(inspected) if inspected else []),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _parts(job: Job, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
+def _prints(job: Job, findings: list[Finding]) -> list[str]:
+    """The slicer's settings, and which parts lie on which plate."""
+    by_process: dict[str, list[PrintPlate]] = {}
+    for plate in print_plates(job):
+        by_process.setdefault(plate.process, []).append(plate)
+    rows = []
+    for name, found in by_process.items():
+        supports = any(f.rule == "overhang" and f.where.endswith(f"by {name}") for f in findings)
+        on = "; ".join(f"{p.file}: {', '.join(spot.name for spot in p.spots)}" for p in found)
+        rows += [f"Print by {name}: {print_settings(job.processes[name], supports)}. Plates: {on}.", ""]
+    return rows
+
+
+def _parts(job: Job, estimates: tuple[ProcessEstimate, ...], findings: list[Finding]) -> list[str]:
     made_parts = (p for p in job.closed.parts if p.made == "made")
     rows = [f"| {p.name} | {process_words(job, p)} | {p.volume / 1000:.5g} |" for p in made_parts]
     lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(job.closed).items())
     bought = [
         *_bolts(job),
         *_seal(job.closed),
-        f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; ream the cavity's ends and the cover for a press "
-        "fit, the end plates and the cavity's top for a sliding fit",
+        f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; {_reamed(job)}",
     ]
     bought += (arcs_to_buy if job.bent else to_buy)(job)
     bought += [*screws_to_buy(job), *(need.words for need in consumables(job))]
@@ -115,6 +135,7 @@ def _parts(job: Job, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
         *rows,
         "",
         *([" ".join(["Estimates.", *lines(job, estimates)]), ""] if estimates else []),
+        *_prints(job, findings),
         _shrinkage(job),
         "",
         "To buy:",
@@ -122,6 +143,19 @@ def _parts(job: Job, estimates: tuple[ProcessEstimate, ...]) -> list[str]:
         *(f"- {row}" for row in bought),
         "",
     ]
+
+
+def _reamed(job: Job) -> str:
+    """How pin holes are finished."""
+    printed = [
+        name for name, part in (("cavity", job.cavity_process), ("cover", job.lid_process)) if part.layer
+    ]
+    if not printed:
+        return "their holes come reamed from the shop"
+    return (
+        f"ream the holes of the printed {listed(printed)} that they are pressed into to {2 * PIN_RADIUS:g} "
+        "mm (H7); in the end plates and the cavity's top they slide"
+    )
 
 
 def _bolts(job: Job) -> list[str]:
@@ -182,7 +216,23 @@ def _mix(job: Job) -> list[str]:
         f"{volume / 1000:.4g} cm³, {volume * material.density * 1e-6:.4g} g.",
         f"With {DEAD_VOLUME:g} g more for cup and syringe: {parts}.",
         times,
+        *_post_cure(job),
         "",
+    ]
+
+
+def _post_cure(job: Job) -> list[str]:
+    """An option after the cure, before any film is in."""
+    warm, hours, hot, more = POST_CURE
+    if lap(job) is None and job.design.film is not None:
+        return []  # film is in the mold, and loses its charge
+    resin = any(job.process(p).layer for p in job.closed.parts if p.made == "made")
+    out = " out of its printed mold" if resin else ""
+    last = ", before films go in" if job.design.film is not None else ""
+    return [
+        f"An option: post-cure the skin{out}{last}, {hours} h at {warm} °C and {more} h at {hot} °C. It "
+        f"drives out residues and raises E by about {100 * POST_CURE_STIFFER:.0f} % (assumption: a bar of "
+        "the same batch tells), and so all forces of the verdict by as much."
     ]
 
 
@@ -205,6 +255,28 @@ def _order(job: Job) -> list[str]:
     trial = _trial(job)
     steps = [f"{i}. {text}" for i, text in enumerate([*trial, *close, *leave], 1 - len(trial))]
     return ["## In this order", "", *steps, ""]
+
+
+def pull_off(job: Job) -> float:
+    """Return the pull, N, that shows that the carrier holds the skin: on the necks of its rivets, or on its
+    primed face."""
+    necks = bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET)
+    if necks:
+        area = math.fsum(math.pi * bore.radius**2 for bore in necks)
+        return area * job.silicone.young_modulus.value * RIVET_STRAIN
+    return (
+        BOND_SHARE * BOND_STRENGTH * job.design.skin.width * job.design.skin.length * job.design.mold.cavities
+    )
+
+
+def pull_off_words(job: Job) -> str:
+    """Return how it is tested that the carrier holds the skin."""
+    how = "its rivets of silicone" if perforated(job.closed) else "its primed face"
+    force = pull_off(job)
+    return (
+        f"The carrier holds by {how}. Before use, hold the skin by its sides and pull the carrier off it "
+        f"with {force:.2g} N ({1000 * force / GRAVITY:.3g} g) for 10 s: no edge may lift."
+    )
 
 
 def _record(job: Job) -> list[str]:
@@ -278,8 +350,9 @@ def preparation(job: Job) -> str:
     parts = [part for part in job.closed.parts if part.made == "made"]
     roles = sorted(PINNED, key=lambda role: role.name)
     press_fits = [p.name for p in parts if any(is_pressed(p, role) and bores(p, role) for role in roles)]
-    pinning = [f"Press the dowel pins into {_listed(press_fits)}."] if press_fits else []
-    steps = [*_sealing(job, parts), *_threading(job, parts), *pinning, _dry_fit(job)]
+    pinning = [f"Press the dowel pins into {listed(press_fits)}."] if press_fits else []
+    lapping = [words] if (words := lapping_words(job)) else []
+    steps = [*_sealing(job, parts), *lapping, *_threading(job, parts), *pinning, _dry_fit(job)]
     last = "Weigh the carrier and write it down: the inspection takes it off the skin's mass."
     return " ".join([*steps, "Degrease all parts and let them dry.", last])
 
@@ -291,7 +364,7 @@ def _sealing(job: Job, parts: list[Part]) -> Iterator[str]:
     names = [part.name for part in parts if job.process(part).inhibits_platinum]
     coats = {coating(job, job.process(part)) for part in parts} - {0.0}
     if names:
-        which = "all parts" if len(names) == len(parts) else _listed(names)
+        which = "all parts" if len(names) == len(parts) else listed(names)
         yield (
             f"Wash {which} in {BATHS} baths of isopropanol, {BATH_MIN} min each. Dry them for {DRYING_MIN} "
             f"min, cure them under ultraviolet light for {LIGHT_MIN} min and bake them for {BAKING_H} h at "
@@ -355,10 +428,10 @@ def _threading(job: Job, parts: list[Part]) -> Iterator[str]:
     for what, names in where.items():
         kind, _, how = what.partition(" insert, ")
         if how:
-            yield f"Set the {kind} inserts ({how}) into {_listed(names)}."
+            yield f"Set the {kind} inserts ({how}) into {listed(names)}."
             continue
         name, _, deep = what.partition(" x ")
-        yield f"Tap the {name} threads of {_listed(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
+        yield f"Tap the {name} threads of {listed(names)}" + (f", {deep} mm deep (mount)." if deep else ".")
 
 
 def _dry_fit(job: Job) -> str:
@@ -369,8 +442,4 @@ def _dry_fit(job: Job) -> str:
         fits.append("each shim drops into its notches by itself")
     elif slot is not None and job.design.film is not None:
         fits.append("a spare strip drops into each notch by itself")
-    return f"Try, dry: {_listed(fits)}."
-
-
-def _listed(words: list[str]) -> str:
-    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
+    return f"Try, dry: {listed(fits)}."

@@ -18,11 +18,12 @@ from skincad.fabrication.casting_steps import (
     printed_parts,
     strip_count,
 )
-from skincad.fabrication.electrodes import PITCH, tab
+from skincad.fabrication.electrodes import tab
 from skincad.fabrication.filling import perforated
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import batch, filling, outlet_words, small_batch
 from skincad.fabrication.strips import GRAVITY, lap, pull_test, strip, strips_per_mix
+from skincad.solids.inserts import PITCH
 
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
@@ -84,7 +85,7 @@ def _films(job: Job) -> Iterator[Need]:
     strips, cavities, cast_in = strip_count(job), job.design.mold.cavities, lap(job) is None
     wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
     coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * job.design.skin.length / 100
-    masked = 2 * (film.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
+    masked = 2 * (job.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
     sheets = f"film/strips.dxf {cavities} times" if cavities > 1 else "film/strips.dxf"
     yield Need(
         strips,
@@ -95,6 +96,8 @@ def _films(job: Job) -> Iterator[Need]:
         condition="poled, draw axis along the strips; cut edges free of metal burrs",
     )
     yield Need(2 * strips, "crimp contact", f"for flat cable, {PITCH:g} mm apart", "one for each pad")
+    backing = math.ceil(strips * (tab(film)[1] + 2) / 10)
+    yield Need(backing, "polyester tape", "0.1 mm", "backs the pads: bare film tears in a crimp", "cm")
     yield Need(cavities, "pin header", f"2 x {2 * job.skin.count}, {PITCH:g} mm", "on the board")
     yield Need(
         cavities,

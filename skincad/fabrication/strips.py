@@ -358,7 +358,7 @@ def _notches(job: Job, joint: Lap) -> Iterator[Finding]:
         )
         where = "lap of film and shim, in the combs' notches"
         yield error("strip lap", where, joint.stack, joint.notch, "mm", remedy)
-    if (out := film.lead - choice.end_plate) < LEAST_CONTACT:
+    if (out := job.lead - choice.end_plate) < LEAST_CONTACT:
         remedy = f"film.lead of {choice.end_plate + LEAST_CONTACT:g} mm or more"
         where = "lead beyond its end plate, in which it meets wet silicone"
         yield warning("strip lead", where, out, LEAST_CONTACT, "mm", remedy)

@@ -82,13 +82,13 @@ class Film(Table):
         le=5.0,
         default=None,
     )
-    lead: float = quantity(
+    lead: float | None = quantity(
         "mm",
         "straight lead on the wiring side, from the skin (cast in: from its end plate) to the tab with the "
-        "contact pads",
+        "contact pads; 8, or what the tabs of all strips need to spread to a board, if not given",
         ge=1.0,
         le=200.0,
-        default=8.0,
+        default=None,
     )
     wiring_side: Literal["a", "b"] = Field(
         default="b",

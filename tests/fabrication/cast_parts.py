@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
@@ -72,7 +73,7 @@ def _films(design: Design) -> float:
     and tabs with their pads, 9.5 by 5.04 mm behind rounded shoulders of 0.5 mm, less their corners."""
     if design.film is None or design.slot is None:
         return 0.0
-    outside = design.film.lead
+    outside = Job(design).lead
     if design.mold.method == "cast-in":
         outside += 2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - shrinkage(design)) - 1)
     wide = max(5.04, design.slot.depth + 3.5)

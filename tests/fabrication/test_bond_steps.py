@@ -65,13 +65,15 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
     assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)
     assert "the last 6 mm at end b thinned to 0.019 mm" in text
     assert "above 0.057 mm it jams" in steps[place(steps, GLUE)]
-    assert "over the last 14 mm of the wired end" in steps[place(steps, PRIMER)]  # lead 8, tab 10, plate 4
+    assert f"over the last {Job(design).lead + 10 - 4:g} mm of the wired end" in steps[place(steps, PRIMER)]
 
 
 @pytest.mark.parametrize(("side", "drawn"), [("a", "b"), ("b", "a")])
 def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn: str) -> None:
     steps = order(sheet(yamada.with_(film={"wiring_side": side})))
-    assert f"the last 18 mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
+    assert (
+        f"the last {10 + Job(yamada).lead:g} mm of the wired end (end {side})" in steps[place(steps, PRIMER)]
+    )
     assert "its number and + side written on it" in steps[place(steps, PRIMER)]
     assert f"tail at end {side}" in steps[place(steps, GLUE)]
     assert f"draw it out along y, towards end {drawn}" in steps[place(steps, MIX)]
@@ -107,7 +109,7 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
         "primer that bonds silicone to plastics and metal (silane or titanate type), with a fine brush",
         "37 ml of isopropanol",  # 10 and 0.5 a wipe
         "54 lint-free wipes",  # one a strip, two a shim
-        "72 cm of low-tack tape, acrylic adhesive",  # 20 folded over lead and tab, 18 mm
+        "184 cm of low-tack tape, acrylic adhesive",  # 20 folded over lead and tab, 46 mm
         "1 g of cyanoacrylate, thin",
         "4 g of more silicone",
         "film clip and weight, 10.7 g together: pull test, on 0.3 m of thread",  # 0.105 N

@@ -10,7 +10,6 @@ import skincad
 from skincad.fabrication.electrodes import (
     LEAST_LEAD,
     PAD,
-    PITCH,
     electrode_findings,
     faces,
     half_gap,
@@ -23,6 +22,7 @@ from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area
+from skincad.solids.inserts import PITCH
 
 
 def by_rule(design: Design) -> dict[str, Finding]:

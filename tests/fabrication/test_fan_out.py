@@ -8,20 +8,13 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import (
-    BEND,
-    MOST_TURN,
-    PITCH,
-    fan_out,
-    fan_out_findings,
-    fan_out_steps,
-    half_tab,
-)
+from skincad.fabrication.electrodes import fan_out, fan_out_findings, fan_out_steps, half_tab
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
+from skincad.solids.inserts import BEND, MOST_TURN, PITCH
 
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:
@@ -71,7 +64,8 @@ def test_only_leaning_slots_have_a_finding(name: str) -> None:
 
 
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
-    (short,) = fan_out_steps(Job(yamada))
+    assert f"the lead of {Job(yamada).lead:g} mm is long enough" in fan_out_steps(Job(yamada))[0]
+    (short,) = fan_out_steps(Job(yamada.with_(film={"lead": 8.0})))
     need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])  # type: ignore[index]
     assert "single plugs on wires" in short
     (enough,) = fan_out_steps(Job(yamada.with_(film={"lead": math.ceil(need)})))

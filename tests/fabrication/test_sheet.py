@@ -1,3 +1,4 @@
+import math
 import re
 
 import pytest
@@ -5,11 +6,11 @@ import pytest
 from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
-from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.sheet import casting_sheet, pull_off
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, PartRole, box
+from skincad.solids.plan import CutRole, Part, PartRole, bores, box
 
 
 def sheet(design: Design) -> str:
@@ -179,3 +180,41 @@ def test_printed_combs_are_tried_by_a_ladder_of_notches() -> None:
     tried = "print the notch ladder of `skincad coupon sla`. The shim must drop into its notch of 0.62 mm"
     assert tried in sheet(load("nozzle-04"))
     assert "notch ladder" not in sheet(load("lab-bench"))  # its combs are cut by wire
+
+
+def test_a_carrier_is_pulled_by_what_its_rivets_or_its_primer_bear() -> None:
+    """Necks of 0.75 mm at half of E, or a third of 0.1 MPa on the back."""
+    riveted = load("yamada-2002")
+    necks = bores(mold(riveted).part("carrier"), CutRole.RIVET)
+    force = len(necks) * math.pi * 0.75**2 * 0.5 * 0.8
+    assert pull_off(Job(riveted)) == pytest.approx(force, rel=1e-9)
+    assert f"pull the carrier off it with {force:.2g} N" in sheet(riveted)
+    plain = load("plain-ridges", ['mold.carrier="plain"'])
+    assert pull_off(Job(plain)) == pytest.approx(0.1 / 3 * 11 * 12, rel=1e-9)
+    assert "holds by its primed face" in sheet(plain)
+
+
+def test_a_post_cure_is_an_option_before_films_are_in() -> None:
+    assert "post-cure the skin, before films go in, 2 h at 80 °C and 1 h at 100 °C" in sheet(
+        load("yamada-2002")
+    )
+    assert "out of its printed mold" in sheet(load("plain-ridges"))
+    assert "post-cure" not in sheet(load("cast-in"))  # its films would lose their charge
+
+
+def test_prints_have_settings_plates_and_flat_joints() -> None:
+    text = sheet(load("lab-bench"))
+    assert "Plates: solids/mold-plate-1.3mf: cover, cavity, carrier." in text
+    assert (
+        "Lap the printed joint faces (both ends and the top of the cavity and the carrier's lower face)"
+        in text
+    )
+    assert "Lap" not in sheet(load("yamada-2002"))
+
+
+def test_film_is_turned_the_right_way_and_its_leads_are_relieved() -> None:
+    text = sheet(load("yamada-2002"))
+    assert "If the first kick goes up, the tip is on the + face" in text
+    assert "If the first kick goes down" in sheet(load("yamada-2002", ["film.d31=-23"]))
+    assert text.index("put a drop of the same silicone on each") < text.index("crimp a contact")
+    assert "behind the pads" in text

@@ -31,6 +31,8 @@ from skincad.solids.inserts import STUB
 from skincad.solids.mold import mold
 from tests.conftest import Made
 
+LEAD = 36.0  # mm, of yamada-2002: 17 tabs of 2.54, less the slots, aside by 30 degrees
+
 
 def dxf_loops(path: Path) -> dict[str, list[tuple[Segment, ...]]]:
     loops: dict[str, list[tuple[Segment, ...]]] = {}
@@ -129,7 +131,7 @@ def test_strips_are_slot_deep_and_numbered(made: Made) -> None:
     cuts = dxf_loops(made.folder / "film/strips.dxf")["CUT"]
     assert len(cuts) == 18
     places = np.array([s.start for s in cuts[0]])
-    long = 12.0 + 8.0 + GLUED_LENGTH + 10.0  # and tab
+    long = 12.0 + LEAD + GLUED_LENGTH + 10.0  # and tab
     assert np.ptp(places, axis=0) == pytest.approx([long, 5.04], abs=1e-12)
     assert np.ptp(places[places[:, 0] < 6.0], axis=0)[1] == pytest.approx(0.25, abs=1e-12)
     labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
@@ -176,7 +178,9 @@ def test_a_strip_behind_a_shim_has_its_area_by_formula(yamada: Design, tmp_path:
     loops = pattern(yamada, tmp_path)
     shoulder = 0.25 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2
     tab = (4.5 + 0.5 + 3.0 + 0.5 + 1.0) * 5.04 - 1.0**2 / 2
-    assert area(loops["CUT"][0]) == pytest.approx(0.25 * 25 + shoulder + tab, rel=1e-9)
+    assert area(loops["CUT"][0]) == pytest.approx(
+        0.25 * (12 + LEAD + GLUED_LENGTH) + shoulder + tab, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("side", ["a", "b"])
@@ -184,7 +188,7 @@ def test_a_drawn_in_strips_tail_is_at_its_unwired_end(side: str, tmp_path: Path,
     """Its contact never goes through the slot; the mark at which the tail is cut is the skin's end."""
     cut = pattern(yamada.with_(film={"wiring_side": side}), tmp_path)["CUT"][0]
     ends = sorted(abs(f(p.start.x for p in cut)) for f in (min, max))
-    assert ends == pytest.approx([6.0 + GLUED_LENGTH, 6.0 + 8.0 + 10.0])  # lead and tab
+    assert ends == pytest.approx([6.0 + GLUED_LENGTH, 6.0 + LEAD + 10.0])  # lead and tab
     assert (max(p.start.x for p in cut) > 12.0) == (side == "b")
 
 
@@ -277,7 +281,8 @@ def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> No
 
 def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
     """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
-    flat.write_strips_svg(Job(yamada), tmp_path / "strips.svg")
+    short = yamada.with_(film={"lead": 8.0})
+    flat.write_strips_svg(Job(short), tmp_path / "strips.svg")
     root = ET.parse(tmp_path / "strips.svg").getroot()
     left, _, wide, _ = map(float, root.attrib["viewBox"].split())
     texts = root.findall("{http://www.w3.org/2000/svg}text")

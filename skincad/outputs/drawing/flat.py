@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from skincad.fabrication.drawn_features import number
-from skincad.fabrication.electrodes import PITCH, fan_out
+from skincad.fabrication.electrodes import fan_out
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import (
     SealPattern,
@@ -30,6 +30,7 @@ from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, writ
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear
 from skincad.shape.curves import Loop, Point
 from skincad.shape.skin import section, skin_of
+from skincad.solids.inserts import PITCH
 from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
 

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import PITCH
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import template_names
 from skincad.outputs.drawing.flat import DRILL, FOOTPRINT_ROOM, strip_board
+from skincad.solids.inserts import PITCH
 
 
 def read(text: str) -> list[Any]:

@@ -66,7 +66,11 @@ def check(design: Design, folder: Path) -> None:
         assert moved[0].intersection(moved[1]).difference(skin).area < ROUND
         # a pad each, 1.5 mm wide at least, and beside it bare film on the other face
         for metal, other in ((front, back), (back, front)):
-            pad = metal.difference(skin.buffer(film.lead)).buffer(-0.749).buffer(0.749, join_style="mitre")
+            pad = (
+                metal.difference(skin.buffer(Job(design).lead))
+                .buffer(-0.749)
+                .buffer(0.749, join_style="mitre")
+            )
             assert pad.area >= 4.5 - ROUND
             assert pad.distance(other) > 0.0
 

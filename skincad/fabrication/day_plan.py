@@ -1,0 +1,115 @@
+"""A day plan: when a person works on a cast, and when they wait, from its own times of curing and drying."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from skincad.fabrication.casting_steps import GLUE_MIN, PRIMER_MIN, strip_count
+from skincad.fabrication.job import Job
+from skincad.fabrication.pouring import DEGAS_MIN, STIR_MIN, filling
+from skincad.fabrication.strips import lap, strip_seconds, strips_per_mix
+
+BEGIN, END = 9.0, 17.0  # h of a working day, assumption
+# min of hands, assumption: to close and to open a mold, to lay a shim, to make a strip ready, to glue one, to
+# test and wire one, to prepare parts and to inspect a skin
+CLOSING, OPENING, LAYING, READYING, GLUING, WIRING, PREPARING, INSPECTING = 30, 20, 0.5, 3, 2, 5, 60, 45
+BATHS_MIN, LIGHT_MIN, BAKING_MIN = 10, 60, 240  # of a resin: as the sheet's first step says
+
+
+class Task(NamedTuple):
+    """What is done, for how many minutes by hand, how many minutes nobody touches it afterwards, and how many
+    minutes of what follows must end on the same day: primer is good for hours."""
+
+    what: str
+    hands: float
+    wait: float = 0.0
+    then: float = 0.0
+
+
+class Entry(NamedTuple):
+    """A task in the plan: on which day and at which hour it begins."""
+
+    day: int
+    hour: float
+    task: Task
+
+
+def tasks(job: Job) -> list[Task]:
+    """Return what is done for a cast, in order."""
+    material, strips, film = job.silicone, strip_count(job), job.design.film
+    cure = 60 * (material.cure_h or 24.0)
+    made = [part for part in job.closed.parts if part.made == "made"]
+    resin = material.platinum_cure and any(job.process(part).inhibits_platinum for part in made)
+    rows = list[Task]()
+    if resin:
+        rows.append(Task("wash, light and bake the printed parts", BATHS_MIN, LIGHT_MIN + BAKING_MIN))
+        rows.append(Task("cast the trial drop", 15, cure))
+    rows.append(Task("prepare the parts, try them dry", PREPARING))
+    drawn_in = lap(job) is not None
+    pour = CLOSING + LAYING * strips + STIR_MIN + DEGAS_MIN + filling(job).seconds / 60
+    if film is not None and not drawn_in:
+        rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, pour))
+    rows.append(Task("close the mold, mix and fill it", pour, cure))
+    if drawn_in:
+        mixes = math.ceil(strips / max(strips_per_mix(job) or strips, 1))
+        drawing = strips * strip_seconds(job) / 60 + mixes * STIR_MIN
+        gluing = OPENING / 2 + GLUING * strips
+        rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, gluing + GLUE_MIN + drawing))
+        rows.append(Task("take the end plates off, glue the strips", gluing, GLUE_MIN))
+        rows.append(Task("draw the strips in", drawing, cure))
+    rows.append(Task("open the mold, take the skin out", OPENING))
+    if film is not None:
+        rows.append(Task("test the strips, lead them to the board", WIRING * strips))
+    return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING)]
+
+
+def day_plan(job: Job) -> list[Entry]:
+    """Return when each task begins: hands work from `BEGIN` to `END`, what cures goes on by night. A task
+    longer than a day begins in the morning."""
+    entries, day, hour, cured = list[Entry](), 1, BEGIN, 0.0
+    for task in tasks(job):
+        if task.what.startswith("inspect"):
+            day, hour = max((day, hour), (1 + int(cured // 24) + 1, cured % 24))
+        day, hour = (day, max(hour, BEGIN)) if hour <= END else (day + 1, BEGIN)
+        needs = task.hands + (task.wait + task.then if task.then else 0.0)
+        if hour + needs / 60 > END and hour > BEGIN:
+            day, hour = day + 1, BEGIN
+        entries.append(Entry(day, hour, task))
+        hour += (task.hands + task.wait) / 60
+        cured = 24 * (day - 1) + hour if task.wait else cured
+        while hour >= 24.0:
+            day, hour = day + 1, hour - 24.0
+        if hour > END:
+            day, hour = day + 1, BEGIN
+        hour = max(hour, BEGIN)
+    return entries
+
+
+def day_plan_lines(job: Job) -> list[str]:
+    """Return the plan as Markdown."""
+    rows = [
+        f"| {e.day} | {_clock(e.hour)} | {e.task.what} | {_minutes(e.task.hands)} | {_minutes(e.task.wait)} |"
+        for e in day_plan(job)
+    ]
+    return [
+        "## Day plan",
+        "",
+        f"Hands work from {BEGIN:.0f} to {END:.0f} (assumption); times by hand are an assumption too.",
+        "",
+        "| day | from | what | by hand | then it waits |",
+        "|---|---|---|---|---|",
+        *rows,
+        "",
+    ]
+
+
+def _clock(hour: float) -> str:
+    minutes = 5 * math.ceil(12 * hour - 1e-9)
+    return f"{minutes // 60}:{minutes % 60:02d}"
+
+
+def _minutes(minutes: float) -> str:
+    if not minutes:
+        return "-"
+    return f"{minutes:.0f} min" if minutes < 90 else f"{minutes / 60:.2g} h"
