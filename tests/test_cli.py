@@ -40,7 +40,7 @@ def test_make_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path)
     assert result["passed"]
     assert all((tmp_path / file["path"]).stat().st_size == file["bytes"] for file in result["files"])
     folder = Path("out", "plain-ridges")
-    below = {folder, folder / "solids", folder / "drawings"}
+    below = {folder, folder / "solids", folder / "drawings", folder / "orders"}
     assert {Path(f["path"]).parent for f in result["files"]} == below
     assert all(part["deviation_mm"] <= part["asked_deviation_mm"] for part in result["parts"])
     assert done.stderr == ""
@@ -67,7 +67,7 @@ def test_a_format_is_written_alone(tmp_path: Path) -> None:
     done = run_skincad("make", "plain-ridges", *ONE_RIDGE, "--format", "dxf", "-o", "here", cwd=tmp_path)
     assert done.returncode == 0
     drawn = {p.name for p in (tmp_path / "here" / "drawings").iterdir()}
-    made = {"carrier.dxf", "cavity.dxf", "cover.dxf", "end-a.dxf", "end-b.dxf"}  # a drawing of each part
+    made = {f"{part}.dxf" for part in ("carrier", "cavity", "cover", "end-a", "end-b", "assembly")}
     assert drawn == {"section.dxf", "seal.dxf", *made}
     assert {p.name for p in (tmp_path / "here").iterdir()} == {"make.json", "drawings"}
 

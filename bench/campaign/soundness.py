@@ -32,7 +32,7 @@ from skincad.solids.mold import ClosedMold, mold
 
 CHORD = 2e-3  # mm, asked of the print meshes
 # a design may well have these errors: it is told, and nothing is wrong with its parts
-OF_DESIGN = {"undercut", "build volume", "lead width", "strip lap"}
+OF_DESIGN = {"undercut", "build volume", "lead width", "strip lap", "slit fit", "notch"}
 
 
 @dataclass(frozen=True)

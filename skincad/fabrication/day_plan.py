@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from skincad.fabrication.casting_steps import GLUE_MIN, PRIMER_MIN, strip_count
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import DEGAS_MIN, STIR_MIN, filling
-from skincad.fabrication.strips import lap, strip_seconds, strips_per_mix
+from skincad.fabrication.strips import lap, strip_count, strip_seconds, strips_per_mix
 
 BEGIN, END = 9.0, 17.0  # h of a working day, assumption
 # min of hands, assumption: to close and to open a mold, to lay a shim, to make a strip ready, to glue one, to
 # test and wire one, to prepare parts and to inspect a skin
 CLOSING, OPENING, LAYING, READYING, GLUING, WIRING, PREPARING, INSPECTING = 30, 20, 0.5, 3, 2, 5, 60, 45
-BATHS_MIN, LIGHT_MIN, BAKING_MIN = 10, 60, 240  # of a resin: as the sheet's first step says
+# assumption, as resin makers' guides have it: two baths, drying, ultraviolet light, baking; data sheets count
+BATHS, BATH_MIN, DRYING_MIN, LIGHT_MIN, BAKING_H, BAKING_C = 2, 5, 30, 30, 4, 60
+PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
+GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
 
 
 class Task(NamedTuple):
@@ -34,6 +36,12 @@ class Entry(NamedTuple):
     hour: float
     task: Task
 
+    @property
+    def clock(self) -> str:
+        """The hour as a clock shows it."""
+        minutes = 5 * math.ceil(12 * self.hour - 1e-9)
+        return f"{minutes // 60}:{minutes % 60:02d}"
+
 
 def tasks(job: Job) -> list[Task]:
     """Return what is done for a cast, in order."""
@@ -43,7 +51,8 @@ def tasks(job: Job) -> list[Task]:
     resin = material.platinum_cure and any(job.process(part).inhibits_platinum for part in made)
     rows = list[Task]()
     if resin:
-        rows.append(Task("wash, light and bake the printed parts", BATHS_MIN, LIGHT_MIN + BAKING_MIN))
+        wait = DRYING_MIN + LIGHT_MIN + 60 * BAKING_H
+        rows.append(Task("wash, light and bake the printed parts", BATHS * BATH_MIN, wait))
         rows.append(Task("cast the trial drop", 15, cure))
     rows.append(Task("prepare the parts, try them dry", PREPARING))
     drawn_in = lap(job) is not None
@@ -86,30 +95,8 @@ def day_plan(job: Job) -> list[Entry]:
     return entries
 
 
-def day_plan_lines(job: Job) -> list[str]:
-    """Return the plan as Markdown."""
-    rows = [
-        f"| {e.day} | {_clock(e.hour)} | {e.task.what} | {_minutes(e.task.hands)} | {_minutes(e.task.wait)} |"
-        for e in day_plan(job)
-    ]
-    return [
-        "## Day plan",
-        "",
-        f"Hands work from {BEGIN:.0f} to {END:.0f} (assumption); times by hand are an assumption too.",
-        "",
-        "| day | from | what | by hand | then it waits |",
-        "|---|---|---|---|---|",
-        *rows,
-        "",
-    ]
-
-
-def _clock(hour: float) -> str:
-    minutes = 5 * math.ceil(12 * hour - 1e-9)
-    return f"{minutes // 60}:{minutes % 60:02d}"
-
-
-def _minutes(minutes: float) -> str:
+def span(minutes: float) -> str:
+    """Return how long something takes, as a plan has it."""
     if not minutes:
         return "-"
     return f"{minutes:.0f} min" if minutes < 90 else f"{minutes / 60:.2g} h"

@@ -213,32 +213,6 @@ def fan_out(job: Job) -> FanOut | None:
     )
 
 
-def fan_out_steps(job: Job) -> list[str]:
-    """Return how tabs are brought to a board, for the casting sheet; nothing without film."""
-    spread, film = fan_out(job), job.design.film
-    if spread is None or film is None:
-        return []
-    first, *_, last = spread.strips
-    crossed = " Tabs cross as the slots hold them." if spread.tab_gap <= 0 else ""
-    room = (
-        f"the lead of {lead:g} mm is long enough"
-        if (lead := job.lead) >= spread.lead
-        else f"film.lead is {lead:g} mm, so give the outer ones single plugs on wires"
-    )
-    return [
-        "Relieve the leads where they leave the skin: put a drop of the same silicone on each, 3 mm along "
-        "it, and let it cure before anything is bent. Stick polyester tape of 0.1 mm behind the pads: bare "
-        "film tears in a crimp. "
-        f"Then bring the tabs to a board (film/strip-board.kicad_mod), strip by strip from {first.feature} "
-        f"{first.side} to {last.feature} {last.side}.{crossed} Turn each tab upright, its cut corner to the "
-        "ridges, crimp a "
-        f"contact on each pad, and spread the tabs from {spread.spacing:.2f} mm at the slots to {PITCH:g} "
-        "mm. "
-        f"The outermost ones go {spread.offset:.1f} mm aside, in a lead of {spread.lead:.1f} mm at least; "
-        f"{room}. Don't pull: what bends is the lead, not what is in the skin."
-    ]
-
-
 def fan_out_findings(job: Job) -> Iterator[Finding]:
     """A note where tabs cross. That contacts side by side need a longer lead, the casting sheet says."""
     spread, film = fan_out(job), job.design.film

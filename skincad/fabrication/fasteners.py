@@ -284,19 +284,3 @@ def screws_to_buy(job: Job) -> list[str]:
         f"for the mount {', '.join(kinds)}, as long as the flange is thick and {least:g} to {most:g} mm; "
         "a longer one bears on its hole's end, over the silicone"
     ]
-
-
-def cleanliness_steps(job: Job) -> list[str]:
-    """Return how a mount is kept from silicone, a step before the mold is closed; none without one."""
-    mount = mount_of(job)
-    if mount is None:
-        return []
-    over = "foam" if job.closed.of(PartRole.SEAL) else "cover"
-    holes = "threads and fiducials" if mount.positions and mount.fiducials else "threads"
-    holes = holes if mount.positions else "fiducials"
-    words = f"The mount's {holes} are blind and lie under the {over}, beside its openings"
-    sealed = ", so no silicone comes to them."
-    words += sealed if over == "foam" else "; fill them flush with wax, for no foam seals there."
-    if job.gate is None:
-        words += " Tape them until the carrier lies on its ledge: silicone wells up through its holes."
-    return [words]

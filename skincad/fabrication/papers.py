@@ -8,6 +8,8 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from skincad.base.reading import markdown_text
+from skincad.fabrication.day_plan import span
 from skincad.inputs.shipped import templates_folder
 
 
@@ -32,5 +34,6 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters["listed"] = listed
+    found.filters |= {"listed": listed, "md": markdown_text, "num": format, "span": span}
+    found.filters["g"] = lambda number: f"{number:g}"
     return found

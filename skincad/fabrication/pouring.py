@@ -137,57 +137,6 @@ def minutes_left(job: Job) -> float | None:
     return None if pot is None else pot - STIR_MIN - DEGAS_MIN - filling(job).seconds / 60
 
 
-def mixing_step(job: Job) -> str:
-    """Return how the mix is weighed, stirred and degassed, and what the clock then shows."""
-    material, left = job.silicone, minutes_left(job)
-    words = ["Mix. Start a clock as A meets B" + (":" if material.pot_life_min else ".")]
-    if material.pot_life_min:
-        slower = 2 ** ((USUAL_C - COLD_C) / DOUBLING_K)
-        words.append(
-            f"at {USUAL_C:g} °C the mix can be poured for {material.pot_life_min:g} min. At {COLD_C:g} °C it "
-            f"is {slower * material.pot_life_min:.2g} min, and the cure takes {slower:.2g} times as long."
-        )
-    weigh = weights(material, batch(job))
-    words += [
-        f"On a scale of {SCALE:g} g, {weigh}, into one cup.",
-        f"Stir slowly for {STIR_MIN:g} min, along walls and bottom too.",
-        "Degas the mix in its open cup, four times as high as the mix, for it rises: "
-        f"{DEGAS_MIN:g} min at {DEGAS_MBAR:g} mbar or less, until its foam has fallen in.",
-        "But never put the closed mold, filled, under vacuum: its silicone would foam out and air come in.",
-    ]
-    if left is not None:
-        words.append(f"When the mold is full, {max(left, 0.0):.2g} min are left on the clock.")
-    return " ".join(words)
-
-
-def brushing_steps(job: Job) -> list[str]:
-    """Return how grooves are filled that the mix would not flow into; nothing where it does."""
-    if not filling(job).brushed:
-        return []
-    long = f"{groove_time(job) / LAG / 60:.2g} min"
-    inserts = f" and round all {job.inserts}" if job.inserts else ""
-    return [
-        f"Brush the mix into all grooves{inserts} with a soft brush, along them, and pierce bubbles: "
-        f"a front that fills them by itself takes {long}, a faster one leaves air in them."
-    ]
-
-
-def filling_words(job: Job) -> str:
-    """Return how long filling takes, what the thumb feels, and how far strips that are cast in give way: as
-    the front's speed, so by less than in `mold.fill_time` where filling takes longer."""
-    how, flow = filling(job), pour(job)
-    words = f"Take {time_words(how.seconds)} to fill it; faster, the silicone runs over the grooves"
-    if how.force:
-        words += f" (the thumb presses {how.force:.2g} N)"
-    if how.fills > 1:
-        words += f". Fill the syringe {how.fills} times"
-    if flow is not None and job.inserts == "strips":
-        drift = flow.drift * job.design.mold.fill_time / how.seconds
-        words += f". The strips are moved aside by up to {drift:.2g} mm and come back within "
-        words += f"{5 * flow.settling:.2g} s"
-    return words + "."
-
-
 def time_words(seconds: float) -> str:
     """Return s up to two minutes, then min."""
     return f"{seconds:.2g} s" if seconds < 120 else f"{seconds / 60:.2g} min"

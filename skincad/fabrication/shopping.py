@@ -10,21 +10,25 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from skincad.fabrication.casting_steps import (
-    ALCOHOL_ML,
-    PRIMER,
-    PRIMER_ML,
-    THREAD_LENGTH,
-    printed_parts,
-    strip_count,
-)
+from skincad.base.reading import markdown_text
 from skincad.fabrication.electrodes import tab
+from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, screws_to_buy
 from skincad.fabrication.filling import perforated
 from skincad.fabrication.job import Job
+from skincad.fabrication.papers import listed
+from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
 from skincad.fabrication.pouring import batch, filling, outlet_words, small_batch
-from skincad.fabrication.strips import GRAVITY, lap, pull_test, strip, strips_per_mix
-from skincad.solids.inserts import PITCH
+from skincad.fabrication.strips import GRAVITY, lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
+from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
+from skincad.solids.inserts import GRIP, PIN_RADIUS, PITCH
+from skincad.solids.layout import SQUEEZED_SHARE, fits
+from skincad.solids.mold import ClosedMold
+from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism
 
+PRIMER = "primer that bonds silicone to plastics and metal (silane or titanate type)"
+PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
+THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
+ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
 RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: makers' data sheets, 3 to 4
@@ -64,7 +68,7 @@ def _filling(job: Job) -> Iterator[Need]:
     if job.gate is not None:
         yield Need(1, "syringe", f"{filling(job).syringe} ml, {outlet_words(job.gate)}", "")
         yield Need(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
-    if printed_parts(job):
+    if any(process.layer for process in (job.cavity_process, job.end_process, job.lid_process)):
         yield Need(1, "release agent", "for silicone, with a brush", "printed parts")
     if job.silicone.platinum_cure and any(
         job.process(part).inhibits_platinum for part in job.closed.parts if part.made == "made"
@@ -130,3 +134,118 @@ def _films(job: Job) -> Iterator[Need]:
         yield Need(1, "flat pliers", "smooth jaws", "draw the shims")
     hung = f"{1000 * pull.force / GRAVITY:.3g} g together"
     yield Need(1, "film clip and weight", hung, f"pull test, on {THREAD_LENGTH:g} m of thread")
+
+
+def to_buy(job: Job) -> list[str]:
+    """Return what is bought for a mold and its cast, a line each: what holds and seals the mold, what keeps
+    slots free, the mount's screws, and what is used up."""
+    lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(job.closed).items())
+    return [
+        *_bolts(job),
+        *_seal(job.closed),
+        f"dowel pins of {2 * PIN_RADIUS:g} mm: {lengths}; {_reamed(job)}",
+        *(_arcs if job.bent else _straight_shims)(job),
+        *screws_to_buy(job),
+        *(markdown_text(need.words) for need in consumables(job)),
+    ]
+
+
+def _bolts(job: Job) -> list[str]:
+    """What holds the mold together, as the parts have it."""
+    holes, process = fits(job.design, job.design.mold.process), job.cavity_process
+    hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
+    upper = "two clamps that hold the cover down on the cavity"
+    if (lid := cover_screws(job)) is not None:
+        kind = "studs, DIN 976, with a nut each" if lid.rod else "screws, ISO 4762"
+        upper = f"M3 {kind}: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
+        upper += _under_heads(lid.washers)
+    tightest = min(map(torque, (process, job.end_process, job.lid_process)))
+    tight = (
+        f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "
+        f"presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa (metal)"
+    )
+    ends = end_screws(job)
+    if job.bent:
+        return [_bent_screws(ends, hold), upper, tight]
+    sunk = sum(cut.role is CutRole.NUT for p in job.closed.of(*END_PLATES) if p.end == "b" for cut in p.cuts)
+    where = f"into M3 threads of end plate b, {2 * TAP_RADIUS:g} mm drilled"
+    if ends.nuts > ends.pieces or (ends.nuts and not ends.rod):
+        where = f"with nuts, {sunk} of them sunk in end plate b"
+    kind = "bolts, ISO 4762"
+    if ends.rod:
+        kind = f"studs, DIN 976, with a nut {'each' if ends.nuts == ends.pieces else 'at both ends'}"
+    return [f"M3 {kind}: {ends.pieces} M3 x {ends.length:g} along y, {where}", upper, tight]
+
+
+def _seal(closed: ClosedMold) -> list[str]:
+    """The foam under the cover, as it is bought and as it lies."""
+    highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
+    return [
+        f"closed-cell EVA foam, a sheet of {high / SQUEEZED_SHARE:.3g} mm, cut by drawings/seal.dxf to "
+        "carrier and end plates "
+        f"with the cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so it follows "
+        "what these stand higher or lower by their processes' tolerances"
+        for high in highs
+    ]
+
+
+def _reamed(job: Job) -> str:
+    """How pin holes are finished."""
+    printed = [
+        name for name, part in (("cavity", job.cavity_process), ("cover", job.lid_process)) if part.layer
+    ]
+    if not printed:
+        return "their holes come reamed from the shop"
+    return (
+        f"ream the holes of the printed {listed(printed)} that they are pressed into to {2 * PIN_RADIUS:g} "
+        "mm (H7); in the end plates and the cavity's top they slide"
+    )
+
+
+def _bent_screws(screws: Screws, hold: str) -> str:
+    """Return the words for the end plates' screws; `hold` is what they go into."""
+    how = ", bottoming tap at last" * screws.bottoming + _under_heads(screws.washers)
+    return (
+        f"M3 screws, ISO 4762: {screws.pieces} M3 x {screws.length:g} for the end plates, square to the "
+        f"cavity's leaning ends, into {hold}{how}"
+    )
+
+
+def _under_heads(washers: int) -> str:
+    """Return the words for washers that keep a screw's tip off the end of its hole."""
+    return f", {washers} washers under each head" if washers else ""
+
+
+def _arcs(job: Job) -> list[str]:
+    """Return what to buy for the slots: shims cut as arcs, with the radius of each."""
+    slot, radius = job.skin.slot, job.design.skin.curvature_radius_y
+    if slot is None or radius is None:
+        return []
+    size = f"{slot.thickness:g} x {slot.depth:g} mm"
+    arms = [f"{s.feature} {s.side} {arc_radius(job, s.feature, s.side):.2f}" for s in job.section.slots]
+    strain, joint, film = 100 * shim_bend(job), lap(job), job.design.film
+    thin = ""
+    if joint is not None and film is not None and joint.tail < slot.thickness:
+        thin = (
+            f", the last {GRIP:g} mm at end {film.wiring_side} thinned to {joint.tail:.3f} mm (etched or "
+            "stoned, by micrometer), so that film and shim, glued, pass the notches together"
+        )
+    return [
+        f"{len(arms)} shims of spring steel, {size}, {math.ceil(arc_length(job.closed))} mm long, cut or "
+        f"etched as arcs from sheet by film/shims.dxf, deburred{thin}; "
+        f"straight stock bent on edge is strained by {strain:.2g} % and buckles between its combs. Radius "
+        f"at mid-depth, mm, by ridge and slot: {', '.join(arms)}"
+    ]
+
+
+def _straight_shims(job: Job) -> list[str]:
+    """Return what to buy to keep the slots of a skin free that is straight along y."""
+    slot = job.skin.slot
+    if slot is None or job.design.mold.method == "cast-in":
+        return []
+    size = f"{slot.thickness:g} x {slot.depth:g} mm"
+    return [
+        f"{strip_count(job)} shims of spring steel, {size}, {shim_length(job)} mm long: "
+        "slit or "
+        "etched from feeler stock, edges deburred"
+    ]

@@ -290,6 +290,12 @@ def drawing_time(job: Job) -> float:
     return max(DRAWING_SECONDS, slow)
 
 
+def strip_count(job: Job) -> int:
+    """Return how many strips go into the skins of a mold."""
+    skin = job.skin
+    return 2 * skin.count * job.design.mold.cavities if skin.slot else 0
+
+
 def strips_per_mix(job: Job) -> int | None:
     """Return how many strips are drawn in with one mix of silicone; None where its pot life isn't known."""
     minutes = job.silicone.pot_life_min

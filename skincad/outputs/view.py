@@ -17,8 +17,8 @@ from manifold3d import triangulate
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.fabrication.casting_steps import opening_steps
 from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import opening_steps
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck

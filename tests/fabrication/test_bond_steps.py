@@ -7,9 +7,9 @@ import pytest
 
 import skincad
 from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.casting_steps import opening_steps, release_agent_words
 from skincad.fabrication.job import Job
 from skincad.fabrication.parts_list import parts_list
+from skincad.fabrication.sheet import opening_steps, sheet_steps
 from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
@@ -139,7 +139,7 @@ def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     words = [step.words for step in opening_steps(Job(bare))]
     assert words[1] == "Draw each shim out along y, towards end b."
     assert not any("film" in line or "strip" in line for line in words)
-    assert "shims with a brush" in release_agent_words(Job(bare))
+    assert "shims with a brush" in sheet_steps(Job(bare))["release"]
 
 
 @pytest.mark.parametrize("name", FILMED)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.casting_steps import PRIMER_H
-from skincad.fabrication.day_plan import BEGIN, END, day_plan, tasks
+from skincad.fabrication.day_plan import BEGIN, END, PRIMER_H, day_plan, tasks
 from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names

@@ -8,13 +8,18 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import fan_out, fan_out_findings, fan_out_steps, half_tab
+from skincad.fabrication.electrodes import fan_out, fan_out_findings, half_tab
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import sheet_steps
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
 from skincad.solids.inserts import BEND, MOST_TURN, PITCH
+
+
+def board(design: Design) -> str:
+    return sheet_steps(Job(design))["board"]
 
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:
@@ -53,7 +58,7 @@ def test_tabs_cross_where_slots_lean_against_each_other() -> None:
     assert (finding.rule, finding.severity) == ("strip tabs", "note")
     assert half_tab(tilted.film, tilted.slot.depth) * math.sin(math.pi / 4) > 0.17  # type: ignore[arg-type, union-attr]
     assert finding in design_findings(Job(tilted))
-    assert "Tabs cross" in fan_out_steps(Job(tilted))[0]
+    assert "Tabs cross" in board(tilted)
 
 
 @pytest.mark.parametrize("name", [n for n in template_names() if skincad.load(n).film])
@@ -64,10 +69,10 @@ def test_only_leaning_slots_have_a_finding(name: str) -> None:
 
 
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
-    assert f"the lead of {Job(yamada).lead:g} mm is long enough" in fan_out_steps(Job(yamada))[0]
-    (short,) = fan_out_steps(Job(yamada.with_(film={"lead": 8.0})))
+    assert f"the lead of {Job(yamada).lead:g} mm is long enough" in board(yamada)
+    short = board(yamada.with_(film={"lead": 8.0}))
     need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])  # type: ignore[index]
     assert "single plugs on wires" in short
-    (enough,) = fan_out_steps(Job(yamada.with_(film={"lead": math.ceil(need)})))
+    enough = board(yamada.with_(film={"lead": math.ceil(need)}))
     assert "is long enough" in enough
-    assert fan_out_steps(Job(skincad.load("plain-ridges"))) == []
+    assert "board" not in sheet_steps(Job(skincad.load("plain-ridges")))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import preparation
+from skincad.fabrication.sheet import sheet_steps
 from tests.templates import of_one_printer
 
 
 def words(name: str, settings: list[str]) -> str:
     design = of_one_printer(name, settings)
-    return preparation(Job(design))
+    return sheet_steps(Job(design))["prepare"]
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,7 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.casting_steps import opening_steps
 from skincad.fabrication.fasteners import (
-    cleanliness_steps,
     full_thread,
     limits,
     major,
@@ -24,7 +22,7 @@ from skincad.fabrication.fasteners import (
 from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import what_matters
 from skincad.fabrication.parts_list import parts_csv
-from skincad.fabrication.sheet import casting_sheet, preparation
+from skincad.fabrication.sheet import casting_sheet, opening_steps, sheet_steps
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import CutRole, bores
@@ -81,7 +79,7 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     design = mounted_design("lab-bench")
     closed = mold(design)
     sheet = casting_sheet(Job(design, closed), [], "", True)
-    (buy,), (clean,) = screws_to_buy(Job(design, closed)), cleanliness_steps(Job(design, closed))
+    (buy,), clean = screws_to_buy(Job(design, closed)), sheet_steps(Job(design, closed))["mount"]
     assert f"- {buy}" in sheet
     assert clean in sheet
     assert "4 threaded inserts M3 (glued, 5.7 mm long, 3.9 mm wide, in holes of 4 mm), 4 M3 screws" in buy
@@ -89,16 +87,16 @@ def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
     assert "under the foam" in clean
     assert "Tape" not in clean
     poured = design.with_(mold={"pour": "open", "gate": None})
-    assert "Tape them until the carrier lies" in cleanliness_steps(Job(poured))[0]
+    assert "Tape them until the carrier lies" in sheet_steps(Job(poured))["mount"]
     steep = bent("plain-ridges", 30.0).with_(mount=MOUNTS["bent"][0] | {"pitch_x": 6.0}, **PLAIN)
-    (bare,) = cleanliness_steps(Job(steep))  # no room for foam on its narrow top
+    bare = sheet_steps(Job(steep))["mount"]  # no room for foam on its narrow top
     assert "threads and fiducials are blind and lie under the cover" in bare
     assert "fill them flush with wax" in bare
 
 
 def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
     design = mounted_design("milled-pad")
-    words = preparation(Job(design))
+    words = sheet_steps(Job(design))["prepare"]
     assert "Tap the M3 x" not in words
     assert "Tap the M3 threads of carrier, 4 mm deep (mount)." in words
 
@@ -107,7 +105,7 @@ def test_marks_alone_ask_for_nothing_to_buy() -> None:
     design = skincad.load("yamada-2002").with_(mount={"fiducials": 3})
     closed = mold(design)
     assert screws_to_buy(Job(design, closed)) == []
-    assert "mount's fiducials are blind" in cleanliness_steps(Job(design, closed))[0]
+    assert "mount's fiducials are blind" in sheet_steps(Job(design, closed))["mount"]
     assert not any(row["what"].startswith("mount") for row in bought(design))
     mount = mount_of(Job(design, closed))
     assert mount is not None
@@ -118,7 +116,8 @@ def test_without_a_mount_nothing_is_said() -> None:
     design = skincad.load("yamada-2002")
     closed = mold(design)
     assert mount_of(Job(design, closed)) is None
-    assert screws_to_buy(Job(design, closed)) == cleanliness_steps(Job(design, closed)) == []
+    assert screws_to_buy(Job(design, closed)) == []
+    assert "mount" not in sheet_steps(Job(design, closed))
     assert "mount" not in casting_sheet(Job(design, closed), [], "", True)
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.casting_steps import opening_steps
 from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.sheet import casting_sheet, opening_steps
 from skincad.solids.mold import mold
 from skincad.solids.plan import END_PLATES, PartRole
 

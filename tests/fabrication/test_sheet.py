@@ -3,10 +3,11 @@ import re
 
 import pytest
 
+from skincad.fabrication.facts import Facts
 from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import manifold
 from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
-from skincad.fabrication.sheet import casting_sheet, pull_off
+from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
@@ -187,10 +188,10 @@ def test_a_carrier_is_pulled_by_what_its_rivets_or_its_primer_bear() -> None:
     riveted = load("yamada-2002")
     necks = bores(mold(riveted).part("carrier"), CutRole.RIVET)
     force = len(necks) * math.pi * 0.75**2 * 0.5 * 0.8
-    assert pull_off(Job(riveted)) == pytest.approx(force, rel=1e-9)
+    assert Facts(Job(riveted)).pull_off == pytest.approx(force, rel=1e-9)
     assert f"pull the carrier off it with {force:.2g} N" in sheet(riveted)
     plain = load("plain-ridges", ['mold.carrier="plain"'])
-    assert pull_off(Job(plain)) == pytest.approx(0.1 / 3 * 11 * 12, rel=1e-9)
+    assert Facts(Job(plain)).pull_off == pytest.approx(0.1 / 3 * 11 * 12, rel=1e-9)
     assert "holds by its primed face" in sheet(plain)
 
 

@@ -15,8 +15,8 @@ import pytest
 
 import skincad
 from skincad.base.errors import RefusedError
-from skincad.fabrication.casting_steps import opening_steps
 from skincad.fabrication.job import Job
+from skincad.fabrication.sheet import opening_steps
 from skincad.outputs import view
 from skincad.outputs.view import three_js, way_out
 from skincad.solids.mold import mold
