@@ -33,8 +33,8 @@ class Mold(Table):
     )
     wall: float | None = quantity(
         "mm",
-        "block beside the skin; if not given 13, or what two rows of bolts beside the trough need, and what "
-        "makes the block a multiple of half a millimetre wide",
+        "block beside the skin; 13, or what two rows of bolts beside the trough need, if not given; "
+        "up to a quarter more, for the block is a multiple of half a millimetre wide",
         ge=12.0,
         le=500.0,
         default=None,

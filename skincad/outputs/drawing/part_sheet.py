@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,8 @@ BINDING_MARGIN = 20.0  # mm, source: ISO 5457, the frame's distance from the pap
 EDGE_MARGIN = 10.0  # mm, source: ISO 5457, its distance from the other edges
 VIEW_GAP = 6.0  # mm, between views and column
 TAGS, CAPTION = 12.0, 8.0  # mm, between the view from above and a detail to its right; under the left view
-HOLE_SPACING = 7.0  # mm, assumption: between neighbouring holes on paper, for their tags
+# mm, assumption: between neighbouring holes on paper, for their tags; and where a view has more than CROWD
+HOLE_SPACING, CROWD, CROWDED_SPACING = 7.0, 20, 10.0
 MIN_VIEW_SIZE = 45.0  # mm, assumption: a view's larger side on paper is at least so long
 DETAIL_MARGIN = (10.0, 10.0)  # mm of paper beside and over it, for dimensions and caption
 WINDOW_FACTOR = (1.3, 1.4)  # assumption: a window's size by that of what it shows
@@ -133,7 +135,9 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
     """The smallest paper on which views and holes are read well, or else the one of the largest scale."""
     (left, low), (right, high) = drawing.views[FRONT].box()
     # the part's size at 1:1 over the size at which it can be read
-    legibility = min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / HOLE_SPACING)
+    crowd = Counter(group.view for group in drawing.holes for _ in group.holes)
+    apart = CROWDED_SPACING if max(crowd.values(), default=0) > CROWD else HOLE_SPACING
+    legibility = min(max(right - left, high - low) / MIN_VIEW_SIZE, _spacing(drawing) / apart)
     best: tuple[Paper, Arrangement] | None = None
     for paper in PAPERS:
         if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
