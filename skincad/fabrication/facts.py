@@ -66,7 +66,6 @@ from skincad.fabrication.rules import Finding, coating
 from skincad.fabrication.shopping import PRIMER, to_buy
 from skincad.fabrication.strips import (
     BOND_STRENGTH,
-    GRAVITY,
     HIGHEST_FILM_TEMPERATURE,
     POT_SHARE,
     Lap,
@@ -89,6 +88,7 @@ from skincad.fabrication.strips import (
 from skincad.inputs.catalog import display_name
 from skincad.inputs.skin_tables import Film
 from skincad.solids.cavity import split_ridges
+from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
 from skincad.solids.layout import end_angle
 from skincad.solids.plan import CutRole, Part, PartRole, bores
@@ -538,7 +538,7 @@ class Facts:
     @property
     def way_out(self) -> str:
         """How shims leave."""
-        return f"{'along its arc' if self.job.bent else 'along y'}, towards end {self.shims_end}"
+        return f"{'along its arc' if self.job.bent else 'along the ridges'}, towards end {self.shims_end}"
 
     @property
     def small_g(self) -> float:

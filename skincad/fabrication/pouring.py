@@ -16,9 +16,20 @@ from dataclasses import dataclass
 from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, warning
-from skincad.fabrication.strips import GRAVITY, pour
+from skincad.fabrication.strips import pour
 from skincad.inputs.silicone import Silicone
-from skincad.solids.gate import LUER, SYRINGES, THUMB, TIP_LENGTH, TIP_PLAY, TIPS, filling_time, press, tip
+from skincad.solids.gate import (
+    GRAVITY,
+    LUER,
+    SYRINGES,
+    THUMB,
+    TIP_LENGTH,
+    TIP_PLAY,
+    TIPS,
+    filling_time,
+    press,
+    tip,
+)
 from skincad.solids.plan import CutRole, PartRole, bores
 
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well

@@ -18,8 +18,9 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.papers import listed
 from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
 from skincad.fabrication.pouring import batch, filling, outlet_words, small_batch
-from skincad.fabrication.strips import GRAVITY, lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
+from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
+from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PIN_RADIUS, PITCH
 from skincad.solids.layout import SQUEEZED_SHARE, fits
 from skincad.solids.mold import ClosedMold
@@ -174,7 +175,7 @@ def _bolts(job: Job) -> list[str]:
     kind = "bolts, ISO 4762"
     if ends.rod:
         kind = f"studs, DIN 976, with a nut {'each' if ends.nuts == ends.pieces else 'at both ends'}"
-    return [f"M3 {kind}: {ends.pieces} M3 x {ends.length:g} along y, {where}", upper, tight]
+    return [f"M3 {kind}: {ends.pieces} M3 x {ends.length:g} through both end plates, {where}", upper, tight]
 
 
 def _seal(closed: ClosedMold) -> list[str]:

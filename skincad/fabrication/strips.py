@@ -31,11 +31,11 @@ from skincad.shape.curves import polygon
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import GUARD_TOLERANCE
 from skincad.solids.cavity import SAFE_SHARE
+from skincad.solids.gate import GRAVITY
 
 if TYPE_CHECKING:
     pass
 
-GRAVITY = 9.81  # m/s2
 PVDF_DENSITY = 1780.0  # kg/m3, source: piezo film technical manual (Measurement Specialties), table 1
 PVDF_YIELD = 45.0  # MPa, source: there, 45 to 55 along the stretch axis
 STEEL_DENSITY, STEEL_MODULUS = 7850.0, 200e3  # kg/m3, MPa, source: handbooks, spring steel

@@ -76,7 +76,7 @@ def test_the_wired_end_is_masked_and_comes_last(yamada: Design, side: str, drawn
     )
     assert "its number and + side written on it" in steps[place(steps, PRIMER)]
     assert f"tail at end {side}" in steps[place(steps, GLUE)]
-    assert f"draw it out along y, towards end {drawn}" in steps[place(steps, MIX)]
+    assert f"draw it out along the ridges, towards end {drawn}" in steps[place(steps, MIX)]
     assert f"its mask meets the skin's end {side}" in steps[place(steps, MIX)]
 
 
@@ -137,7 +137,7 @@ def test_without_a_film_there_is_nothing_of_it(yamada: Design) -> None:
     assert "film" not in words
     assert "primer" not in words
     words = [step.words for step in opening_steps(Job(bare))]
-    assert words[1] == "Draw each shim out along y, towards end b."
+    assert words[1] == "Draw each shim out along the ridges, towards end b."
     assert not any("film" in line or "strip" in line for line in words)
     assert "shims with a brush" in sheet_steps(Job(bare))["release"]
 

@@ -5,9 +5,11 @@ What is bought for the bench is held against the sheet in test_bond_steps.py, an
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -192,3 +194,24 @@ def test_papers_of_random_designs_agree_and_keep_the_rules(seed: int) -> None:
         pytest.skip("it has no mold, and says why")
     job = Job(design)
     assert [*disagreements(job), *rules_of_parts(job), *rules(job)] == []
+
+
+TRADE = ("fabrication/day_plan", "fabrication/electrodes", "fabrication/facts", "fabrication/fasteners")
+TRADE += ("fabrication/pouring", "fabrication/printing", "fabrication/shopping", "fabrication/strips")
+TRADE += ("solids/ends", "solids/fasteners", "solids/gate", "solids/inserts", "solids/layout", "solids/lids")
+OF_NATURE = {"GRAVITY", "SCREW", "METRIC"}  # METRIC's class says its standards, column by column
+
+
+@pytest.mark.parametrize("module", TRADE)
+def test_every_number_of_a_trade_has_its_source_or_says_that_it_is_an_assumption(module: str) -> None:
+    text = (Path(skincad.__file__).parent / f"{module}.py").read_text("utf-8")
+    rows = text.split("\n")
+    for node in ast.parse(text).body:
+        if not isinstance(node, ast.Assign) or not any(
+            isinstance(c, ast.Constant) and isinstance(c.value, int | float) for c in ast.walk(node.value)
+        ):
+            continue
+        names = {n.id for n in ast.walk(node.targets[0]) if isinstance(n, ast.Name)}
+        said = "\n".join(rows[max(0, node.lineno - 4) : node.end_lineno])
+        if not names & OF_NATURE:
+            assert re.search(r"assumption|source|ISO|DIN|rounding|by finite elements", said), names

@@ -81,7 +81,10 @@ def test_a_pin_hole_as_wide_as_a_thread_is_no_thread() -> None:
     closed = mold(loose)
     assert {bore.radius for bore in bores(closed.part("end-b"), CutRole.END_PIN)} == {TAP_RADIUS}
     text = casting_sheet(Job(loose, closed), [], "Passes.", True)
-    assert "M3 bolts, ISO 4762: 4 M3 x 25 along y, with nuts, 4 of them sunk in end plate b" in text
+    assert (
+        "M3 bolts, ISO 4762: 4 M3 x 25 through both end plates, with nuts, 4 of them sunk in end plate b"
+        in text
+    )
 
 
 def test_a_cut_without_a_role_is_none_of_a_mold() -> None:

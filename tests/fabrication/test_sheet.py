@@ -80,7 +80,7 @@ def test_an_unknown_silicone_has_no_invented_recipe(yamada: Design) -> None:
 
 def test_bolts_and_pins_are_long_and_short_enough(yamada: Design) -> None:
     text = sheet(yamada)
-    (along,) = map(int, re.findall(r"4 M3 x (\d+) along y", text))
+    (along,) = map(int, re.findall(r"4 M3 x (\d+) through both end plates", text))
     (upright,) = map(int, re.findall(r"2 M3 x (\d+) for the cover", text))
     assert along == 25  # 12 and two plates of 4, and the shrinkage; ISO has no 21
     assert upright == 4 + 4  # cover and thread

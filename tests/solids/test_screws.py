@@ -77,7 +77,7 @@ def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:
     assert [standard_length(v) for v in (1.0, 5.0, 5.01, 20.5, 30.0)] == [5.0, 5.0, 6.0, 25.0, 30.0]
     assert standard_length(133.2) == 134.0
     far = skincad.load("plain-ridges", ["skin.length=130"])
-    assert "M3 studs, DIN 976, with a nut at both ends: 4 M3 x 143 along y" in casting_sheet(
+    assert "M3 studs, DIN 976, with a nut at both ends: 4 M3 x 143 through both end plates" in casting_sheet(
         Job(far), [], "", True
     )
 
