@@ -1,6 +1,7 @@
 import fcntl
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -76,16 +77,8 @@ def test_a_disk_that_fills_half_way_is_an_input_error_and_changes_nothing(tmp_pa
     assert contents(tmp_path / "x")["a.txt"] == "1"
 
 
-MOVES = 5  # of the test below: make.json and a.txt leave; a.txt, b.txt and make.json come
-
-
-@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit, OSError])
-@pytest.mark.parametrize("after", [False, True])
-@pytest.mark.parametrize("move", range(MOVES))
-def test_an_interruption_between_two_renames_brings_the_earlier_result_back(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, move: int, after: bool, interruption: type[BaseException]
-) -> None:
-    write(tmp_path / "x", a="1")
+def stopped_at(move: int, after: bool, interruption: type[BaseException]) -> Callable[[Path, Path], Path]:
+    """A rename that is interrupted at this call, before it or after."""
     rename, seen = Path.rename, list[Path]()
 
     def interrupted(self: Path, target: Path) -> Path:
@@ -96,7 +89,20 @@ def test_an_interruption_between_two_renames_brings_the_earlier_result_back(
             raise interruption
         return target if after else rename(self, target)
 
-    monkeypatch.setattr(Path, "rename", interrupted)
+    return interrupted
+
+
+MOVES = 5  # of the test below: make.json and a.txt leave; a.txt, b.txt and make.json come
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit, OSError])
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("move", range(MOVES))
+def test_an_interruption_between_two_renames_brings_the_earlier_result_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, move: int, after: bool, interruption: type[BaseException]
+) -> None:
+    write(tmp_path / "x", a="1")
+    monkeypatch.setattr(Path, "rename", stopped_at(move, after, interruption))
     with pytest.raises((interruption, InputError)):
         write(tmp_path / "x", a="2", b="2")
     whole = after and move == MOVES - 1  # the manifest is in its place: all is
@@ -356,17 +362,7 @@ def test_an_interruption_leaves_no_empty_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, move: int, after: bool
 ) -> None:
     write_below(tmp_path / "x", film_strips="1")
-    rename, seen = Path.rename, list[Path]()
-
-    def interrupted(self: Path, target: Path) -> Path:
-        seen.append(self)
-        if after:
-            rename(self, target)
-        if len(seen) == move + 1:
-            raise KeyboardInterrupt
-        return target if after else rename(self, target)
-
-    monkeypatch.setattr(Path, "rename", interrupted)
+    monkeypatch.setattr(Path, "rename", stopped_at(move, after, KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         write_below(tmp_path / "x", solids_skin="2")
     monkeypatch.undo()
