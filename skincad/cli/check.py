@@ -16,6 +16,7 @@ from skincad.cli.options import (
     BudgetOption,
     DesignArgument,
     ForceOption,
+    GrippersOption,
     JsonOption,
     ModelOption,
     PrinterOption,
@@ -48,6 +49,7 @@ def check(
     model: ModelOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
     stress: Annotated[
         Path | None,
         typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
@@ -73,7 +75,7 @@ def check(
         raise InputError("tangential", "needs --stress", tangential, "name the picture with --stress")
     if stress is not None:
         checked_fresh(stress, ".png", "stress")
-    design = skincad.load(source, settings, printer=printer, silicones=silicones)
+    design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if stress is not None:
         from skincad.mechanics.film.stress import check_request
 

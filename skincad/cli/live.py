@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from skincad.base.errors import InputError
-from skincad.cli.options import PrinterOption, SetOption, SiliconesOption, say
+from skincad.cli.options import GrippersOption, PrinterOption, SetOption, SiliconesOption, say
 
 
 def live(
@@ -24,6 +24,7 @@ def live(
     browser: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
 ) -> None:
     """Move a design or scene with sliders, in the browser.
 
@@ -34,7 +35,7 @@ def live(
     from skincad.live.serve import serve
     from skincad.studies.subject import load_subject
 
-    subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if isinstance(subject, Circuit):
         raise InputError(source[:80], "is a circuit, not a design or a scene", remedy="give it to circuit")
     serve(subject, source, host, port, browser=browser, say=say)

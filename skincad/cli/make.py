@@ -18,6 +18,7 @@ from skincad.cli.options import (
     BudgetOption,
     DesignArgument,
     FormatOption,
+    GrippersOption,
     JsonOption,
     ModelOption,
     OpenOption,
@@ -57,6 +58,7 @@ def make(
     scenes: ScenesOption = [],  # noqa: B006
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Make skin and mold, check both, and write all files.
@@ -67,7 +69,7 @@ def make(
     from skincad.fabrication.making import STAGES
     from skincad.outputs.delivery import of_formats
 
-    design = skincad.load(source, settings, printer=printer, silicones=silicones)
+    design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     check_opened(opened, formats)
     from skincad.outputs import makes  # loads what draws: only for a design that is one
 

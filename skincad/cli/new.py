@@ -24,15 +24,15 @@ def new(
         typer.Option(
             "--template",
             metavar="NAME",
-            help="Start from this design, scene or circuit, or from a table: silicones or processes.",
+            help="Start from this design, scene or circuit, or a table: silicones, processes or grippers.",
             autocompletion=completes(_starts),
         ),
     ] = "designs/yamada-2002",
 ) -> None:
     """Write a commented TOML file to edit, and its JSON schema.
 
-    It is a design, a scene or a circuit, or a table of silicones or processes. An editor that knows the
-    schema completes and checks the file.
+    It is a design, a scene or a circuit, or a table of silicones, processes or grippers. An editor that
+    knows the schema completes and checks the file.
     """
     from skincad.outputs.tomls import write_new
 

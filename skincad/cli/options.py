@@ -62,6 +62,10 @@ SiliconesOption = Annotated[
     Path | None,
     typer.Option("--silicones", metavar="FILE", help="A TOML file of your own silicones, a lab.toml."),
 ]
+GrippersOption = Annotated[
+    Path | None,
+    typer.Option("--grippers", metavar="FILE", help="A TOML file of your own grippers, for mold.mount."),
+]
 OutOption = Annotated[
     Path | None,
     typer.Option("-o", "--out", metavar="DIR", help="The folder to write to; default: out/<name>."),

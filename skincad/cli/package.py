@@ -11,6 +11,7 @@ import skincad
 from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     DesignArgument,
+    GrippersOption,
     JsonOption,
     ModelOption,
     PrinterOption,
@@ -35,6 +36,7 @@ def package(
     model: ModelOption = "auto",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
     folder: Annotated[
         Path | None,
         typer.Option(
@@ -48,7 +50,7 @@ def package(
     MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
     each number rests on appear in the output folder.
     """
-    design = skincad.load(source, settings, printer=printer, silicones=silicones)
+    design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     target = out_folder(folder, Path(design.name, "package"), "package", ())
     with stage_bar(STAGES) as progress:
         result = skincad.package(design, kinds, model=model, progress=progress)

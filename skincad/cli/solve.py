@@ -12,6 +12,7 @@ from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     ForceOption,
+    GrippersOption,
     JsonOption,
     PrinterOption,
     SetOption,
@@ -59,6 +60,7 @@ def solve(
     ] = None,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
     copy: Annotated[
         Path | None,
         typer.Option("-o", "--out", metavar="FILE", help="Write the first solution as a TOML file."),
@@ -83,7 +85,7 @@ def solve(
             checked_fresh(path, suffix, key)
     wishes = {key: _number(key, text) for key, text in texts(target, "target").items()}
     varied = texts(vary, "vary")
-    subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):
         raise InputError("picture", "is drawn of one key with a range", remedy="leave it out")
     with stage_bar(8) as progress:

@@ -12,6 +12,7 @@ from skincad.cli.options import (
     DaskOption,
     ForceOption,
     FreshOption,
+    GrippersOption,
     JsonOption,
     OutOption,
     PrinterOption,
@@ -63,6 +64,7 @@ def sweep(
     fresh: FreshOption = False,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
     folder: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -76,7 +78,7 @@ def sweep(
     from skincad.studies.sweeping import points_of
 
     varied, ranks = texts(vary, "vary"), texts(rank, "rank")
-    subject = load_subject(source, settings, printer=printer, silicones=silicones)
+    subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     count = len(points_of(subject, varied, sample))
     target = out_folder(folder, subject.name, "sweep", sweep_names())
     with step_bar(count) as tick:

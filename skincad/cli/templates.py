@@ -21,16 +21,16 @@ def templates(
         str | None,
         typer.Argument(
             metavar="KIND",
-            help="List one kind: designs, scenes, circuits, studies, silicones or processes.",
+            help="List one kind: designs, scenes, circuits, studies, silicones, processes or grippers.",
             autocompletion=completes(_kinds),
         ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """List the templates, silicones and processes that ship.
+    """List the templates, silicones, processes and grippers that ship.
 
-    Templates are designs, scenes, circuits and studies. With KIND, silicones and processes come with their
-    values, ranges and sources.
+    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes and grippers come with
+    their values, ranges and sources.
     """
     from skincad.outputs.tomls import listing
 

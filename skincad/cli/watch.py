@@ -13,6 +13,7 @@ from skincad.base.progress import stage_bar
 from skincad.cli.make import check_opened, open_view
 from skincad.cli.options import (
     FormatOption,
+    GrippersOption,
     OpenOption,
     OutOption,
     PrinterOption,
@@ -31,6 +32,7 @@ def watch(
     opened: OpenOption = False,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
 ) -> None:
     """Preview a design again at each save of its file.
 
@@ -44,9 +46,11 @@ def watch(
     if not source.is_file():
         remedy = "write one to edit: skincad new my-skin.toml --template NAME"
         raise InputError("source", "must be a design's file", str(source), remedy)
-    for _ in saves([path for path in (source, printer, silicones) if path]):
+    for _ in saves([path for path in (source, printer, silicones, grippers) if path]):
         try:
-            design = skincad.load(str(source), settings, printer=printer, silicones=silicones)
+            design = skincad.load(
+                str(source), settings, printer=printer, silicones=silicones, grippers=grippers
+            )
             with stage_bar(len(STAGES)) as progress:
                 result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
                 target = folder or Path("out") / design.name

@@ -75,7 +75,7 @@ def is_pressed(part: Part, role: CutRole) -> bool:
 
 def mount_thread(job: Job) -> BlindThread | None:
     """Return the blind threads of a design's mount; None where it has no screws."""
-    name = job.design.mount and job.design.mount.thread
+    name = job.design.mounting and job.design.mounting.thread
     return blind_thread(name, job.lid_process) if name else None
 
 
@@ -116,10 +116,10 @@ def major(thread: str) -> float | None:
 
 def purpose(job: Job, part: Part, role: CutRole) -> str:
     """Return what goes into a bore."""
-    if role is CutRole.MOUNT and job.design.mount and (blind := mount_thread(job)):
-        return f"{job.design.mount.thread} screw of mount, engages {blind.least:g} to {blind.most:g}"
-    if role is CutRole.MOUNT_PIN and job.design.mount and job.design.mount.pin:
-        return f"pin {job.design.mount.pin:g} of mount"
+    if role is CutRole.MOUNT and job.design.mounting and (blind := mount_thread(job)):
+        return f"{job.design.mounting.thread} screw of mount, engages {blind.least:g} to {blind.most:g}"
+    if role is CutRole.MOUNT_PIN and job.design.mounting and job.design.mounting.pin:
+        return f"pin {job.design.mounting.pin:g} of mount"
     if role in PINNED:
         fit = "press fit" if is_pressed(part, role) else "sliding fit"
         return f"dowel Ø{2 * PIN_RADIUS:g} {_FOR[role]}, {fit}"
@@ -130,9 +130,9 @@ def thread(job: Job, part: Part, role: CutRole) -> str:
     """Return the thread of a bore, or what brings one; "" where it has none."""
     if role not in THREADED:
         return ""
-    if role is CutRole.MOUNT and job.design.mount and (blind := mount_thread(job)):
+    if role is CutRole.MOUNT and job.design.mounting and (blind := mount_thread(job)):
         how = f"insert, {blind.insert}" if blind.insert else f"x {blind.most:g}"  # deep, by ISO 6410-1
-        return f"{job.design.mount.thread} {how}"
+        return f"{job.design.mounting.thread} {how}"
     insert = job.fits(part).insert
     return f"{SCREW.name} insert, {insert}" if insert and role is not CutRole.PULL else SCREW.name
 
@@ -239,7 +239,7 @@ class CarrierMount(Record):
 
 def mount_of(job: Job) -> CarrierMount | None:
     """Return a design's mount, as the first carrier has it; None without one."""
-    mount = job.design.mount
+    mount = job.design.mounting
     if mount is None:
         return None
     carrier, blind = job.closed.first(PartRole.CARRIER), mount_thread(job)

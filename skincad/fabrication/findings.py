@@ -16,6 +16,7 @@ from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_R
 from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
 from skincad.fabrication.strips import shim_findings
 from skincad.inputs.design import Design
+from skincad.inputs.gripper import gripper_named
 from skincad.inputs.material import foreign_modulus
 from skincad.shape.skin import VISIBLE, skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain, split_ridges
@@ -35,6 +36,7 @@ def design_findings(job: Job) -> list[Finding]:
     findings = [
         *process_findings(job),
         *crest_findings(job),
+        *mount_findings(job),
         *shim_findings(job),
         *closing_findings(job),
         *electrode_findings(job),
@@ -89,6 +91,24 @@ def _material_findings(design: Design) -> Iterator[Finding]:
         where = f"material.young_modulus, which is not that of {named.name}"
         limit = named_range.high if value > named_range.high else named_range.low
         yield warning("silicone", where, value, limit, "MPa", remedy)
+
+
+def mount_findings(job: Job) -> Iterator[Finding]:
+    """Yield a warning where a skin is larger than its gripper's face, and a note where holes are a guess."""
+    design = job.design
+    if design.mold.mount is None:
+        return
+    gripper, name = gripper_named(design.mold.mount, design.grippers or {}), design.mold.mount
+    for way, size, face in (
+        ("width", design.skin.width, gripper.width),
+        ("length", design.skin.length, gripper.length),
+    ):
+        if size > face + 1e-9:
+            remedy = f"skin.{way} of {face:g} mm or less, or another gripper"
+            yield warning("gripper face", f"skin's {way} on {name}", size, face, "mm", remedy)
+    if not gripper.measured:
+        remedy = f"measure yours, and give [grippers.{name}] its holes"
+        yield note("gripper holes", f"{name}, whose holes are an assumption", 1.0, 0.0, "", remedy)
 
 
 def freeing_widths(job: Job) -> tuple[float | None, float | None]:

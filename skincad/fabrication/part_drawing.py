@@ -161,12 +161,12 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
         rows.append(
             f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
         )
-    if part.role is PartRole.CARRIER and job.design.mount and job.design.mount.thread:
-        metric = METRIC[job.design.mount.thread]
+    if part.role is PartRole.CARRIER and job.design.mounting and job.design.mounting.thread:
+        metric = METRIC[job.design.mounting.thread]
         off = (metric.clearance - metric.diameter) / 4
         rows.append(
-            f"Mount: {pattern_words(job.design.mount)} about the middle, its threads within ±{off:.3g}, half "
-            "of what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
+            f"Mount: {pattern_words(job.design.mounting)} about the middle, its threads within ±{off:.3g}, "
+            "half of what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
         )
     pins = {cut.role for cut in part.cuts} & PINNED
     if pins:

@@ -19,10 +19,12 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
 from skincad.base.tables import Document, no_entry
 from skincad.inputs.design import Design, drop_dependents, drop_replaced, renamed_material
+from skincad.inputs.gripper import Gripper
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import templates_folder
 from skincad.inputs.silicone import Silicone
 
+OwnTable = Literal["printer", "silicones", "grippers"]
 Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
 Kind = Literal["designs", "scenes", "circuits", "studies"]
@@ -35,6 +37,7 @@ _WORDS = {
     "studies": ("a study", "optimise"),
     "silicones": ("a table of silicones", "--silicones (in Python silicones=...)"),
     "printer": ("a table of processes", "--printer (in Python printer=...)"),
+    "grippers": ("a table of grippers", "--grippers (in Python grippers=...)"),
 }
 # a quoted text, or a decimal point with the digits beside it
 _DECIMAL = re.compile(
@@ -84,15 +87,17 @@ def load_design(
     *,
     printer: Own | None = None,
     silicones: Own | None = None,
+    grippers: Own | None = None,
 ) -> Design:
     """Return the design of a template's name or of a TOML file.
 
-    `printer` and `silicones` are a workshop's own processes and a lab's own silicones, as TOML files or as
-    tables; they go into the design's `[printer]` and `[silicones]`, so that a copy of the design means the
-    same without them. `settings` are `table.key=value` with a TOML value, or `table=none` to drop an
-    optional table, and come last. Raises InputError with key, rule, value, remedy.
+    `printer`, `silicones` and `grippers` are a workshop's own processes, a lab's own silicones and grippers,
+    as TOML files or as tables; they go into the design's `[printer]`, `[silicones]` and `[grippers]`, so that
+    a copy of the design means the same without them. `settings` are `table.key=value` with a TOML value, or
+    `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
-    return Design(**design_tables(source, settings, printer=printer, silicones=silicones))
+    own = {"printer": printer, "silicones": silicones, "grippers": grippers}
+    return Design(**design_tables(source, settings, **own))
 
 
 def design_tables(
@@ -101,20 +106,19 @@ def design_tables(
     *,
     printer: Own | None = None,
     silicones: Own | None = None,
+    grippers: Own | None = None,
 ) -> dict[str, Any]:
     """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
     data = read_table(source, "designs")
-    data = with_own(data, "printer", printer)
-    return overridden(with_own(data, "silicones", silicones), settings)
+    data = with_own(with_own(data, "printer", printer), "silicones", silicones)
+    return overridden(with_own(data, "grippers", grippers), settings)
 
 
 load = load_design  # as it was called first
 
 
-def with_own(
-    data: dict[str, Any], table: Literal["printer", "silicones"], source: Own | None
-) -> dict[str, Any]:
-    """Return a file's tables with one's own on top of its `[printer]` or `[silicones]`."""
+def with_own(data: dict[str, Any], table: OwnTable, source: Own | None) -> dict[str, Any]:
+    """Return a file's tables with one's own on top of its `[printer]`, `[silicones]` or `[grippers]`."""
     if source is None:
         return data
     rows, tables = own_tables(table, source), data.get(table, {})
@@ -128,7 +132,7 @@ def with_own(
     return {**data, table: tables}
 
 
-def own_tables(table: Literal["printer", "silicones"], source: Own) -> dict[str, Any]:
+def own_tables(table: OwnTable, source: Own) -> dict[str, Any]:
     """Return one's own tables; those of a file are read."""
     if isinstance(source, Mapping):
         return dict(source)
@@ -174,6 +178,13 @@ def kind_of(source: str | Path) -> Kind:
     return next((kind for kind in KINDS if kind in kinds), "designs")
 
 
+_OWN_ROWS: tuple[tuple[str, type[BaseModel]], ...] = (
+    ("silicones", Silicone),
+    ("printer", Process),
+    ("grippers", Gripper),
+)
+
+
 def _marked(data: dict[str, Any]) -> list[str]:
     """What the tables may be by their keys; nothing where those are no kind's."""
     if isinstance(data.get("name"), str):
@@ -183,7 +194,7 @@ def _marked(data: dict[str, Any]) -> list[str]:
         rows = data.values()
         return bool(rows) and all(isinstance(r, dict) and r.keys() <= model.model_fields.keys() for r in rows)
 
-    return [table for table, model in (("silicones", Silicone), ("printer", Process)) if all_are(model)]
+    return [table for table, model in _OWN_ROWS if all_are(model)]
 
 
 def _refuse_others(name: str, kinds: Sequence[str], wanted: str) -> None:

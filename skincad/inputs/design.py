@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from skincad.base.errors import together
 from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
+from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process
 from skincad.inputs.silicone import Silicone
@@ -49,6 +50,9 @@ class Design(Document):
     silicones: dict[str, Silicone] | None = Field(
         default=None, description="a lab's own silicones, [silicones.lab-10] as in a lab.toml"
     )
+    grippers: dict[str, Gripper] | None = Field(
+        default=None, description="a lab's own grippers, [grippers.my-finger] as in a grippers.toml"
+    )
 
     @model_validator(mode="after")
     def _rules(self) -> Self:
@@ -56,6 +60,7 @@ class Design(Document):
         checks = (
             guards.processes(mold, self.printer or {}),
             guards.silicones(self.material, self.silicones or {}),
+            guards.grippers(mold, self.mount, self.grippers or {}),
             guards.features_on_skin(skin, self.features),
             guards.revolved(skin),
             guards.profile(ridge),
@@ -67,8 +72,15 @@ class Design(Document):
         return self
 
     def __hash__(self) -> int:
-        """Hash of all but `printer` and `silicones`, dicts, which equality still compares."""
+        """Hash of all but `printer`, `silicones` and `grippers`, dicts, which equality still compares."""
         return hash(tuple(value for _, value in self if not isinstance(value, dict)))
+
+    @property
+    def mounting(self) -> Mount | None:
+        """The carrier's holes: [mount], or those of the gripper that the mold names."""
+        if self.mold.mount is None:
+            return self.mount
+        return gripper_named(self.mold.mount, self.grippers or {}).mount()
 
     @property
     def features(self) -> Features:

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 from skincad.base.errors import InputError, refusals
-from skincad.inputs.mold_table import Mold
+from skincad.inputs.gripper import Gripper, check_grippers, gripper_named
+from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process, check_named, check_own
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
 from skincad.inputs.skin_tables import Base, Contact, Features, Film, Material, Ridge, Slot, lean
@@ -24,6 +25,17 @@ def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
     yield from refusals(lambda: check_own(own))
     for key in ("process", "end_plate_process", "lid_process"):
         yield from refusals(partial(check_named, f"mold.{key}", getattr(mold, key), own))
+
+
+def grippers(mold: Mold, mount: Mount | None, own: Mapping[str, Gripper]) -> Iterator[InputError]:
+    """Yield what a lab's own grippers lack, a name that nobody knows, and holes that are given twice."""
+    yield from refusals(lambda: check_grippers(own))
+    if mold.mount is None:
+        return
+    yield from refusals(lambda: gripper_named(mold.mount or "", own))
+    if mount is not None:
+        remedy = "leave one of them out; [grippers] holds a gripper of your own"
+        yield InputError("mold.mount", "has its own holes, and so has [mount]", mold.mount, remedy)
 
 
 def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[InputError]:

@@ -21,6 +21,12 @@ class Mold(Table):
         description=f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]",
         json_schema_extra=_A_PROCESS,
     )
+    mount: str | None = Field(
+        default=None,
+        description="the gripper whose holes the carrier gets, in the place of [mount]: "
+        "skincad templates grippers lists them, or one of [grippers]",
+        pattern=NAME,
+    )
     end_plate_process: str | None = Field(
         default=None,
         description="how the end plates are made, if not as the cavity",
@@ -144,8 +150,8 @@ _OF_PATTERN = {
 LEAST_FIDUCIALS = 3  # two look the same once the carrier is turned by half a turn
 
 
-class Mount(Table):
-    """Screws and fiducials on the carrier's top, x and y from its middle as the mold has them."""
+class HolePattern(Table):
+    """Screws and a pin in a pattern about the middle, x across the ridges and y along them."""
 
     thread: Literal["M2", "M2.5", "M3", "M4"] | None = Field(
         default=None,
@@ -182,6 +188,11 @@ class Mount(Table):
         le=3.0,
         default=None,
     )
+
+
+class Mount(HolePattern):
+    """Screws and fiducials on the carrier's top, x and y from its middle as the mold has them."""
+
     fiducials: int = Field(
         default=0,
         description="round dimples for a camera, 3 or 4, so placed that a carrier that is turned is known "

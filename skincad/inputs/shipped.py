@@ -10,8 +10,8 @@ from typing import Literal
 
 from skincad.base.errors import InputError
 
-Table = Literal["silicones", "processes"]
-TABLES: tuple[Table, ...] = ("silicones", "processes")
+Table = Literal["silicones", "processes", "grippers"]
+TABLES: tuple[Table, ...] = ("silicones", "processes", "grippers")
 NAME = r"^[a-z][a-z0-9-]{2,31}$"
 
 
@@ -22,7 +22,7 @@ def templates_folder() -> Traversable:
 
 
 def table_text(name: Table) -> str:
-    """Return the TOML of the shipped silicones or processes, with where their values are from."""
+    """Return the TOML of the shipped silicones, processes or grippers, with where their values are from."""
     return (templates_folder() / f"{name}.toml").read_text("utf-8")
 
 

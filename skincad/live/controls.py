@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # no numbers or choices that a slider could mean: names, and tables that are files of their own
-LEFT_OUT = {"name", "printer", "silicones", "kind", "effects", "steps", "frames", "ridges"}
+LEFT_OUT = {"name", "printer", "silicones", "grippers", "kind", "effects", "steps", "frames", "ridges"}
 SWITCHED_TABLES = {"slot", "film"}  # optional tables that one switch turns on and off
 ALWAYS = {"ridge.height", "material.young_modulus"}  # optional only beside another that says the same
 REACH = 4.0  # times its value, up and down, that a slider reaches where the key's own range is wider

@@ -36,6 +36,7 @@ from skincad.inputs.catalog import (
     template_text,
 )
 from skincad.inputs.design import Design
+from skincad.inputs.gripper import Gripper, grippers
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone, silicones
@@ -47,6 +48,7 @@ _LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
 _OWN: dict[shipped.Table, tuple[str, type[Table], str]] = {
     "silicones": ("silicones", Silicone, "dragon-skin-30"),
     "processes": ("printer", Process, "sla"),
+    "grippers": ("grippers", Gripper, "franka-hand"),
 }
 _OWN_HEAD: dict[shipped.Table, str] = {
     "silicones": """\
@@ -58,6 +60,10 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 # Processes of your own: pass this file with --printer, and give a table's name as mold.process
 # A table named like a shipped process changes only the keys that it gives; any other name is a new process.
 # skincad templates processes lists what ships. The values in comments are sla's: measure your own.""",
+    "grippers": """\
+# Grippers of your own: pass this file with --grippers, and give a table's name as mold.mount
+# A table named like a shipped gripper changes only the keys that it gives; any other name is a new gripper.
+# skincad templates grippers lists what ships. The values here are franka-hand's: measure your own.""",
 }
 STUDIES: Kind = "studies"
 LISTS = {
@@ -67,6 +73,7 @@ LISTS = {
     "studies": "study",
     "silicones": "silicone",
     "processes": "process",
+    "grippers": "gripper",
 }
 _COLUMNS = (  # of the table of silicones: key, head, unit
     ("young_modulus", "modulus", "MPa"),
@@ -171,7 +178,7 @@ def schema_of(kind: Kind | shipped.Table) -> str:
 def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema: str) -> str:
     """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
     lines = [f"#:schema ./{schema}", ""]
-    if kind == "silicones" or kind == "processes":  # noqa: PLR1714  # so that mypy knows
+    if kind == "silicones" or kind == "processes" or kind == "grippers":  # noqa: PLR1714  # so that mypy knows
         lines += [_OWN_HEAD[kind], *_own_lines(kind)]
         return "\n".join(lines) + "\n"
     model, text = _model_and_loader(kind)[0], template_text(template, kind)
@@ -225,9 +232,9 @@ def _own_lines(table: shipped.Table) -> list[str]:
     """A row of one's own, after a shipped one: a silicone's own values, or in comments those of a process."""
     _, model, base = _OWN[table]
     row: Any = tomlkit.parse(shipped.table_text(table))[base]
-    if table == "silicones":
+    if table in ("silicones", "grippers"):
         row.pop("source")  # one's own values are from elsewhere
-        return ["", "[my-silicone]", *_key_lines(model, row)]
+        return ["", f"[my-{LISTS[table]}]", *_key_lines(model, row)]
     row["based_on"] = base
     prefixes = ("#", "based_on")
     lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(model, row)]
@@ -285,6 +292,8 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         return _silicones()
     if kind == "processes":
         return _processes()
+    if kind == "grippers":
+        return _grippers()
     return {
         "kind": kind,
         "entries": {name: {"about": text} for name, text in _about(kind).items()},
@@ -298,7 +307,27 @@ def _about(kind: str) -> dict[str, str]:
             return {name: _first(template_text(name, file_kind)) for name in template_names(file_kind)}
     if kind == "silicones":
         return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
+    if kind == "grippers":
+        return {name: _gripper_words(gripper) for name, gripper in grippers().items()}
     return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
+
+
+def _gripper_words(gripper: Gripper) -> str:
+    guess = "" if gripper.measured else ", holes assumed"
+    return f"{gripper.width:g} x {gripper.length:g} mm, {gripper.thread}{guess}"
+
+
+def _grippers() -> tuple[dict[str, Any], list[str]]:
+    """A row a gripper, its source beneath."""
+    known = grippers()
+    lines = [
+        row
+        for name, text in _about("grippers").items()
+        for row in (f"{name:16} {text}", f"  {known[name].source}")
+    ]
+    note = "Your own: skincad new FILE --template grippers, then --grippers FILE"
+    entries = {name: gripper.model_dump(mode="json") for name, gripper in known.items()}
+    return {"kind": "grippers", "entries": entries, "units": _units(Gripper)}, [*lines, "", note]
 
 
 def _list_rows(kind: str) -> list[str]:

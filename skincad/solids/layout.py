@@ -298,7 +298,7 @@ def _cover_screws(
 
 def _mount_thickness(design: Design) -> tuple[float, str]:
     """Return how thick the carrier must be for its mount, and for what of it; 0 without one."""
-    return least_thickness(design.mount, lid_process(design)) if design.mount else (0.0, "")
+    return least_thickness(design.mounting, lid_process(design)) if design.mounting else (0.0, "")
 
 
 def stack_error(design: Design, spans: Spans, lid: float) -> float:

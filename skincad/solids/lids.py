@@ -52,7 +52,7 @@ def pin_place(mount: Mount) -> tuple[float, float]:
 
 def mount_bores(design: Design, place: Layout) -> list[Bore]:
     """Return the threads and the pin's hole in the carrier's top; none without a mount."""
-    mount = design.mount
+    mount = design.mounting
     if mount is None or mount.thread is None:
         return []
     blind, top = blind_thread(mount.thread, lid_process(design)), place.back
@@ -67,23 +67,23 @@ def mount_bores(design: Design, place: Layout) -> list[Bore]:
 def check_mount(design: Design, place: Layout, holes: Sequence[Bore], filled: Iterable[Filled]) -> None:
     """Raise InputError for the first hole of a mount that leaves the carrier or comes too near to another, or
     to what silicone fills."""
-    if design.mount is None:
+    if design.mounting is None:
         return
     for hole in holes:
         _inside(design, place, hole)
         for name, at, radius in filled:
             web, least = math.dist(hole.start[:2], at[:2]) - hole.radius - radius, EDGE / 2
             if web < least:
-                raise _near(design.mount, hole, web, least, name)
+                raise _near(design.mounting, hole, web, least, name)
     for one, other in combinations(holes, 2):
         web = math.dist(one.start[:2], other.start[:2]) - one.radius - other.radius
         if web < EDGE:
-            raise _near(design.mount, other, web, EDGE, _name(one))
+            raise _near(design.mounting, other, web, EDGE, _name(one))
 
 
 def _inside(design: Design, place: Layout, hole: Bore) -> None:
     """Raise InputError for a hole that is too near to the carrier's edge."""
-    mount = design.mount or Mount()
+    mount = design.mounting or Mount()
     room = [half - EDGE - hole.radius for half in _halves(design, place)]
     share = [most / abs(v) if v else math.inf for most, v in zip(room, hole.start[:2], strict=True)]
     if min(share) >= 1:
@@ -127,7 +127,7 @@ def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vecto
     """Return the dimples in three of the carrier's corners, and a fourth between two of them, each as near
     to its corner as it clears what is `taken`, by place and radius. Raises InputError where one finds no
     room."""
-    mount = design.mount
+    mount = design.mounting
     if mount is None or not mount.fiducials:
         return []
     wide, deep = mount.fiducial_diameter / 2, mount.fiducial_depth
@@ -283,14 +283,14 @@ def _beside_mount(
     remaining = [
         at for at in rivets if all(math.dist(at, m.start[:2]) > m.radius + HOLD[1] + EDGE / 2 for m in mount)
     ]
-    if design.mount and 2 * len(remaining) < len(rivets):
-        key, removed = size_key(design.mount), len(rivets) - len(remaining)
+    if design.mounting and 2 * len(remaining) < len(rivets):
+        key, removed = size_key(design.mounting), len(rivets) - len(remaining)
         rule = (
             f"is in the way of {removed} of the {len(rivets)} holes that hold the skin; half of them "
             "must stay"
         )
         remedy = 'take another pattern or a smaller thread, or mold.carrier = "plain" and a primer'
-        raise InputError(f"mount.{key}", rule, getattr(design.mount, key), remedy)
+        raise InputError(f"mount.{key}", rule, getattr(design.mounting, key), remedy)
     return remaining
 
 

@@ -41,6 +41,7 @@ def load_subject(
     *,
     printer: Own | None = None,
     silicones: Own | None = None,
+    grippers: Own | None = None,
 ) -> Subject:
     """Return the design, scene or circuit of a template's name or of a TOML file.
 
@@ -49,7 +50,7 @@ def load_subject(
     """
     kind = kind_of(source)
     if kind == "designs":
-        return load_design(source, settings, printer=printer, silicones=silicones)
+        return load_design(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if printer is not None:
         raise InputError("printer", "is for a design", str(printer), "leave it out")
     if kind == "scenes":

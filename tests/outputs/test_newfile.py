@@ -71,7 +71,7 @@ def explained(text: str) -> dict[str, str]:
 def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInfo]]:
     for key, field in model.model_fields.items():
         inner = table_of(model, key)
-        if key in ("printer", "silicones", "effects"):
+        if key in ("printer", "silicones", "grippers", "effects"):
             continue
         if inner is None or inner is NumberWithRange:
             yield path + key, field
@@ -127,6 +127,13 @@ def test_a_scenes_schema_knows_the_effects(text: str) -> None:
         data[table].update(values)
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(data, json.loads(schema_of("scenes")))
+
+
+def test_own_grippers_are_written_and_load(tmp_path: Path) -> None:
+    lab, _ = write_new(tmp_path / "mine.toml", "grippers")
+    design = skincad.load("plain-ridges", ["mold.mount=my-gripper"], grippers=lab)
+    assert design.mounting is not None
+    assert (design.mounting.thread, design.mounting.pitch_x) == ("M2", 10.0)
 
 
 def test_own_silicones_and_processes_are_written_and_load(tmp_path: Path) -> None:

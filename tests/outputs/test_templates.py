@@ -13,7 +13,7 @@ from skincad.inputs.shipped import table_text
 from skincad.outputs.tomls import listing
 from tests.conftest import run_skincad, skincad_process
 
-EVERY = (*KINDS, "studies", "silicones", "processes")
+EVERY = (*KINDS, "studies", "silicones", "processes", "grippers")
 
 
 def test_all_kinds_are_listed_with_what_each_is() -> None:

@@ -1,0 +1,93 @@
+"""Grippers as data: each drills a carrier, one's own change them, and a guess says so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.fabrication.fasteners import mount_of
+from skincad.fabrication.findings import mount_findings
+from skincad.fabrication.job import Job
+from skincad.inputs.gripper import grippers
+
+NAMES = ("franka-hand", "robotiq-2f85", "umi", "leap-hand", "anyskin-plate", "plain-plate")
+OWN = """
+[my-finger]
+width = 30.0
+length = 40.0
+thread = "M2"
+pattern = "rectangle"
+pitch_y = 14.0
+
+[franka-hand]
+measured = true
+pitch_x = 9.0
+"""
+
+
+def on(name: str, **sizes: float) -> skincad.Design:
+    """A pad as large as the gripper's face, without strips."""
+    gripper = grippers()[name]
+    room = {"width": gripper.width, "length": gripper.length, **sizes}
+    return skincad.load_design("plain-ridges", [f"mold.mount={name}"]).with_(skin=room)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_gripper_drills_a_carrier_of_its_size(name: str) -> None:
+    design, gripper = on(name), grippers()[name]
+    mount = mount_of(Job(design))
+    assert mount is not None
+    assert mount.thread == gripper.thread
+    xs, ys = zip(*mount.positions, strict=True)
+    for places, pitch in ((xs, gripper.pitch_x), (ys, gripper.pitch_y)):
+        if pitch is not None:
+            assert max(places) - min(places) == pytest.approx(pitch, abs=1e-9)
+    assert [f.rule for f in mount_findings(Job(design))] == ["gripper holes"] * (not gripper.measured)
+    assert gripper.source
+
+
+def test_shipped_grippers_are_those_that_are_named_and_a_guess_says_so() -> None:
+    assert set(grippers()) == {*NAMES}
+    for gripper in grippers().values():
+        assert gripper.measured or "assumption" in gripper.source
+
+
+def test_a_skin_larger_than_the_finger_is_told() -> None:
+    found = [f for f in mount_findings(Job(on("franka-hand", width=20.0))) if f.rule == "gripper face"]
+    assert [(f.severity, f.measured, f.limit) for f in found] == [("warning", 20.0, 17.0)]
+
+
+def test_ones_own_grippers_change_the_shipped_ones_and_add_to_them(tmp_path: Path) -> None:
+    file = tmp_path / "grippers.toml"
+    file.write_text(OWN)
+    mine = skincad.load_design(
+        "plain-ridges", ["mold.mount=my-finger", "skin.length=30", "skin.width=20"], grippers=file
+    )
+    assert mine.mounting is not None
+    assert (mine.mounting.thread, mine.mounting.pitch_y) == ("M2", 14.0)
+    changed = skincad.load_design("plain-ridges", ["mold.mount=franka-hand"], grippers=file)
+    assert changed.mounting is not None
+    assert (changed.mounting.pitch_x, changed.mounting.thread) == (9.0, "M2")
+    assert list(mount_findings(Job(changed))) == []  # it is measured now
+    copy = tmp_path / "copy.toml"
+    copy.write_text(mine.to_toml())
+    assert skincad.load_design(copy) == mine  # it holds its gripper
+    assert mine.with_(mold={"mount": "plain-plate"}).mounting != mine.mounting
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["mold.mount=franka"], "mold.mount: no such gripper, got 'franka'; did you mean 'franka-hand'"),
+        (["mold.mount=umi", "mount.thread=M3", "mount.diameter=9"], "has its own holes, and so has [mount]"),
+        (["grippers.my-finger={thread='M3'}"], "grippers.my-finger.diameter: is missing for a circle"),
+        (["grippers.X={thread='M3', diameter=20}"], "grippers: the name must be 3 to 32"),
+    ],
+)
+def test_what_is_no_gripper_is_refused(settings: list[str], words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        skincad.load_design("plain-ridges", settings)
+    assert words in str(refused.value)
