@@ -20,7 +20,7 @@ from tests.conftest import skincad_process
 from tests.processes import python
 
 JOBS = {
-    "make": ("make", "yamada-2002"),
+    "make": ("make", "yamada-2002", "--model", "corrected"),  # auto goes by the clock
     "simulate": ("simulate", "yamada-2002-press-and-pull", "--set", "history.steps=20"),
     "circuit": ("circuit", "yamada-2002", "--set", "sweep.points=50"),
 }

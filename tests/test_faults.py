@@ -24,7 +24,7 @@ import pytest
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.base.outfolder import checked_folder, replaced
+from skincad.base.outfolder import checked_folder, files_below, replaced
 from tests.conftest import run_skincad
 from tests.processes import python, started
 from tests.refusals import refused_command
@@ -67,9 +67,8 @@ def command(job: str, other: bool) -> list[str]:
 def contents(folder: Path) -> Contents:
     """File name to hash; of a file that tells the time, that it is whole. Without what is being written."""
     return {
-        p.name: "whole" if p.name in TIMED and p.read_bytes().endswith(b"}\n") else _hash(p)
-        for p in folder.iterdir()
-        if not p.name.startswith(".skincad-")
+        name: "whole" if name in TIMED and p.read_bytes().endswith(b"}\n") else _hash(p)
+        for name, p in files_below(folder).items()
     }
 
 

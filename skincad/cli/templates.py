@@ -29,8 +29,8 @@ def templates(
 ) -> None:
     """List the templates, silicones, processes and grippers that ship.
 
-    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes and grippers come with
-    their values, ranges and sources.
+    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes and grippers come
+    with their values, ranges and sources.
     """
     from skincad.outputs.tomls import listing
 
