@@ -48,7 +48,8 @@ class Mold(Table):
     floor: float | None = quantity(
         "mm",
         "block below the deepest ridge; if not given 9, or what bolts, nuts and pins need (and a split "
-        "cavity's base), and what makes the block a multiple of half a millimetre high",
+        "cavity's base), and what makes the block a multiple of half a "
+        "millimetre high, or in a print of whole layers under the ledge",
         ge=9.0,
         le=200.0,
         default=None,

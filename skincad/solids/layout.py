@@ -248,7 +248,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         need = max(need, blind_depth(lid, cavity_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
-    bottom = lowest - floor if choice.floor else top - _rounded_up(top - lowest + floor)
+    bottom = lowest - floor if choice.floor else _bottom(design, lowest - floor, top)
     depth = on_grid(min(PIN_DEPTH, 0.4 * skin.length))
     bolt = bottom + EDGE + nut
     key = KEYING + 2 * (slide - PIN_RADIUS)
@@ -317,6 +317,15 @@ def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tup
         return (row_places[-1], diagonal), (row_places[0], -diagonal), *((x, 0.0) for x in row_places[1:-1])
     ys = [row.spacing * (i - (row.screws - 1) / 2) for i in range(row.screws)]
     return tuple((x, y) for x in row_places for y in ys)
+
+
+def _bottom(design: Design, highest: float, top: float) -> float:
+    """The underside of a block whose floor is computed, mm, at most at `highest`: a whole number of layers
+    under the ledge, z = 0, so that a print has it where it is drawn, or else a round size under the top."""
+    layer = cavity_process(design).layer
+    if layer:
+        return on_grid(-math.ceil(-highest / layer - 1e-6) * layer)
+    return top - _rounded_up(top - highest)
 
 
 def _rounded_up(size: float) -> float:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import skincad
 from skincad.base.arrays import Array, Mask
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
@@ -20,6 +19,7 @@ from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole
 from tests.consumers import prusaslicer
 from tests.consumers.print_levels import resin_layers
+from tests.templates import of_one_printer
 
 pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
 FINE = 0.004  # mm, of the points that a shim's section is looked at; a pixel is ten times that
@@ -78,7 +78,7 @@ def shims_that_go_in(design: Design, folder: Path) -> tuple[int, int]:
 def test_where_no_finding_says_otherwise_every_shim_goes_in(
     changes: list[str], all_go_in: bool, tmp_path: Path
 ) -> None:
-    design = skincad.load("lab-bench", changes)
+    design = of_one_printer("lab-bench", changes)
     warned = any(finding.rule == "notch" for finding in design_findings(Job(design)))
     count, of = shims_that_go_in(design, tmp_path)
     assert of == 18
