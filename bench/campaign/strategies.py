@@ -68,7 +68,7 @@ def numbers(model: type[Table]) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for key, field in model.model_fields.items():
         inner = table_of(model, key)
-        if inner is not None and key not in ("printer", "silicones"):
+        if inner is not None and key not in ("printer", "silicones", "grippers"):
             rows += [(key, *rest) for rest in numbers(inner)]
         elif "float" in str(field.annotation) and "list" not in str(field.annotation) and key not in NEVER:
             rows.append((key,))

@@ -338,7 +338,14 @@ def test_bad_overrides(text: str) -> None:
 @given(text=st.text(max_size=60))
 @settings(max_examples=50, deadline=None)
 def test_any_override(text: str) -> None:
-    for key in ("", "ridge.height=", "material.young_modulus=", "printer.sla=", "silicones.lab-10="):
+    for key in (
+        "",
+        "ridge.height=",
+        "material.young_modulus=",
+        "printer.sla=",
+        "silicones.lab-10=",
+        "grippers.mine=",
+    ):
         assert "\n" not in refusal_words(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
 
 
