@@ -10,7 +10,15 @@ import re
 from collections.abc import Iterator
 from typing import Any, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import ErrorDetails
 
 from skincad.base.errors import MOST_TOLD, InputError, did_you_mean, together
@@ -39,6 +47,14 @@ class Table(BaseModel):
 
     def __setattr__(self, key: str, value: object) -> None:
         raise InputError(key, "is frozen", value, "make a changed copy by with_(...)")
+
+
+class SparseTable(Table):
+    """A table that dumps what was given only: a change to a shipped one changes no more than it names."""
+
+    @model_serializer(mode="wrap")
+    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
 
 class Document(Table):

@@ -10,15 +10,15 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.tables import quantity
+from skincad.base.tables import SparseTable, quantity
 from skincad.inputs.mold_table import HolePattern, Mount
 from skincad.inputs.shipped import check_names, table_text
 
 
-class Gripper(HolePattern):
+class Gripper(HolePattern, SparseTable):
     """A finger's face, mm, and its holes."""
 
     width: float = quantity("mm", "of the finger's face, across the ridges", gt=0.0, le=1000.0, default=30.0)
@@ -27,11 +27,6 @@ class Gripper(HolePattern):
         default=True, description="whether the holes are somebody's measurement; false: an assumption"
     )
     source: str = Field(default="", description="where the sizes are from", max_length=400)
-
-    @model_serializer(mode="wrap")
-    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
-        """Dump what was given only, so that a copy of a design's own gripper changes no more than it did."""
-        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
     def mount(self) -> Mount:
         """Return the carrier's holes for it. Raises InputError for a pattern that is none."""
@@ -56,12 +51,11 @@ def grippers(own: Mapping[str, Gripper] | None = None) -> dict[str, Gripper]:
 def check_grippers(own: Mapping[str, Gripper]) -> None:
     """Raise InputError for a bad name, or a gripper whose holes are no pattern."""
     check_names("grippers", own, "my-finger")
-    for name, gripper in grippers(own).items():
-        if name in own:
-            try:
-                gripper.mount()
-            except InputError as broken:
-                raise broken.under(f"grippers.{name}") from None
+    for name in own:
+        try:
+            grippers(own)[name].mount()
+        except InputError as broken:
+            raise broken.under(f"grippers.{name}") from None
 
 
 def gripper_named(name: str, own: Mapping[str, Gripper]) -> Gripper:

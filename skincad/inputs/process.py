@@ -12,16 +12,16 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
 from skincad.base.errors import InputError
-from skincad.base.tables import Table, quantity
+from skincad.base.tables import SparseTable, quantity
 from skincad.inputs.shipped import check_names, table_text
 
 PROCESSES = tuple(tomllib.loads(table_text("processes")))
 
 
-class Process(Table):
+class Process(SparseTable):
     """Limits of a process; 0 where it has no such limit."""
 
     based_on: str | None = Field(
@@ -185,11 +185,6 @@ class Process(Table):
     def reach(self) -> float:
         """Radius of the smallest corner that the tool leaves, mm: the tool's and the spark gap."""
         return self.tool_radius + self.spark_gap
-
-    @model_serializer(mode="wrap")
-    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
-        """Dump what was given only, so that a copy of a design's own process changes no more than it did."""
-        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
 
 @cache

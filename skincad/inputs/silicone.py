@@ -18,13 +18,11 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializeAsAny,
-    SerializerFunctionWrapHandler,
-    model_serializer,
     model_validator,
 )
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.tables import NumberWithRange, Table, quantity
+from skincad.base.tables import NumberWithRange, SparseTable, quantity
 from skincad.inputs.shipped import check_names, table_text
 from skincad.laws import LAWS, law, law_of
 from skincad.laws.rubber import Rubber
@@ -68,16 +66,7 @@ class _Kinds:
 Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _Kinds()]
 
 
-class _SparseTable(Table):
-    """A table that dumps what was given only."""
-
-    @model_serializer(mode="wrap")
-    def _dump_set_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
-        """Dump what was given only, so that a copy of a design's own silicone changes no more than it did."""
-        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
-
-
-class StiffnessSource(_SparseTable):
+class StiffnessSource(SparseTable):
     """What one source says of a silicone's stiffness: a modulus at small strain, or a law."""
 
     what: str = Field(description="what was measured, or how it follows", max_length=200)
@@ -96,7 +85,7 @@ class StiffnessSource(_SparseTable):
         return self.law.young_modulus(poisson_ratio) if self.law else self.young_modulus or 0.0
 
 
-class Silicone(_SparseTable):
+class Silicone(SparseTable):
     """A casting silicone at room temperature.
 
     Defaults are assumptions, for one of which only the modulus is known: nearly incompressible, the density

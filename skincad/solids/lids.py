@@ -74,11 +74,11 @@ def check_mount(design: Design, place: Layout, holes: Sequence[Bore], filled: It
         for name, at, radius in filled:
             web, least = math.dist(hole.start[:2], at[:2]) - hole.radius - radius, EDGE / 2
             if web < least:
-                raise _near(design.mounting, hole, web, least, name)
+                raise _near(design, hole, web, least, name)
     for one, other in combinations(holes, 2):
         web = math.dist(one.start[:2], other.start[:2]) - one.radius - other.radius
         if web < EDGE:
-            raise _near(design.mounting, other, web, EDGE, _name(one))
+            raise _near(design, other, web, EDGE, _name(one))
 
 
 def _inside(design: Design, place: Layout, hole: Bore) -> None:
@@ -93,17 +93,26 @@ def _inside(design: Design, place: Layout, hole: Bore) -> None:
     rule = f"leaves less than {EDGE:g} mm between {_name(hole)} and the carrier's edge"
     if (most := math.floor(1000 * min(share) * size) / 1000) > 0:
         rule = f"must be at most {most:g} mm, for {EDGE:g} mm between {_name(hole)} and the carrier's edge"
-    raise InputError(f"mount.{key}", rule, size, "take a smaller pattern or a larger skin")
+    raise _of_mount(design, key, rule, "take a smaller pattern or a larger skin")
 
 
-def _near(mount: Mount, hole: Bore, web: float, least: float, other: str) -> InputError:
+def _of_mount(design: Design, key: str, rule: str, remedy: str) -> InputError:
+    """The error of a hole: of [mount]'s key, or of the gripper that the mold names."""
+    if design.mold.mount is not None:
+        remedy = "take another gripper, a larger skin, or [mount] with holes of your own"
+        return InputError("mold.mount", f"its {key} {rule}", design.mold.mount, remedy)
+    return InputError(f"mount.{key}", rule, getattr(design.mount, key), remedy)
+
+
+def _near(design: Design, hole: Bore, web: float, least: float, other: str) -> InputError:
+    mount = design.mounting or Mount()
     x, y = hole.start[:2]
     key = "pin" if hole.role is CutRole.MOUNT_PIN else size_key(mount, 1)
     rule = (
         f"puts {_name(hole)} at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from {other}, needed are {least:g}"
     )
     turn = " (mount.angle)" if mount.pattern == "circle" else ""
-    return InputError(f"mount.{key}", rule, getattr(mount, key), f"take another pattern{turn} or thread")
+    return _of_mount(design, key, rule, f"take another pattern{turn} or thread")
 
 
 def _name(hole: Bore) -> str:
@@ -290,7 +299,7 @@ def _beside_mount(
             "must stay"
         )
         remedy = 'take another pattern or a smaller thread, or mold.carrier = "plain" and a primer'
-        raise InputError(f"mount.{key}", rule, getattr(design.mounting, key), remedy)
+        raise _of_mount(design, key, rule, remedy)
     return remaining
 
 

@@ -12,6 +12,7 @@ from skincad.fabrication.fasteners import mount_of
 from skincad.fabrication.findings import mount_findings
 from skincad.fabrication.job import Job
 from skincad.inputs.gripper import grippers
+from skincad.solids.mold import mold
 
 NAMES = ("franka-hand", "robotiq-2f85", "umi", "leap-hand", "anyskin-plate", "plain-plate")
 OWN = """
@@ -76,6 +77,14 @@ def test_ones_own_grippers_change_the_shipped_ones_and_add_to_them(tmp_path: Pat
     copy.write_text(mine.to_toml())
     assert skincad.load_design(copy) == mine  # it holds its gripper
     assert mine.with_(mold={"mount": "plain-plate"}).mounting != mine.mounting
+
+
+def test_holes_without_room_name_the_gripper_that_has_them() -> None:
+    small = skincad.load_design("plain-ridges", ["mold.mount=plain-plate"])
+    with pytest.raises(InputError) as refused:
+        mold(small)
+    assert str(refused.value).startswith("mold.mount: its diameter must be at most ")
+    assert "got 'plain-plate'; take another gripper, a larger skin" in str(refused.value)
 
 
 @pytest.mark.parametrize(
