@@ -50,23 +50,49 @@ from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [
+    "AROUND",
     "BLACK",
     "BLUE",
+    "CURVE",
+    "FILM",
+    "FLOOR",
+    "FRAME",
+    "FRONT",
     "GREEN",
     "GREY",
     "GRID",
+    "HEAD",
+    "LABEL",
+    "MAP",
+    "NOTE",
+    "OPEN",
     "ORANGE",
+    "OUTLINE",
     "PALE",
+    "PHASE_A",
+    "PHASE_B",
+    "PLATE",
     "PURPLE",
+    "SIGNED_MAP",
+    "SKIN",
     "SKY",
+    "SMALL",
+    "STICK",
+    "STRIP",
+    "STYLE",
+    "STYLES",
+    "THIN",
+    "TITLE",
     "VERMILION",
     "Axes",
     "Figure",
+    "Line2D",
     "ListedColormap",
     "LogLocator",
     "MaxNLocator",
@@ -100,21 +126,40 @@ BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK = (
     "#222222",
 )
 DPI = 100
-GREY, PALE, GRID = "#777777", "#c4c4c4", "#e0e0e0"
+GREY, PALE, GRID, FRAME = "#777777", "#c4c4c4", "#e0e0e0", "#555555"
+SKIN, STRIP, OUTLINE = "#eebfa6", "#b5482a", "#333333"  # of a drawn section: silicone, film strip, its edge
+FILM, PLATE, AROUND = "#111111", "#9a9a9a", "#d7e3d0"  # of a stressed section; a tint that no stress has
+OPEN, STICK = "#ffffff", "#b9cbe0"  # of a ridge that is clear of the plate, and of one that sticks
+PHASE_A, PHASE_B = "#e3ecf7", "#f9e4d8"  # of a pull: before the ridge slips, and after
+FRONT, FLOOR = "#c9c9c9", "#ededed"  # behind curves: the best ones, and errors below the reference's own
+STYLES: tuple[tuple[str, str, Any], ...] = (  # colour, marker, dashes; they differ without colour too
+    ("#000000", "o", "-"),
+    ("#0072b2", "s", (0, (6, 2))),
+    ("#b3470a", "^", (0, (2, 1.5))),
+    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
+    ("#8f4c86", "v", (0, (1, 1.5))),
+    ("#6f6000", "P", (0, (10, 3))),
+    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
+)
+NOTE, SMALL, LABEL, TITLE, HEAD = 7.0, 8.0, 9.0, 10.0, 11.0  # points: every letter has one of these sizes
+THIN, CURVE = 0.8, 1.3  # points, of lines that help, and of curves
+MAP, SIGNED_MAP = "viridis_r", "RdBu_r"  # of what has no sign, distinct in grey too; and of what has one
 STYLE: dict[str, Any] = {  # of every figure, on matplotlib's defaults
     "axes.axisbelow": True,
-    "axes.edgecolor": "#555555",
+    "axes.edgecolor": FRAME,
     "axes.grid": True,
-    "axes.labelsize": 9,
+    "axes.labelsize": LABEL,
     "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK]),
-    "axes.titlesize": 10,
-    "figure.titlesize": 11,
+    "axes.titlesize": TITLE,
+    "figure.titlesize": HEAD,
+    "font.family": "DejaVu Sans",  # matplotlib's own: the same on every machine
+    "font.size": SMALL,
     "grid.color": GRID,
     "grid.linewidth": 0.6,
-    "legend.fontsize": 8,
-    "lines.linewidth": 1.3,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
+    "legend.fontsize": SMALL,
+    "lines.linewidth": CURVE,
+    "xtick.labelsize": SMALL,
+    "ytick.labelsize": SMALL,
 }
 DEFAULTS: dict[Any, Any] = {
     **{key: value for key, value in rcParamsDefault.items() if key != "backend"},

@@ -1,41 +1,63 @@
-"""The picture of a design, shaded without a display: the skin, a ridge of its section, the mold taken apart.
+"""The picture of a design, shaded without a display: the skin, its section, the mold taken apart.
 
 Rays are orthographic, one a pixel, cast by Embree.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import trimesh
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.optimize import linear_sum_assignment
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.fabrication.meshes import upright
 from skincad.inputs.design import Design
-from skincad.outputs.figures.canvas import Axes, Picture, sheet
+from skincad.outputs.figures.canvas import (
+    BLACK,
+    BLUE,
+    FRAME,
+    OUTLINE,
+    SKIN,
+    SMALL,
+    STRIP,
+    THIN,
+    Axes,
+    Picture,
+    sheet,
+)
 from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import polygon
-from skincad.shape.skin import section, skin_of
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
-SKIN, STRIP = "#eebfa6", "#b5482a"
-_PIXELS = (640, 760)
 Colour = tuple[float, float, float]
 Image = Array
+Pixel = tuple[float, float]
+_SKIN_PIXELS, _PIXELS = (720, 320), (640, 760)
 _LIGHT = np.array([0.35, -0.55, 0.76])  # from the viewer's upper right, in the scene's frame
 _OVERSAMPLE = 2
+_GRID = 5  # pixels between the rays that look for a place on each part
+_LABEL_STEP = 0.028  # of the picture's height, between two names
+_RELIEF = 0.2  # of the section's width: as high as its surface is drawn, at most
+_HEIGHT_SCALES = (1, 2, 3, 4, 5, 8, 10, 15, 20)
+_SCALE_BAR = 0.3  # of what it measures, at most
 
 
 def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
-    """Return skin, ridge section and opened mold. `meshes` by part name, in the mold's frame, mm."""
-    with sheet((13.2, 7.4), 128, dpi=110) as figure:
-        grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
+    """Return skin, section and opened mold. `meshes` by part name, in the mold's frame, mm."""
+    with sheet((13.2, 7.4), 160, dpi=110) as figure:
+        grid = figure.add_gridspec(3, 2, width_ratios=[1.15, 1.0], height_ratios=[1.0, 0.62, 0.9])
+        shape = section(design)
         _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
-        _draw_ridge(figure.add_subplot(grid[1, 0]), design)
+        _draw_whole(figure.add_subplot(grid[1, 0]), design, shape)
+        _draw_ridges(figure.add_subplot(grid[2, 0]), design, shape)
         _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
         figure.suptitle(design.name)
     return figure
@@ -48,57 +70,131 @@ def _show(axes: Axes, title: str) -> None:
 
 def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     shown = upright(skin)
-    camera = view([shown], 32.0, 28.0, (720, 350))
+    camera = view([shown], 32.0, 28.0, _SKIN_PIXELS)
     axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
+    low, high = shown.bounds
+    _scale_bar(axes, camera, low, high[0] - low[0])
     count = skin_of(design).count
     size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
     _show(axes, f"skin: {count} ridge{'s' * (count > 1)}, {size}")
 
 
-def _draw_ridge(axes: Axes, design: Design) -> None:
+def scale_length(width: float) -> float:
+    """Return the length of a scale bar, mm: the largest 1, 2 or 5 times a power of ten that is short enough
+    for something `width` mm wide."""
+    power = 10.0 ** math.floor(math.log10(_SCALE_BAR * width))
+    return max(k * power for k in (1, 2, 5) if k * power <= _SCALE_BAR * width * (1 + 1e-9))
+
+
+def _scale_bar(axes: Axes, camera: Camera, corner: Array, width: float) -> None:
+    """A bar along x below the edge that begins at `corner`: lengths along x have its scale."""
+    length = scale_length(width)
+    away = np.array([0.0, 14.0])  # pixels below the edge
+    start, end = (np.array(camera.pixel(corner + np.array([x, 0.0, 0.0]))) + away for x in (0.0, length))
+    along = (end - start) / np.linalg.norm(end - start)
+    across = 4.0 * np.array([-along[1], along[0]])
+    axes.plot(*np.transpose([start, end]), color=BLACK, linewidth=2.0, solid_capstyle="butt", gid="scale bar")
+    for place in (start, end):
+        axes.plot(*np.transpose([place - across, place + across]), color=BLACK, linewidth=THIN)
+    axes.annotate(
+        f"{length:g} mm along x", tuple((start + end) / 2 + [-6, 8]), ha="right", va="top", fontsize=SMALL
+    )
+
+
+def _draw_section(axes: Axes, shape: Section) -> None:
+    axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor=OUTLINE, linewidth=THIN)
+    axes.set_xlabel("x, mm")
+    axes.set_ylabel("z, mm")
+    axes.grid(visible=False)
+
+
+def _draw_whole(axes: Axes, design: Design, shape: Section) -> None:
+    """The surface over the whole width, its heights drawn larger so that its curvature is seen, mm."""
+    _draw_section(axes, shape)
+    for slot in shape.slots:  # too thin, at this scale, for a film within
+        axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor=STRIP if design.film else "white")
+    points, half = polygon(shape.outline, 1e-3), 0.5 * design.skin.width
+    surface = points[(points[:, 1] > 1e-6) & (np.abs(points[:, 0]) < (1 - 1e-6) * half), 1]
+    relief = shape.top - float(surface.min())
+    scale = max(k for k in _HEIGHT_SCALES if k == 1 or k * relief <= _RELIEF * 2 * half)
+    axes.axhline(shape.top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
+    axes.set_xlim(-1.02 * half, 1.02 * half)
+    axes.set_ylim(shape.top - 1.35 * relief, shape.top + 0.12 * relief)
+    axes.set_aspect(scale)
+    stated = f"heights x {scale}" if scale > 1 else "true to scale"
+    axes.set_title(f"section over the whole width, {stated}; dashed: a flat plate at first touch")
+
+
+def _draw_ridges(axes: Axes, design: Design, shape: Section) -> None:
     """The middle ridges' section with its film strips, mm."""
-    shape, skin = section(design), skin_of(design)
-    axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor="#333", linewidth=0.8)
+    skin = skin_of(design)
+    _draw_section(axes, shape)
     for slot in shape.slots:
-        axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor="#333", linewidth=0.5)
+        axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor=OUTLINE, linewidth=0.5)
         if design.film:
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
     height = skin.heights[(skin.count - 1) // 2]
     reach = min(1.7 * skin.pitch, 0.5 * design.skin.width)
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(design.skin.thickness - 0.9 * reach + height, shape.top + 0.12 * reach)
+    axes.set_ylim(shape.top - 0.55 * reach - height, shape.top + 0.12 * reach)
     axes.set_aspect("equal")
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("z, mm")
-    axes.grid(visible=False)
-    axes.set_title("section through the middle ridges" + (", strips S1 and S2" if shape.slots else ""))
+    strips = ", strips S1 and S2" if shape.slots else ""
+    axes.set_title(f"section through the middle ridges, true to scale{strips}")
 
 
 def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> None:
-    exploded, colours, labels = [], [], []
-    for part in closed.parts:
-        if part.name not in meshes:
-            continue
-        mesh = meshes[part.name].copy()
-        mesh.vertices = mesh.vertices + explosion_offset(part, closed)
-        exploded.append(mesh)
-        colours.append(part.colour)
-        if part.made != "bought":
-            labels.append((part.name, mesh))
+    parts = [part for part in closed.parts if part.name in meshes]
+    exploded = [meshes[part.name].copy() for part in parts]
+    for part, shape in zip(parts, exploded, strict=True):
+        shape.vertices = shape.vertices + explosion_offset(part, closed)
     camera = view(exploded, 38.0, 30.0, _PIXELS)
-    axes.imshow(shaded(exploded, colours, camera))
-    anchors = []  # on each part's right upper edge, seen from in front
-    for name, shape in labels:
-        low, high = shape.bounds
-        edge = np.array([high[0], (low[1] + high[1]) / 2, 0.2 * low[2] + 0.8 * high[2]])
-        anchors.append((camera.pixel(edge), name))
-    free = 0.0
-    for (x, y), name in sorted(anchors, key=lambda anchor: anchor[0][1]):
-        free = max(free, y)
-        line = {"arrowstyle": "-", "color": "#666", "linewidth": 0.6}
-        axes.annotate(name, (x, y), (_PIXELS[0] + 10, free), fontsize=8, va="center", arrowprops=line)
-        free += 0.028 * _PIXELS[1]
+    axes.imshow(shaded(exploded, [part.colour for part in parts], camera))
+    named = [i for i, part in enumerate(parts) if part.made != "bought"]
+    anchors = _anchors(exploded, named, camera)
+    line = {"arrowstyle": "-", "color": FRAME, "linewidth": 0.6, "shrinkA": 2, "shrinkB": 0}
+    for i, anchor, end in zip(named, anchors, label_places(anchors, _PIXELS), strict=True):
+        axes.annotate(parts[i].name, anchor, end, fontsize=SMALL, va="center", arrowprops=line)
+        axes.plot(*anchor, ".", color=OUTLINE, markersize=4)
+    low, high = trimesh.util.concatenate(exploded).bounds
+    _scale_bar(axes, camera, low, high[0] - low[0])
     _show(axes, "mold, taken apart (it is poured with the ridges down)")
+
+
+def _anchors(shapes: list[trimesh.Trimesh], named: list[int], camera: Camera) -> list[Pixel]:
+    """A place on each named part where it is seen, as far to the right as it goes; of a hidden part its
+    middle."""
+    wide, high = camera.size
+    row, column = (np.indices((high // _GRID, wide // _GRID)) + 0.5) * _GRID
+    whole = trimesh.util.concatenate(shapes)
+    owner = np.append(np.repeat(np.arange(len(shapes)), [len(shape.faces) for shape in shapes]), -1)
+    seen = owner[_cast(RayMeshIntersector(whole), whole, camera, column.ravel(), row.ravel())].reshape(
+        row.shape
+    )
+    around = sliding_window_view(np.pad(seen, 1, constant_values=-1), (3, 3))
+    places = []
+    for i in named:
+        inner = (around == i).all(axis=(2, 3))
+        shown = inner if inner.any() else seen == i
+        if not shown.any():
+            places.append(camera.pixel(shapes[i].bounds.mean(axis=0)))
+            continue
+        last = np.argmax(np.where(shown, column, -1.0))
+        places.append((float(column.ravel()[last]), float(row.ravel()[last])))
+    return places
+
+
+def label_places(anchors: Sequence[Pixel], size: tuple[int, int]) -> list[Pixel]:
+    """Return where each anchor's name stands, in a column right of a picture of `size` pixels, so that no two
+    leaders cross: of all ways to give the places to the names, the one with the shortest leaders in all.
+    """
+    step, free = _LABEL_STEP * size[1], 0.0
+    rows = []
+    for y in sorted(anchor[1] for anchor in anchors):
+        rows.append(max(free, y))
+        free = rows[-1] + step
+    ends = [(size[0] + 10.0, row) for row in rows]
+    lengths = np.linalg.norm(np.array(anchors)[:, None] - np.array(ends)[None], axis=2)
+    return [ends[j] for j in linear_sum_assignment(lengths)[1]]
 
 
 @dataclass(frozen=True)
@@ -151,26 +247,28 @@ def _hit(whole: trimesh.Trimesh, camera: Camera) -> Index:
     """Return which face is seen at each of `_OVERSAMPLE` squared points of each pixel, -1 for none; a pixel
     whose neighbours all show the same face is sampled once."""
     caster = RayMeshIntersector(whole)
-    far = float(np.abs(whole.bounds).max()) * 4 * camera.towards
-
-    def cast(column: Array, row: Array) -> Index:
-        """Faces seen at places in the picture, pixels from its upper left."""
-        x = camera.centre[0] + (column - camera.size[0] / 2) / camera.per_mm
-        y = camera.centre[1] - (row - camera.size[1] / 2) / camera.per_mm
-        origins = x[:, None] * camera.right + y[:, None] * camera.up + far
-        return np.asarray(caster.intersects_first(origins, np.broadcast_to(-camera.towards, origins.shape)))
-
     wide, high = camera.size
     row, column = np.indices((high, wide)).reshape(2, -1) + 0.5
-    middle = cast(column, row).reshape(high, wide)
+    middle = _cast(caster, whole, camera, column, row).reshape(high, wide)
     near = np.pad(middle, 1, mode="edge")
     windows = sliding_window_view(near, (3, 3))
     mixed = (windows != middle[:, :, None, None]).any(axis=(2, 3))
     hit = middle.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
     fine = mixed.repeat(_OVERSAMPLE, 0).repeat(_OVERSAMPLE, 1)
     row, column = (np.array(np.nonzero(fine)) + 0.5) / _OVERSAMPLE
-    hit[fine] = cast(column, row)
+    hit[fine] = _cast(caster, whole, camera, column, row)
     return hit
+
+
+def _cast(
+    caster: RayMeshIntersector, whole: trimesh.Trimesh, camera: Camera, column: Array, row: Array
+) -> Index:
+    """Faces seen at places in the picture, pixels from its upper left; -1 for none."""
+    far = float(np.abs(whole.bounds).max()) * 4 * camera.towards
+    x = camera.centre[0] + (column - camera.size[0] / 2) / camera.per_mm
+    y = camera.centre[1] - (row - camera.size[1] / 2) / camera.per_mm
+    origins = x[:, None] * camera.right + y[:, None] * camera.up + far
+    return np.asarray(caster.intersects_first(origins, np.broadcast_to(-camera.towards, origins.shape)))
 
 
 def _edges(hit: Index, owner: Index, normals: Array) -> Mask:

@@ -15,6 +15,7 @@ from skincad.outputs.figures.canvas import (
     BLUE,
     GREEN,
     GREY,
+    SMALL,
     VERMILION,
     Axes,
     Figure,
@@ -107,7 +108,9 @@ def _label_points(figure: Figure, axes: Axes, shown: Points) -> None:
     for name, time, error in shown:
         for x, y in LABEL_OFFSETS:
             side: dict[str, Any] = {"ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
-            label = axes.annotate(name, (time, error), (x, y), textcoords="offset points", fontsize=8, **side)
+            label = axes.annotate(
+                name, (time, error), (x, y), textcoords="offset points", fontsize=SMALL, **side
+            )
             box = shapely.box(*label.get_window_extent().extents)
             if (whole.contains(box) and not any(map(box.intersects, obstacles))) or (x, y) == LABEL_OFFSETS[
                 -1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -16,20 +17,29 @@ from skincad.outputs.figures.canvas import (
     BLACK,
     BLUE,
     GREY,
+    MAP,
+    NOTE,
+    OPEN,
     PALE,
-    STYLE,
+    PHASE_A,
+    PHASE_B,
+    SMALL,
+    STICK,
+    THIN,
     VERMILION,
     Axes,
+    Line2D,
     ListedColormap,
     MaxNLocator,
     Patch,
     Picture,
+    colormaps,
     legend,
     sheet,
 )
 from skincad.scenes.simulation import Simulation
 
-OPEN, STICK, SLIP = "#ffffff", "#b9cbe0", VERMILION
+SLIP = VERMILION
 NORMAL, TANGENTIAL = BLUE, VERMILION
 WIDTH, PANEL = 9.0, 1.9  # inches
 SIGNALS = (
@@ -37,12 +47,9 @@ SIGNALS = (
     ("rate", "stress-rate, MPa/s"),
     ("jerk", "stress-jerk, MPa/s$^2$"),
 )
-COLOURS = STYLE["axes.prop_cycle"].by_key()["color"]
-DASHES = ("-", "-.", ":")  # of ridges that have the same colour
-MAX_ERRORS = 3  # ridges that are named with their errors
-NAMES_PER_ROW = 6  # names in one
-SLIPS: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (5, 3))}
-PHASES = {"$P_A$": "#e3ecf7", "$P_B$": "#f9e4d8"}
+MAX_PANELS = 9  # side by side; more ridges share panels
+SLIPS: dict[str, Any] = {"linewidth": THIN, "linestyle": (0, (5, 3))}
+PHASES = {"$P_A$": PHASE_A, "$P_B$": PHASE_B}
 MIN_SAMPLES = 50  # samples that are worth a picture
 PAPERS_RIDGE = 3
 ROOM_ABOVE, ROOM_BELOW = 0.14, 0.4  # of the curves' height, for what is written beside them
@@ -50,55 +57,93 @@ UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 def scene_figure(simulation: Simulation) -> Picture:
-    """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13), slip by
-    ridge.
+    """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13) of each
+    monitored ridge in its own panel, slip by ridge.
 
-    The signals are drawn as they come out of the low-pass, later by its delay. A dashed line of a ridge's
-    colour stands where it begins to slip for good.
+    The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
+    ridge begins to slip for good.
     """
-    panels = 2 + len(SIGNALS) * bool(simulation.signals)
-    with sheet((WIDTH, PANEL * panels + 0.8)) as figure:
-        axes = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
-        axes[0].plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
-        axes[0].plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
-        axes[0].set_ylabel("force, N")
-        legend(axes[0])
-        if simulation.signals:
-            for place, (name, label) in zip(axes[1:-1], SIGNALS, strict=True):
-                _signals(place, simulation, name)
-                place.set_ylabel(label)
-            _name_ridges(axes[1], simulation)
-        _slip_map(axes[-1], simulation)
-        axes[-1].set_xlabel("step")
-        figure.align_ylabels(axes)
+    groups = ridge_groups(list(simulation.signals))
+    rows = 2 + len(SIGNALS) * bool(groups)
+    with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
+        grid = figure.add_gridspec(rows, max(1, len(groups)))
+        forces = figure.add_subplot(grid[0, :])
+        forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
+        forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
+        forces.set_ylabel("force, N")
+        firsts = [forces]
+        for row, (name, label) in enumerate(SIGNALS if groups else (), 1):
+            places = [figure.add_subplot(grid[row, 0])]
+            places += [figure.add_subplot(grid[row, i], sharey=places[0]) for i in range(1, len(groups))]
+            for axes, group in zip(places, groups, strict=True):
+                _signals(axes, simulation, group, name, first=axes is places[0])
+            places[0].set_ylabel(label)
+            firsts.append(places[0])
+            for axes, group in zip(places if row == 1 else (), groups, strict=False):
+                axes.set_title(_panel_name(group, list(simulation.signals)), fontsize=SMALL)
+            for axes in places if row == len(SIGNALS) else ():
+                axes.tick_params(labelbottom=True)
+                axes.set_xlabel("step")
+        legend(forces, 3, handles=[*forces.lines, *_marks(simulation, groups)])
+        slip = figure.add_subplot(grid[-1, :])
+        _slip_map(slip, simulation)
+        for axes in (forces, slip):
+            axes.set_xlim(-0.5, simulation.march.time.size - 0.5)
+        slip.set_xlabel("step")
+        figure.align_ylabels([*firsts, slip])
         width = simulation.scene.readout.bandwidth_Hz
         late = f"signals band-limited to {width:g} Hz, {1e3 * simulation.delay:.3g} ms late"
         figure.suptitle(f"{simulation.scene.name}" + (f": {late}" if simulation.signals else ""))
     return figure
 
 
-def _signals(axes: Axes, simulation: Simulation, name: str) -> None:
-    for row, (ridge, signal) in enumerate(simulation.signals.items()):
-        colour, dashes = COLOURS[row % len(COLOURS)], DASHES[row // len(COLOURS) % len(DASHES)]
-        values, error = getattr(signal, name), _errors(simulation).get(ridge)
-        suffix = f" (± {error:.1g} MPa)" if error and len(simulation.signals) <= MAX_ERRORS else ""
-        axes.plot(values, color=colour, linestyle=dashes, linewidth=1.0, label=f"ridge {ridge}{suffix}")
-        if name == "value" and error:
+def ridge_groups(ridges: list[int]) -> list[list[int]]:
+    """Return the ridges of each panel: one in each, or where they are many, as many neighbours in each."""
+    size = max(1, -(-len(ridges) // MAX_PANELS))
+    return [ridges[i : i + size] for i in range(0, len(ridges), size)]
+
+
+def read_ridge(ridges: Sequence[int]) -> int:
+    """Return the monitored ridge that is read: ridge 3, the paper's, or else the last one."""
+    return PAPERS_RIDGE if PAPERS_RIDGE in ridges else ridges[-1]
+
+
+def _signals(axes: Axes, simulation: Simulation, group: list[int], name: str, *, first: bool) -> None:
+    """One signal of the ridges of one panel, with the error of the ridge that is read."""
+    read = read_ridge(list(simulation.signals))
+    shades = [BLUE] if len(group) == 1 else colormaps[MAP](np.linspace(1.0, 0.25, len(group)))
+    for ridge, colour in zip(group, shades, strict=True):
+        values, error = getattr(simulation.signals[ridge], name), _errors(simulation).get(ridge)
+        axes.plot(values, color=colour, linewidth=1.0, label=f"ridge {ridge}")
+        if name == "value" and error and ridge == read:
             steps = np.arange(values.size)
-            axes.fill_between(steps, values - error, values + error, color=colour, alpha=0.25, linewidth=0)
+            axes.fill_between(steps, values - error, values + error, color=PALE, alpha=0.7, linewidth=0)
         step = simulation.slip_steps[ridge - 1]
         if step is not None:
-            axes.axvline(step, color=colour, zorder=0.9, **SLIPS)
+            axes.axvline(step, color=GREY if len(group) == 1 else colour, zorder=0.9, **SLIPS)
+    axes.tick_params(labelbottom=False, labelleft=first)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=4))
 
 
-def _name_ridges(axes: Axes, simulation: Simulation) -> None:
-    """Name the curves of all panels, and what a dashed line is if there is one."""
-    if any(simulation.slip_steps[ridge - 1] is not None for ridge in simulation.signals):
-        axes.plot([], [], color=GREY, label="slips from here on", **SLIPS)
-    errors = _errors(simulation)
-    if errors and len(simulation.signals) > MAX_ERRORS:
-        axes.fill_between([], [], [], color=PALE, label=f"at most ± {max(errors.values()):.1g} MPa")
-    legend(axes, NAMES_PER_ROW)
+def _panel_name(group: list[int], ridges: list[int]) -> str:
+    read = read_ridge(ridges)
+    if len(group) == 1:
+        return f"ridge {group[0]}" + ", read" * (group == [read] != ridges)
+    return f"{group[0]} to {group[-1]}" + f" ({read} read)" * (read in group)
+
+
+def _marks(simulation: Simulation, groups: list[list[int]]) -> list[Any]:
+    """What names bands, dashes and shades of the panels."""
+    errors, ridges, marks = _errors(simulation), list(simulation.signals), list[Any]()
+    if ridges and (error := errors.get(read := read_ridge(ridges))):
+        others = f"; of all: at most ± {max(errors.values()):.1g}" if len(ridges) > 1 else ""
+        marks.append(Patch(facecolor=PALE, label=f"error of ridge {read}: ± {error:.1g} MPa{others}"))
+    if any(simulation.slip_steps[ridge - 1] is not None for ridge in ridges):
+        marks.append(Line2D([], [], color=GREY, label="slips from here on", **SLIPS))
+    if groups and len(groups[0]) > 1:
+        for colour, name in zip(colormaps[MAP]([1.0, 0.25]), ("first", "last"), strict=True):
+            marks.append(Line2D([], [], color=colour, label=f"{name} ridge of a panel"))
+    return marks
 
 
 def _errors(simulation: Simulation) -> dict[int, float]:
@@ -145,7 +190,7 @@ def recording(simulation: Simulation) -> RidgeRecording | None:
     time = simulation.march.time
     if not outputs or wanted is None or time.size < 2 or wanted * float(time[-1]) < MIN_SAMPLES:
         return None
-    ridge = PAPERS_RIDGE if str(PAPERS_RIDGE) in outputs else int(list(outputs)[-1])
+    ridge = read_ridge([int(name) for name in outputs])
     even = np.arange(time.size)
     if not evenly_spaced(time):
         steps = simulation.scene.history.even
@@ -237,5 +282,5 @@ def _name_slips(axes: Axes, simulation: Simulation, record: RidgeRecording) -> N
             axes.axvline(time[step] * rate, color=GREY, linewidth=0.8, linestyle="--")
             where = (time[step] * rate, 0.02)
             axes.annotate(
-                f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=7, rotation=90
+                f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=NOTE, rotation=90
             )

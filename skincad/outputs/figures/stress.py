@@ -16,9 +16,18 @@ from skincad.base.estimate import Estimate
 from skincad.mechanics.film.fields import DeformedSection, RidgeField
 from skincad.mechanics.film.stress import FilmStress
 from skincad.outputs.figures.canvas import (
+    AROUND,
     BLACK,
     BLUE,
+    FILM,
+    FRAME,
     GREY,
+    LABEL,
+    NOTE,
+    PALE,
+    PLATE,
+    SIGNED_MAP,
+    SMALL,
     VERMILION,
     Axes,
     Figure,
@@ -36,15 +45,12 @@ from skincad.outputs.figures.canvas import (
 
 SERIES = (("S1", BLUE, "o", -0.15), ("S2", VERMILION, "s", 0.15), ("S1 - S2", BLACK, "D", 0.0))
 AREA_IN_SCALE = 0.97  # share of the silicone's drawn area whose stress lies within the colours
-MAP = "RdBu_r"
 WINDOW = 0.27  # of the field's extent, each way from the films
-FILM = "#111111"
 SIZE = (9.0, 6.9)  # 900 pixels wide
 NOTED_RIDGE = (
     3  # or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
 )
 Frame = tuple[float, float, float, float]
-PLATE, AROUND = "#9a9a9a", "#d7e3d0"  # a tint that no stress has: unstressed skin is white
 WIDTH = 9.0  # inches
 ABOVE, BESIDE = 0.12, 0.03  # margins in the section's height and width
 FRAME_WIDTH, COLOURS = 720, 48  # pixels; with 60 frames below 2 MB (measured on yamada-2002-slip: 1.0 MB)
@@ -72,7 +78,7 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
         if ridges:
             states = [[v for v in stress.fields if v.ridge in ridges] for stress in (normal, both)]
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
-        figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=9)
+        figure.supxlabel(_note(normal, both), x=0.02, ha="left", fontsize=LABEL)
         figure.suptitle(f"{normal.name}: stress in the ridges")
     return figure
 
@@ -103,8 +109,8 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
         middle, half = (field.place + field.shift)[nearest], WINDOW * float(np.ptp(field.place, axis=0).max())
         axes.set_xlim(middle[0] - half, middle[0] + half)
         axes.set_ylim(middle[1] - half, middle[1] + half)
-        axes.set_title(f"ridge {field.ridge}", fontsize=9)
-    places[0].set_ylabel("z, mm", fontsize=8)
+        axes.set_title(f"ridge {field.ridge}", fontsize=LABEL)
+    places[0].set_ylabel("z, mm", fontsize=SMALL)
     _name_colours(
         figure, drawn, places, 40, "stress across the ridge in the deformed section, MPa; films black"
     )
@@ -116,21 +122,21 @@ def _draw_silicone(
     """Draw a deformed body in the colours of its stress, with its films; `film` is their edges' look."""
     points = body.place + body.shift
     silicone = Triangulation(points[:, 0], points[:, 1], body.triangles[~body.film])
-    drawn = axes.tripcolor(silicone, stress, cmap=MAP, vmin=-limit, vmax=limit, shading="gouraud")
+    drawn = axes.tripcolor(silicone, stress, cmap=SIGNED_MAP, vmin=-limit, vmax=limit, shading="gouraud")
     if body.film.any():
         strips = list(points[body.triangles[body.film]])
         axes.add_collection(PolyCollection(strips, facecolor=FILM, edgecolor=FILM, **film))
     axes.set_aspect("equal")
-    axes.tick_params(labelsize=7)
-    axes.set_xlabel("x, mm", fontsize=8)
+    axes.tick_params(labelsize=NOTE)
+    axes.set_xlabel("x, mm", fontsize=SMALL)
     axes.grid(visible=False)
     return drawn
 
 
 def _name_colours(figure: Figure, scale: ScalarMappable, places: Any, aspect: float, words: str) -> None:
     bar = figure.colorbar(scale, ax=places, location="bottom", shrink=0.6, aspect=aspect, extend="both")
-    bar.set_label(words, fontsize=8)
-    bar.ax.tick_params(labelsize=7)
+    bar.set_label(words, fontsize=SMALL)
+    bar.ax.tick_params(labelsize=NOTE)
 
 
 def colour_limit(place: Array, triangles: Index, values: Array) -> float:
@@ -218,8 +224,8 @@ def section_animation(moments: Sequence[Moment], path: Path) -> None:
 
 def _few_colours(picture: Image.Image, count: int) -> Image.Image:
     """The picture in the plain colours and as many of the stress's scale as make up `count`."""
-    plain = [to_rgb(c) for c in (PLATE, AROUND, FILM, "white", "black", "#555555", "#cccccc")]
-    scale = colormaps[MAP](np.linspace(0.0, 1.0, count - len(plain)))[:, :3]
+    plain = [to_rgb(c) for c in (PLATE, AROUND, FILM, "white", "black", FRAME, PALE)]
+    scale = colormaps[SIGNED_MAP](np.linspace(0.0, 1.0, count - len(plain)))[:, :3]
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.round(255 * np.concatenate([plain, scale])).astype(np.uint8).tobytes())
     return picture.quantize(palette=palette, dither=Image.Dither.NONE)
@@ -257,7 +263,7 @@ def _sheet(moments: Sequence[Moment]) -> _Sheet:
     left, right, low, high = frame = left - wide, right + wide, low - tall / 3, high + tall  # and some plate
     figure = agg((WIDTH, WIDTH * (high - low) / (right - left) + 1.2))
     axes, limit = figure.add_subplot(), moments_limit(moments)
-    scale = ScalarMappable(Normalize(-limit, limit), MAP)
+    scale = ScalarMappable(Normalize(-limit, limit), SIGNED_MAP)
     _name_colours(figure, scale, axes, 50, "stress along x, MPa; films black")
     return _Sheet(figure, axes, limit, frame)
 
@@ -271,4 +277,4 @@ def _draw_section(axes: Axes, shown: DeformedSection, limit: float, frame: Frame
     axes.set_facecolor(AROUND)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
-    axes.set_ylabel("z, mm", fontsize=8)
+    axes.set_ylabel("z, mm", fontsize=SMALL)

@@ -17,15 +17,25 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.outputs.figures.canvas import (
+    BLACK,
     BLUE,
+    FLOOR,
+    FRAME,
+    FRONT,
     GREY,
-    PALE,
+    LABEL,
+    MAP,
+    NOTE,
+    SMALL,
+    STYLES,
+    THIN,
     VERMILION,
     Axes,
     Normalize,
     NullFormatter,
     Picture,
     ScalarMappable,
+    Triangulation,
     legend,
     sheet,
 )
@@ -35,23 +45,12 @@ from skincad.studies.solving import Solution
 from skincad.studies.subject import DesignVariable
 from skincad.studies.sweeping import Ranking, SweepResult
 
-POINT, TARGET, HIGHLIGHT, REFUSED = BLUE, GREY, VERMILION, PALE
-COLOURS = "viridis_r"  # distinct in grey too
+POINT, TARGET, HIGHLIGHT = BLUE, GREY, VERMILION
 SIZE = (7.0, 4.6)  # inches
 PANEL = 3.0  # inches, of one of several
 MAX_KEYS = 6  # that are drawn
 LOG_RATIO = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
 MAX_LOG_RATIO = 1e6  # beyond it the smallest is rounding
-STYLES: tuple[tuple[str, str, Any], ...] = (  # colours of falling lightness, after Okabe and Ito 2008
-    ("#000000", "o", "-"),
-    ("#0072b2", "s", (0, (6, 2))),
-    ("#b3470a", "^", (0, (2, 1.5))),
-    ("#007a5a", "D", (0, (7, 2, 1.5, 2))),
-    ("#8f4c86", "v", (0, (1, 1.5))),
-    ("#6f6000", "P", (0, (10, 3))),
-    ("#4c7ea6", "X", (0, (4, 1.5, 1, 1.5, 1, 1.5))),
-)
-FRONT, FLOOR = "#c9c9c9", "#ededed"
 PANELS = 2  # measures that are drawn: the first with two errors to show
 LADDER_SIZE = (9.0, 4.9)  # 900 pixels wide, as the README shows it
 # trials above the reference's own error, and the ratio of the longest of their times to the shortest
@@ -62,22 +61,35 @@ TITLE_LETTERS, LABEL_LETTERS = 56, 52  # letters of a line: a title's, an error 
 
 
 def solution_figure(solution: Solution) -> Picture:
-    """Return a figure of the wanted result at each value that was tried, with its error."""
+    """Return a figure of the wanted result at each value that was tried, with its error as a band, the
+    design's own value and the solutions; crosses at the foot are refused values."""
     (key, wanted), (knob,) = next(iter(solution.target.items())), solution.knobs
     points = sorted(
         (float(evaluation.values[knob.key]), estimate.value, estimate.error or 0.0)
         for evaluation in solution.evaluations
         if not evaluation.refused and (estimate := evaluation.results[key]).value is not None
     )
+    name, _, unit = _axis_label(key, solution.evaluations).partition(", ")
     with sheet(SIZE, 255) as figure:
         axes = figure.add_subplot()
-        axes.axhline(wanted, color=TARGET, linewidth=1.0, linestyle="--", label=f"wanted: {wanted:g}")
+        words = f"wanted: {wanted:g}" + f" {unit}" * (unit != "1")
+        axes.axhline(wanted, color=TARGET, linestyle="--", label=words)
         if points:
-            at, value, error = zip(*points, strict=True)
-            axes.errorbar(at, value, error, fmt=".-", color=POINT, linewidth=1.0, capsize=3, label="tried")
+            at, value, error = np.array(points).T
+            band: dict[str, Any] = {"color": POINT, "alpha": 0.18, "linewidth": 0}
+            axes.fill_between(at, value - error, value + error, label="error", **band)
+            axes.plot(at, value, "o-", color=POINT, markersize=5, label="evaluated")
+        if refused := [float(e.values[knob.key]) for e in solution.evaluations if e.refused]:
+            foot: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+            axes.plot(refused, np.full(len(refused), 0.02), "x", color=GREY, label="refused", **foot)
         for number, solved in enumerate(solution.solutions):
             place = float(solved.values[knob.key]), float(solved.reached[key])
-            axes.plot(*place, "o", color=HIGHLIGHT, markersize=8, label="" if number else "solution")
+            label = "" if number else "solution"
+            axes.plot(*place, "D", color=HIGHLIGHT, markersize=9, markeredgecolor="white", label=label)
+            words = f"{place[0]:.4g} {knob.unit or ''}".rstrip()
+            axes.annotate(words, place, (9, 9), textcoords="offset points", fontsize=LABEL)
+        if isinstance(knob.start, int | float):
+            axes.axvline(knob.start, color=GREY, linewidth=THIN, linestyle=":", label="in the design")
         if knob.by_ratio:
             axes.set_xscale("log")
             axes.xaxis.set_major_formatter("{x:g}")
@@ -87,10 +99,8 @@ def solution_figure(solution: Solution) -> Picture:
             axes.yaxis.set_major_formatter("{x:g}")
         axes.set_xlabel(_label(knob))
         axes.set_ylabel(_axis_label(key, solution.evaluations))
-        legend(axes)
-        figure.suptitle(
-            f"{solution.name}: {_axis_label(key, solution.evaluations).partition(',')[0]} against {knob.key}"
-        )
+        legend(axes, 6)
+        figure.suptitle(f"{solution.name}: {name} against {knob.key}")
     return figure
 
 
@@ -122,40 +132,88 @@ def effects_figure(sweep: SweepResult) -> Picture:
 
 
 def pairs_figure(sweep: SweepResult) -> Picture:
-    """Return a figure of all pairs of keys, each row a point whose colour is the first ranking's result;
-    refused rows are crosses."""
+    """Return a figure of all pairs of keys, each row a point whose colour is the first ranking's result.
+
+    Of two keys with numbers it is a filled map: linear within each triangle of neighbouring rows, and
+    nothing where one of them is refused. Refused rows are crosses, a star is the design itself.
+    """
     ranking, keys = sweep.rankings[0], sweep.knobs[:MAX_KEYS]
-    rows, results = _ranked(sweep, ranking)
-    others = [i for i in range(len(sweep.rows)) if i not in set(rows)]
+    results = _ranked(sweep, ranking)[1]
     pairs = list(itertools.combinations(keys, 2))
-    column_count = min(3, len(pairs))
-    row_count = -(-len(pairs) // column_count)
+    columns = min(3, len(pairs))
+    row_count = -(-len(pairs) // columns)
     colours = Normalize(float(results.min()), float(results.max()))
-    with sheet((max(PANEL * column_count + 1.0, 5.0), PANEL * row_count), 255) as figure:
-        places = figure.subplots(row_count, column_count, squeeze=False).ravel()
+    size = SIZE if len(pairs) == 1 else (PANEL * columns + 1.0, PANEL * row_count)
+    with sheet(size, 255) as figure:
+        places = figure.subplots(row_count, columns, squeeze=False).ravel()
         for axes, pair in itertools.zip_longest(places, pairs):
             if pair is None:
                 axes.set_axis_off()
                 continue
-            x, y = (_places(sweep, knob, rows) for knob in pair)
-            axes.scatter(
-                *(_places(sweep, knob, others) for knob in pair),
-                marker="x",
-                s=14,
-                color=REFUSED,
-                linewidths=0.8,
-            )
-            order = np.argsort(results if ranking.goal == "max" else -results)  # the best on top
-            axes.scatter(x[order], y[order], c=results[order], cmap=COLOURS, norm=colours, s=22)
+            filled = len(keys) == 2 and _draw_map(axes, sweep, ranking, colours)
+            _draw_rows(axes, sweep, ranking, pair, colours)
             for knob, side in zip(pair, "xy", strict=True):
                 _name_ticks(axes, knob, side)
             axes.set_xlabel(_label(pair[0]))
             axes.set_ylabel(_label(pair[1]))
-        figure.colorbar(
-            ScalarMappable(colours, COLOURS), ax=list(places), label=_axis_label(ranking.key, sweep.rows)
-        )
-        figure.suptitle(f"{sweep.name}: {ranking.key}; crosses: refused, or without it")
+        bar = ScalarMappable(colours, MAP)
+        figure.colorbar(bar, ax=list(places), label=_axis_label(ranking.key, sweep.rows))
+        handles = [mark for mark in places[0].get_legend_handles_labels()[0] if mark.get_label()[0] != "_"]
+        figure.legend(handles=handles, loc="outside lower left", ncols=3, frameon=False)
+        between = ", linear between evaluated points" if filled else ""
+        figure.suptitle(f"{sweep.name}: {ranking.key}{between}")
     return figure
+
+
+def _draw_map(axes: Axes, sweep: SweepResult, ranking: Ranking, colours: Normalize) -> bool:
+    """Fill the triangles between evaluated rows of two keys; return whether there are any."""
+    if any(isinstance(choice, str) for knob in sweep.knobs for choice in knob.choices):
+        return False
+    rows, results = _ranked(sweep, ranking)
+    places = np.column_stack([_places(sweep, knob, range(len(sweep.rows))) for knob in sweep.knobs])
+    scaled = (places - places.min(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-300)
+    _, first = np.unique(scaled.round(9), axis=0, return_index=True)
+    if len(first) < 3 or np.linalg.matrix_rank(scaled[first] - scaled[first[0]], tol=1e-6) < 2:
+        return False
+    values = np.full(len(places), np.nan)
+    values[rows] = results
+    triangles = first[Triangulation(scaled[first, 0], scaled[first, 1]).triangles]
+    known = triangles[np.isfinite(values[triangles]).all(axis=1)]
+    if not len(known):
+        return False
+    mesh = Triangulation(places[:, 0], places[:, 1], known)
+    axes.tripcolor(mesh, np.nan_to_num(values), cmap=MAP, norm=colours, shading="gouraud", zorder=0.5)
+    return True
+
+
+def _draw_rows(
+    axes: Axes,
+    sweep: SweepResult,
+    ranking: Ranking,
+    pair: tuple[DesignVariable, DesignVariable],
+    colours: Normalize,
+) -> None:
+    """The rows as points, the best on top, the refused ones as crosses, and the design's own place."""
+    rows, results = _ranked(sweep, ranking)
+    others = sorted(set(range(len(sweep.rows))) - set(rows))
+    if others:
+        x, y = (_places(sweep, knob, others) for knob in pair)
+        axes.scatter(x, y, marker="x", s=20, color=GREY, linewidths=1.0, label="refused, or without it")
+    x, y = (_places(sweep, knob, rows) for knob in pair)
+    order = np.argsort(results if ranking.goal == "max" else -results)
+    look: dict[str, Any] = {"edgecolors": BLACK, "linewidths": 0.5, "s": 24, "label": "evaluated"}
+    axes.scatter(x[order], y[order], c=results[order], cmap=MAP, norm=colours, **look)
+    across, up = map(_own_place, pair)
+    if across is not None and up is not None:
+        look = {"markersize": 15, "markeredgecolor": "white", "linestyle": "", "zorder": 4}
+        axes.plot(across, up, marker="*", color=HIGHLIGHT, label="the design itself", **look)
+
+
+def _own_place(knob: DesignVariable) -> float | None:
+    """A key's value in the design, a choice by its number; None where it has none or is not a choice."""
+    if knob.choices:
+        return float(knob.choices.index(knob.start)) if knob.start in knob.choices else None
+    return float(knob.start) if isinstance(knob.start, int | float) else None
 
 
 def front_figure(sweep: SweepResult) -> Picture:
@@ -173,7 +231,7 @@ def front_figure(sweep: SweepResult) -> Picture:
         axes.plot(x[front][order], y[front][order], "o-", color=HIGHLIGHT, markersize=5, label="front")
         for i in np.flatnonzero(front):
             axes.annotate(
-                str(rows[i] + 1), (x[i], y[i]), fontsize=7, xytext=(4, 4), textcoords="offset points"
+                str(rows[i] + 1), (x[i], y[i]), fontsize=NOTE, xytext=(4, 4), textcoords="offset points"
             )
         axes.set_xlabel(f"{_axis_label(first.key, sweep.rows)} ({first.goal})")
         axes.set_ylabel(f"{_axis_label(second.key, sweep.rows)} ({second.goal})")
@@ -217,7 +275,7 @@ def _levels(at: Array) -> Array:
 def _name_ticks(axes: Axes, knob: DesignVariable, side: str = "x") -> None:
     axis = axes.xaxis if side == "x" else axes.yaxis
     if any(isinstance(choice, str) for choice in knob.choices):
-        axis.set_ticks(range(len(knob.choices)), [str(choice) for choice in knob.choices], fontsize=7)
+        axis.set_ticks(range(len(knob.choices)), [str(choice) for choice in knob.choices], fontsize=NOTE)
         if side == "x":
             for label in axis.get_ticklabels():
                 label.set(rotation=60, horizontalalignment="right")
@@ -226,11 +284,13 @@ def _name_ticks(axes: Axes, knob: DesignVariable, side: str = "x") -> None:
 def _axis_label(key: str, rows: Sequence[Evaluation]) -> str:
     """A result's key with its unit, which stands behind a comma, whether or not it ends the key."""
     unit = next((row.results[key].unit for row in rows if key in row.results), "1")
-    return key if unit == "1" else f"{key.removesuffix(f'_{unit}')}, {unit}"
+    return f"{key.removesuffix(f'_{unit}')}, {unit}"
 
 
 def _label(knob: DesignVariable) -> str:
-    return f"{knob.key}, {knob.unit}" if knob.unit else knob.key
+    """A key with its unit, 1 for a pure number; a key of names has none."""
+    named = any(isinstance(choice, str) for choice in knob.choices)
+    return knob.key if named else f"{knob.key}, {knob.unit or 1}"
 
 
 def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
@@ -251,7 +311,7 @@ def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
         filled = "; filled: none is both faster and more exact" if ladder.lines and measures else ""
         where = f"{machine['processor']}, {machine['cores']} cores; medians"
         words = f"{where}, bars from the shortest to the longest run{filled}"
-        figure.supxlabel(words, fontsize=8, color="#555555")
+        figure.supxlabel(words, fontsize=SMALL, color=FRAME)
     return figure
 
 
@@ -317,5 +377,5 @@ def _ladder_words(axes: Axes, measure: ErrorMeasure, time: str) -> None:
     unit = ", relative" if measure.unit == "1" else f", {measure.unit}"
     axes.set_ylabel(fill(measure.what.removesuffix(", relative") + unit, LABEL_LETTERS))
     against = measure.reference.partition(":")[0].partition(",")[0]
-    axes.set_title(fill(f"against {against}", TITLE_LETTERS), fontsize=9)
-    axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
+    axes.set_title(fill(f"against {against}", TITLE_LETTERS), fontsize=LABEL)
+    axes.legend(fontsize=NOTE, loc="best", framealpha=0.9)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
@@ -15,16 +15,31 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
+from matplotlib.collections import TriMesh
+from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 import skincad
 from skincad.base.result import Result
-from skincad.fabrication.meshes import mesh
+from skincad.fabrication.meshes import mesh, upright
 from skincad.mechanics.manufacture import sensitivities
-from skincad.outputs.figures.canvas import Axes, Picture, own_style, sheet
-from skincad.outputs.figures.design import design_figure
+from skincad.outputs.figures.canvas import (
+    HEAD,
+    LABEL,
+    NOTE,
+    SMALL,
+    STYLE,
+    TITLE,
+    Axes,
+    Picture,
+    own_style,
+    sheet,
+    to_rgb,
+)
+from skincad.outputs.figures.design import design_figure, label_places, view
 from skincad.outputs.figures.results import gain_figure, models_figure, sensitivity_figure
-from skincad.outputs.figures.scenes import scene_figure
+from skincad.outputs.figures.scenes import ridge_groups, scene_figure
 from skincad.outputs.figures.studies import diagram
 from skincad.solids.mold import mold
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
@@ -250,17 +265,16 @@ def test_every_axis_names_its_unit(drawn: dict[str, Picture]) -> None:
         for axes in figure.axes:
             for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
                 label = axis.label.get_text()
-                if label and axis.get_visible():
+                names = any(re.match("[a-z]", tick.get_text()) for tick in axis.get_ticklabels())
+                if label and axis.get_visible() and not names:
                     assert named(label), f"{name}: {label!r}"
 
 
 def named(label: str) -> bool:
-    """Whether a label ends in a unit, is counted, or a key whose suffix is one, or has none by its field."""
+    """Whether a label ends in a unit, of a pure number 1, or is of what is counted."""
     words = re.sub(r"\s*\((?:min|max|tension positive)\)", "", " ".join(label.split()))
     words = words.removesuffix("; films black")
     if words.startswith(NUMBERED) or words.endswith(", relative") or "relative," in words:
-        return True
-    if re.fullmatch(r"[a-z_]+(\.[a-z_0-9]+)+", words):  # a key without a unit, of a share or of names
         return True
     return any(words.endswith((f", {unit}", f"_{unit}")) for unit in UNITS)
 
@@ -285,16 +299,165 @@ def test_dashed_lines_mark_the_slip_of_many_ridges(folder: Path) -> None:
     simulation = result("pull", folder)
     figure = figures_of("pull", folder)["signals.png"]
     slips = [step for step in simulation.slip_steps if step is not None]  # type: ignore[attr-defined]
-    (value, *_) = figure.axes[1:-1]
-    marks = [line.get_xdata()[0] for line in value.lines if line.get_transform() != value.transData]
+    panels = figure.axes[1 : 1 + len(simulation.signals)]  # type: ignore[attr-defined]
+    lines = [(line, axes) for axes in panels for line in axes.lines]
+    marks = [line.get_xdata()[0] for line, axes in lines if line.get_transform() != axes.transData]
     assert marks == slips
 
 
-def test_the_differential_stress_is_drawn_with_its_error(folder: Path) -> None:
+def test_the_differential_stress_is_drawn_in_a_panel_for_each_ridge(folder: Path) -> None:
     simulation = result("pull", folder)
-    axes = figures_of("pull", folder)["signals.png"].axes[1]
-    assert "differential stress" in axes.get_ylabel()
-    for line, signal in zip(axes.lines, simulation.signals.values(), strict=False):  # type: ignore[attr-defined]
-        assert np.array_equal(line.get_ydata(), signal.value)
-        break
-    assert all("±" in line.get_label() for line in axes.lines if str(line.get_label()).startswith("ridge"))
+    axes = figures_of("pull", folder)["signals.png"].axes[1:-1]
+    signals = simulation.signals  # type: ignore[attr-defined]
+    assert len(axes) == 3 * len(signals)
+    assert "differential stress" in axes[0].get_ylabel()
+    for place, signal in zip(axes, signals.values(), strict=False):
+        assert np.array_equal(place.lines[0].get_ydata(), signal.value)
+
+
+def test_only_the_ridge_that_is_read_has_an_error_band(folder: Path) -> None:
+    """Ridge 3 of 1, 2, 3; and of all of nine."""
+    for figure in (figures_of("pull", folder)["signals.png"], many_signals()):
+        panels = figure.axes[1:-1]
+        bands = [i for i, axes in enumerate(panels) if axes.collections]
+        assert bands == [2]
+        assert panels[2].get_title() == "ridge 3, read"
+        (legend,) = [axes.get_legend() for axes in figure.axes[:1]]
+        assert any("error of ridge 3: ±" in text.get_text() for text in legend.get_texts())
+
+
+@pytest.mark.parametrize(("count", "panels"), [(1, 1), (2, 2), (9, 9), (10, 5), (40, 8), (999, 9)])
+def test_many_ridges_share_panels(count: int, panels: int) -> None:
+    groups = ridge_groups(list(range(1, count + 1)))
+    assert len(groups) == panels
+    assert [ridge for group in groups for ridge in group] == list(range(1, count + 1))
+
+
+def test_every_letter_is_of_one_style(drawn: dict[str, Picture]) -> None:
+    """One font, and sizes of the style only."""
+    for name, figure in drawn.items():
+        letters = [text for text in figure.findobj(Text) if text.get_text() and text.get_visible()]
+        assert letters, name
+        assert {text.get_fontname() for text in letters} == {"DejaVu Sans"}, name
+        sizes = {text.get_fontsize() for text in letters}
+        assert sizes <= {NOTE, SMALL, LABEL, TITLE, HEAD}, name
+
+
+def test_no_figure_has_a_colour_of_its_own() -> None:
+    folder = Path(skincad.__file__).parent / "outputs" / "figures"
+    others = [path for path in folder.glob("*.py") if path.name != "canvas.py"]
+    assert len(others) > 4
+    for path in others:
+        assert not re.findall(r'"#[0-9a-fA-F]{3,6}"', path.read_text("utf-8")), path.name
+
+
+# full protanopia and deuteranopia, on linear RGB: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009), 1291
+BLIND = (
+    ((0.152286, 1.052583, -0.204868), (0.114503, 0.786281, 0.099216), (-0.003882, -0.048116, 1.051998)),
+    ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
+)
+
+
+def lightness_and_hue(colour: str, seen: np.ndarray) -> np.ndarray:
+    """A colour in CIE L*a*b* (D65), as an eye sees it that mixes linear RGB by `seen`."""
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    xyz = to_xyz @ np.clip(seen @ linear, 0.0, 1.0) / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("seen", [np.eye(3), *map(np.array, BLIND)], ids=["all", "no red", "no green"])
+def test_colour_blind_readers_tell_the_curves_apart(seen: np.ndarray) -> None:
+    """10 is four times what is just noticed (2.3: Mahy, Van Eycken, Oosterlinck 1994)."""
+    colours = STYLE["axes.prop_cycle"].by_key()["color"]
+    places = [lightness_and_hue(colour, seen) for colour in colours]
+    pairs = combinations(zip(colours, places, strict=True), 2)
+    apart = {(a, b): float(np.linalg.norm(p - q)) for (a, p), (b, q) in pairs}
+    assert min(apart.values()) > 10, min(apart, key=apart.__getitem__)
+
+
+def leaders(figure: Picture) -> list[shapely.LineString]:
+    """The lines from parts to their names, in the picture's pixels."""
+    named = [text for axes in figure.axes for text in axes.texts if getattr(text, "arrow_patch", None)]
+    return [shapely.LineString([text.xy, text.xyann]) for text in named]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in DESIGNS else pytest.mark.slow)
+        for name in skincad.template_names("designs")
+    ],
+)
+def test_no_two_leaders_cross(name: str, folder: Path) -> None:
+    known = f"design {name}"
+    lines = leaders(figures_of(known, folder)[known] if known in OTHERS else design(name))
+    assert len(lines) > 4
+    assert not any(a.intersects(b) for a, b in combinations(lines, 2))
+
+
+def test_leaders_from_any_places_do_not_cross() -> None:
+    random = np.random.default_rng(1)
+    for _ in range(200):
+        anchors = [tuple(at) for at in random.uniform(0, (600, 700), (10, 2))]
+        ends = label_places(anchors, (640, 760))
+        lines = [shapely.LineString(pair) for pair in zip(anchors, ends, strict=True)]
+        assert not any(a.intersects(b) for a, b in combinations(lines, 2))
+        rows = np.sort([row for _, row in ends])
+        assert np.diff(rows).min() >= 0.028 * 760 - 1e-9
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_scale_bar_is_as_long_as_it_says(name: str, folder: Path) -> None:
+    axes = figures_of(f"design {name}", folder)[f"design {name}"].axes[0]
+    (bar,) = [line for line in axes.lines if line.get_gid() == "scale bar"]
+    words = next(text.get_text() for text in axes.texts if text.get_text().endswith(" mm along x"))
+    length = float(words.partition(" ")[0])
+    subject = skincad.load(name)
+    skin = next(part for part in mold(subject).parts if part.name == "skin")
+    camera = view([upright(mesh(skin, 0.05))], 32.0, 28.0, axes.images[0].get_size()[::-1])
+    ends = np.array([camera.pixel(np.array([x, 0.0, 0.0])) for x in (0.0, subject.skin.width)])
+    per_mm = np.linalg.norm(ends[1] - ends[0]) / subject.skin.width
+    drawn_length = np.linalg.norm(np.diff(bar.get_xydata(), axis=0))
+    assert drawn_length == pytest.approx(length * per_mm, rel=1e-9)
+    assert 0.1 * subject.skin.width < length <= 0.3 * subject.skin.width + 1e-9
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_the_whole_section_states_its_height_scale(name: str, folder: Path) -> None:
+    axes = figures_of(f"design {name}", folder)[f"design {name}"].axes[1]
+    scale = axes.get_aspect()
+    assert ("true to scale" if scale == 1 else f"heights x {scale:g};") in axes.get_title()
+    low, high = axes.get_xlim()
+    width = skincad.load(name).skin.width
+    assert (low, high) == pytest.approx((-0.51 * width, 0.51 * width))
+    a, b = axes.transData.transform([(0, 0), (1, 1)])
+    assert (b - a)[1] / (b - a)[0] == pytest.approx(scale, rel=1e-6)
+
+
+def test_a_sweep_of_two_numbers_is_a_map_between_evaluated_rows() -> None:
+    pair = {"ridge.levelling": (0, 1), "ridge.pitch": (0.9, 1.4)}
+    sweep = skincad.sweep(yamada(), pair, sample=30, rank={"all_touch_force_N": "min"}, model="winkler")
+    axes = sweep.figures()["pairs.png"].axes[0]
+    refused = {tuple(row.values.values()) for row in sweep.rows if row.refused}
+    (filled,) = [part for part in axes.collections if isinstance(part, TriMesh)]
+    mesh_points = filled._triangulation
+    corners = np.unique(mesh_points.triangles)
+    values = filled.get_array()
+    rows = {
+        tuple(row.values.values()): row.results["all_touch_force_N"].value
+        for row in sweep.rows
+        if not row.refused
+    }
+    assert len(corners) > 10
+    assert refused
+    for i in corners:
+        place = mesh_points.x[i], mesh_points.y[i]
+        assert place not in refused
+        assert values[i] == rows[place]
+    (own,) = [line for line in axes.lines if line.get_label() == "the design itself"]
+    assert own.get_xydata().tolist() == [[0.0, yamada().ridge.pitch]]  # levelling: none
+    (crosses,) = [part for part in axes.collections if str(part.get_label()).startswith("refused")]
+    assert {tuple(place) for place in crosses.get_offsets()} == refused

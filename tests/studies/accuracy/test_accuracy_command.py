@@ -13,8 +13,8 @@ from PIL import Image
 
 from skincad.base.machine import machine
 from skincad.base.outfolder import replaced
-from skincad.outputs.figures.canvas import save
-from skincad.outputs.figures.studies import LADDER_SIZE, STYLES, diagram
+from skincad.outputs.figures.canvas import STYLES, save
+from skincad.outputs.figures.studies import LADDER_SIZE, diagram
 from skincad.studies.accuracy import circuit
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
 from tests.conftest import run_skincad
