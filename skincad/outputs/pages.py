@@ -86,11 +86,10 @@ def _cell(value: Cell) -> str:
     return f"<td>{escape(value)}</td>"
 
 
-def figure(address: str, caption: str, command: str, look: str = "") -> str:
+def figure(address: str, caption: str, command: str) -> str:
     """Return a picture with what it shows, where that comes from, and the command that gives it."""
-    kind = f' class="{look}"' if look else ""
     return (
-        f'<figure{kind}><img src="{address}" alt="{escape(caption)}">\n<figcaption>{escape(caption)} '
+        f'<figure><img src="{address}" alt="{escape(caption)}">\n<figcaption>{escape(caption)} '
         f"By <code>{escape(command)}</code></figcaption></figure>\n"
     )
 

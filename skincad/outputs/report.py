@@ -72,7 +72,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
         data_url(picture(), "image/png"), "The skin, its section, and the mold taken apart.", make_command
     )
     parts = [
-        _head(build, make_command, scenes),
+        _head(build, make_command),
         heading("Pictures", "pictures") + pictures,
         forces_figure(build.check, check_command) if build.check and check_command else "",
         *_verdict_sections(build, build.check, check_command or "", source),
@@ -88,7 +88,8 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
     for scene in scenes:
         files |= scene.files
     parts.append(_files(files))
-    return document(f"skincad report: {design.name}", "".join(parts), "report.css")
+    body = f"{_contents(scenes)}<main>\n{''.join(parts)}</main>\n"
+    return document(f"skincad report: {design.name}", body, "report.css")
 
 
 def suggested_scene(design: Design) -> str | None:
@@ -121,13 +122,25 @@ def _no_scene(design: Design, source: str) -> str:
     )
 
 
-def _head(build: Build, make_command: str, scenes: list[ScenePart]) -> str:
-    """Name, passed or failed, verdict, and the page's contents."""
+def _head(build: Build, make_command: str) -> str:
+    """Name, passed or failed, and verdict."""
     passed = passes(build.check, build.findings, strict=False)
     verdict = checks.verdict(build.check) if build.check else checks.UNCHECKED
     undecided = build.check is None or build.check.verdict == "undecided"
     sound = all(finding.severity != "error" for finding in build.findings)
     outcome = "open" if undecided and sound else "passed" if passed else "failed"
+    by = f"Revision {build.design.revision}, made with skincad {__version__} by"
+    return (
+        f"<h1>{escape(display_name(build.design))}: skin and mold</h1>\n"
+        f'<p class="{outcome}">{escape(verdict)} '
+        f"Mold: {escape(counted(build.findings))}.</p>\n"
+        f"{paragraph(_basis(build.check)) if build.check else ''}"
+        f"{command_line(make_command, by)}"
+    )
+
+
+def _contents(scenes: list[ScenePart]) -> str:
+    """The page's contents, twice: as a column beside a wide page, and folded above a narrow one."""
     links = {
         "pictures": "Pictures",
         "verdict": "Verdict",
@@ -140,14 +153,11 @@ def _head(build: Build, make_command: str, scenes: list[ScenePart]) -> str:
         "sheet": "Casting sheet",
         "files": "To make it again",
     }
-    by = f"Revision {build.design.revision}, made with skincad {__version__} by"
-    contents = "".join(f'<a href="#{escape(key)}">{escape(text)}</a> ' for key, text in links.items())
+    rows = "".join(f'<li><a href="#{escape(key)}">{escape(text)}</a></li>\n' for key, text in links.items())
     return (
-        f"<h1>{escape(display_name(build.design))}: skin and mold</h1>\n"
-        f'<p class="{outcome}">{escape(verdict)} '
-        f"Mold: {escape(counted(build.findings))}.</p>\n"
-        f"{paragraph(_basis(build.check)) if build.check else ''}"
-        f"{command_line(make_command, by)}<nav>{contents}</nav>\n"
+        f'<nav class="column" aria-label="Contents"><b>Contents</b>\n<ul>\n{rows}</ul></nav>\n'
+        f'<nav class="folded" aria-label="Contents"><details><summary>Contents</summary>\n<ul>\n{rows}</ul>'
+        "</details></nav>\n"
     )
 
 
@@ -275,9 +285,7 @@ def _budget(check: ContactCheck) -> str:
 def forces_figure(check: ContactCheck, command: str) -> str:
     """Return the force on each ridge."""
     address = data_url(svg(ridge_force_figure(check)), SVG)
-    return figure(
-        address, f"Force on each ridge at {check.force:g} N, by the {check.model} model.", command, "half"
-    )
+    return figure(address, f"Force on each ridge at {check.force:g} N, by the {check.model} model.", command)
 
 
 def models_section(build: Build, check: ContactCheck, command: str) -> str:

@@ -59,7 +59,8 @@ def view_page(
     body = (HERE / "view_body.html").read_text("utf-8")
     title = escape(display_name(design))
     return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width">\n<title>{title}</title>\n'
         f"<style>\n{style}</style>\n</head>\n<body>\n"
         + body.replace("$NAME", title).replace("$WORDS", escape(words))
         + f'<script type="application/octet-stream" id="data">{payload}</script>\n'

@@ -184,3 +184,146 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
             assert np.abs(seen.picture() - deformed).max() > 50
         assert seen.requests == [file.as_uri()]
         assert seen.complaints == []
+
+
+WINDOWS = {"wide": (1400, 900), "narrow": (420, 860)}
+
+
+def pixels_per_mm(seen: Any) -> float:
+    """What the scale bar says."""
+    bar = seen.page.locator("#ruler div").bounding_box()
+    assert bar is not None
+    return bar["width"] / float(seen.page.get_attribute("#ruler", "data-mm"))
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize("window", WINDOWS)
+def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, yamada_page: Path) -> None:
+    from tests.outputs.browser import shown
+
+    (skin,) = (part for part in told(yamada_page)["parts"] if part["name"] == "skin")
+    right = np.array([1.0, 0.55, 0.0]) / np.hypot(1.0, 0.55)  # of a view from (0.55, -1, 0.75)
+    wide = np.ptp(array(skin["points"]).reshape(-1, 3) @ right)
+    with shown(yamada_page, WINDOWS[window]) as seen:
+        page = seen.page
+        page.wait_for_selector("body[data-ready]")
+        page.click("#none")
+        assert page.is_hidden("#ruler")  # nothing to measure
+        page.check("input[data-part=skin]")
+        page.click("#fit")
+        before = pixels_per_mm(seen)
+        page.evaluate("document.getElementById('ruler').style.visibility = 'hidden'")
+        columns = np.flatnonzero((seen.picture().min(axis=2) < 250).any(axis=0))
+        assert np.ptp(columns) + 1 == pytest.approx(before * wide, abs=3.0)  # edges are lines, 1 pixel wide
+        page.evaluate("document.getElementById('ruler').style.visibility = ''")
+        for key, factor in (("+", 1.25), ("-", 0.8), ("-", 0.8)):
+            page.keyboard.press(key)
+            assert pixels_per_mm(seen) == pytest.approx(before * factor, rel=0.02)  # whole pixels
+            before *= factor
+            bar = page.locator("#ruler div").bounding_box()
+            assert 55 <= bar["width"] <= 141  # type: ignore[index]
+            assert page.inner_text("#ruler") == f"{float(page.get_attribute('#ruler', 'data-mm')):g} mm"  # type: ignore[arg-type]
+        stage = page.locator("#stage").bounding_box()
+        page.mouse.move(stage["x"] + 150, stage["y"] + 150)  # type: ignore[index]
+        page.mouse.wheel(0, -400)
+        page.wait_for_timeout(200)
+        assert pixels_per_mm(seen) > 1.05 * before
+        assert seen.complaints == []
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize("window", WINDOWS)
+def test_keys_press_what_their_list_says(window: str, yamada_page: Path) -> None:
+    from tests.outputs.browser import shown
+
+    with shown(yamada_page, WINDOWS[window]) as seen:
+        page = seen.page
+        page.wait_for_selector("body[data-ready]")
+        assert not page.is_visible("#keys")
+        page.keyboard.press("?")
+        assert page.is_visible("#keys")
+        listed = page.locator("#key-list kbd").all_inner_texts()
+        assert set("?FMSTENBXYZC+-") == set(listed)
+        page.keyboard.press("n")  # not behind the list
+        assert page.inner_text("#step") == "closed"
+        page.keyboard.press("?")
+        assert not page.is_visible("#keys")
+        page.click("#help")
+        assert page.is_visible("#keys")
+        page.keyboard.press("Escape")
+        assert not page.is_visible("#keys")
+        page.keyboard.press("x")
+        assert page.is_checked("input[name=cut][value=x]")
+        page.keyboard.press("c")
+        assert page.is_checked("input[name=cut][value='']")
+        page.keyboard.press("e")
+        assert page.input_value("#apart") == "1"
+        page.keyboard.press("n")
+        assert page.inner_text("#step").startswith("step 1 of")
+        page.keyboard.press("b")
+        assert page.inner_text("#step") == "closed"
+        page.keyboard.press("s")
+        assert page.is_visible("#of-skin")
+        assert seen.complaints == []
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+def test_what_the_pointer_is_on_is_named(yamada_page: Path) -> None:
+    from tests.outputs.browser import shown
+
+    with shown(yamada_page, WINDOWS["wide"]) as seen:
+        page = seen.page
+        page.wait_for_selector("body[data-ready]")
+        box = page.locator("#stage canvas").bounding_box()
+        assert box is not None
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(*middle)
+        assert page.is_visible("#name")
+        page.click("#none")
+        page.check("input[data-part=skin]")
+        page.click("#fit")
+        page.mouse.move(*middle)
+        assert page.inner_text("#name") == "skin"
+        page.mouse.move(box["x"] + 4, box["y"] + 4)
+        assert not page.is_visible("#name")
+        page.click("#skin")
+        page.mouse.move(*middle)
+        assert page.inner_text("#name") == "skin under load"
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+def test_a_thumb_can_use_it(yamada_page: Path) -> None:
+    """420 pixels: nothing is wider, buttons are 40 pixels high, a drag turns, two fingers zoom."""
+    from tests.outputs.browser import shown
+
+    with shown(yamada_page, WINDOWS["narrow"], touch=True) as seen:
+        page = seen.page
+        page.wait_for_selector("body[data-ready]")
+        for mode in ("#skin", "#mold"):
+            page.click(mode)
+            assert seen.overflow() == 0
+            assert page.evaluate("document.getElementById('panel').scrollWidth") <= 420
+            for what in ("button", "#panel input[type=range]", "#parts label"):
+                for box in (each.bounding_box() for each in page.locator(what).all() if each.is_visible()):
+                    assert box is not None
+                    assert box["height"] >= 40
+                    assert box["x"] >= 0
+                    assert box["x"] + box["width"] <= 420
+        stage = page.locator("#stage canvas").bounding_box()
+        assert stage is not None
+        assert stage["height"] > 400
+        x, y = stage["x"] + 200, stage["y"] + 200
+        before, scale = seen.picture(), pixels_per_mm(seen)
+        seen.touch(((x, y), (x + 90, y + 20)))
+        turned = seen.picture()
+        assert (np.abs(turned - before).max(axis=2) > 50).mean() > 0.02
+        assert pixels_per_mm(seen) == pytest.approx(scale)
+        assert page.is_visible("#name")  # of the part that was touched
+        seen.touch(((x - 20, y), (x - 90, y)), ((x + 20, y), (x + 90, y)))
+        assert pixels_per_mm(seen) > 1.3 * scale
+        assert seen.overflow() == 0
+        assert seen.complaints == []

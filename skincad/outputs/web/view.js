@@ -3,6 +3,14 @@
 // Colours of the pressure: matplotlib's viridis (CC0), which the colour-blind can read, in nine steps.
 const COLOURS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
 const SKIN = "#eebfa6", EDGE = 0x333333, SHARP = 25, LEAVING = 600;  // degrees between faces at an edge that is drawn; ms
+// Each key: its meaning, and the button that it presses or what it does.
+const KEYS = {
+  "?": ["show or hide these keys", "help"], "f": ["fit into the picture", "fit"], "m": ["mold", "mold"],
+  "s": ["skin under load", "skin"], "t": ["turn over", "over"], "e": ["take apart, or put together", "apart"],
+  "n": ["next step of the opening", "on"], "b": ["step back", "back"], "x": ["cut across x", "x"], "y": ["cut across y", "y"],
+  "z": ["cut across z", "z"], "c": ["no cut", ""], "+": ["nearer", 1.25], "-": ["further away", 0.8],
+};
+const RULER = 140;  // pixels, the longest that the scale bar gets
 const get = (id) => document.getElementById(id);
 const numbers = (text, Kind) => new Kind(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
 
@@ -23,8 +31,11 @@ function stage() {
   camera.up.set(0, 0, 1);
   const controls = new THREE.TrackballControls(camera, renderer.domElement);
   controls.rotateSpeed = 3; controls.staticMoving = true;
-  const lamp = new THREE.DirectionalLight(0xffffff, 0.75);
-  scene.add(lamp, new THREE.AmbientLight(0xffffff, 0.5));
+  controls.keys = ["", "", ""];  // else A, S and D change what a drag does
+  // A lamp over the viewer's left shoulder; the sky and the floor fill what it leaves dark.
+  const lamp = new THREE.DirectionalLight(0xffffff, 0.5), sky = new THREE.HemisphereLight(0xffffff, 0x9aa3ad, 0.58);
+  sky.position.set(0, 0, 1);
+  scene.add(lamp, sky);
   return { renderer, scene, camera, controls, lamp };
 }
 
@@ -59,6 +70,12 @@ function part(told, cut) {
   made.name = told.name;
   made.userData.wanted = true;
   return Object.assign(made.userData, told) && made;
+}
+
+// The longest 1, 2 or 5 times a power of ten that is no longer.
+function roundLength(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return power * [5, 2, 1].find((k) => k * power <= most * (1 + 1e-9));
 }
 
 function colourAt(share) {
@@ -119,10 +136,26 @@ function start(told) {
   const solids = load ? [...parts, load.made] : parts;
   scene.add(...solids.map((each) => each.userData.cap));
   let step = 0, over = false;
+  let reach = 1;  // mm from the middle to the nearer edges of the picture, before any zoom
   let gone = 1, left = 0;  // how far the parts of the last step have gone, 0 to 1, and since when, ms
 
   const shown = () => (bench.visible ? bench : mold);
-  const draw = () => { lamp.position.copy(camera.position); renderer.render(scene, camera); };
+  const draw = () => {
+    const [right, up, back] = [0, 1, 2].map((i) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, i));
+    lamp.position.copy(back).addScaledVector(up, 0.7).addScaledVector(right, -0.5);
+    renderer.render(scene, camera);
+    ruler();
+  };
+
+  // The scale bar: lengths across the line of sight, as the camera has no perspective.
+  function ruler() {
+    const perMm = get("stage").clientHeight * camera.zoom / (camera.top - camera.bottom), bar = get("ruler");
+    const length = roundLength(RULER / perMm);
+    bar.classList.toggle("hidden", !shown().children.some((each) => each.visible));
+    bar.dataset.mm = length;
+    bar.firstElementChild.style.width = `${length * perMm}px`;
+    bar.lastElementChild.textContent = `${Number(length.toPrecision(1))} mm`;
+  }
 
   // Where each part stands: taken apart by the slider, and gone by the opening's steps so far.
   function place() {
@@ -192,7 +225,8 @@ function start(told) {
   function size() {
     const { clientWidth: wide, clientHeight: high } = get("stage");
     renderer.setSize(wide, high);
-    const half = (camera.top - camera.bottom) / 2;
+    const half = reach * Math.max(1, high / wide);
+    camera.top = half; camera.bottom = -half;
     camera.left = -half * wide / high; camera.right = half * wide / high;
     camera.updateProjectionMatrix();
     controls.handleResize();
@@ -205,7 +239,7 @@ function start(told) {
     camera.position.copy(ball.center).add(new THREE.Vector3(0.55, -1, 0.75).multiplyScalar(3 * ball.radius));
     camera.up.set(0, 0, 1);
     camera.zoom = 1;
-    camera.top = 1.05 * ball.radius; camera.bottom = -camera.top;
+    reach = 1.05 * ball.radius;
     controls.update();
     size();
   }
@@ -215,7 +249,7 @@ function start(told) {
     const ball = visible().getBoundingSphere(new THREE.Sphere());
     controls.target.copy(ball.center);
     camera.position.copy(camera.getWorldDirection(new THREE.Vector3())).multiplyScalar(-3 * ball.radius).add(ball.center);
-    camera.zoom = Math.min(camera.zoom, camera.top / (1.05 * ball.radius));
+    camera.zoom = Math.min(camera.zoom, reach / (1.05 * ball.radius));
     controls.update();
     size();
   }
@@ -250,12 +284,38 @@ function start(told) {
     const box = renderer.domElement.getBoundingClientRect(), ray = new THREE.Raycaster();
     const at = new THREE.Vector2((event.clientX - box.left) / box.width * 2 - 1, 1 - (event.clientY - box.top) / box.height * 2);
     ray.setFromCamera(at, camera);
-    const seen = parts.filter((each) => each.visible && mold.visible).map((each) => each.userData.face);
+    const seen = shown().children.filter((each) => each.visible).map((each) => each.userData.face);
     const hit = ray.intersectObjects(seen).find((each) => cut.every((one) => one.distanceToPoint(each.point) >= 0));
-    get("name").textContent = hit ? hit.object.parent.name : "";
-    get("name").classList.toggle("hidden", !hit);
+    const name = get("name"), x = event.clientX - box.left, y = event.clientY - box.top;
+    name.textContent = hit ? hit.object.parent.name : "";
+    name.classList.toggle("hidden", !hit);
+    name.style.left = `${Math.max(0, Math.min(x + 12, box.width - name.offsetWidth))}px`;
+    name.style.top = `${Math.max(0, y - 8 - name.offsetHeight)}px`;
   }
 
+  function pressed(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const key = KEYS[event.key.toLowerCase()];
+    if (!key || (get("keys").open && event.key !== "?")) return;
+    const [, act] = key, apart = get("apart");
+    if (typeof act === "number") { camera.zoom *= act; camera.updateProjectionMatrix(); draw(); }
+    else if (act === "apart") { apart.value = Number(apart.value) < 0.5 ? 1 : 0; apart.oninput(); }
+    else (get(act) || document.querySelector(`input[name=cut][value="${act}"]`)).click();
+  }
+
+  function help() {
+    if (get("keys").open) get("keys").close(); else get("keys").showModal();
+  }
+
+  for (const [key, [words]] of Object.entries(KEYS)) {
+    const row = get("key-list").insertRow(), name = document.createElement("kbd");
+    name.textContent = key.toUpperCase();
+    row.insertCell().append(name);
+    row.insertCell().textContent = words;
+  }
+  get("help").onclick = help;
+  window.addEventListener("keydown", pressed);
+  if (load) load.made.name = "skin under load";
   list();
   get("apart").oninput = () => { place(); widen(); };
   get("on").onclick = () => { step += 1; gone = 1; place(); fit(); gone = 0; left = performance.now(); place(); };
@@ -275,6 +335,10 @@ function start(told) {
     get("largest").textContent = load.largest.toPrecision(2);
     get("scale").style.background = `linear-gradient(90deg, ${COLOURS})`;
   }
+  renderer.domElement.addEventListener("pointerdown", (event) => { if (event.pointerType !== "mouse") pointed(event); });
+  renderer.domElement.addEventListener("pointerleave", (event) => {
+    if (event.pointerType === "mouse") get("name").classList.add("hidden");  // a finger leaves as it is lifted
+  });
   renderer.domElement.addEventListener("pointermove", (event) => { if (!event.buttons) pointed(event); });
   controls.addEventListener("change", draw);
   window.addEventListener("resize", size);
