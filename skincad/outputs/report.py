@@ -69,7 +69,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
     make_command = f"skincad make {source}{'' if build.check else ' --no-check'}"
     make_command += "".join(f" --scene {scene.source}" for scene in scenes)
     pictures = figure(
-        data_url(picture(), "image/png"), "The skin, its section, and the mold taken apart.", make_command
+        data_url(picture(), "image/png"), "The skin, its sections, and the mold taken apart.", make_command
     )
     parts = [
         _head(build, make_command),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import re
 import shlex
 from dataclasses import replace
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 import skincad
 from skincad.base.errors import InputError
@@ -308,4 +310,44 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         for image in images.all():
             assert image.evaluate("image => image.complete && image.naturalWidth > 0")
         assert [request for request in seen.requests if not request.startswith("data:")] == [file.as_uri()]
+        assert seen.complaints == []
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize("width", [1400, 420])
+def test_contents_stay_beside_a_wide_page_and_fold_above_a_narrow_one(width: int, tmp_path: Path) -> None:
+    from tests.outputs.browser import shown
+
+    design = skincad.load("yamada-2002")
+    job = job_of(design, skincad.check(design, model="linear"))
+    dot = io.BytesIO()
+    Image.new("RGB", (1452, 814)).save(dot, "PNG")
+    file = tmp_path / "report.html"
+    file.write_text(report(job, dot.getvalue, makes.sheet_text(job), makes.drawing_svg(job)), "utf-8")
+    with shown(file, (width, 900)) as seen:
+        page = seen.page
+        assert seen.overflow() == 0
+        wide, folded = page.locator("nav.column"), page.locator("nav.folded")
+        assert (wide.is_visible(), folded.is_visible()) == (width == 1400, width == 420)
+        figures = [image.bounding_box() for image in page.locator("figure img").all()]
+        assert len(figures) > 3
+        assert {box["width"] for box in figures if box} == {page.locator("h1").bounding_box()["width"]}  # type: ignore[index]
+        links = wide if width == 1400 else folded
+        if width == 420:
+            assert not links.locator("a").first.is_visible()
+            page.click("summary")
+        links.locator("a", has_text="To make it again").click()
+        head = page.locator("#files").bounding_box()
+        assert head is not None
+        assert 0 <= head["y"] < 900
+        assert page.evaluate("scrollY") > 1000
+        if width == 1400:
+            box = wide.bounding_box()
+            assert box is not None
+            assert 0 <= box["y"] < 100  # still in view
+            assert box["x"] + box["width"] <= head["x"]
+        page.emulate_media(media="print")
+        assert not wide.is_visible()
+        assert not folded.is_visible()
         assert seen.complaints == []
