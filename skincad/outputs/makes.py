@@ -93,7 +93,7 @@ def manifest(result: MakeResult) -> dict[str, Any]:
 
 
 def figures(result: MakeResult) -> dict[str, Callable[[], Picture]]:
-    """Return the picture of the skin, its section, and the mold taken apart."""
+    """Return the picture of the skin, its sections, and the mold taken apart."""
     return {"picture.png": partial(_figure, result.built())}
 
 

@@ -216,7 +216,8 @@ def png(figure: Picture) -> bytes:
     if figure.colours is None:
         return drawn.getvalue()
     few = Image.open(drawn).convert("RGB")
-    few = few.quantize(figure.colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    # two rounds of k-means: else a large shaded face takes the colour of a letter's edge
+    few = few.quantize(figure.colours, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
     few.save(written, format="PNG", optimize=True)
     return written.getvalue()
 

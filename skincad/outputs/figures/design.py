@@ -52,7 +52,7 @@ _SCALE_BAR = 0.3  # of what it measures, at most
 
 def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> Picture:
     """Return skin, section and opened mold. `meshes` by part name, in the mold's frame, mm."""
-    with sheet((13.2, 7.4), 160, dpi=110) as figure:
+    with sheet((13.2, 7.4), 128, dpi=110) as figure:
         grid = figure.add_gridspec(3, 2, width_ratios=[1.15, 1.0], height_ratios=[1.0, 0.62, 0.9])
         shape = section(design)
         _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])

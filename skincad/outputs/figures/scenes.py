@@ -122,7 +122,8 @@ def _signals(axes: Axes, simulation: Simulation, group: list[int], name: str, *,
         if step is not None:
             axes.axvline(step, color=GREY if len(group) == 1 else colour, zorder=0.9, **SLIPS)
     axes.tick_params(labelbottom=False, labelleft=first)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=4))
+    room = 2 if len(simulation.signals) > MAX_PANELS // 2 else 4  # so that numbers of neighbours do not meet
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=room))
 
 
 def _panel_name(group: list[int], ridges: list[int]) -> str:

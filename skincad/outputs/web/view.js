@@ -142,7 +142,7 @@ function start(told) {
   const shown = () => (bench.visible ? bench : mold);
   const draw = () => {
     const [right, up, back] = [0, 1, 2].map((i) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, i));
-    lamp.position.copy(back).addScaledVector(up, 0.7).addScaledVector(right, -0.5);
+    lamp.position.copy(back).addScaledVector(up, 0.6).addScaledVector(right, -0.2);
     renderer.render(scene, camera);
     ruler();
   };
