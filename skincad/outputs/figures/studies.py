@@ -229,10 +229,12 @@ def front_figure(sweep: SweepResult) -> Picture:
         axes = figure.add_subplot()
         axes.plot(x, y, ".", color=POINT, alpha=0.5, label="rows")
         axes.plot(x[front][order], y[front][order], "o-", color=HIGHLIGHT, markersize=5, label="front")
-        for i in np.flatnonzero(front):
-            axes.annotate(
-                str(rows[i] + 1), (x[i], y[i]), fontsize=NOTE, xytext=(4, 4), textcoords="offset points"
-            )
+        for place, i in enumerate(
+            np.flatnonzero(front)[order]
+        ):  # neighbours' numbers above and below in turn
+            look: dict[str, Any] = {"fontsize": NOTE, "ha": "center", "va": "center"}
+            side = (0, 9) if place % 2 else (0, -9)
+            axes.annotate(str(rows[i] + 1), (x[i], y[i]), side, textcoords="offset points", **look)
         axes.set_xlabel(f"{_axis_label(first.key, sweep.rows)} ({first.goal})")
         axes.set_ylabel(f"{_axis_label(second.key, sweep.rows)} ({second.goal})")
         legend(axes)
@@ -267,9 +269,9 @@ def _places(sweep: SweepResult, knob: DesignVariable, rows: Sequence[int]) -> Ar
 
 
 def _levels(at: Array) -> Array:
-    """The values that several rows share: of a grid, not of a sample."""
+    """The values that several rows share: of a grid, not of a sample, of which few meet by chance."""
     values, counts = np.unique(at, return_counts=True)
-    return values[counts > 1]
+    return values[(counts > 1) & (2 * len(values) <= len(at))]
 
 
 def _name_ticks(axes: Axes, knob: DesignVariable, side: str = "x") -> None:

@@ -461,3 +461,16 @@ def test_a_sweep_of_two_numbers_is_a_map_between_evaluated_rows() -> None:
     assert own.get_xydata().tolist() == [[0.0, yamada().ridge.pitch]]  # levelling: none
     (crosses,) = [part for part in axes.collections if str(part.get_label()).startswith("refused")]
     assert {tuple(place) for place in crosses.get_offsets()} == refused
+
+
+def test_a_sample_has_no_means_where_few_rows_meet() -> None:
+    """A grid has a bar at each of its values; a sample of numbers has none."""
+    vary: dict[str, Any] = {"ridge.levelling": (0, 1), "ridge.pitch": (0.9, 1.0)}
+    rank = {"all_touch_force_N": "min"}
+    grid = {key: [*ends, sum(ends) / 2] for key, ends in vary.items()}
+    for sweep, bars in (
+        (skincad.sweep(yamada(), vary, sample=8, rank=rank, model="winkler"), 0),
+        (skincad.sweep(yamada(), grid, rank=rank, model="winkler"), 3),
+    ):
+        for axes in sweep.figures()["effects.png"].axes:
+            assert len([line for line in axes.lines if line.get_marker() == "_"]) == bars
