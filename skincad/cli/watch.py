@@ -19,6 +19,7 @@ from skincad.cli.options import (
     PrinterOption,
     SetOption,
     SiliconesOption,
+    as_typed,
     deliver,
     say,
 )
@@ -55,7 +56,8 @@ def watch(
                 result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
                 target = folder or Path("out") / design.name
                 written = skincad.write(result, target, formats=formats, progress=progress)
-            deliver(result, False, written)
+            typed = as_typed(str(source), settings, printer=printer, silicones=silicones, grippers=grippers)
+            deliver(result, False, written, typed)
             if opened:
                 open_view(target)
             opened = False  # from now on a person loads the page again

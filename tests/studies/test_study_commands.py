@@ -38,6 +38,7 @@ def test_solve_tells_the_value_and_writes_the_design(
     assert status == 0
     assert text.startswith("yamada-2002: skin.curvature_radius ")
     assert "gives all_touch_force 1.5 N." in text
+    assert text.splitlines()[-1] == f"Next: `skincad check {copy}` judges it by more accurate models."
     assert picture.read_bytes().startswith(b"\x89PNG")
     written = copy.read_text()
     assert "# solved for all_touch_force 1.5 N" in written
