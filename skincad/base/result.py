@@ -267,7 +267,7 @@ class Presenter(Protocol):
         """Return the answer, and how sure it is, in few lines."""
 
     def next_step(self, result: Any, /) -> str:
-        """Return what to do next, with `{design}` for the design as it is typed; "" for nothing."""
+        """Return what to do next, with `{design}` or `{scene}` for it as it is typed; "" for nothing."""
 
     def details(self, result: Any, /) -> list[str]:
         """Return the numbers behind `lines`, without repeating them."""
@@ -342,9 +342,10 @@ class Result(Record):
         return data_frame(self.columns())
 
     def next_line(self, fill: Callable[[str], str] | None = None) -> list[str]:
-        """Return the line that says what to do next, none for nothing; `fill` puts the design into it."""
+        """Return the line that says what to do next, none for nothing; `fill` puts the design into it, which
+        is DESIGN or SCENE without, as in `--help`: nobody knows by what file a result came to be."""
         step = self.presenter().next_step(self)
-        words = fill(step) if fill else step.replace("{design}", getattr(self, "name", ""))
+        words = fill(step) if fill else re.sub(r"\{(\w+)\}", lambda match: match[1].upper(), step)
         return [f"Next: {words}"] if step else []
 
     def details(self) -> str:

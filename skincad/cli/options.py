@@ -179,7 +179,7 @@ def as_typed(
         for name, value in options.items():
             if value is not None and f"--{name} " not in step:
                 words += [f"--{name}", str(value)]
-        return step.replace("{design}", shlex.join(words))
+        return re.sub(r"\{\w+\}", lambda _: shlex.join(words), step)
 
     return fill
 

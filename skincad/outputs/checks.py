@@ -92,14 +92,18 @@ def notes(check: ContactCheck) -> list[str]:
 
 def force_bars(check: ContactCheck) -> str:
     """Return each ridge's force as a block, in parts of the largest, then the smallest and the largest."""
-    forces = sorted(check.ridge_force, key=lambda share: share.value or 0.0)
-    shared = math.ceil(len(forces) / MOST_BARS)
     values = [share.value or 0.0 for share in check.ridge_force]
+    shared = math.ceil(len(values) / MOST_BARS)
     groups = [values[i : i + shared] for i in range(0, len(values), shared)]
-    bars = "".join(_block(group, forces[-1].value or 0.0) for group in groups)
+    bars = "".join(_block(group, max(values)) for group in groups)
     each = f", {shared} ridges a bar" if shared > 1 else ""
-    ends = str(forces[-1]) if len(forces) == 1 else f"{forces[0]} to {forces[-1]}"
-    return f"{bars}  {ends}{each}"
+    return f"{bars}  {_ends(check)}{each}"
+
+
+def _ends(check: ContactCheck) -> str:
+    """The smallest and the largest force with their errors."""
+    forces = sorted(check.ridge_force, key=lambda share: share.value or 0.0)
+    return str(forces[0]) if len(forces) == 1 else f"{forces[0]} to {forces[-1]}"
 
 
 def _block(group: list[float], largest: float) -> str:
@@ -270,10 +274,10 @@ def files(check: ContactCheck) -> dict[str, Writer]:
 def html(check: ContactCheck) -> str:
     """Return the verdict, the force on each ridge as a bar with its error, and the other lines."""
     colour = {"passes": GREEN, "fails": RED}.get(check.verdict, AMBER)
-    words = "\n".join([*lines(check)[1:], *check.next_line()])
+    words = "\n".join([*answer_lines(check)[1:], *notes(check), *check.next_line()])
     return (
         f"<p style='border-left:4px solid {colour};padding-left:8px'><b>{escape(verdict(check))}</b></p>"
-        f"{_bars_svg(check)}<pre>{escape(words)}</pre>"
+        f"{_bars_svg(check)}<pre style='white-space:pre-wrap'>{escape(words)}</pre>"
     )
 
 
@@ -294,7 +298,7 @@ def _bars_svg(check: ContactCheck) -> str:
             f"<path d='M{left + step / 2:.2f} {low:.2f}V{far:.2f}' stroke='{INK}'/></g>"
         )
     axis = f"<path d='M0 {high}H{wide}' stroke='{INK}'/>"
-    label = f"force on each ridge, N: from ridge 1 to {check.ridges}; the highest line is {top:.3g} N"
+    label = f"force on ridges 1 to {check.ridges}: {_ends(check)}"
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' width='{wide}' viewBox='0 -2 {wide} {high + 20}' "
         f"role='img'>{''.join(shapes)}{axis}"

@@ -103,17 +103,17 @@ def next_step(simulation: Simulation) -> str:
         return ""
     if march.failed:
         steps = 2 * scene.history.steps
-        return f"`skincad simulate {{design}} --set history.steps={steps}`: smaller steps may help."
+        return f"`skincad simulate {{scene}} --set history.steps={steps}`: smaller steps may help."
     missing = max(simulation.left_out, key=lambda effect: effect.change, default=None)
     if missing and missing.change >= WORTH_ADDING:
         may = f"leaving it out may change signals by {missing.change:.0%}"
         if missing.effect == "inertia":
             return f"add [effects.inertia] and plate.mass to the scene; {may}."
         return (
-            f"`skincad simulate {{design}} --set effects.{missing.effect}={{}}` adds {missing.effect}; {may}."
+            f"`skincad simulate {{scene}} --set effects.{missing.effect}={{}}` adds {missing.effect}; {may}."
         )
     if "piezo" not in scene.effects and scene.design.film:
-        return "`skincad simulate {design} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
+        return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
     return f"{PICTURE} shows the signals of each monitored ridge."
 
 

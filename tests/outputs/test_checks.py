@@ -66,7 +66,7 @@ def test_a_check_is_five_lines_and_its_details_repeat_none(passed: ContactCheck)
     assert shares == sorted(shares, reverse=True)
     assert sum(shares) == pytest.approx(passed.all_touch_force.error, rel=0.05)
     assert forces.endswith(f"{passed.ridge_force[0]} to {passed.ridge_force[4]}")
-    assert last == "Next: `skincad make plain-ridges` makes its mold."
+    assert last == "Next: `skincad make DESIGN` makes its mold."
     rows = known.details().splitlines()
     assert rows[:5] == str(known).splitlines()
     assert len(set(rows)) == len(rows) > 10
