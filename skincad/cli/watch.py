@@ -19,6 +19,7 @@ from skincad.cli.options import (
     PrinterOption,
     SetOption,
     SiliconesOption,
+    VerboseOption,
     as_typed,
     deliver,
     say,
@@ -34,6 +35,7 @@ def watch(
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
+    verbose: VerboseOption = False,
 ) -> None:
     """Preview a design again at each save of its file.
 
@@ -57,7 +59,7 @@ def watch(
                 target = folder or Path("out") / design.name
                 written = skincad.write(result, target, formats=formats, progress=progress)
             typed = as_typed(str(source), settings, printer=printer, silicones=silicones, grippers=grippers)
-            deliver(result, False, written, typed)
+            deliver(result, False, written, typed, verbose=verbose)
             if opened:
                 open_view(target)
             opened = False  # from now on a person loads the page again

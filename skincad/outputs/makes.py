@@ -62,7 +62,8 @@ def lines(result: MakeResult) -> list[str]:
     unchecked = PREVIEW_NOTE if result.preview else checks.UNCHECKED
     left = [finding for finding in result.findings if finding not in shown]
     kind = "note" if all(finding.severity == "note" for finding in left) else "finding"
-    more = f"; -v shows {len(left)} {kind}{'s' * (len(left) != 1)}{' more' * bool(shown)}" if left else ""
+    count = f"{len(left)}{' more' * bool(shown)} {kind}{'s' * (len(left) != 1)}"
+    more = f"; {count} with -v" if left else ""
     return [
         *(checks.answer_lines(check) if check else [unchecked]),
         f"  mold           {counted(result.findings)}{more}",

@@ -65,10 +65,10 @@ def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: Make
     light = note("cure", "sla", 1.0, 0.0, "", "bake it")
     broken = replace(unchecked, findings=(*two, grave, grave, light))
     rows = str(broken).splitlines()
-    assert rows[1] == "  mold           2 errors, 2 warnings; -v shows 3 findings more"
+    assert rows[1] == "  mold           2 errors, 2 warnings; 3 more findings with -v"
     assert rows[2:] == [str(two[0]), str(two[1]), "Next: a wider slit."]
     warned = str(replace(unchecked, findings=(grave, light))).splitlines()
-    assert warned[1:3] == ["  mold           no errors, 1 warning; -v shows 1 note more", str(grave)]
+    assert warned[1:3] == ["  mold           no errors, 1 warning; 1 more note with -v", str(grave)]
     assert str(light) not in warned
     assert str(light) in replace(unchecked, findings=(grave, light)).details().splitlines()
     assert str(replace(unchecked, findings=(grave,), strict=True)).endswith("Next: larger lengths.")
@@ -88,7 +88,7 @@ def test_the_command_leaves_the_check_out(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     first, mold, files, last = result.stdout.splitlines()
     assert first == "Not checked whether all ridges touch."
-    assert re.fullmatch(r"  mold           no errors, no warnings; -v shows \d notes", mold)
+    assert re.fullmatch(r"  mold           no errors, no warnings; \d notes with -v", mold)
     assert files.startswith("  files          2 files in out/plain-ridges: design.toml, make.json, ")
     typed = "plain-ridges --set ridge.count=1 --set skin.width=3.0"
     assert last == f"Next: `skincad check {typed}` says whether all ridges touch."
