@@ -215,9 +215,7 @@ def deliver(
     data |= {"files": written.sizes(), "seconds": {**seconds, **written.seconds, "total": total}}
     more = [f"  files          {written}, {total:.1f} s"]
     named = re.findall(r"[\w-]+\.(?:html|png)", "".join(result.next_line()))
-    last = last and {name for name, _ in written.files}.issuperset(
-        named
-    )  # it names no file that is not there
+    last = last and {name for name, _ in written.files}.issuperset(named)  # it names no missing file
     lines = [] if as_json else report(result, typed, verbose=verbose, more=more, last=last)
     _print_result(data, as_json, "\n".join(lines))
 

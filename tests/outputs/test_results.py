@@ -97,7 +97,7 @@ TABLES = {  # a column with its unit, by kind, and how many rows there are
     "gain": ("gain_dB", lambda result: len(result.frequency)),
     "accuracy": ("seconds", lambda result: len(result.rows)),
     "fit_material": ("model_stress_MPa", lambda result: result.rows_used),
-    "film_stress": ("differential_stress_MPa", lambda result: 2 * result.states[0].ridges),
+    "film_stress": ("differential_stress_MPa.error", lambda result: 2 * result.states[0].ridges),
 }
 
 
