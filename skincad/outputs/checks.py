@@ -182,7 +182,8 @@ def _error_parts(check: ContactCheck) -> list[str]:
     for part in check.left_out:
         why = "not knowing" if part.effect == FRICTION and open_friction else "leaving out"
         parts[f"for {why} {part.effect}"] = part.threshold * value
-    return [f"{part:.2g} N {why}" for why, part in sorted(parts.items(), key=lambda entry: -entry[1])]
+    largest_first = sorted(parts.items(), key=lambda entry: -entry[1])
+    return [f"{float(f'{part:.2g}'):g} N {why}" for why, part in largest_first]
 
 
 def _model_lines(check: ContactCheck) -> list[str]:

@@ -15,7 +15,15 @@ from skincad.base.result import Writer
 from skincad.effects.kinds import SectionPad
 from skincad.outputs.delivery import Presentation, picture
 from skincad.scenes.march import GROSS_SLIP, frames
-from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, BySource, chosen_steps, model_of
+from skincad.scenes.models import (
+    CORRECTED,
+    DEFAULT_TOLERANCE,
+    FINITE_STRAIN,
+    SMALL_STRAIN,
+    BySource,
+    chosen_steps,
+    model_of,
+)
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 
@@ -31,6 +39,11 @@ MODELS = {
     FINITE_STRAIN: "Finite strain in each step",
 }
 WORTH_ADDING = 0.05  # relative change of signals from which an effect is worth adding
+ALONE = {"finite_strain", "free_ends", "inertia", "viscosity"}  # to one of them no other is proposed
+ADDING = {  # how to add an effect, where one setting won't do
+    "inertia": "add [effects.inertia] and plate.mass to the scene",
+    "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
+}
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
@@ -50,9 +63,21 @@ def lines(simulation: Simulation) -> list[str]:
     return [
         f"{simulation.scene.name}: {_answer(simulation)}.",
         f"  error          {_how_sure(simulation)}",
+        f"  run            {_run(simulation)}",
         *(_warning_lines(simulation)[-1:] or _no_warning(simulation)),
         *(f"  note           {warning}" for warning in simulation.warnings if warning not in left_out),
     ]
+
+
+def _run(simulation: Simulation) -> str:
+    """How many steps were run, and by which model."""
+    march, history = simulation.march, simulation.scene.history
+    end = _end(simulation) if march.stopped else f"{history.step_count} steps"
+    if history.step_count > history.steps:
+        end += f" ({history.steps} equal ones, and corners of the history between them)"
+    chosen = chosen_steps(march)
+    by = MODELS[model_of(simulation.scene)].format(0 if chosen is None else len(chosen) - 1)
+    return f"{end}. {by}."
 
 
 def _answer(simulation: Simulation) -> str:
@@ -105,13 +130,10 @@ def next_step(simulation: Simulation) -> str:
         steps = 2 * scene.history.steps
         return f"`skincad simulate {{scene}} --set history.steps={steps}`: smaller steps may help."
     missing = max(simulation.left_out, key=lambda effect: effect.change, default=None)
-    if missing and missing.change >= WORTH_ADDING:
-        may = f"leaving it out may change signals by {missing.change:.0%}"
-        if missing.effect == "inertia":
-            return f"add [effects.inertia] and plate.mass to the scene; {may}."
-        return (
-            f"`skincad simulate {{scene}} --set effects.{missing.effect}={{}}` adds {missing.effect}; {may}."
-        )
+    if missing and missing.change >= WORTH_ADDING and not ALONE.intersection(scene.effects):
+        name = missing.effect
+        how = ADDING.get(name, f"`skincad simulate {{scene}} --set effects.{name}={{}}` adds {name}")
+        return f"{how}; leaving it out may change signals by {missing.change:.0%}."
     if "piezo" not in scene.effects and scene.design.film:
         return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
     return f"{PICTURE} shows the signals of each monitored ridge."
@@ -119,15 +141,9 @@ def next_step(simulation: Simulation) -> str:
 
 def details(simulation: Simulation) -> list[str]:
     """Return slips, errors, events and energy in full, and the notes on effects that are left out."""
-    march, history, energy = simulation.march, simulation.scene.history, simulation.energy
-    end = _end(simulation) if march.stopped else f"{history.step_count} steps"
-    if history.step_count > history.steps:
-        end += f" ({history.steps} equal ones, and corners of the history between them)"
-    chosen = chosen_steps(march)
-    by = MODELS[model_of(simulation.scene)].format(0 if chosen is None else len(chosen) - 1)
+    march, energy = simulation.march, simulation.energy
     left_out = {effect.warning for effect in simulation.left_out}
     return [
-        f"  run            {end}. {by}.",
         f"  slip           {_slips(simulation)}",
         *_slip_error(simulation),
         *_detector_lines(simulation),

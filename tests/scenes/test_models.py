@@ -12,7 +12,7 @@ import pytest
 
 from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.contact import frozen_tangent
-from skincad.outputs.simulations import details
+from skincad.outputs.simulations import lines
 from skincad.scenes import models
 from skincad.scenes.errors import slips_of
 from skincad.scenes.march import LEVELS, march
@@ -53,7 +53,7 @@ def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folde
     assert data["effects"] == ["friction", "film", "finite_strain"]
     assert 3 < len(data["chosen_steps"]) < 20
     assert "finite_strain" not in {entry["effect"] for entry in data["left_out"]}
-    assert details(simulation)[0].endswith(
+    assert lines(simulation)[2].endswith(
         "Finite strain in 13 chosen steps, linear in between.".replace(
             "13", str(len(data["chosen_steps"]) - 1)
         )
