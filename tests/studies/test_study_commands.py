@@ -110,6 +110,8 @@ def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.Captu
     status, text = said(capsys, *rows)
     assert status == 0
     assert "4 evaluations, 0 reused" in text
+    assert "smallest 1" not in text
+    assert "smallest 1" in said(capsys, *rows, "--verbose")[1]
     data = json.loads(said(capsys, *rows, "--json")[1])
     assert (data["evaluations"], data["reused"]) == (0, 4)
     assert {Path(file["path"]).name for file in data["files"]} >= {"sweep.csv", "study.html", "effects.png"}
