@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -19,6 +20,7 @@ from skincad.cli.options import (
     SiliconesOption,
     completes,
     leave,
+    report,
     say,
     show,
 )
@@ -122,8 +124,9 @@ def _write_wish(file: Path, given: dict[str, Any], own: dict[str, Any], full: bo
     with stage_bar(WISH_STAGES) as progress:
         result = skincad.design_for(**given, **own, name=document_name(file.stem), progress=progress)
     paths = [str(path) for path in write_wish(file, result, full)]
-    words = f"{result}\nwritten to {paths[0]}\nNext: skincad make {file}"
-    show({**result.as_json(), "files": paths}, as_json, words)
+    written = [f"  {'written':22} {' and '.join(paths)}"]
+    lines = report(result, lambda step: step.replace("{design}", shlex.quote(paths[0])), more=written)
+    show({**result.as_json(), "files": paths}, as_json, "\n".join(lines))
     leave(result)
 
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import tomlkit
 
-from skincad.base.result import Writer
 from skincad.outputs import checks
-from skincad.outputs.delivery import text
+from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.tomls import commented_toml, document_name, write_with_schema
 
 if TYPE_CHECKING:
     from skincad.studies.wish import WishResult
-
-COMMAND = "new"
 
 
 def lines(wish: WishResult) -> list[str]:
@@ -83,16 +79,18 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
     return write_with_schema(path, "designs", written)
 
 
-def files(wish: WishResult) -> dict[str, Writer]:
-    """Return the design's TOML."""
-    return {f"{wish.name}.toml": text(lambda: short_toml(wish, wish.name))}
+def next_step(wish: WishResult) -> str:
+    """Return what to do next: make what is met, or wish otherwise."""
+    if wish.passed:
+        return "`skincad make {design}` makes its mold."
+    return "`skincad make {design}` makes the nearest design, or wish again with one of the changes above."
 
 
-def figures(wish: WishResult) -> dict[str, Callable[[], Any]]:
-    """Return the figures of the check."""
-    return checks.figures(wish.check)
-
-
-def manifest(wish: WishResult) -> dict[str, Any]:
-    """Return what the folder says of itself."""
-    return wish.as_json()
+WISH = Presentation(
+    COMMAND="new",
+    lines=lines,
+    next_step=next_step,
+    details=lambda wish: checks.details(wish.check),
+    files=lambda wish: {f"{wish.name}.toml": text(lambda: short_toml(wish, wish.name))},
+    figures=lambda wish: checks.figures(wish.check),
+)
