@@ -14,8 +14,11 @@ from bench.geometry_plot import geometry_plot
 
 ROOT = Path(__file__).parent.parent
 CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")
-CITATION = re.compile(r"\bdocs/([\w-]+\.\w+)(?:#([\w-]+))?")
+CITATION = re.compile(r"\bdocs/([\w/-]+\.\w+)(?:#([\w-]+))?")
 TEXT = {".py", ".toml", ".md", ".ipynb"}
+MAX_WORDS = 15_000  # of prose outside docs/evidence; generated pages are not in docs/
+MAX_WORDS_HOWTO = 600  # a page
+MAX_PICTURE_BYTES = 150_000
 
 
 def texts() -> Iterator[Path]:
@@ -38,8 +41,28 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower()) for heading in headings}
 
 
+def words(page: Path) -> int:
+    """Count a page's words: tables and headings count, fenced code, comments and links' targets don't."""
+    text = re.sub(r"^```.*?^```$|<!--.*?-->", "", page.read_text(), flags=re.M | re.S)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    return sum(bool(re.search(r"\w", word)) for word in re.split(r"[\s|]+", text))
+
+
+def test_the_pages_are_short() -> None:
+    pages = {page: words(page) for page in (ROOT / "docs").rglob("*.md")}
+    assert sum(number for page, number in pages.items() if page.parent.name != "evidence") <= MAX_WORDS
+    long = {page.name: n for page, n in pages.items() if page.parent.name == "howto" and n > MAX_WORDS_HOWTO}
+    assert not long
+
+
+def test_pictures_are_small() -> None:
+    pictures = list((ROOT / "docs").rglob("*.png"))
+    assert len(pictures) > 5
+    assert {p.name: p.stat().st_size for p in pictures if p.stat().st_size > MAX_PICTURE_BYTES} == {}
+
+
 def test_the_facts_are_cited() -> None:
-    assert sum(page == "facts.md" for _, page, _ in cited()) > 15
+    assert sum(page == "evidence/facts.md" for _, page, _ in cited()) > 15
 
 
 @pytest.mark.parametrize(("where", "page", "anchor"), cited())
@@ -50,7 +73,7 @@ def test_what_is_cited_is_there(where: str, page: str, anchor: str) -> None:
 
 
 def test_the_files_that_pages_send_people_to_are_there() -> None:
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     named = {
         name
         for page in pages
@@ -63,7 +86,7 @@ def test_the_files_that_pages_send_people_to_are_there() -> None:
 
 
 def test_the_programs_that_pages_name_are_there() -> None:
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     named = {
         name
         for page in pages
@@ -77,7 +100,7 @@ def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:
     geometry_plot(tmp_path / "geometry.png")
     shown, drawn = (
         np.asarray(Image.open(path).convert("L").resize((275, 215)), dtype=float)
-        for path in (ROOT / "docs/geometry.png", tmp_path / "geometry.png")
+        for path in (ROOT / "docs/understand/geometry.png", tmp_path / "geometry.png")
     )
     # its font ships with matplotlib, so only rounding differs; a tilt of 20 for 14 degrees makes 0.6
     assert np.abs(shown - drawn).mean() < 0.2
