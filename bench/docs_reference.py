@@ -43,6 +43,8 @@ RESULTS = {  # a command, and the record that its --json prints
     "coupon --measured": "fabrication.coupon_reading:CouponReading",
     "package": "outputs.simulators.package:Package",
 }
+DOCUMENTS = ("Circuit", "Design", "Scene", "Study")  # fields are keys of TOML, which have their own page
+METHODS = "with_, to_toml"
 TYPES = (  # the first that a type's last part names
     ("Estimate", "number with error"), ("bool", "true or false"), ("str|Literal|Verdict", "text"),
     ("float", "number"), (r"\w*Array|ndarray|Floats", "number"), ("int", "whole number"),
@@ -53,7 +55,7 @@ NAMED_LATE = ("fabrication.estimates", "fabrication.fasteners", "fabrication.rul
 
 def commands_page() -> str:
     """Return the page of commands: each with its arguments, options and defaults."""
-    lines = ["# Commands", "", "What `skincad COMMAND --help` prints, on one page.", ""]
+    lines = ["# Commands", "", "The output of `skincad COMMAND --help`, on one page.", ""]
     group = typer.main.get_command(app)
     for name, command in group.commands.items():  # type: ignore[attr-defined]
         context = command.make_context(name, [], resilient_parsing=True)
@@ -74,7 +76,11 @@ def python_page() -> str:
     ]
     for name in skincad.__all__:
         home = skincad._HOMES[name].replace(":", ".")
-        lines += [f"::: skincad.{home}", "    options:", f"      heading: skincad.{name}", ""]
+        lines += [f"::: skincad.{home}", "    options:", f"      heading: skincad.{name}"]
+        lines += [
+            f"      {kind}: [{METHODS}]" for kind in ("members", "inherited_members") if name in DOCUMENTS
+        ]
+        lines += ["", "[Its keys](toml.md).", ""] if name in DOCUMENTS else [""]
     return "\n".join(lines)
 
 
@@ -125,7 +131,7 @@ def _tables(model: type[Table], path: str) -> Iterator[str]:
 def json_page() -> str:
     """Return the page of JSON keys: of each command, and of each record within them."""
     lines = [
-        "# JSON keys", "", "What `--json` prints. A unit is the end of a key. A number with error is",
+        "# JSON keys", "", "The output of `--json`. A key ends in its unit. A number with error is",
         '`{"value": v, "error": e}`; `v` is null if there is none. Lists over ridges start with ridge 1.', "",
     ]  # fmt: skip
     for module in NAMED_LATE:

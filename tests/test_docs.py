@@ -5,12 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from bench.geometry_plot import geometry_plot
+from skincad.circuit.model import Circuit
+from skincad.effects import EFFECTS, effect
+from skincad.inputs.design import Design
+from skincad.outputs.tomls import table_entries
+from skincad.scenes.scene import Scene
 
 ROOT = Path(__file__).parent.parent
 CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")
@@ -19,6 +25,7 @@ TEXT = {".py", ".toml", ".md", ".ipynb"}
 MAX_WORDS = 15_000  # of prose outside docs/evidence; generated pages are not in docs/
 MAX_WORDS_HOWTO = 600  # a page
 MAX_PICTURE_BYTES = 150_000
+FILES = ("csv", "glb", "html", "msh", "parquet", "png", "step", "stl", "toml", "urdf", "vtu", "xml")
 
 
 def texts() -> Iterator[Path]:
@@ -94,6 +101,31 @@ def test_the_programs_that_pages_name_are_there() -> None:
     }
     for name in {"".join(pair) for pair in named} - {"NAME"}:
         assert list((ROOT / "bench").glob(f"{name}*")), name
+
+
+def keys(model: Any, path: str = "") -> Iterator[str]:
+    """Every key of a table and of the tables within, joined by dots."""
+    rows, inner = table_entries(model)
+    yield from (f"{path}{row.key}" for row in rows)
+    for key, table in inner.items():
+        yield f"{path}{key}"
+        yield from keys(table, f"{path}{key}.")
+
+
+def test_the_keys_that_pages_name_are_there() -> None:
+    known = {key for model in (Design, Scene, Circuit) for key in keys(model)}
+    known |= {key for name in EFFECTS for key in (f"effects.{name}", *keys(effect(name), f"effects.{name}."))}
+    tables = {key.partition(".")[0] for key in known} - {"name", "film"}  # `film/` is a folder too
+    named = {
+        name.removeprefix("skin.") if name.removeprefix("skin.") in known else name
+        for page in (ROOT / "docs").rglob("*.md")
+        for name in re.findall(
+            r"`(?:--set )?([a-z]+(?:\.[a-z_]+)+)(?:\.\d+)?(?: ?=[^`]*)?`", page.read_text()
+        )
+        if name.partition(".")[0] in tables and name.partition(".")[2] not in FILES
+    }
+    assert len(named) > 40
+    assert {name.removeprefix("circuit.") for name in named} - known == set()
 
 
 def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:

@@ -283,7 +283,7 @@ def _unit_and_range(field: FieldInfo) -> str:
     return ", ".join(part for part in (unit if unit != "1" else "", " ".join(limits), values) if part)
 
 
-class Entry(NamedTuple):
+class KeyDescription(NamedTuple):
     """A key of a table, for a page of reference."""
 
     key: str
@@ -301,12 +301,12 @@ def _written_default(field: FieldInfo) -> str:
     return _default(field) if plain else ""
 
 
-def table_entries(model: type[BaseModel]) -> tuple[list[Entry], dict[str, type[Table]]]:
+def table_entries(model: type[BaseModel]) -> tuple[list[KeyDescription], dict[str, type[Table]]]:
     """Return the plain keys of a table, and the tables within by their keys."""
     fields = {key: field for key, field in model.model_fields.items() if key != "effects"}
     inner = {key: table for key in fields if (table := _table(model, key))}
     rows = [
-        Entry(
+        KeyDescription(
             key,
             _unit_and_range(field),
             "required" if field.is_required() else _written_default(field),
