@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mkdocs.commands.build import build
@@ -14,6 +13,7 @@ import skincad
 from bench.docs_reference import RESULTS
 from skincad.cli.app import app
 from skincad.inputs.design import Design
+from tests.outputs.browser import shown
 
 ROOT = Path(__file__).parent.parent
 LOADED = re.compile(
@@ -50,24 +50,24 @@ def test_nothing_is_loaded_from_another_host(site: Path) -> None:
 
 
 def test_it_opens_and_searches_from_files(site: Path) -> None:
-    from playwright.sync_api import sync_playwright
+    with shown(site / "index.html") as seen:
+        seen.page.get_by_label("Search", exact=True).first.press_sequentially("levelling")
+        results = seen.page.locator(".md-search-result__item a")
+        results.first.wait_for()
+        seen.page.goto(results.first.evaluate("link => link.href"))
+        assert "levelling" in seen.page.inner_text("article").lower()
+        assert seen.complaints == []
+        assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
 
-    asked: list[str] = []
-    errors: list[str] = []
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
-        page = browser.new_page()
-        page.on("request", lambda request: asked.append(request.url))
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto((site / "index.html").as_uri())
-        page.get_by_label("Search", exact=True).first.press_sequentially("levelling")
-        page.wait_for_selector(".md-search-result__item a")
-        first: Any = page.query_selector(".md-search-result__item a")
-        page.goto(first.evaluate("link => link.href"))
-        assert "levelling" in page.inner_text("article").lower()
-        browser.close()
-    assert not errors
-    assert {url.split(":")[0] for url in asked} <= {"file", "data", "blob"}
+
+@pytest.mark.parametrize("width", [420, 1400])
+def test_no_page_is_wider_than_its_window(site: Path, width: int) -> None:
+    with shown(site / "index.html") as seen:
+        seen.page.set_viewport_size({"width": width, "height": 900})
+        for file in sorted(site.rglob("*.html")):
+            seen.page.goto(file.as_uri())
+            beyond = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+            assert seen.page.evaluate(beyond) <= 0, file.name
 
 
 def test_reference_has_every_command_option_name_and_key(site: Path) -> None:
