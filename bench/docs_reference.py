@@ -230,11 +230,9 @@ def on_files(files: Any, *, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
-    """Give the first page the whole width, and search results of Evidence a lower rank; mkdocs calls this."""
-    if page.is_homepage:
-        page.meta["hide"] = ["navigation", "toc"]
+    """Rank the tables of Evidence below other pages in the search; mkdocs calls this."""
     if page.file.src_uri.startswith("evidence/"):
-        page.meta["search"] = {"boost": 0.3}
+        page.meta["search"] = {"boost": 1e-4}  # a match in a title counts 1000 times one in the text
     return markdown
 
 
