@@ -12,13 +12,15 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).parents[1] / "docs"
-LEVEL = "new finger.toml --template lab-bench"
-SOLVE = "solve finger.toml --target all_touch_force=1.5 --vary ridge.levelling=0:1 -o level.toml"
+WISH = (
+    "new pad.toml --size 24x30 --touch 1N --silicone ecoflex-00-50 --process sla --gripper franka-hand"
+    " --film pvdf-28um"
+)
 PICTURES = {  # in docs/ -> the commands that draw it, and its file
     "start/pictures/first-skin.png": (("make yamada-2002 --format png",), "out/yamada-2002/picture.png"),
     "start/pictures/own-design.png": (
-        (LEVEL, SOLVE, "make level.toml --set contact.force=2.5 --format png"),
-        "out/finger/picture.png",
+        (WISH, "make pad.toml --format png"),
+        "out/pad/picture.png",
     ),
     "start/pictures/first-scene.png": (
         ("simulate yamada-2002-slip",),

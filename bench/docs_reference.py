@@ -29,6 +29,7 @@ from skincad.inputs.silicone import Silicone
 from skincad.outputs.tomls import table_entries
 
 RESULTS = {  # a command, and the record that its --json prints
+    "new": "studies.wish:WishResult",
     "check": "mechanics.verdict:ContactCheck",
     "check --stress": "mechanics.film.stress:FilmStresses",
     "make": "fabrication.making:MakeResult",

@@ -3,7 +3,7 @@
 A block of csv or toml right after a line that ends in a file's name and a colon is that file. `# fails` after
 a command means status 1, `# until Ctrl-C` that it goes on until then. A text block right after commands is
 what the last of them prints: its first line word for word, all others but for their numbers, which are times
-and what rounding leaves. `<!-- wish -->` before a block marks commands and names that this version has not.
+and what rounding leaves.
 """
 
 from __future__ import annotations
@@ -30,16 +30,13 @@ from tests.processes import started
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-FENCED = re.compile(
-    r"(?:^<!-- (wish|refresh) -->\n)?(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S
-)
+FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
 class Block(NamedTuple):
-    mark: str
     file: str
     kind: str
     text: str
@@ -49,12 +46,12 @@ def blocks(page: Path) -> list[Block]:
     return [Block(*entry) for entry in FENCED.findall(page.read_text("utf-8"))]
 
 
-def shown(*kinds: str, wish: bool = False) -> list[Any]:
+def shown(*kinds: str) -> list[Any]:
     return [
         pytest.param(block, id=f"{page.relative_to(ROOT)}-{number}")
         for page in PAGES
         for number, block in enumerate(blocks(page))
-        if block.kind in kinds and (block.mark == "wish") == wish
+        if block.kind in kinds
     ]
 
 
@@ -103,17 +100,6 @@ def test_python_has_the_names_that_are_shown(block: Block) -> None:
         assert hasattr(skincad, name), name
 
 
-@pytest.mark.parametrize("block", shown("sh", "python", wish=True))
-def test_a_block_marked_wish_needs_a_later_version(block: Block) -> None:
-    """Once this version has it, the mark goes, and the block is tested as any other."""
-    if block.kind == "python":
-        assert not all(hasattr(skincad, name) for name in re.findall(r"\bskincad\.(\w+)", block.text))
-        return
-    with pytest.raises(Exception, match=r"(?i)no such option"):
-        for arguments, _ in commands(block):
-            COMMANDS[arguments[0]].make_context(arguments[0], arguments[1:])
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,8 +110,6 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
     names: dict[str, Any] = {}
     printed = ""
     for block in blocks(page):
-        if block.mark == "wish":
-            continue
         if block.file:
             Path(block.file).write_text(block.text)
         elif block.kind == "sh":

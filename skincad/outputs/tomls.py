@@ -66,6 +66,7 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 # skincad templates grippers lists what ships. The values here are franka-hand's: measure your own.""",
 }
 STUDIES: Kind = "studies"
+HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
 LISTS = {
     "designs": "design",
     "scenes": "scene",
@@ -87,14 +88,35 @@ _COLUMNS = (  # of the table of silicones: key, head, unit
 )
 
 
-def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
+def write_new(path: Path, template: str = HOME) -> list[Path]:
     """Write a commented file after a template, and its schema beside it; return both paths.
 
     `template` is a design's, a scene's or a circuit's name, with its kind before it where two kinds have that
-    name; or `silicones` or `processes`, for a table of one's own. Raises InputError for an unknown template,
-    a file that is there already or cannot be written, and a name that a TOML comment can't hold.
+    name; or `silicones`, `processes` or `grippers`, for a table of one's own. Raises InputError for
+    an unknown template, a file that is there already or cannot be written, and a name that a TOML comment
+    can't hold.
     """
     kind, name = _kind_and_name(template)
+    text = "" if kind in _OWN else template_text(name, kind)  # type: ignore[arg-type]  # a Kind where it is none
+    return write_with_schema(path, kind, lambda schema: commented_toml(kind, text, path.stem, schema))
+
+
+def write_with_schema(path: Path, kind: Kind | shipped.Table, text: Callable[[str], str]) -> list[Path]:
+    """Write a TOML file of this kind and its schema beside it; return both paths.
+
+    `text` makes the TOML of the schema's file name. Raises InputError as `write_new`.
+    """
+    schema, link = check_new(path)
+    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
+        first.write_text(schema_of(kind), encoding="utf-8")
+        second.write_text(text(link), encoding="utf-8")
+        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
+    return [path, schema]
+
+
+def check_new(path: Path) -> tuple[Path, str]:
+    """Return where a new file's schema goes, and its name as UTF-8; raises InputError where the two can't be
+    written."""
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -104,11 +126,7 @@ def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
         raise InputError("FILE", "must be UTF-8", path.name, "name another file") from None
     if not link.isprintable():
         raise InputError("FILE", "must have a name of printable characters", path.name)
-    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
-        first.write_text(schema_of(kind), encoding="utf-8")
-        second.write_text(commented_toml(kind, name, path.stem, link), encoding="utf-8")
-        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
-    return [path, schema]
+    return schema, link
 
 
 def _kind_and_name(template: str) -> tuple[Kind | shipped.Table, str]:
@@ -175,15 +193,16 @@ def schema_of(kind: Kind | shipped.Table) -> str:
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
 
 
-def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema: str) -> str:
-    """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
+def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:
+    """Return a TOML text with each key's meaning above it; keys left at their default are comments. A
+    table of one's own needs no text: a shipped row shows its keys."""
     lines = [f"#:schema ./{schema}", ""]
     if kind == "silicones" or kind == "processes" or kind == "grippers":  # noqa: PLR1714  # so that mypy knows
         lines += [_OWN_HEAD[kind], *_own_lines(kind)]
         return "\n".join(lines) + "\n"
-    model, text = _model_and_loader(kind)[0], template_text(template, kind)
+    model = _model_and_loader(kind)[0]
     document: Any = tomlkit.parse(text)
-    document["name"] = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or kind[:-1]
+    document["name"] = document_name(name, kind)
     lines += [line for line in text.splitlines() if line.startswith("#")]
     lines += ["", *_key_lines(model, document)]
     for key, field in model.model_fields.items():
@@ -197,6 +216,11 @@ def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema:
         elif inner := _table(model, key):
             lines += _section(key, inner, document.get(key), field.is_required())
     return "\n".join(lines) + "\n"
+
+
+def document_name(stem: str, kind: str = "designs") -> str:
+    """Return the name of the document in a file of this stem."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", stem)[:64].lstrip("-_") or kind[:-1]
 
 
 def _table(model: type[BaseModel], key: str) -> type[Table] | None:
