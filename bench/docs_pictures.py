@@ -37,7 +37,7 @@ PICTURES = {  # in docs/ -> the commands that draw it, and its file
     "howto/pictures/gain.png": (("circuit transimpedance",), "out/transimpedance/gain.png"),
     "howto/pictures/alarms.png": (
         ("simulate yamada-2002-slip --set effects.piezo.circuit=transimpedance --set readout.ridges=[2,3]",),
-        "out/yamada-2002-slip/signals.png",
+        "out/yamada-2002-slip/recording.png",
     ),
 }
 
