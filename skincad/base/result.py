@@ -134,9 +134,8 @@ LAST = ("seconds", "warnings")  # and at the end
 
 
 @cache
-def _declared(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
-    """The declared attributes of a class of records, in the order of their keys: its fields' and properties'
-    own, but for what stands first and last in every result."""
+def declared_items(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
+    """Return a class of records' reported attributes by name, in the order of their keys in the JSON."""
     listed = {
         declared.name: declared.metadata["item"] for declared in fields(kind) if "item" in declared.metadata
     }
@@ -178,7 +177,7 @@ def _entries(value: Any) -> list[_Entry] | None:
 
 
 def _entries_of_record(record: Record) -> Iterator[_Entry]:
-    for name, declared in _declared(type(record)):  # type: ignore[arg-type]  # a class is hashable
+    for name, declared in declared_items(type(record)):  # type: ignore[arg-type]  # a class is hashable
         value = getattr(record, name)
         if declared.null and not value:
             value = None

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import tomlkit
 from pydantic import BaseModel, TypeAdapter
@@ -288,6 +288,13 @@ def _default(field: FieldInfo) -> str:
 
 def _meaning(field: FieldInfo, provenance: str) -> list[str]:
     """Comment lines: meaning, unit and range; then where this template's value is from."""
+    limits = _unit_and_range(field)
+    first = f"# {field.description or ''}" + (f" [{limits}]" if limits else "")
+    return [first, *([f"#   {provenance}"] if provenance else [])]
+
+
+def _unit_and_range(field: FieldInfo) -> str:
+    """A key's unit and range, as "mm, from 0.2 to 100"."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", ""))
     limits, lengths = [], []
@@ -297,9 +304,42 @@ def _meaning(field: FieldInfo, provenance: str) -> list[str]:
         elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
             lengths.append(f"{length[0]} {getattr(rule, length[1])}")
     values = " ".join(lengths) + " values" if lengths else ""
-    details = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
-    first = f"# {field.description or ''}" + (f" [{', '.join(details)}]" if details else "")
-    return [first, *([f"#   {provenance}"] if provenance else [])]
+    return ", ".join(part for part in (unit if unit != "1" else "", " ".join(limits), values) if part)
+
+
+class KeyDescription(NamedTuple):
+    """A key of a table, for a page of reference."""
+
+    key: str
+    limits: str  # unit and range
+    default: str  # "" for none
+    meaning: str
+
+
+def _written_default(field: FieldInfo) -> str:
+    """A key's default as TOML; "" where it is computed or absent."""
+    default = field.default
+    if isinstance(default, NumberWithRange):
+        return ranged_toml(default)
+    plain = isinstance(default, bool | int | float | str | list | tuple)
+    return _default(field) if plain else ""
+
+
+def table_entries(model: type[BaseModel]) -> tuple[list[KeyDescription], dict[str, type[Table]]]:
+    """Return the plain keys of a table, and the tables within by their keys."""
+    fields = {key: field for key, field in model.model_fields.items() if key != "effects"}
+    inner = {key: table for key in fields if (table := _table(model, key))}
+    rows = [
+        KeyDescription(
+            key,
+            _unit_and_range(field),
+            "required" if field.is_required() else _written_default(field),
+            field.description or "",
+        )
+        for key, field in fields.items()
+        if key not in inner
+    ]
+    return rows, inner
 
 
 def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:

@@ -345,7 +345,7 @@ def stick_notes(
         yield f"{count} of {total.size} bonded points are in tension, with {pulling:.1%} of the force in all"
 
 
-DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
+DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/evidence/facts.md)
 LEFT_OUT_NOTE = "the pad is taken as long and strains as small: free ends and finite strain are left out"
 
 
