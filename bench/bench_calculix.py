@@ -32,7 +32,8 @@ MESHES = {"linear": (0.25, 0.5, 1.0, 2.0), "finite-strain": (0.25, 0.5, 1.0)}  #
 GOALS = {"linear": 50.0, "finite-strain": 100.0}
 REPEATS = 3
 WIDTHS = (16, 10, 9, 10, 10, 10)
-SOFTER = 0.95  # of the linear approach, where CalculiX's finite strain changes to a force (docs/facts.md)
+# of the linear approach, where CalculiX's finite strain changes to a force (docs/evidence/facts.md)
+SOFTER = 0.95
 
 
 @dataclass(frozen=True)

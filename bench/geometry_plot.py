@@ -1,4 +1,4 @@
-"""The labelled section of docs/geometry.md: `python -m bench.geometry_plot docs/geometry.png`.
+"""The labelled section: `python -m bench.geometry_plot docs/understand/geometry.png`.
 
 It shows every length of `[skin]`, `[ridge]`, `[slot]` and `[film]` on a section that skincad builds, with
 fillets, crown and slots larger than is usual so that they can be seen.

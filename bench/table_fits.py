@@ -1,4 +1,4 @@
-"""Prints the tables of docs/fits.md: every number that was read off runs, and the designs behind it.
+"""Prints the tables of docs/evidence/fits.md: every number that was read off runs, and the designs behind it.
 
 `python -m bench.table_fits`; after a change of skincad/mechanics/fits.py paste what it prints.
 """

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from skincad.studies.study import Study as Study
     from skincad.studies.study import load_study as load_study
     from skincad.studies.sweeping import sweep as _sweep
+    from skincad.studies.wish import design_for as design_for
 
 S = TypeVar("S")
 R = TypeVar("R")
@@ -67,6 +68,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
     "check": "mechanics.check:check",
+    "design_for": "studies.wish:design_for",
     "film_stress": "mechanics.film.stress:film_stress",
     "fit_material": "material.fit:fit_material",
     "gain": "circuit.bode:gain",

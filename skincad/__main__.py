@@ -9,6 +9,9 @@ import sys
 
 from skincad.base.interrupt import ignore, listen
 
+# what a terminal without these letters gets: a bar's eighths as the nearest of nine digits, 0 without load
+IN_ASCII = {"±": "+-", **dict(zip("·▁▂▃▄▅▆▇█", "012346789", strict=True))}
+
 
 def main() -> None:
     """Run the command line as a process of its own."""
@@ -42,10 +45,10 @@ def _open_streams() -> None:
 
 
 def escaped(failure: UnicodeError) -> tuple[str | bytes, int]:
-    """Handle what an encoding lacks, as a codec's errors: "±" becomes "+-", any other letter its escape."""
+    """Handle what an encoding lacks, as a codec's errors: by IN_ASCII, any other letter as its escape."""
     if isinstance(failure, UnicodeEncodeError):
-        if failure.object[failure.start] == "±":
-            return "+-", failure.start + 1
+        if letter := IN_ASCII.get(failure.object[failure.start]):
+            return letter, failure.start + 1
         failure.end = failure.start + 1
     return codecs.backslashreplace_errors(failure)
 

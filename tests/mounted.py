@@ -15,6 +15,7 @@ MOUNTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "cast-in": ({"thread": "M2", "diameter": 8.0, "fiducials": 3}, {}),
     "fingertip-soft": ({"thread": "M3", "pattern": "rectangle", "pitch_x": 9.0, "pitch_y": 5.0}, {}),
     "gripper-pad": ({"thread": "M4", "diameter": 20.0, "pin": 3.0, "fiducials": 4}, {}),
+    "home-printer": ({"thread": "M3", "pattern": "rectangle", "pitch_x": 14.0, "pitch_y": 14.0}, {}),
     "lab-bench": ({"thread": "M3", "pattern": "rectangle", "pitch_x": 14.0, "pitch_y": 8.0}, {}),
     "milled-pad": ({"thread": "M3", "diameter": 20.0, "pin": 2.0, "fiducials": 4}, {}),
     "nozzle-04": ({"thread": "M4", "diameter": 31.5, "pin": 2.5, "fiducials": 4}, {}),

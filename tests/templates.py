@@ -10,8 +10,8 @@ import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 
-# as yamada-2002, by edm; lab-bench as plain-ridges, by sla
-OTHER_SIZES = {"fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
+# as yamada-2002, by edm; lab-bench and home-printer as plain-ridges, by sla
+OTHER_SIZES = {"home-printer", "fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
 KINDS = [
     pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in template_names()
 ]

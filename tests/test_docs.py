@@ -5,17 +5,27 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from bench.geometry_plot import geometry_plot
+from skincad.circuit.model import Circuit
+from skincad.effects import EFFECTS, effect
+from skincad.inputs.design import Design
+from skincad.outputs.tomls import table_entries
+from skincad.scenes.scene import Scene
 
 ROOT = Path(__file__).parent.parent
 CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")
-CITATION = re.compile(r"\bdocs/([\w-]+\.\w+)(?:#([\w-]+))?")
+CITATION = re.compile(r"\bdocs/([\w/-]+\.\w+)(?:#([\w-]+))?")
 TEXT = {".py", ".toml", ".md", ".ipynb"}
+MAX_WORDS = 15_000  # of prose outside docs/evidence; generated pages are not in docs/
+MAX_WORDS_HOWTO = 600  # a page
+MAX_PICTURE_BYTES = 150_000
+FILES = ("csv", "glb", "html", "msh", "parquet", "png", "step", "stl", "toml", "urdf", "vtu", "xml")
 
 
 def texts() -> Iterator[Path]:
@@ -38,8 +48,28 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower()) for heading in headings}
 
 
+def words(page: Path) -> int:
+    """Count a page's words: tables and headings count, fenced code, comments and links' targets don't."""
+    text = re.sub(r"^```.*?^```$|<!--.*?-->", "", page.read_text(), flags=re.M | re.S)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    return sum(bool(re.search(r"\w", word)) for word in re.split(r"[\s|]+", text))
+
+
+def test_the_pages_are_short() -> None:
+    pages = {page: words(page) for page in (ROOT / "docs").rglob("*.md")}
+    assert sum(number for page, number in pages.items() if page.parent.name != "evidence") <= MAX_WORDS
+    long = {page.name: n for page, n in pages.items() if page.parent.name == "howto" and n > MAX_WORDS_HOWTO}
+    assert not long
+
+
+def test_pictures_are_small() -> None:
+    pictures = list((ROOT / "docs").rglob("*.png"))
+    assert len(pictures) > 5
+    assert {p.name: p.stat().st_size for p in pictures if p.stat().st_size > MAX_PICTURE_BYTES} == {}
+
+
 def test_the_facts_are_cited() -> None:
-    assert sum(page == "facts.md" for _, page, _ in cited()) > 15
+    assert sum(page == "evidence/facts.md" for _, page, _ in cited()) > 15
 
 
 @pytest.mark.parametrize(("where", "page", "anchor"), cited())
@@ -50,7 +80,7 @@ def test_what_is_cited_is_there(where: str, page: str, anchor: str) -> None:
 
 
 def test_the_files_that_pages_send_people_to_are_there() -> None:
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     named = {
         name
         for page in pages
@@ -63,7 +93,7 @@ def test_the_files_that_pages_send_people_to_are_there() -> None:
 
 
 def test_the_programs_that_pages_name_are_there() -> None:
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     named = {
         name
         for page in pages
@@ -73,11 +103,36 @@ def test_the_programs_that_pages_name_are_there() -> None:
         assert list((ROOT / "bench").glob(f"{name}*")), name
 
 
+def keys(model: Any, path: str = "") -> Iterator[str]:
+    """Every key of a table and of the tables within, joined by dots."""
+    rows, inner = table_entries(model)
+    yield from (f"{path}{row.key}" for row in rows)
+    for key, table in inner.items():
+        yield f"{path}{key}"
+        yield from keys(table, f"{path}{key}.")
+
+
+def test_the_keys_that_pages_name_are_there() -> None:
+    known = {key for model in (Design, Scene, Circuit) for key in keys(model)}
+    known |= {key for name in EFFECTS for key in (f"effects.{name}", *keys(effect(name), f"effects.{name}."))}
+    tables = {key.partition(".")[0] for key in known} - {"name", "film"}  # `film/` is a folder too
+    named = {
+        name.removeprefix("skin.") if name.removeprefix("skin.") in known else name
+        for page in (ROOT / "docs").rglob("*.md")
+        for name in re.findall(
+            r"`(?:--set )?([a-z]+(?:\.[a-z_]+)+)(?:\.\d+)?(?: ?=[^`]*)?`", page.read_text()
+        )
+        if name.partition(".")[0] in tables and name.partition(".")[2] not in FILES
+    }
+    assert len(named) > 40
+    assert {name.removeprefix("circuit.") for name in named} - known == set()
+
+
 def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:
     geometry_plot(tmp_path / "geometry.png")
     shown, drawn = (
         np.asarray(Image.open(path).convert("L").resize((275, 215)), dtype=float)
-        for path in (ROOT / "docs/geometry.png", tmp_path / "geometry.png")
+        for path in (ROOT / "docs/understand/geometry.png", tmp_path / "geometry.png")
     )
     # its font ships with matplotlib, so only rounding differs; a tilt of 20 for 14 degrees makes 0.6
     assert np.abs(shown - drawn).mean() < 0.2

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1] / "skincad"
-GLOSSARY = PACKAGE.parent / "docs" / "glossary.md"
+GLOSSARY = PACKAGE.parent / "docs" / "reference" / "glossary.md"
 
 
 def rows() -> list[list[str]]:

@@ -29,7 +29,7 @@ from tests.conftest import run_skincad
 from tests.processes import started
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
@@ -48,7 +48,7 @@ def blocks(page: Path) -> list[Block]:
 
 def shown(*kinds: str) -> list[Any]:
     return [
-        pytest.param(block, id=f"{page.name}-{number}")
+        pytest.param(block, id=f"{page.relative_to(ROOT)}-{number}")
         for page in PAGES
         for number, block in enumerate(blocks(page))
         if block.kind in kinds
@@ -101,7 +101,7 @@ def test_python_has_the_names_that_are_shown(block: Block) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")

@@ -23,6 +23,9 @@ MORE = range(20, 50), range(50, 110)
 LARGEST = 12  # ridges; gripper-pad's 21 take as long as five others
 
 
+LATER = {"home-printer"}  # ships since the detector and the bounds were fitted: random scenes stay the same
+
+
 @dataclass(frozen=True, eq=False)
 class Skin:
     """A design, and N at which a scene of it presses."""
@@ -34,7 +37,7 @@ class Skin:
 
 def templates() -> list[Skin]:
     """Return the flat-extruded templates with films and not more ridges than LARGEST; both sets have them."""
-    rows = [load_design(name) for name in template_names("designs")]
+    rows = [load_design(name) for name in template_names("designs") if name not in LATER]
     return [
         Skin(d.name, d, d.contact.force)
         for d in rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -24,7 +24,7 @@ def stage_bar(stages: int) -> Iterator[Progress | None]:
         yield progress
 
 
-def one_by_one(stages: int, items: Callable[[Progress | None], Iterable[T]]) -> Iterator[T]:
+def one_by_one(stages: int, items: Callable[[Progress | None], Iterable[T]]) -> Generator[T, None, None]:
     """Yield what is found under a stage bar, which leaves the terminal meanwhile: there one may print."""
     with _stages(stages) as (bar, progress):
         for entry in items(progress):

@@ -11,7 +11,7 @@ import base64
 import html
 import io
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
 from importlib import import_module
@@ -20,6 +20,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar, cast, 
 
 import numpy as np
 
+from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 
 MAX_LISTED = 64  # numbers of a list that have a name each; longer ones, over steps, have their ends
@@ -133,9 +134,8 @@ LAST = ("seconds", "warnings")  # and at the end
 
 
 @cache
-def _declared(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
-    """The declared attributes of a class of records, in the order of their keys: its fields' and properties'
-    own, but for what stands first and last in every result."""
+def declared_items(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
+    """Return a class of records' reported attributes by name, in the order of their keys in the JSON."""
     listed = {
         declared.name: declared.metadata["item"] for declared in fields(kind) if "item" in declared.metadata
     }
@@ -177,7 +177,7 @@ def _entries(value: Any) -> list[_Entry] | None:
 
 
 def _entries_of_record(record: Record) -> Iterator[_Entry]:
-    for name, declared in _declared(type(record)):  # type: ignore[arg-type]  # a class is hashable
+    for name, declared in declared_items(type(record)):  # type: ignore[arg-type]  # a class is hashable
         value = getattr(record, name)
         if declared.null and not value:
             value = None
@@ -258,12 +258,21 @@ def with_picture(text: str, figure: Figure) -> str:
 
 
 class Presenter(Protocol):
-    """What shows one kind of result: a module of outputs/, or a `Presentation`."""
+    """What shows one kind of result: a `Presentation` of outputs/."""
 
     COMMAND: str  # whose manifest lists the files
 
     def lines(self, result: Any, /) -> list[str]:
-        """Return what the command prints."""
+        """Return the answer, and how sure it is, in few lines."""
+
+    def next_step(self, result: Any, /) -> str:
+        """Return what to do next, with `{design}` or `{scene}` for it as it is typed; "" for nothing."""
+
+    def details(self, result: Any, /) -> list[str]:
+        """Return the numbers behind `lines`, without repeating them."""
+
+    def html(self, result: Any, /) -> str:
+        """Return what a notebook shows."""
 
     def files(self, result: Any, /) -> dict[str, Writer]:
         """Return a writer for each file, by its name."""
@@ -275,9 +284,14 @@ class Presenter(Protocol):
         """Return what the manifest says of the result beside its files."""
 
 
+def output_named(home: str) -> Any:
+    """Return what outputs/ has there, as "skincad.outputs.checks:CHECK", imported now."""
+    module, _, name = home.partition(":")
+    return getattr(import_module(module), name)
+
+
 class Result(Record):
-    """A frozen answer. `shown_by` names what shows it, imported when it is asked: a module of outputs/, or
-    after a colon one of a module's `Presentation`s."""
+    """A frozen answer. `shown_by` names the `Presentation` that shows it, imported when it is asked."""
 
     shown_by: ClassVar[str]
 
@@ -288,9 +302,7 @@ class Result(Record):
 
     def presenter(self) -> Presenter:
         """Return what shows results of this kind."""
-        module, _, name = self.shown_by.partition(":")
-        shown = import_module(module)
-        return cast(Presenter, getattr(shown, name) if name else shown)
+        return cast(Presenter, output_named(self.shown_by))
 
     def files(self) -> dict[str, Writer]:
         """Return name -> writer; a writer takes the path to write to. `skincad.write` writes them all."""
@@ -307,15 +319,80 @@ class Result(Record):
             raise KeyError(f"no figure {name or 'here'}; there are: {', '.join(draws) or 'none'}")
         return draws[name or next(iter(draws))]()
 
+    def columns(self) -> dict[str, Any]:
+        """Return the result's table: cells by column, all columns of one length.
+
+        Names are those of the JSON, with the unit; a number's error has the column `NAME.error`. Of a result
+        that is no table, each number has a row.
+        """
+        numbers = self.numbers()
+        return {
+            "name": list(numbers),
+            "value": [number.value for number in numbers.values()],
+            "error": [number.error for number in numbers.values()],
+            "unit": [number.unit for number in numbers.values()],
+        }
+
+    def to_frame(self) -> Any:
+        """Return the result's table as a pandas DataFrame, units in the columns' names.
+
+        Raises InputError where pandas is not installed.
+        """
+        return data_frame(self.columns())
+
+    def next_line(self, fill: Callable[[str], str] | None = None) -> list[str]:
+        """Return the line that says what to do next, none for nothing; `fill` puts the design into it, which
+        is DESIGN or SCENE without, as in `--help`: nobody knows by what file a result came to be."""
+        step = self.presenter().next_step(self)
+        words = fill(step) if fill else re.sub(r"\{(\w+)\}", lambda match: match[1].upper(), step)
+        return [f"Next: {words}"] if step else []
+
+    def details(self) -> str:
+        """Return what the command prints with --verbose: the words of `str`, and the numbers behind them."""
+        return "\n".join([str(self), *self.presenter().details(self)])
+
     def __str__(self) -> str:
-        return "\n".join(self.presenter().lines(self))
+        return "\n".join([*self.presenter().lines(self), *self.next_line()])
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {str(self).partition(chr(10))[0]}"
         return text[: LONGEST_REPR - 4] + "...>" if len(text) >= LONGEST_REPR else text + ">"
 
     def _repr_html_(self) -> str:
-        """The words, and the first figure, for a notebook."""
-        if not self.presenter().figures(self):
-            return f"<pre>{html.escape(str(self))}</pre>"
-        return with_picture(str(self), self.figure())
+        """What a notebook shows."""
+        return self.presenter().html(self)
+
+
+def data_frame(columns: Mapping[str, Any]) -> Any:
+    """Return a pandas DataFrame of columns by name; raises InputError where pandas is not installed."""
+    try:
+        import pandas
+    except ImportError:
+        raise InputError("to_frame", "needs the package pandas", remedy="pip install pandas") from None
+    return pandas.DataFrame(dict(columns))
+
+
+def columns_of(rows: Iterable[Any]) -> dict[str, list[Any]]:
+    """Return rows (records, or mappings of values) as columns by name; a value that a row lacks is None.
+
+    Names within a name follow a dot. An Estimate gives a column for its value and one for its error.
+    """
+    table = [dict(_cells(row, "")) for row in rows]
+    names = dict.fromkeys(name for row in table for name in row)
+    return {name: [row.get(name) for row in table] for name in names}
+
+
+def estimate_columns(name: str, estimates: Iterable[Estimate]) -> dict[str, list[float | None]]:
+    """Return the column of these values, and that of their errors."""
+    listed = list(estimates)
+    return {name: [e.value for e in listed], f"{name}.error": [e.error for e in listed]}
+
+
+def _cells(value: Any, at: str) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Estimate):
+        yield from ((at, value.value), (f"{at}.error", value.error))
+    elif (entries := _entries(value)) is not None:
+        for entry in entries:
+            yield from _cells(entry.value, f"{at}.{entry.key}" if at else entry.key)
+    else:
+        yield at, value

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -84,7 +85,7 @@ class CircuitGain(Result):
     Of a circuit with a rig it is that by the measured load; `own` is the film's, as in use.
     """
 
-    shown_by = "skincad.outputs.gains"
+    shown_by = "skincad.outputs.gains:GAIN"
     circuit: Circuit
     constants: Constants = item(meaning="of the network")
     frequency: Real = item("Hz", "`(n,)`, rising")
@@ -99,6 +100,11 @@ class CircuitGain(Result):
     def name(self) -> str:
         """The circuit's name."""
         return self.circuit.name
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each frequency: the gain, and with a rig the film's own."""
+        own = {"own_gain_dB": self.own.gain} if self.own else {}
+        return {"frequency_Hz": self.frequency, "gain_dB": self.gain, **own}
 
     @property
     def mid_band(self) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,7 +23,10 @@ from skincad.cli.options import (
     PrinterOption,
     SetOption,
     SiliconesOption,
+    VerboseOption,
+    as_typed,
     leave,
+    report,
     say,
     show,
 )
@@ -31,6 +35,10 @@ if TYPE_CHECKING:
     from skincad.inputs.design import Design
     from skincad.mechanics.verdict import ContactCheck
 
+NEXT_OF_PART = {  # of a cast part that was measured
+    True: "Next: mount this part.",
+    False: "Next: cast another part; -v shows what each crest changes.",
+}
 ADVICE_STAGES = 9  # of its bar at first: checks and searches for them, about two or three a change
 
 
@@ -63,11 +71,12 @@ def check(
         ),
     ] = None,
     advice: AdviceOption = None,
+    verbose: VerboseOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Say whether all ridges touch a plate.
 
-    Prints the force it takes, the approach and the force on each ridge too, each with its error.
+    Prints the verdict, its margin, its error, the force on each ridge, and what to do next.
     """
     from skincad.base.outfolder import checked_fresh
 
@@ -88,29 +97,63 @@ def check(
         if stress is not None:
             films = skincad.film_stress(design, result.force, tangential, progress=progress)
             skincad.save_picture(films, stress, key="stress")
+    typed = as_typed(
+        source,
+        settings,
+        force,
+        printer=printer,
+        silicones=silicones,
+        grippers=grippers,
+        model=None if model == "auto" else model,
+    )
+    waits = measured is None and waits_for_advice(result, advice, budget, full=verbose or as_json)
     if not as_json:
-        say(str(result) if films is None else f"{result}\n{films}\n  picture        {stress}")
-    if measured is None:
-        result = advised(design, result, advice, budget, as_json)
+        more = [] if films is None else [str(films), f"  picture        {stress}"]
+        more += [] if measured is None else [NEXT_OF_PART[result.passed]]
+        last = measured is None and not waits
+        say("\n".join(report(result, typed, verbose=verbose, more=more, last=last)))
+    if waits:
+        result = advised(design, result, advice, budget, full=verbose or as_json, quiet=as_json)
+        if not as_json:
+            say("\n".join(result.next_line(typed)))
     if as_json:
         show(result.as_json() | (films.as_json() if films else {}), True, "")
     leave(result)
 
 
+def waits_for_advice(check: ContactCheck, wanted: bool | None, budget: float | None, *, full: bool) -> bool:
+    """Return whether to look for advice: unless it is to be `full`, only where the next step needs it."""
+    from skincad.outputs.checks import awaits_advice
+    from skincad.studies.advice import seconds_for_advice
+
+    if check.passed or check.out_of_range or not seconds_for_advice(check, wanted, budget):
+        return False
+    return full or wanted is True or awaits_advice(check)
+
+
 def advised(
-    design: Design, check: ContactCheck, wanted: bool | None, budget: float | None, quiet: bool
+    design: Design,
+    check: ContactCheck,
+    wanted: bool | None,
+    budget: float | None,
+    *,
+    full: bool,
+    quiet: bool = False,
 ) -> ContactCheck:
-    """Return a check with its advice, each line of which is printed when it is known, unless `quiet`."""
+    """Return a check with its advice: all of it, each line printed when it is known, unless `quiet`; if
+    neither `full` nor `wanted`, the first change alone."""
     from skincad.outputs.checks import advice_lines
     from skincad.studies.advice import advising, seconds_for_advice
 
-    seconds = seconds_for_advice(check, wanted, budget)
-    if not seconds:
-        return check
+    seconds, whole = seconds_for_advice(check, wanted, budget), full or wanted is True
     result, printed = check, 0
-    for result in one_by_one(ADVICE_STAGES, partial(advising, design, check, budget=seconds)):
-        lines = advice_lines(result)[printed:]
-        printed += len(lines)
-        if lines and not quiet:
-            say("\n".join(lines))
+    steps = one_by_one(ADVICE_STAGES, partial(advising, design, check, budget=seconds))
+    with closing(steps):  # the bar of a search that is left early
+        for result in steps:
+            if not whole and result.changes:
+                break
+            lines = advice_lines(result)[printed:]
+            printed += len(lines)
+            if lines and whole and not quiet:
+                say("\n".join(lines))
     return result

@@ -12,7 +12,7 @@ import typer
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar, step_bar
-from skincad.cli.check import advised
+from skincad.cli.check import advised, waits_for_advice
 from skincad.cli.options import (
     AdviceOption,
     BudgetOption,
@@ -27,9 +27,12 @@ from skincad.cli.options import (
     ScenesOption,
     SetOption,
     SiliconesOption,
+    VerboseOption,
+    as_typed,
     deliver,
     leave,
     out_folder,
+    say,
 )
 
 VIEW = "view.html"
@@ -59,6 +62,7 @@ def make(
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
+    verbose: VerboseOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Make skin and mold, check both, and write all files.
@@ -95,12 +99,25 @@ def make(
             progress=progress,
         )
         written = skincad.write(result, target, formats=formats, progress=progress)
+    typed = as_typed(
+        source,
+        settings,
+        printer=printer,
+        silicones=silicones,
+        grippers=grippers,
+        model=None if model == "auto" else model,
+    )
+    full = verbose or as_json
+    waits = result.check is not None and waits_for_advice(result.check, advice, budget, full=full)
     if not as_json:
-        deliver(result, False, written)
+        deliver(result, False, written, typed, verbose=verbose, last=not waits)
     if opened:
         open_view(target)
-    if result.check is not None:
-        result = replace(result, check=advised(design, result.check, advice, budget, as_json))
+    if waits and result.check is not None:
+        check = advised(design, result.check, advice, budget, full=full, quiet=as_json)
+        result = replace(result, check=check)
+        if not as_json:
+            say("\n".join(result.next_line(typed)))
     if as_json:
         deliver(result, True, written)
     leave(result)

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import shlex
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import click
 import typer
 
-from skincad.cli.options import completes, say
+from skincad.base.errors import InputError
+from skincad.base.progress import stage_bar
+from skincad.cli.options import (
+    GrippersOption,
+    JsonOption,
+    PrinterOption,
+    SiliconesOption,
+    completes,
+    leave,
+    report,
+    say,
+    show,
+)
+
+WISH_STAGES = 5  # of its bar at first: shape, two checks of the levelling, the last check
 
 
 def _starts() -> Iterable[str]:
@@ -17,23 +34,136 @@ def _starts() -> Iterable[str]:
     return start_names()
 
 
+def _listed(table: str) -> Callable[[], Iterable[str]]:
+    def names() -> Iterable[str]:
+        from skincad.outputs.tomls import listing
+
+        return list(listing(None)[0][table])
+
+    return names
+
+
+def _wish(name: str, metavar: str, words: str, table: str = "") -> Any:
+    """An option of the wish; its names are completed from a table that ships."""
+    names = completes(_listed(table)) if table else None
+    return typer.Option(name, metavar=metavar, help=words, autocompletion=names, rich_help_panel="Wish")
+
+
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write.")],
     template: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--template",
             metavar="NAME",
             help="Start from this design, scene or circuit, or a table: silicones, processes or grippers.",
             autocompletion=completes(_starts),
         ),
-    ] = "designs/yamada-2002",
+    ] = None,
+    size: Annotated[
+        str | None, _wish("--size", "WxL", "The pad, across and along its ridges: 24x30, in mm, or 2.4x3cm.")
+    ] = None,
+    touch: Annotated[
+        str | None, _wish("--touch", "N", "The force at which all ridges are to touch: 1N or 500mN.")
+    ] = None,
+    silicone: Annotated[
+        str | None, _wish("--silicone", "NAME", "Cast in this silicone.", "silicones")
+    ] = None,
+    process: Annotated[str | None, _wish("--process", "NAME", "Make the mold by this.", "processes")] = None,
+    gripper: Annotated[
+        str | None, _wish("--gripper", "NAME", "Drill the carrier for this gripper.", "grippers")
+    ] = None,
+    film: Annotated[
+        str | None, _wish("--film", "NAME", "Slots for this film, as pvdf-28um, or none.")
+    ] = None,
+    printer: PrinterOption = None,
+    silicones: SiliconesOption = None,
+    grippers: GrippersOption = None,
+    full: Annotated[bool, typer.Option("--full", help="Write every key with its meaning.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
-    """Write a commented TOML file to edit, and its JSON schema.
+    """Write a TOML file to edit, and its JSON schema: from a wish, or after a template.
 
-    It is a design, a scene or a circuit, or a table of silicones, processes or grippers. An editor that
-    knows the schema completes and checks the file.
+    With any of --size, --touch, --silicone, --process, --gripper and --film it chooses a castable pad that
+    meets them, checks it, and says what it chose and why. What is not given is chosen too. That takes about
+    30 s. In a terminal without options it asks.
+
+    An editor that knows the schema completes and checks the file.
     """
-    from skincad.outputs.tomls import write_new
+    from skincad.outputs.tomls import HOME, check_new, write_new
 
-    say("\n".join(map(str, write_new(file, template))))
+    check_new(file)
+    wish = {
+        "size": size,
+        "touch": touch,
+        "silicone": silicone,
+        "process": process,
+        "gripper": gripper,
+        "film": film,
+    }
+    given = {key: value for key, value in wish.items() if value is not None}
+    own = {"printer": printer, "silicones": silicones, "grippers": grippers}
+    if given and template is not None:
+        raise InputError("template", "does not go with a wish", template, f"leave out --{next(iter(given))}")
+    if not given and template is None and sys.stdin.isatty() and sys.stdout.isatty() and not as_json:
+        given = _asked()
+    if not given:
+        if used := [key for key, value in own.items() if value is not None]:
+            raise InputError(used[0], "needs a wish", remedy="give one of --size, --touch, ... too")
+        paths = [str(path) for path in write_new(file, HOME if template is None else template)]
+        show({"files": paths}, as_json, "\n".join(paths))
+        return
+    _write_wish(file, given, own, full, as_json)
+
+
+def _write_wish(file: Path, given: dict[str, Any], own: dict[str, Any], full: bool, as_json: bool) -> None:
+    import skincad
+    from skincad.outputs.tomls import document_name
+    from skincad.outputs.wishes import write_wish
+
+    with stage_bar(WISH_STAGES) as progress:
+        result = skincad.design_for(**given, **own, name=document_name(file.stem), progress=progress)
+    paths = [str(path) for path in write_wish(file, result, full)]
+    written = [f"  {'written':22} {' and '.join(paths)}"]
+    lines = report(result, lambda step: step.replace("{design}", shlex.quote(paths[0])), more=written)
+    show({**result.as_json(), "files": paths}, as_json, "\n".join(lines))
+    leave(result)
+
+
+def _asked() -> dict[str, str]:
+    """Ask for each part of the wish; an answer that is none is asked again."""
+    from skincad.studies.wish import USUAL_FILM, USUAL_PROCESS, USUAL_TOUCH, film_of, force_of, size_of
+
+    def one_of(table: str, others: str) -> Callable[[str], str]:
+        known = [*_listed(table)(), others]
+
+        def named(text: str) -> str:
+            if text not in known:
+                raise click.UsageError(f"one of {', '.join(known)}")
+            return text
+
+        return named
+
+    def valid(check: Callable[[str], object]) -> Callable[[str], str]:
+        def checked(text: str) -> str:
+            try:
+                check(text)
+            except InputError as refused:
+                raise click.UsageError(str(refused)) from None
+            return text
+
+        return checked
+
+    say("A pad with ridges. Enter takes the value in brackets.")
+    given = {"gripper": typer.prompt("Gripper", "none", value_proc=one_of("grippers", "none"))}
+    usual = "its face" if given["gripper"] != "none" else "24x30"
+    sized = valid(lambda text: None if text == usual else size_of(text))
+    given["size"] = typer.prompt("Size in mm, across x along the ridges", usual, value_proc=sized)
+    touch = f"{USUAL_TOUCH:g}N"
+    given["touch"] = typer.prompt("Force at which all ridges touch", touch, value_proc=valid(force_of))
+    given["process"] = typer.prompt("Mold by", USUAL_PROCESS, value_proc=one_of("processes", USUAL_PROCESS))
+    chosen = "the hardest that feels it"
+    given["silicone"] = typer.prompt("Silicone", chosen, value_proc=one_of("silicones", chosen))
+    given["film"] = typer.prompt("Film", USUAL_FILM, value_proc=valid(film_of))
+    unsaid = {"gripper": "none", "silicone": chosen, "size": usual}
+    return {key: value for key, value in given.items() if unsaid.get(key) != value or value == "24x30"}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
+import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -119,6 +121,9 @@ DaskOption = Annotated[
 FreshOption = Annotated[
     bool, typer.Option("--fresh/--resume", help="Ask all anew, or what the folder's log has not.")
 ]
+VerboseOption = Annotated[
+    bool, typer.Option("-v", "--verbose", help="Print all numbers, and how they were found.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 
@@ -155,18 +160,64 @@ def _print_result(data: dict[str, Any], as_json: bool, text: str) -> None:
         _print_lines(text)
 
 
-def deliver(result: Result, as_json: bool, written: Delivery | None = None) -> None:
-    """Print a result, and what was written of it."""
+def as_typed(
+    source: str, settings: Iterable[str], force: float | None = None, **options: object
+) -> Callable[[str], str]:
+    """Return what fills a result's next step with the design as it is typed, and the `force` N as a setting.
+
+    What the next step gives anew is left out; so is an option that is None.
+    """
+    given = list(settings)
+    if force is not None:
+        given = [text for text in given if not text.startswith("contact.force=")]
+        given.append(f"contact.force={force:g}")
+
+    def fill(step: str) -> str:
+        changed = set(re.findall(r"--set '?([^\s=']+)=", step))
+        kept = [setting for setting in given if setting.partition("=")[0].strip() not in changed]
+        words = [source, *(word for setting in kept for word in ("--set", setting))]
+        for name, value in options.items():
+            if value is not None and f"--{name} " not in step:
+                words += [f"--{name}", str(value)]
+        return re.sub(r"\{\w+\}", lambda _: shlex.join(words), step)
+
+    return fill
+
+
+def report(
+    result: Result,
+    typed: Callable[[str], str] | None = None,
+    *,
+    verbose: bool = False,
+    more: Iterable[str] = (),
+    last: bool = True,
+) -> list[str]:
+    """Return what a command prints of a result: the answer, how sure it is, `more`, what to do next if it
+    is known (`last`), and if `verbose` all numbers."""
+    presenter = result.presenter()
+    after = presenter.details(result) if verbose else []
+    return [*presenter.lines(result), *more, *(result.next_line(typed) if last else []), *after]
+
+
+def deliver(
+    result: Result,
+    as_json: bool,
+    written: Delivery,
+    typed: Callable[[str], str] | None = None,
+    *,
+    verbose: bool = False,
+    last: bool = True,
+) -> None:
+    """Print a result, and what was written of it: its files lie there, so nothing is undone any more."""
     data = result.as_json()
-    if written is None:
-        show(data, as_json, str(result))
-        return
     seconds = data.get("seconds", {})
     total = seconds.get("total", 0.0) + written.seconds["total"]
     data |= {"files": written.sizes(), "seconds": {**seconds, **written.seconds, "total": total}}
-    _print_result(
-        data, as_json, f"{result}\n{written}, {total:.1f} s"
-    )  # its files lie there: nothing is undone
+    more = [f"  files          {written}, {total:.1f} s"]
+    named = re.findall(r"[\w-]+\.(?:html|png)", "".join(result.next_line()))
+    last = last and {name for name, _ in written.files}.issuperset(named)  # it names no missing file
+    lines = [] if as_json else report(result, typed, verbose=verbose, more=more, last=last)
+    _print_result(data, as_json, "\n".join(lines))
 
 
 def leave(result: Result) -> None:

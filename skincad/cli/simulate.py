@@ -15,6 +15,8 @@ from skincad.cli.options import (
     OutOption,
     SetOption,
     SiliconesOption,
+    VerboseOption,
+    as_typed,
     deliver,
     leave,
     out_folder,
@@ -39,6 +41,7 @@ def simulate(
     ] = [],  # noqa: B006
     gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the scene.")] = False,
     folder: OutOption = None,
+    verbose: VerboseOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run a scene, and say which ridge slips when.
@@ -63,5 +66,6 @@ def simulate(
     target = out_folder(folder, scene.name, simulations.COMMAND, simulations.names(scene))
     with step_bar(scene.history.step_count) as tick:
         result = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
-    deliver(result, as_json, skincad.write(result, target))
+    typed = as_typed(source, settings, silicones=silicones)
+    deliver(result, as_json, skincad.write(result, target), typed, verbose=verbose)
     leave(result)

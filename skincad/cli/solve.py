@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import shlex
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +21,10 @@ from skincad.cli.options import (
     SetOption,
     SiliconesOption,
     SubjectArgument,
+    VerboseOption,
+    as_typed,
     leave,
+    report,
     show,
 )
 
@@ -69,6 +75,7 @@ def solve(
         Path | None,
         typer.Option("--picture", metavar="PNG", help="Draw the result against the one key that is varied."),
     ] = None,
+    verbose: VerboseOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find the values that give a wanted result.
@@ -104,11 +111,15 @@ def solve(
         from skincad.outputs.studies import write_solution
 
         write_solution(solution, copy, source)
-        written.append(f"\nwritten to {copy}")
+        written.append(f"  written        {copy}")
     if picture is not None and skincad.save_picture(solution, picture, key="picture"):
-        written.append(f"\n  picture        {picture}")
+        written.append(f"  picture        {picture}")
     file = str(copy) if copy and solution.solutions else None
-    show({**solution.as_json(), "file": file}, as_json, f"{solution}{''.join(written)}")
+    typed = as_typed(source, settings, force, printer=printer, silicones=silicones, grippers=grippers)
+    if file is not None:  # which has the values that the next step sets
+        typed = partial(re.sub, r"\{design\}( --set [^\s`]+)*", shlex.quote(file).replace("\\", "/"))
+    lines = report(solution, typed, verbose=verbose, more=written)
+    show({**solution.as_json(), "file": file}, as_json, "\n".join(lines))
     leave(solution)
 
 

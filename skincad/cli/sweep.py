@@ -19,7 +19,9 @@ from skincad.cli.options import (
     SetOption,
     SiliconesOption,
     SubjectArgument,
+    VerboseOption,
     WorkersOption,
+    as_typed,
     deliver,
     leave,
     out_folder,
@@ -66,6 +68,7 @@ def sweep(
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
     folder: OutOption = None,
+    verbose: VerboseOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Evaluate many designs side by side, and rank them.
@@ -96,5 +99,6 @@ def sweep(
             dask=dask,
             tick=tick,
         )
-    deliver(result, as_json, skincad.write(result, target))
+    typed = as_typed(source, settings, force, printer=printer, silicones=silicones, grippers=grippers)
+    deliver(result, as_json, skincad.write(result, target), typed, verbose=verbose)
     leave(result)

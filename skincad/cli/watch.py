@@ -19,6 +19,8 @@ from skincad.cli.options import (
     PrinterOption,
     SetOption,
     SiliconesOption,
+    VerboseOption,
+    as_typed,
     deliver,
     say,
 )
@@ -33,6 +35,7 @@ def watch(
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
+    verbose: VerboseOption = False,
 ) -> None:
     """Preview a design again at each save of its file.
 
@@ -55,7 +58,8 @@ def watch(
                 result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
                 target = folder or Path("out") / design.name
                 written = skincad.write(result, target, formats=formats, progress=progress)
-            deliver(result, False, written)
+            typed = as_typed(str(source), settings, printer=printer, silicones=silicones, grippers=grippers)
+            deliver(result, False, written, typed, verbose=verbose)
             if opened:
                 open_view(target)
             opened = False  # from now on a person loads the page again

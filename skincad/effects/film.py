@@ -1,7 +1,7 @@
 """The PVDF strips in their slots, along their real, straight or tilted, lines: bonded, or loose.
 
 Bonded strips are thin stiff solids in silicone; a membrane line without bending stiffness buckles
-(docs/facts.md#what-a-model-leaves-out).
+(docs/evidence/facts.md#what-a-model-leaves-out).
 A loose strip lies in an empty slot and carries nothing, so it feels nothing either, until the slot's walls
 meet it; a scene warns where walls meet, for contact within a slot is not in the model. Range: isotropic film.
 Without this effect the slots are full of silicone, and the signal is the silicone's stress in the films'

@@ -94,7 +94,7 @@ def _material_findings(design: Design) -> Iterator[Finding]:
 
 
 def mount_findings(job: Job) -> Iterator[Finding]:
-    """Yield a warning where a skin is larger than its gripper's face, and a note where holes are a guess."""
+    """Yield a note where a skin hangs over its gripper's face, and one where holes are a guess."""
     design = job.design
     if design.mold.mount is None:
         return
@@ -104,8 +104,8 @@ def mount_findings(job: Job) -> Iterator[Finding]:
         ("length", design.skin.length, gripper.length),
     ):
         if size > face + 1e-9:
-            remedy = f"skin.{way} of {face:g} mm or less, or another gripper"
-            yield warning("gripper face", f"skin's {way} on {name}", size, face, "mm", remedy)
+            remedy = f"the carrier bears what hangs over; skin.{way} of {face:g} mm or less lies on the face"
+            yield note("gripper face", f"skin's {way} on {name}", size, face, "mm", remedy)
     if not gripper.measured:
         remedy = f"measure yours, and give [grippers.{name}] its holes"
         yield note("gripper holes", f"{name}, whose holes are an assumption", 1.0, 0.0, "", remedy)

@@ -110,7 +110,7 @@ class MakeResult(Result):
     A copy, or one that was pickled, leaves the solids and meshes of `build` behind, and so can't be written.
     """
 
-    shown_by = "skincad.outputs.makes"
+    shown_by = "skincad.outputs.makes:MAKE"
     name: str = item(meaning="of the design")
     revision: str = item(meaning="of the design", default="")
     strict: bool

@@ -8,6 +8,7 @@ from typing import Any, Literal, Self, TypeVar
 from pydantic import Field, model_validator
 
 from skincad.base.errors import together
+from skincad.base.result import output_named
 from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
 from skincad.inputs.gripper import Gripper, gripper_named
@@ -70,6 +71,11 @@ class Design(Document):
         if broken := [error for check in checks for error in check]:
             raise together(broken)
         return self
+
+    def _repr_html_(self) -> str:
+        """The section with its sizes, for a notebook."""
+        drawn: str = output_named("skincad.outputs.drawing.flat:section_html")(self)
+        return drawn
 
     def __hash__(self) -> int:
         """Hash of all but `printer`, `silicones` and `grippers`, dicts, which equality still compares."""

@@ -1,6 +1,6 @@
 """The tables of a design that say what is cast and pressed: skin, ridges, slots, films, silicone, plate.
 
-The frame and each length are defined in docs/geometry.md: x across the ridges, y along them,
+The frame and each length are defined in docs/understand/geometry.md: x across the ridges, y along them,
 z out of the skin, flat back at z = 0.
 """
 
@@ -129,7 +129,7 @@ class Material(Table):
     density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
     law: Law | None = Field(
         default=None,
-        description="at large strain: its kind and constants (docs/verdicts.md)",
+        description="at large strain: its kind and constants (docs/howto/silicone.md)",
     )
 
     @property

@@ -77,7 +77,7 @@ def _advice(desk: Desk) -> str:
     final = desk.answers.verdict
     if final is None or not desk.is_current(final):
         return ""
-    return lines_html(checks.verdict_lines(final.what)[1:] + checks.advice_lines(final.what))
+    return lines_html([*checks.lines(final.what)[1:], *checks.details(final.what)])
 
 
 def lines_html(lines: Sequence[str]) -> str:

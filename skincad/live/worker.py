@@ -83,7 +83,7 @@ def make_files(request: tuple[Design, Path], tell: Tell) -> None:
     ready(folder, COMMAND, names(design))
     result = make(design, progress=stage)
     written = write(result, folder, progress=stage)
-    tell("made", (result.summary, str(result), str(written)))
+    tell("made", (result.summary, result.details(), str(written)))
 
 
 def preload() -> None:

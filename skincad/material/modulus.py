@@ -103,7 +103,7 @@ class MaterialFit(Result):
     `model` and `misfit`. `rms` and `largest_load` are N of a pad, MPa of a bar; `curve` is deformation, load
     and the model's load, `(rows_used,)` each."""
 
-    shown_by = "skincad.outputs.fits"
+    shown_by = "skincad.outputs.fits:FIT"
     kind: str = item(meaning="of the test: bar or pad")
     rows: int = item(meaning="of the file")
     rows_used: int = item(meaning="that the fit took")
@@ -147,6 +147,11 @@ class MaterialFit(Result):
             f"rms_residual_{load}": self.rms,
             f"largest_load_{load}": self.largest_load,
         }
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each row of the test that was used: deformation, load, and the model's load."""
+        deformation, load = ("approach_mm", "force_N") if self.kind == "pad" else ("strain", "stress_MPa")
+        return dict(zip((deformation, load, f"model_{load}"), self.curve, strict=True))
 
     @property
     def law(self) -> Rubber | None:

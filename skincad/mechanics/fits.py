@@ -4,7 +4,8 @@ A fit says nothing about designs that are unlike those behind it. What makes des
 numbers without a unit (`shape_of`); a set of designs holds the range of each. A verdict by a model whose
 fits saw nothing like the design says so, and a scene's estimate is then called uncalibrated.
 
-The numbers stay where they are used; a row says where. docs/fits.md shows the table with their values.
+The numbers stay where they are used; a row says where. docs/evidence/fits.md shows the table with their
+values.
 """
 
 from __future__ import annotations

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.progress import about
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, estimate_columns, item, record, reported
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, SelfContact, Yield
 
@@ -64,7 +64,7 @@ class Change(Record):
 class ContactCheck(Result):
     """The check of a design under a plate. Errors are those of discretisation and of the model."""
 
-    shown_by = "skincad.outputs.checks"
+    shown_by = "skincad.outputs.checks:CHECK"
     name: str = item(meaning="of the design")
     force: float = item("N", "the plate's force")
     plate: str = item(meaning="the plate's shape", default="flat")
@@ -132,7 +132,7 @@ class ContactCheck(Result):
         lower, upper = self.all_touch_force.lower or 0.0, self.all_touch_force.upper
         passes = "" if upper is None else f" The design passes from {upper:.3g} N"
         below = f" and fails below {lower:.3g} N" if lower > 0 else ""
-        return f"no model here can decide it.{passes}{below}{passes and '.'}"
+        return f"{NO_MODEL}.{passes}{below}{passes and '.'}"
 
     @property
     def _friction_errors(self) -> tuple[float, float]:
@@ -151,6 +151,11 @@ class ContactCheck(Result):
     def model_error(self) -> float:
         """The part of the all-touch force's error that is the model's, N."""
         return math.fsum(effect.threshold for effect in self.left_out) * (self.all_touch_force.value or 0.0)
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each ridge: its number, and its force with its error, N."""
+        numbers = list(range(1, self.ridges + 1))
+        return {"ridge": numbers, **estimate_columns("ridge_force_N", self.ridge_force)}
 
     @property
     def exit_status(self) -> int:
@@ -171,6 +176,7 @@ class ContactCheck(Result):
         return None if self.changes is None else "partial" if self.search_cut_short else "complete"
 
 
+NO_MODEL = "no model here can decide it"
 FRICTION_DECIDES = "the verdict depends on friction, which is not known"
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
-from skincad.outputs.delivery import picture, text
+from skincad.outputs.delivery import Presentation, picture, text
 from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.accuracy.ladder import LADDERS, Ladder
 
@@ -23,11 +23,6 @@ COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "rep
 def names(ladders: Iterable[str]) -> list[str]:
     """Return the names of what will be written of these ladders, of all if there are none."""
     return [TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
-
-
-def manifest(accuracy: Accuracy) -> dict[str, Any]:
-    """Return what the manifest says of the result: all of it."""
-    return accuracy.as_json()
 
 
 def figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
@@ -115,3 +110,6 @@ def _matched_lines(ladder: Ladder) -> Iterator[str]:
         more = (f"{r.model} {r.seconds:.2g} s ({r.seconds / first.seconds:.2g} times)" for r in others)
         aim = f"{measure.shown} {error:.0e}" + ("" if measure.unit == "1" else f" {measure.unit}")
         yield f"  {aim} takes {first.model} {first.seconds:.2g} s, {', '.join(more)}"
+
+
+ACCURACY = Presentation(COMMAND=COMMAND, lines=lines, files=files, figures=figures)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from html import escape
+from typing import TYPE_CHECKING
 
 from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.base.result import Writer
 from skincad.mechanics.left_out import FRICTION
-from skincad.mechanics.verdict import ContactCheck
+from skincad.mechanics.verdict import NO_MODEL, ContactCheck
 from skincad.outputs.delivery import Presentation, picture
 
 if TYPE_CHECKING:
@@ -23,6 +24,11 @@ COMMAND = "check"
 NARROW_SHARE = 0.1  # of all parts: a yield's interval as narrow is shown to a tenth of a percent
 WIDEST_SHARE = 0.8  # a yield's interval that is wider says nothing
 MOST_SHOWN = 30  # forces in a line; of more features their range
+MOST_BARS = 60  # of a bar chart in a terminal; more features share bars
+BLOCKS = "▁▂▃▄▅▆▇█"  # a ridge's force, in full eighths of the largest
+CLEAR = "·"  # a ridge without load
+BARS_SIZE = (460, 110)  # pixels of a notebook's bars
+GREEN, AMBER, RED, BLUE, INK = "#009e73", "#e69f00", "#c24e00", "#0072b2", "#222222"
 UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 
 
@@ -70,23 +76,83 @@ def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
 
 
 def lines(check: ContactCheck) -> list[str]:
-    """Return what `check` prints."""
-    return [*verdict_lines(check), *advice_lines(check)]
+    """Return the verdict, its margin and error, the forces as bars, and what to know of them."""
+    return [*answer_lines(check), f"  ridge forces   {force_bars(check)}", *notes(check)]
 
 
-def verdict_lines(check: ContactCheck) -> list[str]:
-    """Return the lines that need no advice."""
+def answer_lines(check: ContactCheck) -> list[str]:
+    """Return the verdict, and its margin and error where it has any."""
+    return [verdict(check), *_margin_lines(check)]
+
+
+def notes(check: ContactCheck) -> list[str]:
+    """Return what to know of the verdict; none is hidden, as each may change its meaning."""
+    return [f"  note           {warning}" for warning in check.warnings]
+
+
+def force_bars(check: ContactCheck) -> str:
+    """Return each ridge's force as a block, in parts of the largest, then the smallest and the largest."""
+    values = [share.value or 0.0 for share in check.ridge_force]
+    shared = math.ceil(len(values) / MOST_BARS)
+    groups = [values[i : i + shared] for i in range(0, len(values), shared)]
+    bars = "".join(_block(group, max(values)) for group in groups)
+    each = f", {shared} ridges a bar" if shared > 1 else ""
+    return f"{bars}  {_ends(check)}{each}"
+
+
+def _ends(check: ContactCheck) -> str:
+    """The smallest and the largest force with their errors."""
+    forces = sorted(check.ridge_force, key=lambda share: share.value or 0.0)
+    return str(forces[0]) if len(forces) == 1 else f"{forces[0]} to {forces[-1]}"
+
+
+def _block(group: list[float], largest: float) -> str:
+    """Return the block of the mean of a group's forces, CLEAR where one of them is 0."""
+    if min(group) <= 0.0:
+        return CLEAR
+    share = math.fsum(group) / len(group) / largest
+    return BLOCKS[max(0, int(len(BLOCKS) * share + 1e-9) - 1)]
+
+
+def next_step(check: ContactCheck) -> str:
+    """Return what to do next: make what passes, ask the model that decides, or change what fails."""
+    if check.passed:
+        return "`skincad make {design}` makes its mold."
+    if check.next_step and not awaits_advice(check):
+        step = check.next_step.replace("`--model", "`skincad check {design} --model")
+        return step.replace("contact.friction:", "contact.friction (as `--set contact.friction=0.5`):")
+    if check.changes:
+        change = check.changes[0]
+        surely = f"may pass, by the {change.model} model" if change.model else "passes"
+        value = change.after if isinstance(change.after, str) else f"{change.after:g}"
+        return f"`skincad check {{design}} --set {change.key}={value}` {surely}."
+    if check.next_step:
+        return check.next_step
+    if check.changes is None or check.search_cut_short:
+        return "`skincad check {design} --advice` looks for a change with which it passes."
+    upper = check.all_touch_force.upper
+    return "change two keys: no single change passes" + (f"; or press with {upper:.3g} N." if upper else ".")
+
+
+def awaits_advice(check: ContactCheck) -> bool:
+    """Return whether only a change of the design, not a better model, can make a check pass."""
+    return check.verdict == "fails" or check.next_step.startswith(NO_MODEL)
+
+
+def details(check: ContactCheck) -> list[str]:
+    """Return all numbers behind the verdict, and the advice as far as it is known."""
+    return [*number_lines(check), *advice_lines(check)]
+
+
+def number_lines(check: ContactCheck) -> list[str]:
+    """Return the numbers that need no advice."""
     error = max((share.error or 0.0) for share in check.ridge_force)
     return [
-        verdict(check),
-        *([f"Next: {check.next_step}"] if check.next_step else []),
-        *_margin_lines(check),
+        f"  each ridge     {_shares([share.value or 0.0 for share in check.ridge_force])} (± {error:.1g}) N",
         f"  approach       {_shown(check.approach)}",
-        f"  ridge forces   {_shares([share.value or 0.0 for share in check.ridge_force])} (± {error:.1g}) N",
         *_model_lines(check),
         *_manufacture_lines(check),
         *_self_contact_lines(check),
-        *(f"  note           {warning}" for warning in check.warnings),
     ]
 
 
@@ -100,19 +166,24 @@ def _shares(forces: list[float]) -> str:
 def _margin_lines(check: ContactCheck) -> list[str]:
     if check.margin is None or check.ridges == 1 or check.all_touch_force.error is None:
         return []
-    mesh = check.all_touch_force.error - check.model_error
-    parts = [f"{mesh:.2g} N from mesh and method"]
-    value = check.all_touch_force.value or 0.0
-    open_friction = check.friction is None and check.model != "winkler"
-    for part in check.left_out:
-        why = "not knowing" if part.effect == FRICTION and open_friction else "leaving out"
-        parts.append(f"{part.threshold * value:.2g} N for {why} {part.effect}")
     upper = check.all_touch_force.upper or 0.0
     applied = f"{check.force:g} N applied, up to {upper:.2f} N needed"
     return [
         f"  margin         {check.margin:.2f} N in the worst case ({applied})",
-        f"  error          {', '.join(parts)}",
+        f"  error          {', '.join(_error_parts(check))}",
     ]
+
+
+def _error_parts(check: ContactCheck) -> list[str]:
+    """Return the parts of the all-touch force's error, N, the largest first."""
+    value, error = check.all_touch_force.value or 0.0, check.all_touch_force.error or 0.0
+    parts = {"from mesh and method": error - check.model_error}
+    open_friction = check.friction is None and check.model != "winkler"
+    for part in check.left_out:
+        why = "not knowing" if part.effect == FRICTION and open_friction else "leaving out"
+        parts[f"for {why} {part.effect}"] = part.threshold * value
+    largest_first = sorted(parts.items(), key=lambda entry: -entry[1])
+    return [f"{float(f'{part:.2g}'):g} N {why}" for why, part in largest_first]
 
 
 def _model_lines(check: ContactCheck) -> list[str]:
@@ -189,11 +260,6 @@ def advice_lines(check: ContactCheck) -> list[str]:
     return lines + [f"  note           {note}" for note in check.changes_notes]
 
 
-def manifest(check: ContactCheck) -> dict[str, Any]:
-    """Return what the manifest says of the result."""
-    return check.as_json()
-
-
 def figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
     """Return the force on each ridge."""
     from skincad.outputs.figures.results import ridge_force_figure
@@ -204,6 +270,52 @@ def figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
 def files(check: ContactCheck) -> dict[str, Writer]:
     """Return the writer of the picture; the manifest, check.json, has all numbers."""
     return {name: picture(draw) for name, draw in figures(check).items()}
+
+
+def html(check: ContactCheck) -> str:
+    """Return the verdict, the force on each ridge as a bar with its error, and the other lines."""
+    colour = {"passes": GREEN, "fails": RED}.get(check.verdict, AMBER)
+    words = "\n".join([*answer_lines(check)[1:], *notes(check), *check.next_line()])
+    return (
+        f"<p style='border-left:4px solid {colour};padding-left:8px'><b>{escape(verdict(check))}</b></p>"
+        f"{_bars_svg(check)}<pre style='white-space:pre-wrap'>{escape(words)}</pre>"
+    )
+
+
+def _bars_svg(check: ContactCheck) -> str:
+    """Return a bar for each ridge up to its force, and a line over its error, as SVG."""
+    wide, high = BARS_SIZE
+    top = max((share.upper or share.value or 0.0) for share in check.ridge_force) or 1.0
+    step = wide / check.ridges
+    shapes = []
+    for ridge, share in enumerate(check.ridge_force):
+        value, error = share.value or 0.0, share.error or 0.0
+        left, up = ridge * step, high * (1 - value / top)
+        low, far = (high * (1 - max(end, 0.0) / top) for end in (value - error, value + error))
+        shapes.append(
+            f"<g><title>ridge {ridge + 1}: {escape(str(share))}</title>"
+            f"<rect x='{left + 0.1 * step:.2f}' y='{up:.2f}' width='{0.8 * step:.2f}' "
+            f"height='{high - up:.2f}' fill='{BLUE}'/>"
+            f"<path d='M{left + step / 2:.2f} {low:.2f}V{far:.2f}' stroke='{INK}'/></g>"
+        )
+    axis = f"<path d='M0 {high}H{wide}' stroke='{INK}'/>"
+    label = f"force on ridges 1 to {check.ridges}: {_ends(check)}"
+    return (
+        f"<svg xmlns='http://www.w3.org/2000/svg' width='{wide}' viewBox='0 -2 {wide} {high + 20}' "
+        f"role='img'>{''.join(shapes)}{axis}"
+        f"<text x='0' y='{high + 14}' font-size='11' font-family='sans-serif'>{label}</text></svg>"
+    )
+
+
+CHECK = Presentation(
+    COMMAND=COMMAND,
+    lines=lines,
+    next_step=next_step,
+    details=details,
+    html=html,
+    files=files,
+    figures=figures,
+)
 
 
 def stress_lines(stresses: FilmStresses) -> list[str]:

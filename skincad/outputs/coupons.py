@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -38,16 +38,6 @@ def lines(kit: CouponKit) -> list[str]:
         f"  silicone       {poured}",
         f"{SHEET} says how; then: {read_command(kit)}",
     ]
-
-
-def manifest(kit: CouponKit) -> dict[str, Any]:
-    """Return what the manifest says of the coupon."""
-    return {"name": kit.name, "silicone": kit.silicone.name}
-
-
-def figures(_: CouponKit) -> dict[str, Callable[[], Any]]:
-    """Return none."""
-    return {}
 
 
 def files(kit: CouponKit) -> dict[str, Writer]:
@@ -119,6 +109,12 @@ def _numbers(reading: CouponReading) -> Iterator[str]:
     yield f"  largest error  {worst:.3f} mm, {word} than the tolerance of {before.tolerance:g} mm"
 
 
+KIT = Presentation(
+    COMMAND=COMMAND,
+    lines=lines,
+    files=files,
+    manifest=lambda kit: {"name": kit.name, "silicone": kit.silicone.name},
+)
 READING = Presentation(
     COMMAND="coupon-reading", lines=reading_lines, files=lambda reading: {PRINTER: text(reading.to_toml)}
 )

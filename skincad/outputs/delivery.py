@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,11 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.outfolder import checked_folder, files_below, fresh, manifest_name, replaced
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import strict_json
-from skincad.base.result import Result, Writer
+from skincad.base.result import Result, Writer, with_picture
 
 PICTURES = ("png", "gif")
+MOST_NAMED = 6  # files of a folder that are named
+PAGES = ("report.html", "view.html", "study.html", "optimise.html")  # the first that is there says all
 
 
 @dataclass(frozen=True)
@@ -31,17 +34,28 @@ class Delivery:
 
     def __str__(self) -> str:
         named = [*(name for name, _ in self.files), self.manifest]
-        names = ": " + ", ".join(named) if len(named) <= 6 else ""
-        return f"{len(named)} files in {self.folder}{names}"
+        names = ": " + ", ".join(named) if len(named) <= MOST_NAMED else ""
+        page = next((f"; open {self.folder / name}" for name in PAGES if name in named and not names), "")
+        return f"{len(named)} files in {self.folder}{names}{page}"
+
+
+def words_and_figure(result: Result) -> str:
+    """Return the HTML of a result's words, with its first figure below."""
+    if not result.presenter().figures(result):
+        return f"<pre>{escape(str(result))}</pre>"
+    return with_picture(str(result), result.figure())
 
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How one kind of result is shown, where a module shows several kinds: see `skincad.base.result`."""
+    """How one kind of result is shown: see `Presenter` in `skincad.base.result`."""
 
     COMMAND: str
     lines: Callable[[Any], list[str]]
     files: Callable[[Any], dict[str, Writer]]
+    next_step: Callable[[Any], str] = lambda _: ""
+    details: Callable[[Any], list[str]] = lambda _: []
+    html: Callable[[Any], str] = words_and_figure
     figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
     manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
 

@@ -12,7 +12,7 @@ from skincad.base.result import Writer
 from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
-from skincad.outputs.delivery import picture, text
+from skincad.outputs.delivery import Presentation, picture, text
 from skincad.outputs.tomls import aligned, ranged_toml
 
 if TYPE_CHECKING:
@@ -76,11 +76,6 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def manifest(fit: MaterialFit) -> dict[str, Any]:
-    """Return what the manifest says of the result: all of it."""
-    return fit.as_json()
-
-
 def figures(fit: MaterialFit) -> dict[str, Callable[[], Picture]]:
     """Return the test's rows and what the model makes of them."""
     from skincad.outputs.figures.results import fit_figure
@@ -92,3 +87,6 @@ def files(fit: MaterialFit) -> dict[str, Writer]:
     """Return the writers of the picture and of the lines to paste."""
     pictures = {name: picture(draw) for name, draw in figures(fit).items()}
     return {"material.toml": text(lambda: "\n".join(toml_lines(fit)) + "\n"), **pictures}
+
+
+FIT = Presentation(COMMAND=COMMAND, lines=lines, files=files, figures=figures)

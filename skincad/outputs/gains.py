@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import tomlkit
 
@@ -13,7 +13,7 @@ from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain, told_rig
 from skincad.circuit.network import PICO, capacitance, netlist
 from skincad.circuit.response import Slopes
-from skincad.outputs.delivery import picture, text
+from skincad.outputs.delivery import Presentation, picture, text
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -72,11 +72,6 @@ def _measured_lines(circuit_gain: CircuitGain) -> list[str]:
     ]
 
 
-def manifest(circuit_gain: CircuitGain) -> dict[str, Any]:
-    """Return what the manifest says of the result: its name alone."""
-    return {"name": circuit_gain.name}
-
-
 def figures(circuit_gain: CircuitGain) -> dict[str, Callable[[], Picture]]:
     """Return the gain against frequency (Fig 7)."""
     from skincad.outputs.figures.results import gain_figure
@@ -131,3 +126,12 @@ def calibrated_toml(circuit_gain: CircuitGain) -> str:
     data["amplifier"] = {key: getattr(c, key, value) for key, value in data["amplifier"].items()}
     head = f"# {circuit_gain.name}, calibrated to a measured curve: {fit.rms:.2g} dB rms\n"
     return head + tomlkit.dumps(data)
+
+
+GAIN = Presentation(
+    COMMAND=COMMAND,
+    lines=lines,
+    files=files,
+    figures=figures,
+    manifest=lambda circuit_gain: {"name": circuit_gain.name},
+)

@@ -18,10 +18,11 @@ from skincad.fabrication.orders import Order, orders
 from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.printing import PrintPlate, print_plates
+from skincad.fabrication.rules import Finding, counted
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.design import Design
 from skincad.outputs import checks
-from skincad.outputs.delivery import text
+from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.drawing import flat
 from skincad.outputs.drawing.assembly_sheet import assembly_sheet
 from skincad.outputs.drawing.formats import sheet_svg, write_sheet_dxf, write_sheet_pdf
@@ -56,20 +57,55 @@ BuildWriter = Callable[[Build, Path], None]
 
 
 def lines(result: MakeResult) -> list[str]:
-    """Return what `make` prints."""
+    """Return the verdict with its margin, and the findings: each error in full, else the gravest warning."""
+    check, shown = result.check, _shown_findings(result)
     unchecked = PREVIEW_NOTE if result.preview else checks.UNCHECKED
+    left = [finding for finding in result.findings if finding not in shown]
+    kind = "note" if all(finding.severity == "note" for finding in left) else "finding"
+    count = f"{len(left)}{' more' * bool(shown)} {kind}{'s' * (len(left) != 1)}"
+    more = f"; {count} with -v" if left else ""
+    return [
+        *(checks.answer_lines(check) if check else [unchecked]),
+        f"  mold           {counted(result.findings)}{more}",
+        *map(str, shown),
+        *(checks.notes(check) if check else []),
+    ]
+
+
+def _shown_findings(result: MakeResult) -> list[Finding]:
+    """All errors, else the first warning: findings come with the gravest first."""
+    errors = [finding for finding in result.findings if finding.severity == "error"]
+    return errors or [finding for finding in result.findings if finding.severity == "warning"][:1]
+
+
+def next_step(result: MakeResult) -> str:
+    """Return what to do next: mend what fails, check what was not checked, or cast."""
+    gravest = next(iter(_shown_findings(result)), None)
+    if gravest and (result.strict or gravest.severity == "error"):
+        return f"{gravest.remedy}."
+    if result.preview:
+        return "`skincad make {design}` checks it and writes all files."
+    if result.check is None:
+        return "`skincad check {design}` says whether all ridges touch."
+    if not result.check.passed:
+        return checks.next_step(result.check)
+    return "cast it: casting-sheet.html says what to buy and what to do."
+
+
+def details(result: MakeResult) -> list[str]:
+    """Return the parts as built, the other findings, and the numbers behind the verdict."""
     parts = []
     for part in result.parts:
         more = "" if part.deviation is None else f"  mesh within {1000 * part.deviation:.2f} um"
         faces = f"  {part.faces:4d} faces" if more else ""
         parts.append(f"  {part.name:14} {part.volume:10.2f} mm3{faces}{more}")
+    shown = _shown_findings(result)
     return [
-        *(checks.verdict_lines(result.check) if result.check else [unchecked]),
         "Parts:",
         *parts,
-        *(str(finding) for finding in result.findings),
+        *(str(finding) for finding in result.findings if finding not in shown),
         f"{result.name}: {result.summary}",
-        *(checks.advice_lines(result.check) if result.check else []),
+        *(checks.details(result.check) if result.check else []),
     ]
 
 
@@ -273,3 +309,14 @@ def _once(build: Build, name: str, of: Callable[[], T]) -> T:
     if name not in build.cache:
         build.cache[name] = of()
     return cast(T, build.cache[name])
+
+
+MAKE = Presentation(
+    COMMAND=COMMAND,
+    lines=lines,
+    next_step=next_step,
+    details=details,
+    files=files,
+    figures=figures,
+    manifest=manifest,
+)

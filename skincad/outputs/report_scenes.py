@@ -71,7 +71,8 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
     stopped = "" if simulation.march.stopped is None else f" It stopped: {simulation.march.stopped}."
     caption = f"Signals of {simulation.scene.name} with this skin.{stopped}"
     # slip, lead times and errors as `simulate` prints them, without the run's time
-    results = [line for line in simulations.lines(simulation)[1:] if not line.startswith("  model")]
+    printed = [*simulations.lines(simulation)[1:], *simulations.details(simulation)]
+    results = [line for line in printed if not line.startswith(("  model", "  run"))]
     body = [
         heading(title, title.lower().replace(" ", "-"), new_page=True),
         paragraph(f"Effects: {', '.join(simulation.scene.effects) or 'none'}."),

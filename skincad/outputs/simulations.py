@@ -6,16 +6,24 @@ import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.effects.kinds import SectionPad
-from skincad.outputs.delivery import picture
-from skincad.scenes.march import frames
-from skincad.scenes.models import CORRECTED, FINITE_STRAIN, SMALL_STRAIN, BySource, chosen_steps, model_of
+from skincad.outputs.delivery import Presentation, picture
+from skincad.scenes.march import GROSS_SLIP, frames
+from skincad.scenes.models import (
+    CORRECTED,
+    DEFAULT_TOLERANCE,
+    FINITE_STRAIN,
+    SMALL_STRAIN,
+    BySource,
+    chosen_steps,
+    model_of,
+)
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 
@@ -30,6 +38,12 @@ MODELS = {
     CORRECTED: "Finite strain in {} chosen steps, linear in between",
     FINITE_STRAIN: "Finite strain in each step",
 }
+WORTH_ADDING = 0.05  # relative change of signals from which an effect is worth adding
+ALONE = {"finite_strain", "free_ends", "inertia", "viscosity"}  # to one of them no other is proposed
+ADDING = {  # how to add an effect, where one setting won't do
+    "inertia": "add [effects.inertia] and plate.mass to the scene",
+    "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
+}
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
@@ -41,29 +55,108 @@ def names(scene: Scene) -> list[str]:
 
 
 def lines(simulation: Simulation) -> list[str]:
-    """Return what `simulate` prints."""
+    """Return when the skin slips, how sure that is, the warning, and what to know of it.
+
+    Notes on effects that are left out stand in the details: the error counts them.
+    """
+    left_out = {effect.warning for effect in simulation.left_out}
+    return [
+        f"{simulation.scene.name}: {_answer(simulation)}.",
+        f"  error          {_how_sure(simulation)}",
+        f"  run            {_run(simulation)}",
+        *(_warning_lines(simulation)[-1:] or _no_warning(simulation)),
+        *(f"  note           {warning}" for warning in simulation.warnings if warning not in left_out),
+    ]
+
+
+def _run(simulation: Simulation) -> str:
+    """How many steps were run, and by which model."""
     march, history = simulation.march, simulation.scene.history
-    last, step_count = len(march.readings) - 1, history.step_count
-    end = (
-        f"stopped after {last} of {step_count} steps: {march.stopped}"
-        if march.stopped
-        else f"{step_count} steps"
-    )
-    if step_count > history.steps:
+    end = _end(simulation) if march.stopped else f"{history.step_count} steps"
+    if history.step_count > history.steps:
         end += f" ({history.steps} equal ones, and corners of the history between them)"
     chosen = chosen_steps(march)
     by = MODELS[model_of(simulation.scene)].format(0 if chosen is None else len(chosen) - 1)
-    energy = simulation.energy
+    return f"{end}. {by}."
+
+
+def _answer(simulation: Simulation) -> str:
+    """When the skin slips, after why the run ended early where it did."""
+    march, gross = simulation.march, simulation.gross_slip_step
+    steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
+    begin = f"STOPPED {_end(simulation)}; " if march.stopped and march.stopped != GROSS_SLIP else ""
+    if not steps:
+        return f"{begin}no ridge slips for good"
+    step = min(steps.values())
+    first = [str(ridge) for ridge in steps if steps[ridge] == step]
+    who = f"ridge {first[0]}" if len(first) == 1 else f"ridges {', '.join(first[:-1])} and {first[-1]}"
+    if gross is not None:
+        early = f"; {who} for good from step {step} on" if step < gross else ""
+        return f"{begin}the whole skin slips from step {gross} on{early}"
+    if len(steps) == len(first):
+        return f"{begin}{who} slip{'s' * (len(first) == 1)} from step {step} until the end"
+    count = f"{len(steps)} of {len(simulation.slip_steps)} ridges"
+    return f"{begin}{count} slip until the end; {who} first, from step {step} on"
+
+
+def _no_warning(simulation: Simulation) -> list[str]:
+    """That a detector which listens gave no alarm before gross slip."""
+    missed = simulation.gross_slip_step is not None and "lead_time_s" in simulation.read
+    return ["  warned         no alarm comes before gross slip"] * missed
+
+
+def _how_sure(simulation: Simulation) -> str:
+    """The largest error of a slip's step, or of a stress where no ridge slips."""
+    slips = [error for error in simulation.slip_step_errors if error is not None and error.total is not None]
+    if slips:
+        worst = max(slips, key=lambda error: error.total or 0.0)
+        more = f"; {_count(worst.left_out)} by effects left out" if worst.left_out else ""
+        return f"a slip may come up to {_count(worst.total or 0.0)} earlier or later{more}"
+    known = {r: error for r, error in simulation.stress_errors.items() if error.total is not None}
+    if not known:
+        return "not known: only one mesh or step was run"
+    worst_ridge = max(known, key=lambda r: known[r].total or 0.0)
+    error = known[worst_ridge]
+    more = f", {error.left_out:.2g} of it by effects left out" if error.left_out else ""
+    return f"up to {error.total:.2g} MPa in ridge {worst_ridge}'s differential stress{more}"
+
+
+def next_step(simulation: Simulation) -> str:
+    """Return what to do next: add the effect whose absence costs most, else an amplifier."""
+    march, scene = simulation.march, simulation.scene
+    if march.interrupted:
+        return ""
+    if march.failed:
+        steps = 2 * scene.history.steps
+        return f"`skincad simulate {{scene}} --set history.steps={steps}`: smaller steps may help."
+    missing = max(simulation.left_out, key=lambda effect: effect.change, default=None)
+    if missing and missing.change >= WORTH_ADDING and not ALONE.intersection(scene.effects):
+        name = missing.effect
+        how = ADDING.get(name, f"`skincad simulate {{scene}} --set effects.{name}={{}}` adds {name}")
+        return f"{how}; leaving it out may change signals by {missing.change:.0%}."
+    if "piezo" not in scene.effects and scene.design.film:
+        return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
+    return f"{PICTURE} shows the signals of each monitored ridge."
+
+
+def details(simulation: Simulation) -> list[str]:
+    """Return slips, errors, events and energy in full, and the notes on effects that are left out."""
+    march, energy = simulation.march, simulation.energy
+    left_out = {effect.warning for effect in simulation.left_out}
     return [
-        f"{simulation.scene.name}: {end}. {by}.",
         f"  slip           {_slips(simulation)}",
         *_slip_error(simulation),
         *_detector_lines(simulation),
         f"  energy         {energy['work_mJ']:.3g} mJ of work, {energy['dissipated_mJ']:.3g} mJ lost to "
         f"friction, {energy['imbalance']:.1e} of the work unaccounted for",
         f"  model          {march.unknowns} unknowns, {simulation.seconds['total']:.2f} s",
-        *(f"  note           {warning}" for warning in simulation.warnings),
+        *(f"  note           {warning}" for warning in simulation.warnings if warning in left_out),
     ]
+
+
+def _end(simulation: Simulation) -> str:
+    march = simulation.march
+    return f"after {len(march.readings) - 1} of {simulation.scene.history.step_count} steps: {march.stopped}"
 
 
 def _slips(simulation: Simulation) -> str:
@@ -105,7 +198,7 @@ def _detector_lines(simulation: Simulation) -> list[str]:
         who = f"{ridge_name(event['ridge'])}: " if event["ridge"] else ""
         why = f" (no true warning: {event['reason']})" if event["reason"] else ""
         rows.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
-    rows += _warning_lines(simulation)
+    rows += _warning_lines(simulation)[:-1]
     if (score := simulation.read.get("warning_score")) and (false := score["false"]):
         alarms = score["true"] + false
         rows.append(f"  false alarms   {false} of {alarms}: their ridges do not slip on until gross slip")
@@ -180,11 +273,6 @@ def _parts(error: BySource, unit: str) -> list[str]:
 def ridge_name(ridge: int | str) -> str:
     """Return the name of a ridge that is read out, or what all of them are called."""
     return "all monitored ridges" if ridge == "all" else f"ridge {ridge}"
-
-
-def manifest(simulation: Simulation) -> dict[str, Any]:
-    """Return what the manifest says of the result: all of it."""
-    return simulation.as_json()
 
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
@@ -277,3 +365,13 @@ def readout_columns(simulation: Simulation) -> dict[str, list[float]]:
             for signal, values in signals.items() if isinstance(signals, dict) else ():
                 columns[f"ridge {ridge} {signal} {name} [{unit}]"] = values
     return columns
+
+
+SIMULATION = Presentation(
+    COMMAND=COMMAND,
+    lines=lines,
+    next_step=next_step,
+    details=details,
+    files=files,
+    figures=figures,
+)

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from html import escape
 from importlib.util import find_spec
@@ -17,6 +18,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError
+from skincad.base.progress import about
 from skincad.base.reading import csv_text
 from skincad.base.result import Writer
 from skincad.outputs.delivery import Presentation, picture, text
@@ -25,13 +27,19 @@ from skincad.studies.query import Evaluation, short, worded
 from skincad.studies.searches import combinations
 from skincad.studies.solving import Solution, SolutionPoint
 from skincad.studies.study import Member, Optimisation
-from skincad.studies.subject import DesignVariable, changed, owner
+from skincad.studies.subject import DesignVariable, Value, changed, owner
 from skincad.studies.sweeping import Ranking, SweepResult
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
 
 
+NEXT_COMMANDS = {  # by what was asked: the command that goes on, and what it does
+    "check": ("check", "judges it by more accurate models"),
+    "make": ("make", "makes its mold"),
+    "simulate": ("simulate", "runs it with all signals and pictures"),
+    "circuit": ("circuit", "shows its gain"),
+}
 MAX_SHOWN = 5  # solutions, in words
 PAGE = "study.html"
 MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
@@ -42,39 +50,79 @@ SHOWN = 6  # members of the front, in words and as designs
 
 
 def solution_lines(solution: Solution) -> list[str]:
-    """Return what `solve` prints."""
-    count, model = len(solution.evaluations), solution.question.model
-    effort = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
-    refused = [evaluation.refused for evaluation in solution.evaluations if evaluation.refused]
+    """Return the value that gives the target, how surely it does, and what to know of the search."""
     return [
-        *(_solution_lines(solution) if solution.solutions else [_none(solution)]),
-        f"  tried          {effort}, {solution.seconds:.3g} s",
-        *([f"  refused        {len(refused)}; the first: {refused[0]}"] if refused else []),
+        f"{solution.name}: {_found(solution)}.",
+        *(_reached_lines(solution, solution.solutions[0]) if solution.solutions else []),
+        f"  searched       {_effort(solution)}",
         *(f"  note           {note}" for note in solution.notes),
     ]
 
 
-def _solution_lines(solution: Solution) -> list[str]:
-    first, *others = solution.solutions
+def _found(solution: Solution) -> str:
+    if not solution.solutions:
+        return _none(solution)
     # with choices alone, a solution only has the target within its error
     gives = "may give" if all(knob.choices or knob.whole for knob in solution.knobs) else "gives"
-    rows = [f"{solution.name}: {_solved_values(solution, first)} {gives} {_targets(solution)}."]
-    for candidate in (first, *others[: MAX_SHOWN - 1]):
-        if candidate is not first:
-            rows.append(f"  also           {_solved_values(solution, candidate)}")
-        rows += [f"  reached        {worded(key, value)}" for key, value in candidate.reached.items()]
-        for key, (low, high) in candidate.interval.items():
-            knob = next(knob for knob in solution.knobs if knob.key == key)
-            ends = f"{short(low)} to {short(high)}{_unit(knob)}"
-            rows.append(f"  may be         {key} anywhere from {ends}, since the result has that error")
-        rows += [
-            f"  nearest        {key} = {name}"
-            for key, name in candidate.nearest.items()
-            if key not in candidate.values
-        ]
+    others = len(solution.solutions) - 1
+    also = f"; {others} other{'s' if others > 1 else ''} too" if others else ""
+    return f"{_solved_values(solution, solution.solutions[0])} {gives} {_targets(solution)}{also}"
+
+
+def _effort(solution: Solution) -> str:
+    count, model = len(solution.evaluations), solution.question.model
+    whole = "the whole range" if solution.complete else "a part of the range"
+    effort = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
+    refused = f", {solution.refused} of them refused" if solution.refused else ""
+    return f"{whole}: {effort}, {solution.seconds:.3g} s{refused}"
+
+
+def solution_step(solution: Solution) -> str:
+    """Return what to do next: check the solution, or look elsewhere."""
+    if not solution.solutions:
+        return "look further: widen a range of --vary, or vary another key."
+    return _next_command(solution.question.kind, solution.solutions[0].values, "`-o FILE` writes the design.")
+
+
+def _next_command(kind: str, values: Mapping[str, Value], where: str) -> str:
+    """Return the command that goes on with a design, scene or circuit of these values; `where` these are
+    instead, if `--set` can't give them."""
+    if any(key.rpartition(".")[2].isdigit() for key in values):
+        return where
+    command, does = NEXT_COMMANDS[kind]
+    settings = " ".join(f"--set {shlex.quote(f'{key}={_typed(value)}')}" for key, value in values.items())
+    return f"`skincad {command} {{design}} {settings}` {does}."
+
+
+def _typed(value: Value) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def solution_details(solution: Solution) -> list[str]:
+    """Return the other solutions, and the first refusal."""
+    _, *others = solution.solutions or (None,)
+    rows = []
+    for candidate in others[: MAX_SHOWN - 1]:
+        rows.append(f"  also           {_solved_values(solution, candidate)}")
+        rows += _reached_lines(solution, candidate)
     if len(others) >= MAX_SHOWN:
         rows.append(f"  and            {len(others) + 1 - MAX_SHOWN} more")
-    return rows
+    refused = [evaluation.refused for evaluation in solution.evaluations if evaluation.refused]
+    return [*rows, *([f"  refused        {len(refused)}; the first: {refused[0]}"] if refused else [])]
+
+
+def _reached_lines(solution: Solution, candidate: SolutionPoint) -> list[str]:
+    """Return what a solution reaches, and how far its values may be off."""
+    rows = [f"  reached        {worded(key, value)}" for key, value in candidate.reached.items()]
+    for key, (low, high) in candidate.interval.items():
+        knob = next(knob for knob in solution.knobs if knob.key == key)
+        ends = f"{short(low)} to {short(high)}{_unit(knob)}"
+        rows.append(f"  may be         {key} anywhere from {ends}, since the result has that error")
+    return rows + [
+        f"  nearest        {key} = {name}"
+        for key, name in candidate.nearest.items()
+        if key not in candidate.values
+    ]
 
 
 def _solved_values(solution: Solution, solved: SolutionPoint) -> str:
@@ -88,14 +136,14 @@ def _unit(knob: DesignVariable) -> str:
 
 def _none(solution: Solution) -> str:
     ranges, count = ", ".join(_range(knob) for knob in solution.knobs), len(solution.evaluations)
-    sentence = f"{solution.name}: no {ranges} gives {_targets(solution)}"
+    sentence = f"no {ranges} gives {_targets(solution)}"
     if not solution.complete:
         many = f"{count} evaluation{'s' if count != 1 else ''}"
-        sentence = f"{solution.name}: none found in {many} of {ranges} that gives {_targets(solution)}"
+        sentence = f"none found in {many} of {ranges} that gives {_targets(solution)}"
     if solution.closest is None:
-        return f"{sentence}."
+        return sentence
     reached = ", ".join(worded(key, value) for key, value in solution.closest.reached.items())
-    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}."
+    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}"
 
 
 def _targets(solution: Solution) -> str:
@@ -144,20 +192,74 @@ def sweep_names() -> list[str]:
 
 
 def sweep_lines(sweep: SweepResult) -> list[str]:
-    """Return what `sweep` prints."""
+    """Return the best row, how surely it is the best, and how many rows there are."""
     count, model = len(sweep.rows), sweep.question.model
-    rows = [f"{sweep.name}: {count} rows{f' by {model}' if model else ''}, {_verdicts(sweep)}."]
-    for ranking in sweep.rankings:
-        rows += _ranking_lines(sweep, ranking)
+    spent = f"{sweep.evaluations} evaluations, {sweep.reused} reused, {sweep.seconds:.3g} s"
+    return [
+        f"{sweep.name}: {_best(sweep)}.",
+        *([f"  how sure       {_surely(sweep.rankings[0])}"] if _ranked(sweep) else []),
+        f"  rows           {count}{f' by {model}' if model else ''}: {_verdicts(sweep)}; {spent}",
+        *(_refusals([row for row in sweep.rows if row.refused]) if sweep.refused == count else []),
+    ]
+
+
+def _ranked(sweep: SweepResult) -> bool:
+    return bool(sweep.rankings and sweep.rankings[0].ranks)
+
+
+def _best(sweep: SweepResult) -> str:
+    if not sweep.rankings:
+        return f"{len(sweep.rows)} rows, ranked by nothing"
+    ranking = sweep.rankings[0]
+    word = "smallest" if ranking.goal == "min" else "largest"
+    if not ranking.ranks:
+        return f"no row has {ranking.key}"
+    row, number = sweep.best(), ranking.ranks[0].row
+    return f"row {number} has the {word} {worded(ranking.key, row.results[ranking.key])}: {_row_values(row)}"
+
+
+def _surely(ranking: Ranking) -> str:
+    """How many rows the best one surely beats."""
+    first, others = ranking.ranks[0], len(ranking.ranks) - 1
+    if not others:
+        return "no other row has this result"
+    beaten = "all other rows" if first.wins == others else f"{first.wins} of the other {others} rows"
+    tied = ranking.ties and first.row in ranking.ties[0]
+    return f"surely better than {beaten}" + (f"; {_tie(ranking)}" if tied else "")
+
+
+def _tie(ranking: Ranking) -> str:
+    """Which rows the best one may not beat."""
+    tie = ranking.ties[0]
+    others = (
+        f"rows {', '.join(map(str, tie[1:]))}" if len(tie) <= MAX_TIED_ROWS else f"the next {len(tie) - 1}"
+    )
+    return f"not surely better than {f'row {tie[1]}' if len(tie) == 2 else others}"
+
+
+def sweep_step(sweep: SweepResult) -> str:
+    """Return what to do next: ask a better model that tells the first rows apart, or check the best row."""
+    if not _ranked(sweep):
+        return "change the ranges of --vary: no row has an answer."
     if sweep.next_model:
         name, seconds = sweep.next_model.model, sweep.next_model.seconds
-        cost = f"its {len(sweep.rankings[0].ties[0])} rows take about {seconds:.2g} s"
-        rows.append(f"  finer          --model {name} may settle the first tie: {cost}")
-    rows += _refusals([row for row in sweep.rows if row.refused])
-    rows.append(
-        f"  tried          {sweep.evaluations} evaluations, {sweep.reused} reused, {sweep.seconds:.3g} s"
-    )
-    return rows
+        count = len(sweep.rankings[0].ties[0])
+        return (
+            f"the same sweep with `--model {name}` may tell the first {count} rows apart; these alone take "
+            f"about {about(seconds)}."
+        )
+    return _next_command(sweep.question.kind, sweep.best().values, f"{PAGE} has the design of each row.")
+
+
+def sweep_details(sweep: SweepResult) -> list[str]:
+    """Return the best rows of each ranking, and why rows are refused."""
+    rows = [row for ranking in sweep.rankings for row in _ranking_lines(sweep, ranking)]
+    refused = [row for row in sweep.rows if row.refused]
+    return [*rows, *(_refusals(refused) if len(refused) < len(sweep.rows) else [])]
+
+
+def _row_values(row: Evaluation) -> str:
+    return ", ".join(f"{key} {short(value)}" for key, value in row.values.items())
 
 
 def _verdicts(sweep: SweepResult) -> str:
@@ -174,21 +276,13 @@ def _ranking_lines(sweep: SweepResult, ranking: Ranking) -> list[str]:
     rows = []
     for place, rank in enumerate(ranking.ranks[:MAX_BEST_ROWS], 1):
         row = sweep.rows[rank.row - 1]
-        values = ", ".join(f"{key} {short(value)}" for key, value in row.values.items())
         head = f"{word} {place}".ljust(14)
         rows.append(
-            f"  {head} {worded(ranking.key, row.results[ranking.key])}: {values} (row {rank.row}, "
+            f"  {head} {worded(ranking.key, row.results[ranking.key])}: {_row_values(row)} (row {rank.row}, "
             f"surely better than {rank.wins})"
         )
-    if ranking.ties and ranking.ranks[0].row in ranking.ties[0]:
-        tie = ranking.ties[0]
-        others = (
-            f"rows {', '.join(map(str, tie[1:]))}"
-            if len(tie) <= MAX_TIED_ROWS
-            else f"the next {len(tie) - 1}"
-        )
-        others = f"row {tie[1]}" if len(tie) == 2 else others
-        rows.append(f"  tie            row {tie[0]} is not surely better than {others}")
+    if ranking is not sweep.rankings[0] and ranking.ties and ranking.ranks[0].row in ranking.ties[0]:
+        rows.append(f"  tie            row {ranking.ranks[0].row} is {_tie(ranking)}")
     return rows
 
 
@@ -268,7 +362,7 @@ def sweep_page(
     title = f"{title or sweep.name}: {len(sweep.rows)} rows"
     body = Template((HERE / "study_body.html").read_text("utf-8")).substitute(
         title=escape(title),
-        words=escape("\n".join(words or sweep_lines(sweep))),
+        words=escape("\n".join(words or [*sweep_lines(sweep), *sweep_details(sweep)])),
         data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
         script=(HERE / "study.js").read_text("utf-8"),
     )
@@ -384,6 +478,8 @@ def front_files(optimisation: Optimisation) -> dict[str, Writer]:
 SOLUTION = Presentation(
     COMMAND="solve",
     lines=solution_lines,
+    next_step=solution_step,
+    details=solution_details,
     files=solution_files,
     figures=solution_figures,
     manifest=lambda solution: {"name": solution.name, "target": dict(solution.target)},
@@ -391,6 +487,8 @@ SOLUTION = Presentation(
 SWEEP = Presentation(
     COMMAND="sweep",
     lines=sweep_lines,
+    next_step=sweep_step,
+    details=sweep_details,
     files=sweep_files,
     figures=sweep_figures,
     manifest=lambda sweep: {key: value for key, value in sweep.as_json().items() if key != "rows"},

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import tomlkit
 from pydantic import BaseModel, TypeAdapter
@@ -66,6 +66,7 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 # skincad templates grippers lists what ships. The values here are franka-hand's: measure your own.""",
 }
 STUDIES: Kind = "studies"
+HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
 LISTS = {
     "designs": "design",
     "scenes": "scene",
@@ -87,14 +88,35 @@ _COLUMNS = (  # of the table of silicones: key, head, unit
 )
 
 
-def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
+def write_new(path: Path, template: str = HOME) -> list[Path]:
     """Write a commented file after a template, and its schema beside it; return both paths.
 
     `template` is a design's, a scene's or a circuit's name, with its kind before it where two kinds have that
-    name; or `silicones` or `processes`, for a table of one's own. Raises InputError for an unknown template,
-    a file that is there already or cannot be written, and a name that a TOML comment can't hold.
+    name; or `silicones`, `processes` or `grippers`, for a table of one's own. Raises InputError for
+    an unknown template, a file that is there already or cannot be written, and a name that a TOML comment
+    can't hold.
     """
     kind, name = _kind_and_name(template)
+    text = "" if kind in _OWN else template_text(name, kind)  # type: ignore[arg-type]  # a Kind where it is none
+    return write_with_schema(path, kind, lambda schema: commented_toml(kind, text, path.stem, schema))
+
+
+def write_with_schema(path: Path, kind: Kind | shipped.Table, text: Callable[[str], str]) -> list[Path]:
+    """Write a TOML file of this kind and its schema beside it; return both paths.
+
+    `text` makes the TOML of the schema's file name. Raises InputError as `write_new`.
+    """
+    schema, link = check_new(path)
+    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
+        first.write_text(schema_of(kind), encoding="utf-8")
+        second.write_text(text(link), encoding="utf-8")
+        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
+    return [path, schema]
+
+
+def check_new(path: Path) -> tuple[Path, str]:
+    """Return where a new file's schema goes, and its name as UTF-8; raises InputError where the two can't be
+    written."""
     schema = path.with_suffix(".schema.json")
     for target, suffix in ((path, ".toml"), (schema, ".json")):
         checked_fresh(target, suffix, "FILE")
@@ -104,11 +126,7 @@ def write_new(path: Path, template: str = "designs/yamada-2002") -> list[Path]:
         raise InputError("FILE", "must be UTF-8", path.name, "name another file") from None
     if not link.isprintable():
         raise InputError("FILE", "must have a name of printable characters", path.name)
-    with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
-        first.write_text(schema_of(kind), encoding="utf-8")
-        second.write_text(commented_toml(kind, name, path.stem, link), encoding="utf-8")
-        _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
-    return [path, schema]
+    return schema, link
 
 
 def _kind_and_name(template: str) -> tuple[Kind | shipped.Table, str]:
@@ -175,15 +193,16 @@ def schema_of(kind: Kind | shipped.Table) -> str:
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
 
 
-def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema: str) -> str:
-    """Return a template's TOML with each key's meaning above it; keys left at their default are comments."""
+def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:
+    """Return a TOML text with each key's meaning above it; keys left at their default are comments. A
+    table of one's own needs no text: a shipped row shows its keys."""
     lines = [f"#:schema ./{schema}", ""]
     if kind == "silicones" or kind == "processes" or kind == "grippers":  # noqa: PLR1714  # so that mypy knows
         lines += [_OWN_HEAD[kind], *_own_lines(kind)]
         return "\n".join(lines) + "\n"
-    model, text = _model_and_loader(kind)[0], template_text(template, kind)
+    model = _model_and_loader(kind)[0]
     document: Any = tomlkit.parse(text)
-    document["name"] = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64].lstrip("-_") or kind[:-1]
+    document["name"] = document_name(name, kind)
     lines += [line for line in text.splitlines() if line.startswith("#")]
     lines += ["", *_key_lines(model, document)]
     for key, field in model.model_fields.items():
@@ -197,6 +216,11 @@ def commented_toml(kind: Kind | shipped.Table, template: str, name: str, schema:
         elif inner := _table(model, key):
             lines += _section(key, inner, document.get(key), field.is_required())
     return "\n".join(lines) + "\n"
+
+
+def document_name(stem: str, kind: str = "designs") -> str:
+    """Return the name of the document in a file of this stem."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", stem)[:64].lstrip("-_") or kind[:-1]
 
 
 def _table(model: type[BaseModel], key: str) -> type[Table] | None:
@@ -264,6 +288,13 @@ def _default(field: FieldInfo) -> str:
 
 def _meaning(field: FieldInfo, provenance: str) -> list[str]:
     """Comment lines: meaning, unit and range; then where this template's value is from."""
+    limits = _unit_and_range(field)
+    first = f"# {field.description or ''}" + (f" [{limits}]" if limits else "")
+    return [first, *([f"#   {provenance}"] if provenance else [])]
+
+
+def _unit_and_range(field: FieldInfo) -> str:
+    """A key's unit and range, as "mm, from 0.2 to 100"."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", ""))
     limits, lengths = [], []
@@ -273,9 +304,42 @@ def _meaning(field: FieldInfo, provenance: str) -> list[str]:
         elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
             lengths.append(f"{length[0]} {getattr(rule, length[1])}")
     values = " ".join(lengths) + " values" if lengths else ""
-    details = [part for part in (unit if unit != "1" else "", " ".join(limits), values) if part]
-    first = f"# {field.description or ''}" + (f" [{', '.join(details)}]" if details else "")
-    return [first, *([f"#   {provenance}"] if provenance else [])]
+    return ", ".join(part for part in (unit if unit != "1" else "", " ".join(limits), values) if part)
+
+
+class KeyDescription(NamedTuple):
+    """A key of a table, for a page of reference."""
+
+    key: str
+    limits: str  # unit and range
+    default: str  # "" for none
+    meaning: str
+
+
+def _written_default(field: FieldInfo) -> str:
+    """A key's default as TOML; "" where it is computed or absent."""
+    default = field.default
+    if isinstance(default, NumberWithRange):
+        return ranged_toml(default)
+    plain = isinstance(default, bool | int | float | str | list | tuple)
+    return _default(field) if plain else ""
+
+
+def table_entries(model: type[BaseModel]) -> tuple[list[KeyDescription], dict[str, type[Table]]]:
+    """Return the plain keys of a table, and the tables within by their keys."""
+    fields = {key: field for key, field in model.model_fields.items() if key != "effects"}
+    inner = {key: table for key in fields if (table := _table(model, key))}
+    rows = [
+        KeyDescription(
+            key,
+            _unit_and_range(field),
+            "required" if field.is_required() else _written_default(field),
+            field.description or "",
+        )
+        for key, field in fields.items()
+        if key not in inner
+    ]
+    return rows, inner
 
 
 def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:

@@ -3,8 +3,8 @@
 A small network (one hidden layer, its weights as data) tells of each ridge how likely it slips,
 by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
 design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores it
-(docs/detector.md). An alarm asks for more than a threshold, which is the user's choice (POINTS), and for
-outputs that stand out of the noise.
+(docs/understand/detector.md). An alarm asks for more than a threshold, which is the user's choice (POINTS),
+and for outputs that stand out of the noise.
 
 Range: outputs that follow the stress-rate in their band; more monitored ridges are better, one alone warns
 of an eighth of gross slips, of a third by early alarms. That all monitored ridges slip says nothing of

@@ -262,7 +262,8 @@ def _slipping(march: March, ridges: int) -> Array:
 
 
 _Error = dict[int, float] | None
-DEFAULT_TOLERANCE = 0.05  # of the largest differential stress; what is left out changes more (docs/facts.md)
+# of the largest differential stress; what is left out changes more (docs/evidence/facts.md)
+DEFAULT_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,7 +145,7 @@ class Simulation(Result):
     MPa its whole error by source; `slipping` `(steps + 1, ridges)`; `slip_errors` ms.
     """
 
-    shown_by = "skincad.outputs.simulations"
+    shown_by = "skincad.outputs.simulations:SIMULATION"
     scene: Scene
     march: March
     raw: dict[int, Array]
@@ -306,6 +306,25 @@ class Simulation(Result):
         return {
             r: Estimate(float(np.abs(values).max()), self.stress_errors[r].total, "MPa")
             for r, values in self.raw.items()
+        }
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each step: time, the plate's forces, and the signals of each monitored ridge, as
+        `differential_stress_MPa.1`; how many ridges slip."""
+        by_ridge = {
+            "differential_stress_MPa": self.differential_stress,
+            "stress_rate_MPa_per_s": self.stress_rate,
+            "stress_jerk_MPa_per_s2": self.stress_jerk,
+        }
+        return {
+            "step": list(range(self.steps + 1)),
+            "time_s": self.time,
+            "normal_force_N": self.normal_force,
+            "tangential_force_N": self.tangential_force,
+            "approach_mm": self.march.column("approach"),
+            "travel_mm": self.march.column("travel"),
+            **{f"{key}.{ridge}": row for key, rows in by_ridge.items() for ridge, row in rows.items()},
+            "slipping_ridges": self.slipping.sum(axis=1),
         }
 
     @property

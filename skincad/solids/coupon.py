@@ -19,7 +19,7 @@ from skincad.solids.plan import CutRole, Part, PartRole, Prism, shifted
 from skincad.solids.shrinkage import on_grid, scaled_for_shrinkage, shrinkage
 
 NOTCHES = tuple(round(0.06 + 0.02 * i, 2) for i in range(13))  # mm wide: all that shims and films ask for
-NOTCH_DEPTH = 0.6  # mm, assumption: a little over the deepest notch of a template's comb that is so narrow
+NOTCH_DEPTH = 0.75  # mm, assumption: a little over the deepest notch of a template's comb that is so narrow
 NOTCH_LENGTH = 4.0  # mm: mold.end_plate's default, the length of a comb's notch
 # mm; no multiple of a pixel: 0.05 mm pixels meet the notches at five different places. Assumption: 3 mm leave
 # a feeler gauge alone with its notch

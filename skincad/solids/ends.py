@@ -163,11 +163,12 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
     skin, choice, diameter = design.skin, design.mold, design.mold.gate
     if choice.pour == "open":
         return None
-    body, most = _gate_room(design, shape, (diameter or WIDTHS[0]) / 2)
+    most = _gate_room(design, shape, (diameter or WIDTHS[0]) / 2)[1]
     wide = diameter or min(wanted_gate(design, shape), math.floor(10 * most) / 10)  # a drill
     if diameter is None and wide > WIDTHS[0]:  # a wider one stands further from the middle
         most = _gate_room(design, shape, wide / 2)[1]
         wide = max(WIDTHS[0], min(wide, math.floor(10 * most) / 10))
+    body = _gate_room(design, shape, wide / 2)[0]
     straight, room = skin.curvature_radius_y is None, f"leaves {most:.4g} mm for the gate in the skin's end"
     way_out = ', or take mold.pour = "open"' if straight else ""
     if most <= 0 or (diameter is None and wide < LEAST_GATE):

@@ -19,6 +19,7 @@ from skincad.shape.curves import Loop, Point, Segment, concentric_hit
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import Section, skin_of
 
+LEAST_TOOTH = 1e-3  # mm; a thinner tooth between two notches is none
 _MEET = "neighbouring notches of the comb meet"
 _APART = "reduce it, or move the slots apart or tilt them less"
 
@@ -65,7 +66,7 @@ def split_edges(design: Design, shape: Section, half: float) -> tuple[list[Segme
     keeper = list(comb)
     notches = sorted(_notch(design, slot, height) for slot in shape.slots)
     for one, other in pairwise(shapely.Polygon(notch) for notch in notches):
-        if one.intersects(other):
+        if one.distance(other) < LEAST_TOOTH:
             gap = design.mold.slit_clearance
             raise InputError("mold.slit_clearance", _MEET, gap, _APART)
     for notch in notches:

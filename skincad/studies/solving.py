@@ -22,7 +22,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, columns_of, item, record, reported
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
 from skincad.studies.query import (
@@ -125,6 +125,18 @@ class Solution(Result):
     def feasible(self) -> bool:
         """Whether there is a solution."""
         return bool(self.solutions)
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each solution: the values of the varied keys, with their units, and what they
+        reach."""
+        return columns_of(
+            {
+                **{knob.column: solution.values.get(knob.key) for knob in self.knobs},
+                **solution.reached,
+                "passed": solution.passed,
+            }
+            for solution in self.solutions
+        )
 
     @property
     def solved(self) -> Subject:

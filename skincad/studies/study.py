@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, columns_of, item, record, reported
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
@@ -344,6 +344,19 @@ class Optimisation(Result):
     def feasible(self) -> bool:
         """Whether a design keeps all constraints."""
         return bool(self.front)
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each member of the front: the values of the varied keys, with their units,
+        objectives, and the numbers of the constraints."""
+        return columns_of(
+            {
+                **{knob.column: member.values.get(knob.key) for knob in self.rows.knobs},
+                **member.objectives,
+                **{key: number for key, (number, _) in member.constraints.items()},
+                "model": member.model,
+            }
+            for member in self.front
+        )
 
     @property
     def aims(self) -> list[str]:

@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import text_of
+from skincad.base.result import key_of
 from skincad.base.tables import NumberWithRange, no_entry, table_of, unit_of
 from skincad.base.version import __version__
 from skincad.circuit.model import Circuit, load_circuit
@@ -264,6 +265,11 @@ class DesignVariable:
     def range(self) -> list[Value]:
         """Its choices, or both ends."""
         return list(self.choices) or [self.low, self.high]
+
+    @property
+    def column(self) -> str:
+        """Its key with its unit, the name of a table's column: `skin.length_mm`."""
+        return key_of(self.key, self.unit)
 
     @property
     def by_ratio(self) -> bool:

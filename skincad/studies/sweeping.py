@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Result, data_frame, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
@@ -245,14 +245,18 @@ class SweepResult(Result):
                     columns[name] = np.array([math.nan if n is None else n for n in numbers])
         return columns
 
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each design: the values of the varied keys, with their units, and the results."""
+        names = {knob.key: knob.column for knob in self.knobs}
+        return {names.get(key, key): column for key, column in self._table().items()}
+
     def frame(self) -> Any:
-        """Return the rows as a pandas DataFrame; InputError where pandas is not installed."""
-        try:
-            import pandas
-        except ImportError:
-            raise InputError("frame", "needs the package pandas", remedy="pip install pandas") from None
+        """Return what `to_frame` does, the varied keys without units in their names."""
+        return data_frame(self._table())
+
+    def _table(self) -> dict[str, Any]:
         extra = {"passed": [row.passed for row in self.rows], "refused": [row.refused for row in self.rows]}
-        return pandas.DataFrame({**self.arrays(), **extra})
+        return {**self.arrays(), **extra}
 
 
 def sweep(

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.making import MakeResult
+from skincad.fabrication.rules import error, note, warning
 from skincad.inputs.design import Design
 from tests.conftest import run_skincad
 from tests.processes import lines_until, started
@@ -45,7 +47,7 @@ def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: Mak
 def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path) -> None:
     assert str(unchecked).startswith("Not checked whether all ridges touch.")
     ending = r"plain-ridges: mold: no errors, \w+ warnings?; contact: not checked$"
-    assert re.search(ending, str(unchecked), re.M)
+    assert re.search(ending, unchecked.details(), re.M)
     assert unchecked.as_json()["summary"] == unchecked.summary
     assert unchecked.as_json()["check"] is None
     skincad.write(unchecked, tmp_path / "made", formats=["md", "html"])
@@ -54,11 +56,42 @@ def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path
     assert json.loads((tmp_path / "made" / "make.json").read_text())["all_touch_force_N"] is None
 
 
+def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: MakeResult) -> None:
+    two = (
+        error("gap", "cavity, slit", 0.1, 0.2, "mm", "a wider slit"),
+        error("wall", "end", 1.0, 2.0, "mm", "more"),
+    )
+    grave = warning("detail", "cover", 0.1, 0.2, "mm", "larger lengths")
+    light = note("cure", "sla", 1.0, 0.0, "", "bake it")
+    broken = replace(unchecked, findings=(*two, grave, grave, light))
+    rows = str(broken).splitlines()
+    assert rows[1] == "  mold           2 errors, 2 warnings; 3 more findings with -v"
+    assert rows[2:] == [str(two[0]), str(two[1]), "Next: a wider slit."]
+    warned = str(replace(unchecked, findings=(grave, light))).splitlines()
+    assert warned[1:3] == ["  mold           no errors, 1 warning; 1 more note with -v", str(grave)]
+    assert str(light) not in warned
+    assert str(light) in replace(unchecked, findings=(grave, light)).details().splitlines()
+    assert str(replace(unchecked, findings=(grave,), strict=True)).endswith("Next: larger lengths.")
+
+
+def test_a_next_step_names_no_file_that_was_not_written(tmp_path: Path) -> None:
+    few = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0", "--model", "winkler")
+    whole = run_skincad("make", *few, "--format", "html", "-o", "all", cwd=tmp_path).stdout
+    assert whole.splitlines()[-1] == "Next: cast it: casting-sheet.html says what to buy and what to do."
+    part = run_skincad("make", *few, "--format", "dxf", "-o", "some", cwd=tmp_path).stdout
+    assert "Next" not in part
+
+
 def test_the_command_leaves_the_check_out(tmp_path: Path) -> None:
     few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--format", "toml")
     result = run_skincad("make", "plain-ridges", *few, "--no-check", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith("Not checked whether all ridges touch.\nParts:")
+    first, mold, files, last = result.stdout.splitlines()
+    assert first == "Not checked whether all ridges touch."
+    assert re.fullmatch(r"  mold           no errors, no warnings; \d notes with -v", mold)
+    assert files.startswith("  files          2 files in out/plain-ridges: design.toml, make.json, ")
+    typed = "plain-ridges --set ridge.count=1 --set skin.width=3.0"
+    assert last == f"Next: `skincad check {typed}` says whether all ridges touch."
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def yamada() -> Design:
 
 
 def filleted() -> Design:
-    """The reference section of docs/facts.md with tip fillet 0.05 and root fillet 0.08."""
+    """The reference section of docs/evidence/facts.md with tip fillet 0.05 and root fillet 0.08."""
     return yamada().with_(**BARE)
 
 
@@ -76,12 +76,12 @@ def small() -> Design:
 
 
 def reference() -> Design:
-    """The reference section of docs/facts.md: sharp corners, no slots."""
+    """The reference section of docs/evidence/facts.md: sharp corners, no slots."""
     return yamada().with_(**BARE, ridge={"tip_fillet": 0.0, "root_fillet": 0.0})
 
 
 def void_slots(thickness: float) -> Design:
-    """The reference section of docs/facts.md with empty slots of this thickness, mm."""
+    """The reference section of docs/evidence/facts.md with empty slots of this thickness, mm."""
     return yamada().with_(
         film=None,
         contact={"film": "loose"},

@@ -23,7 +23,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_the_page_shows_the_tables() -> None:
-    page = (DOCS / "fits.md").read_text("utf-8")
+    page = (DOCS / "evidence" / "fits.md").read_text("utf-8")
     for table in (table_fits.fits(), table_fits.designs()):
         assert "\n".join(table) in page
 

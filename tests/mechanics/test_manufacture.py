@@ -77,7 +77,7 @@ def test_no_parts_bear_no_forces() -> None:
 
 
 def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
-    """docs/facts.md#manufacture: F9 +32 % and +65 %."""
+    """docs/evidence/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()
     pad = pad_of(design)
     solution = level(plane_piece(pad, whole=True), 2, 4.0)
@@ -92,8 +92,8 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
 def test_share_of_failing_reference_parts() -> None:
     """27 % of parts need more than 4 N at crest errors of sigma 0.02 mm, 45 % at 0.03 mm.
 
-    docs/facts.md#manufacture: a prototype says 17 and 55 %; here two models agree on the first, and a margin
-    of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
+    docs/evidence/facts.md#manufacture: a prototype says 17 and 55 %; here two models agree on the first, and
+    a margin of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
     """
     pad = pad_of(reference())
     solution = level(plane_piece(pad, 0.5, whole=True), 2, 4.0)

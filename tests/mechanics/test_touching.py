@@ -1,4 +1,4 @@
-"""The verdict: docs/facts.md's numbers, similarity, limits, and the contract of `check`."""
+"""The verdict: docs/evidence/facts.md's numbers, similarity, limits, and the contract of `check`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane,
 
 def test_reference_section() -> None:
     answer = plane(reference())
-    # 0.5 % and 0.003 N are what docs/facts.md's own numbers claim
+    # 0.5 % and 0.003 N are what docs/evidence/facts.md's own numbers claim
     assert answer.all_touch_force.value == pytest.approx(3.026, rel=5e-3)
     assert answer.approach.value == pytest.approx(0.1733, rel=5e-3)
     shares = [f.value for f in answer.ridge_force]
@@ -53,7 +53,7 @@ def test_filleted_section() -> None:
 )
 def test_void_slots_lower_the_force(thickness: float, force: float) -> None:
     answer = plane(void_slots(thickness))
-    # the slots of docs/facts.md lie slightly elsewhere
+    # the slots of docs/evidence/facts.md lie slightly elsewhere
     assert answer.all_touch_force.value == pytest.approx(force, rel=0.02)
 
 
@@ -124,8 +124,8 @@ def test_similarity() -> None:
 def test_force_is_smooth_in_the_design() -> None:
     """Steps of 1e-4 mm in height at one order: second differences stay below 2e-4 of the force.
 
-    A change of the mesh's topology moves F9 by 2e-5 to 1e-4 at k = 3 (docs/facts.md#mesh-and-method);
-    bisecting on touching nodes would jump by about 1e-3.
+    A change of the mesh's topology moves F9 by 2e-5 to 1e-4 at k = 3
+    (docs/evidence/facts.md#mesh-and-method); bisecting on touching nodes would jump by about 1e-3.
     """
     forces = []
     for i in range(7):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from skincad import Estimate, check, load
-from skincad.mechanics.verdict import ContactCheck
-from skincad.outputs.checks import lines, verdict
+from skincad.mechanics.verdict import Change, ContactCheck
+from skincad.outputs.checks import BLOCKS, CLEAR, MOST_BARS, details, force_bars, next_step, verdict
+from tests.conftest import skincad_process
 
 
 @pytest.fixture(scope="module")
@@ -53,23 +56,87 @@ def test_each_ending_has_its_words(passed: ContactCheck) -> None:
         assert check.as_json()["verdict"] == check.verdict
 
 
+def test_a_check_is_five_lines_and_its_details_repeat_none(passed: ContactCheck) -> None:
+    known = replace(passed, warnings=())
+    first, margin, error, forces, last = str(known).splitlines()
+    assert first == verdict(known)
+    assert margin.startswith(f"  margin         {passed.margin:.2f} N in the worst case (5 N applied")
+    shares = [float(share) for share in re.findall(r"([\d.e-]+) N (?:from|for)", error)]
+    assert len(shares) == 1 + len(passed.left_out)
+    assert shares == sorted(shares, reverse=True)
+    assert sum(shares) == pytest.approx(passed.all_touch_force.error, rel=0.05)
+    assert forces.endswith(f"{passed.ridge_force[0]} to {passed.ridge_force[4]}")
+    assert last == "Next: `skincad make DESIGN` makes its mold."
+    rows = known.details().splitlines()
+    assert rows[:5] == str(known).splitlines()
+    assert len(set(rows)) == len(rows) > 10
+
+
+def test_a_warning_is_not_hidden(passed: ContactCheck) -> None:
+    assert "  note           mind this" in str(replace(passed, warnings=("mind this",))).splitlines()
+
+
+def test_bars_are_parts_of_the_largest_force(passed: ContactCheck) -> None:
+    forces = (0.0, 0.01, 0.5, 0.99, 1.0)
+    some = replace(passed, ridge_force=tuple(Estimate(force, 0.1, "N") for force in forces), ridges=5)
+    bars = CLEAR + BLOCKS[0] + BLOCKS[3] + BLOCKS[6] + BLOCKS[7]
+    assert force_bars(some) == f"{bars}  0.00 ± 0.10 N to 1.00 ± 0.10 N"
+    many = replace(passed, ridge_force=(Estimate(1.0, 0.1, "N"),) * 201 + (Estimate(0.0, 0.1, "N"),))
+    bars, words = force_bars(many).split("  ")
+    assert len(bars) <= MOST_BARS
+    assert bars == BLOCKS[7] * (len(bars) - 1) + CLEAR  # the last bar holds the ridge without load
+    assert words.endswith(", 4 ridges a bar")
+    assert force_bars(replace(passed, ridge_force=many.ridge_force[:1])) == f"{BLOCKS[7]}  1.00 ± 0.10 N"
+
+
+@pytest.mark.parametrize(("encoding", "bars"), [("ascii", "[0-9]{9}"), ("utf-8", f"[{CLEAR}{BLOCKS}]{{9}}")])
+def test_bars_are_digits_where_blocks_cannot_be_printed(tmp_path: Path, encoding: str, bars: str) -> None:
+    words = ("check", "plain-ridges", "--model", "winkler", "--force", "1", "--no-advice")
+    done = skincad_process(*words, cwd=tmp_path, PYTHONIOENCODING=encoding)
+    line = next(line for line in done.stdout.splitlines() if "ridge forces" in line).split()[2]
+    assert re.fullmatch(bars, line)
+    assert line[0] == ("0" if encoding == "ascii" else CLEAR)
+    assert line[4] == ("9" if encoding == "ascii" else BLOCKS[7])
+
+
+def test_a_check_that_fails_says_what_to_change(passed: ContactCheck) -> None:
+    failed = replace(passed, touching=7, all_touch_force=Estimate(6.0, 0.5, "N"))
+    assert next_step(failed) == "`skincad check {design} --advice` looks for a change with which it passes."
+    change = Change("ridge.levelling", 0.0, 0.5, Estimate(3.0, 0.5, "N"))
+    known = replace(failed, changes=(change,))
+    assert next_step(known) == "`skincad check {design} --set ridge.levelling=0.5` passes."
+    rough = replace(failed, changes=(replace(change, model="winkler"),))
+    assert next_step(rough).endswith("--set ridge.levelling=0.5` may pass, by the winkler model.")
+    none = replace(failed, changes=())
+    assert next_step(none) == "change two keys: no single change passes; or press with 6.5 N."
+    assert next_step(replace(none, search_cut_short=True)) == next_step(failed)
+
+
+def test_a_notebook_shows_verdict_and_bars(passed: ContactCheck) -> None:
+    page = replace(passed, warnings=("<b>",))._repr_html_()
+    assert verdict(passed) in page
+    assert page.count("<rect") == passed.ridges
+    assert "&lt;b&gt;" in page
+    assert not re.search(r"(src|href)=|<b><|url\(", page)
+
+
 def test_an_undecided_check_says_what_may_decide_it(passed: ContactCheck) -> None:
     unclear = replace(passed, all_touch_force=Estimate(4.8, 0.5, "N"))
-    assert lines(unclear)[1].startswith("Next: `--model corrected` (about ")
+    assert next_step(unclear).startswith("`skincad check {design} --model corrected` (about ")
     last = replace(unclear, next_model=None, left_out=())
-    expected = "Next: no model here can decide it. The design passes from 5.3 N and fails below 4.3 N."
-    assert lines(last)[1] == expected
+    expected = "no model here can decide it. The design passes from 5.3 N and fails below 4.3 N."
+    assert next_step(last) == expected
     assert unclear.as_json()["next_step"] == unclear.next_step
     friction = tuple(replace(part, effect="friction", threshold=0.1) for part in passed.left_out[:1])
     lasting = replace(unclear, all_touch_force=Estimate(4.9, 0.6, "N"), left_out=friction)
-    assert lines(lasting)[1] == "Next: give contact.friction: its error alone leaves this open."
+    expected = "give contact.friction (as `--set contact.friction=0.5`): its error alone leaves this open."
+    assert next_step(lasting) == expected
     for decided in (passed, replace(passed, all_touch_force=Estimate(6.0, 0.5, "N"))):
         assert decided.next_step == ""
-        assert not any(line.startswith("Next") for line in lines(decided))
 
 
 def test_the_lines_carry_errors_model_yield_and_notes(passed: ContactCheck) -> None:
-    text = "\n".join(lines(passed))
+    text = passed.details()
     assert "±" in text
     assert "linear" in text
     assert "yield" in text
@@ -84,7 +151,7 @@ def test_a_yield_is_told_only_with_its_error(passed: ContactCheck) -> None:
     assert part_yield is not None
     unknown = [Estimate(None, None, ""), Estimate(None, 0.1, ""), Estimate(0.9, None, "")]
     for other in (None, *(replace(part_yield, passing=passing) for passing in unknown)):
-        assert not any("yield" in line for line in lines(replace(passed, manufacture=other)))
+        assert not any("yield" in line for line in details(replace(passed, manufacture=other)))
 
 
 @pytest.mark.parametrize(
@@ -102,12 +169,12 @@ def test_a_yield_is_told_inside_0_to_100_percent(
 ) -> None:
     assert passed.manufacture is not None
     known = replace(passed.manufacture, passing=Estimate(share, 0.5, "1"), interval=interval)
-    assert any(words in line for line in lines(replace(passed, manufacture=known)))
+    assert any(words in line for line in details(replace(passed, manufacture=known)))
 
 
 def test_forces_of_very_many_ridges_are_shown_as_a_range() -> None:
     design = load("plain-ridges", ["ridge.count=31", "skin.width=33", "skin.curvature_radius=1000"])
     verdict_of_many = check(design, model="winkler")
     values = [share.value or 0.0 for share in verdict_of_many.ridge_force]
-    line = next(line for line in lines(verdict_of_many) if "ridge forces" in line)
+    line = next(line for line in details(verdict_of_many) if "each ridge" in line)
     assert f"{min(values):.3f} to {max(values):.3f} (±" in line

@@ -187,7 +187,7 @@ def test_the_command_writes_any_kind(tmp_path: Path) -> None:
         assert process.stdout.splitlines() == [f"{template}.toml", f"{template}.schema.json"], process.stderr
         assert key in (tmp_path / f"{template}.toml").read_text()
     assert run_skincad("new", "mine.toml", cwd=tmp_path).returncode == 0
-    assert skincad.load(tmp_path / "mine.toml") == skincad.load("yamada-2002").with_(name="mine")
+    assert skincad.load(tmp_path / "mine.toml") == skincad.load("home-printer").with_(name="mine")
 
 
 @pytest.mark.parametrize(

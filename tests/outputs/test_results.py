@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
+import base64
 import copy
 import json
 import re
+import sys
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -71,11 +74,61 @@ def test_a_result_is_short_in_a_console_and_whole_in_words(results: dict[str, Re
 @pytest.mark.parametrize("kind", sorted(ENTERED))
 def test_a_notebook_shows_words_and_figure(results: dict[str, Result], kind: str) -> None:
     page = results[kind]._repr_html_()
-    assert page.startswith("<pre>")
-    assert 'src="data:image/png;base64,iVBOR' in page
+    assert escape(str(results[kind]).splitlines()[0]) in page
+    assert ('src="data:image/png;base64,iVBOR' in page) == (
+        kind != "check"
+    )  # whose bars are drawn in the page
     assert set(results[kind].figures()) <= set(results[kind].files())
     with pytest.raises(KeyError, match="no figure nothing; there are: "):
         results[kind].figure("nothing")
+
+
+@pytest.mark.parametrize("kind", sorted(ENTERED))
+def test_details_begin_with_what_is_printed(results: dict[str, Result], kind: str) -> None:
+    words, long = str(results[kind]).splitlines(), results[kind].details().splitlines()
+    assert long[: len(words)] == words
+    assert not {*words} & {*long[len(words) :]} - {""}
+
+
+TABLES = {  # a column with its unit, by kind, and how many rows there are
+    "make": ("value", lambda result: len(result.numbers())),
+    "check": ("ridge_force_N.error", lambda result: result.ridges),
+    "simulate": ("normal_force_N", lambda result: result.steps + 1),
+    "gain": ("gain_dB", lambda result: len(result.frequency)),
+    "accuracy": ("seconds", lambda result: len(result.rows)),
+    "fit_material": ("model_stress_MPa", lambda result: result.rows_used),
+    "film_stress": ("differential_stress_MPa.error", lambda result: 2 * result.states[0].ridges),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(ENTERED))
+def test_a_result_is_a_frame_too(results: dict[str, Any], kind: str) -> None:
+    column, rows = TABLES[kind]
+    frame = results[kind].to_frame()
+    assert len(frame[column]) == len(frame) == rows(results[kind]) > 0
+
+
+def test_a_frame_has_the_numbers_of_the_result(results: dict[str, Any]) -> None:
+    check = results["check"]
+    assert list(check.to_frame()["ridge_force_N"]) == [share.value for share in check.ridge_force]
+    numbers = results["make"].to_frame().set_index("name")
+    skin = results["make"].parts[0]
+    assert numbers.loc["parts.skin.volume_mm3", ["value", "unit"]].tolist() == [skin.volume, "mm3"]
+
+
+def test_without_pandas_one_line_says_so(results: dict[str, Result], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match=r"^to_frame: needs the package pandas"):
+        results["check"].to_frame()
+
+
+def test_a_notebook_shows_a_design_by_its_section(yamada: skincad.Design) -> None:
+    page = yamada._repr_html_()
+    assert "yamada-2002: 9 ridges on 11 x 12 x" in page
+    (data,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    drawn = base64.b64decode(data).decode()
+    assert drawn.count('class="slot"') == 2 * 9
+    assert "<script" not in drawn
 
 
 @pytest.mark.parametrize("kind", sorted(ENTERED - {"make"}))

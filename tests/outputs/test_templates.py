@@ -99,7 +99,7 @@ def test_the_command_lists_a_kind(tmp_path: Path) -> None:
     [
         ("skincad templates s", ["scenes", "studies", "silicones"]),
         ("skincad new x.toml --template circ", ["circuits/yamada-2002"]),
-        ("skincad new x.toml --template ho", ["hold"]),
+        ("skincad new x.toml --template ho", ["home-printer", "hold"]),
         ("skincad new x.toml --template silic", ["silicones"]),
     ],
 )

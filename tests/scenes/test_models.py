@@ -53,7 +53,7 @@ def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folde
     assert data["effects"] == ["friction", "film", "finite_strain"]
     assert 3 < len(data["chosen_steps"]) < 20
     assert "finite_strain" not in {entry["effect"] for entry in data["left_out"]}
-    assert lines(simulation)[0].endswith(
+    assert lines(simulation)[2].endswith(
         "Finite strain in 13 chosen steps, linear in between.".replace(
             "13", str(len(data["chosen_steps"]) - 1)
         )

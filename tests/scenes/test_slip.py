@@ -371,14 +371,14 @@ def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise(tmp_
     piezo = ["effects.piezo.circuit=yamada-2002", "effects.piezo.noise_seed=1"]
     settings = [*piezo, "readout.ridges=[2, 3]", "readout.bandwidth_Hz=10000.0"]
     simulation = at_level(load_scene("steady-pull", settings), LEVELS[0])
-    lines = [line.split(maxsplit=1) for line in str(simulation).split("\n")]
+    lines = [line.split(maxsplit=1) for line in simulation.details().split("\n")]
     felt = [words for key, words in lines if key == "felt"]
     assert sum("all monitored ridges slip at step" in words for words in felt) >= 1
     assert not any("gross slip at step" in words for words in felt)
     (warned,) = (words for key, words in lines if key == "warned" and "by ridge 2" in words)
     assert re.search(r"\([\d.]+ to [\d.]+ ms with 20 of 20 noise seeds\)", warned)
     score = simulation.read["warning_score"]
-    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in str(simulation)
+    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in simulation.details()
     assert sum(not event["true"] for event in simulation.read["events"]) == score["false"]
     write_table(simulation, tmp_path / "signals.csv")  # of what is told by step alone
     assert "lead" not in (tmp_path / "signals.csv").read_text().split("\n")[0]

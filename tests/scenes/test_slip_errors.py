@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -9,10 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import Observables
+from skincad.effects.kinds import LeftOutEffect, Observables
 from skincad.mechanics.contact.frozen_tangent import Drift
 from skincad.mechanics.contact.state import FrictionCoefficients
-from skincad.outputs.simulations import lines
 from skincad.scenes import models
 from skincad.scenes.errors import in_steps, lead, slip_errors, slip_step, slips_of, spread
 from skincad.scenes.march import INTERRUPTED, March, march
@@ -190,11 +190,47 @@ def test_what_is_told_of_slips_and_stress() -> None:
     assert whole["error"] == pytest.approx(sum(by_source["3"].values()))
     change = sum(entry.change for entry in simulation.left_out)
     assert by_source["3"]["left_out"] == pytest.approx(change * whole["value"])
-    words = "\n".join(lines(simulation))
+    words = simulation.details()
     largest = max(errors["left_out"] for errors in data["slip_step_error"] if errors)
     assert f"3 from step {simulation.slip_steps[2]}, " in words
     assert "; all of them from step 110" in words
     assert f" from mesh and time step, {largest:.0f} steps from what is left out (notes)" in words
+    first, error, run, *notes, last = str(simulation).splitlines()
+    assert run == "  run            after 110 of 110 steps: gross slip. Small strain."
+    slips = "the whole skin slips from step 110 on; ridges 2 and 8 for good from step 96 on."
+    assert first == f"yamada-2002-slip: {slips}"
+    steps = simulation.slip_steps
+    assert {96} == {steps[1], steps[7], min(filter(None, steps))}
+    worst = max(filter(None, data["slip_step_error"]), key=lambda errors: errors["total"])
+    total, by_effects = (math.ceil(worst[source]) for source in ("total", "left_out"))
+    assert f"a slip may come up to {total} steps earlier or later; {by_effects} steps by eff" in error
+    left_out = {effect.warning for effect in simulation.left_out}
+    assert [note.removeprefix("  note           ") for note in notes] == [
+        warning for warning in simulation.warnings if warning not in left_out
+    ]
+    worst_effect = max(simulation.left_out, key=lambda effect: effect.change)
+    assert last.startswith("Next: ")
+    assert worst_effect.effect in last
+    assert f"by {worst_effect.change:.0%}." in last
+
+
+def test_the_next_step_adds_what_is_missed_most() -> None:
+    simulation = slip("history.steps=20")
+
+    def step(**changes: float) -> str:
+        left_out = [LeftOutEffect(effect, "told by", change) for effect, change in changes.items()]
+        return str(replace(simulation, left_out=left_out)).splitlines()[-1]
+
+    assert step(finite_strain=0.5, inertia=0.2).startswith(
+        "Next: `skincad simulate SCENE --tol 0.05` includes"
+    )
+    assert step(finite_strain=0.5).endswith("leaving it out may change signals by 50%.")
+    assert step(finite_strain=0.1, inertia=0.2).startswith("Next: add [effects.inertia] and plate.mass")
+    assert "--set effects.free_ends={}` adds free_ends" in step(free_ends=0.1)
+    amplifier = (
+        "Next: `skincad simulate SCENE --set effects.piezo.circuit=yamada-2002` adds the slip detector."
+    )
+    assert step() == step(free_ends=0.01) == amplifier
 
 
 def test_what_is_left_out_moves_a_slip_more_than_the_mesh() -> None:

@@ -51,7 +51,7 @@ def test_outer_crests_sit_where_the_circle_puts_them(yamada: Design) -> None:
     drop = (60 + 0.5) * (1 - math.cos(lean))
     summit, top = outer.at(0.0, 0.5), middle.at(0.0, 0.5)
     assert top.z - summit.z == pytest.approx(drop, rel=1e-12)
-    assert drop == pytest.approx(0.133, abs=0.0015)  # docs/facts.md#the-reference-section
+    assert drop == pytest.approx(0.133, abs=0.0015)  # docs/evidence/facts.md#the-reference-section
 
 
 def test_section_mirrors_itself(yamada: Design) -> None:

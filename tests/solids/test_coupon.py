@@ -65,7 +65,7 @@ def test_notches_meet_pixels_at_different_places(pixel: float) -> None:
 def test_the_ladder_by_hand() -> None:
     """A plate of 49.39 x 8 x 4 mm, less notches, two nicks of 1 mm2 and a corner of 4.5 mm2."""
     width = 13 * 3.03 + 10
-    area = width * 8 - 0.6 * sum(NOTCHES) - 2 * 1.0 - 4.5
+    area = width * 8 - 0.75 * sum(NOTCHES) - 2 * 1.0 - 4.5
     assert PARTS["notch-ladder"].volume == pytest.approx(4 * area, rel=1e-12)
 
 

@@ -15,6 +15,7 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import Point, Segment, area, polygon
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import section
+from skincad.solids.mold import mold
 from skincad.solids.split import closed_edge, notch_rise, path, split_edges, split_height
 
 HALF = 20.0  # mm, of the end plate
@@ -115,6 +116,27 @@ def test_notches_that_meet_are_refused(yamada: Design) -> None:
         wide = yamada.with_(**change)
         with pytest.raises(InputError, match=r"^mold.slit_clearance: neighbouring notches of the comb meet"):
             split_edges(wide, section(wide), HALF)
+
+
+def test_notches_that_touch_within_rounding_are_refused() -> None:
+    """0.16 + 0.16 mm apart, 0.2 + 2 x 0.06 wide: rounding once left a tooth of 1e-17 mm between them."""
+    close = skincad.load("home-printer").with_(
+        skin={"curvature_radius": 1280 / 3, "thickness": 4.0},
+        ridge={
+            "count": 24,
+            "pitch": 1.0,
+            "root_width": 0.75,
+            "tip_width": 0.5,
+            "height": 0.5,
+            "tip_fillet": 0.05,
+            "root_fillet": 0.08,
+            "crown": 0.03,
+        },
+        slot={"thickness": 0.2, "depth": 0.25, "offset": 0.16, "elevation": 0.05},
+        mold={"slit_clearance": 0.06},
+    )
+    with pytest.raises(InputError, match=r"^mold.slit_clearance: neighbouring notches of the comb meet"):
+        mold(close)
 
 
 def test_a_slot_that_turns_along_the_circle_has_no_mouth() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shlex
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import silicones
 from skincad.mechanics.verdict import Change, ContactCheck
-from skincad.outputs.checks import advice_lines, lines, verdict_lines
+from skincad.outputs.checks import advice_lines, details, number_lines
 from skincad.studies.advice import LEVERS, advise, advising, cause
 from skincad.studies.subject import changed
 from tests.mechanics.designs import SHORT, reference
@@ -187,7 +188,7 @@ def test_advice_is_told_line_by_line() -> None:
     for earlier, later in pairwise(rows):
         assert later[: len(earlier)] == earlier
         assert len(later) == len(earlier) + 1
-    assert lines(steps[-1]) == [*verdict_lines(steps[-1]), *rows[-1]]
+    assert details(steps[-1]) == [*number_lines(steps[-1]), *rows[-1]]
     assert rows[-1][0].startswith("  cause          the lowest crest")
     assert rows[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
 
@@ -199,8 +200,9 @@ def test_that_nothing_would_pass_is_told_last() -> None:
     assert advice_lines(last)[1:] == ["  would pass     no single change that was tried"]
 
 
-FAILING = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0", "--set", "contact.force=0.01")
-COMMANDS = {"check": ("check", *FAILING, "--tier", "winkler"), "make": ("make", *FAILING, "--format", "dxf")}
+KEYS = ("ridge.count=3", "skin.width=5.0", "contact.force=0.001")
+FAILING = ("plain-ridges", *(word for key in KEYS for word in ("--set", key)), "--model", "winkler")
+COMMANDS = {"check": ("check", *FAILING), "make": ("make", *FAILING, "--format", "dxf")}
 
 
 @pytest.fixture
@@ -224,15 +226,29 @@ def printed(
 
 
 @pytest.mark.parametrize("printed", COMMANDS.values(), ids=COMMANDS, indirect=True)
+def test_the_verdict_does_not_wait_for_the_next_step(printed: list[str]) -> None:
+    first, last = printed[0], "".join(printed[1:])
+    assert first.startswith(("FAILS", "UNDECIDED"))
+    assert ("  ridge forces" in first) != ("  files" in first)  # all that `check` and `make` say
+    assert "Next" not in first
+    assert last == f"Next: `skincad check {shlex.join(FAILING)} --set ridge.levelling=0.5` passes.\n"
+    assert len(printed) == 2  # no further change is looked for
+
+
+LONG = {command: (*arguments, "-v") for command, arguments in COMMANDS.items()}
+
+
+@pytest.mark.parametrize("printed", LONG.values(), ids=LONG, indirect=True)
 def test_the_verdict_does_not_wait_for_advice(printed: list[str]) -> None:
     first, second, *later = printed
     *verdict, why = first.splitlines()
     assert verdict[0].startswith(("FAILS", "UNDECIDED"))
-    assert any("ridge forces" in line for line in verdict)
+    assert any("each ridge" in line for line in verdict)
     assert any("contact: " in line for line in verdict) == ("Parts:" in verdict)  # all that `make` says
     assert why.startswith("  cause          the lowest crest")
     assert second == "  would pass     ridge.levelling 0 -> 0.5 alone\n"
-    assert later == [""] * 3
+    assert later[:-1] == [""] * 2
+    assert later[-1] == f"Next: `skincad check {shlex.join(FAILING)} --set ridge.levelling=0.5` passes.\n"
 
 
 JSON = {command: (*arguments, "--json") for command, arguments in COMMANDS.items()}

@@ -73,6 +73,10 @@ def test_the_front_is_what_the_judge_says(found: Optimisation) -> None:
     assert again.approach == found.front[0].objectives["approach_mm"]
     with pytest.raises(InputError):
         found.design(2)
+    row = found.to_frame().iloc[0]
+    assert row["approach_mm"] == again.approach.value
+    assert row["all_touch_force_N.error"] == again.all_touch_force.error
+    assert row["ridge.levelling"] == design.ridge.levelling  # type: ignore[union-attr]
 
 
 def test_without_robustness_the_value_counts() -> None:

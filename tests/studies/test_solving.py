@@ -86,6 +86,14 @@ def test_a_number_is_solved_for_each_choice() -> None:
     assert names == ["dragon-skin-30", "dragon-skin-20"]  # the design's own first: the least change
     for one in answer.solutions:
         assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
+    frame = answer.to_frame()
+    assert list(frame["material.name"]) == names
+    assert list(frame["skin.curvature_radius_mm"]) == [
+        one.values["skin.curvature_radius"] for one in answer.solutions
+    ]
+    assert list(frame["all_touch_force_N.error"]) == [
+        one.reached["all_touch_force_N"].error for one in answer.solutions
+    ]
 
 
 def test_out_of_reach_says_how_near_any_value_comes() -> None:
@@ -97,6 +105,8 @@ def test_out_of_reach_says_how_near_any_value_comes() -> None:
         answer
     )
     assert "200 mm" in str(answer)
+    assert str(answer).endswith("Next: look further: widen a range of --vary, or vary another key.")
+    assert answer.to_frame().empty
     assert answer.as_json()["searched"] == "complete"
     with pytest.raises(RefusedError):
         _ = answer.solved

@@ -38,6 +38,7 @@ def test_solve_tells_the_value_and_writes_the_design(
     assert status == 0
     assert text.startswith("yamada-2002: skin.curvature_radius ")
     assert "gives all_touch_force 1.5 N." in text
+    assert text.splitlines()[-1] == f"Next: `skincad check {copy}` judges it by more accurate models."
     assert picture.read_bytes().startswith(b"\x89PNG")
     written = copy.read_text()
     assert "# solved for all_touch_force 1.5 N" in written
@@ -109,6 +110,8 @@ def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.Captu
     status, text = said(capsys, *rows)
     assert status == 0
     assert "4 evaluations, 0 reused" in text
+    assert "smallest 1" not in text
+    assert "smallest 1" in said(capsys, *rows, "--verbose")[1]
     data = json.loads(said(capsys, *rows, "--json")[1])
     assert (data["evaluations"], data["reused"]) == (0, 4)
     assert {Path(file["path"]).name for file in data["files"]} >= {"sweep.csv", "study.html", "effects.png"}

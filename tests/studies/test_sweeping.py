@@ -91,6 +91,9 @@ def test_arrays_and_a_frame(swept: SweepResult) -> None:
     assert arrays["all_touch_force_N.error"].shape == force.shape == (16,)
     frame = swept.frame()
     assert list(frame["skin.length"]) == [row.values["skin.length"] for row in swept.rows]
+    named = swept.to_frame()
+    assert list(named["skin.length_mm"]) == list(frame["skin.length"])
+    assert named.shape == frame.shape
 
 
 def test_json_has_the_contracts_keys(swept: SweepResult) -> None:
@@ -106,13 +109,20 @@ def test_json_has_the_contracts_keys(swept: SweepResult) -> None:
 
 
 def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult) -> None:
-    text = str(swept)
-    assert text.startswith("yamada-2002: 16 rows by winkler, ")
-    assert "8 refused" in text
+    first, sure, rows, last = str(swept).splitlines()
+    assert first.startswith("yamada-2002: row 1 has the smallest all_touch_force 0.")
+    assert first.endswith("skin.length 8, material.name dragon-skin-20, skin.width 11.")
+    assert sure.startswith(
+        "  how sure       surely better than 0 of the other 7 rows; not surely better than rows "
+    )
+    assert rows.startswith("  rows           16 by winkler: ")
+    assert "8 refused" in rows
+    assert last.startswith("Next: the same sweep with `--model ")
+    text = swept.details()
     assert "smallest 1" in text
     assert "largest 1" in text
     assert "is not surely better than" in text
-    assert "skin.width" in text
+    assert "refused        8; the first: ridge.count" in text
 
 
 def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:

@@ -60,7 +60,7 @@ def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
     """Return edge sizes for this pad; twice the fineness halves them all.
 
     The clamped back's corners are singular: unless they are graded to about 1/2000 of the height, the
-    difference between two orders says nothing of the error (docs/facts.md#mesh-and-method).
+    difference between two orders says nothing of the error (docs/evidence/facts.md#mesh-and-method).
     """
     unit = unit_of(pad)
     flank = max((s.length for s in pad.section.outline if s.kind == "flank"), default=unit)

@@ -6,11 +6,12 @@ smooth neo-Hookean surface compressed along itself to the stretch WRINKLES is un
 starts a crease from the stretch CREASES on (Hong, Zhao and Suo, Appl. Phys. Lett. 95 (2009) 111901; 0.646). A
 crease is contact of the skin with itself, which no model here knows.
 
-Measured on docs/facts.md's section, three ridges at 1.2 N, a coefficient of 1, pulled by travel: the stretch
-passes WRINKLES at Ft/Fn 0.666, 0.673, 0.649 and 0.655 (fineness and order 0.5 2, 0.5 3, 1 3, 2 2), first in
-the leading root fillet. There finer meshes fold at once: the determinant of F turns negative, on the coarsest
-it is 0.5 still. The forces hardly feel it: 0.6 % between four meshes at 0.68. A tip fillet of 0.15 mm, not
-0.05, does not help (0.635); at coefficients of 0.8 and 0.6 the tips fold too, at 0.61 and 0.59.
+Measured on docs/evidence/facts.md's section, three ridges at 1.2 N, a coefficient of 1, pulled by travel:
+the stretch passes WRINKLES at Ft/Fn 0.666, 0.673, 0.649 and 0.655 (fineness and order 0.5 2, 0.5 3, 1 3, 2
+2), first in the leading root fillet. There finer meshes fold at once: the determinant of F turns negative,
+on the coarsest it is 0.5 still. The forces hardly feel it: 0.6 % between four meshes at 0.68. A tip fillet
+of 0.15 mm, not 0.05, does not help (0.635); at coefficients of 0.8 and 0.6 the tips fold too, at 0.61 and
+0.59.
 
 Small strain, plane strain. The plate comes down from the first touch on, its normal force growing from step
 to step; sideways it is free, as in a scene's press. Each step is solved exactly (frictional.py). All ridges

@@ -38,7 +38,7 @@ def shear_frequency(shear: float, density: float, height: float) -> float:
     return math.sqrt(shear / (1e-12 * density)) / (4 * height)
 
 
-RETARDATION = 2.4e-5  # s; assumption, docs/facts.md#friction-and-motion
+RETARDATION = 2.4e-5  # s; assumption, docs/evidence/facts.md#friction-and-motion
 MOST_DAMPED = 0.99  # of critical damping; beyond it nothing rings
 SAMPLES_PER_CORNER = 65  # at two periods of ringing after each corner
 

@@ -18,7 +18,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_goals, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, columns_of, item, record, reported
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.bodies import elements
@@ -99,6 +99,22 @@ class FilmStresses(Result):
     states: tuple[FilmStress, FilmStress] = item(
         meaning="under the normal force alone, and with the tangential one", key="film_stress"
     )
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each ridge under each load: the plate's forces, and the stress in both strips."""
+        return columns_of(
+            {
+                "force_N": state.force,
+                "tangential_force_N": state.tangential,
+                "ridge": ridge + 1,
+                "ridge_force_N": state.ridge_force[ridge],
+                "S1_MPa": state.s1[ridge],
+                "S2_MPa": state.s2[ridge],
+                "differential_stress_MPa": state.differential[ridge],
+            }
+            for state in self.states
+            for ridge in range(state.ridges)
+        )
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -329,7 +345,7 @@ def stick_notes(
         yield f"{count} of {total.size} bonded points are in tension, with {pulling:.1%} of the force in all"
 
 
-DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/facts.md)
+DEFAULT_TOLERANCE = 0.02  # of the largest; finite strain and free ends change more (docs/evidence/facts.md)
 LEFT_OUT_NOTE = "the pad is taken as long and strains as small: free ends and finite strain are left out"
 
 

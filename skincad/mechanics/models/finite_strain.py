@@ -6,7 +6,7 @@ two orders on one mesh (linear.py), and the clamped ends on top (EDGE_*). That i
 in its test. The pad's free ends are still left out.
 
 Range: to where a ridge tips over under the plate or its tip folds (newton.py), 13 N in all on
-docs/facts.md's section, or to where parts meet that the model does not know (plane_body.py).
+docs/evidence/facts.md's section, or to where parts meet that the model does not know (plane_body.py).
 Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound (newton.ROUNDING).
 """
 

@@ -272,7 +272,7 @@ def _balance(system: elements.ContactStiffness, moved: Array, force: float) -> f
     return balance
 
 
-DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/facts.md)
+DEFAULT_TOLERANCE = 5e-3  # relative; model errors are ten times larger (docs/evidence/facts.md)
 MOST_A_RIDGE = 150  # contact unknowns on the two coarsest meshes, order 3; an upper bound, never reached
 # Contact unknowns of the whole pad against those of one ridge meshed alone, times the ridges: at least 0.92
 # on the templates' coarsest mesh. What is too large by this is refused before the whole is meshed

@@ -234,7 +234,7 @@ def timed(seconds: dict[str, float], stage: str, work: Callable[[], Any]) -> Any
     return result
 
 
-DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (docs/facts.md)
+DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (docs/evidence/facts.md)
 # What is left after order 3, of the difference to order 2; measured 0.15 to 0.45 on five pads (test_solid.py)
 SECTION_TAIL = 0.6
 LAYERS_TAIL = 1.0  # what is left after the finer layers, against their difference to the coarser

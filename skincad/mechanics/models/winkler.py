@@ -15,8 +15,8 @@ too wide.
 
 The Winkler model: each ridge a spring of its own, in closed form. It ranks designs in less than a
 millisecond. It leaves out that ridges push each other down through the common base, so the all-touch force is
-25 to 35 % below plane strain (docs/facts.md), more on thick skins; The second half of this module says how
-far off it may be.
+25 to 35 % below plane strain (docs/evidence/facts.md), more on thick skins; The second half of this module
+says how far off it may be.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
 about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square

@@ -9,7 +9,9 @@ the front's row (+) is upper, ridges are below.
 
 from __future__ import annotations
 
+import base64
 import math
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +28,7 @@ from skincad.fabrication.patterns import (
     strip_patterns,
 )
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, write_dxf
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear
 from skincad.shape.curves import Loop, Point
@@ -281,11 +284,26 @@ def write_strips_svg(job: Job, path: Path) -> None:
         ".front{fill:#d08020;fill-opacity:.5}.back{fill:#2080c0;fill-opacity:.5}"
         ".mark{stroke:#c00}text{font:1px sans-serif}"
     )
-    _write_svg((left, -top, right - left, top - foot), style, shapes, path)
+    path.write_text(_svg((left, -top, right - left, top - foot), style, shapes), encoding="utf-8")
 
 
 def write_section_svg(design: Design, path: Path) -> None:
     """Write the section with true arcs as SVG, mm, z up."""
+    path.write_text(_section_svg(design), encoding="utf-8")
+
+
+def section_html(design: Design) -> str:
+    """Return what a notebook shows of a design: its name, its sizes, and its section."""
+    skin = skin_of(design)
+    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
+    ridges = f"{skin.count} ridge{'s' * (skin.count > 1)}"
+    words = f"{design.name}: {ridges} on {size}, of {silicone(design).name}"
+    data = base64.b64encode(_section_svg(design).encode()).decode()
+    picture = f'<img style="width:100%;max-width:760px" src="data:image/svg+xml;base64,{data}">'
+    return f"<p><b>{escape(words)}</b></p>{picture}"
+
+
+def _section_svg(design: Design) -> str:
     shape = section(design)
     half, top, (margin, over) = design.skin.width / 2, shape.top, section_margin(design)
     box = (-half - margin, -top - over, 2 * (half + margin), top + over + margin)
@@ -294,7 +312,7 @@ def write_section_svg(design: Design, path: Path) -> None:
         for name, outline in [("outline", shape.outline), *(("slot", s.loop()) for s in shape.slots)]
     ]
     style = "path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
-    _write_svg(box, style, [*curves, _dimensions(*section_dimensions(design))], path)
+    return _svg(box, style, [*curves, _dimensions(*section_dimensions(design))])
 
 
 def _dimensions(marks: list[Dimension], scale: float) -> str:
@@ -305,14 +323,13 @@ def _dimensions(marks: list[Dimension], scale: float) -> str:
     )
 
 
-def _write_svg(box: tuple[float, float, float, float], style: str, shapes: list[str], path: Path) -> None:
+def _svg(box: tuple[float, float, float, float], style: str, shapes: list[str]) -> str:
     """`box`: left, top (downward), width and height, mm."""
     body = "\n".join(shapes)
-    path.write_text(
+    return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{box[2]:.6g}mm" height="{box[3]:.6g}mm" '
         f'viewBox="{box[0]:.6g} {box[1]:.6g} {box[2]:.6g} {box[3]:.6g}">\n'
-        f"  <style>{style}</style>\n{body}\n</svg>\n",
-        encoding="utf-8",
+        f"  <style>{style}</style>\n{body}\n</svg>\n"
     )
 
 

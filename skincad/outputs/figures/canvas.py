@@ -153,7 +153,7 @@ STYLE: dict[str, Any] = {  # of every figure, on matplotlib's defaults
     "axes.titlesize": TITLE,
     "figure.titlesize": HEAD,
     "font.family": "DejaVu Sans",  # matplotlib's own: the same on every machine
-    "font.size": SMALL,
+    "font.size": TITLE,
     "grid.color": GRID,
     "grid.linewidth": 0.6,
     "legend.fontsize": SMALL,

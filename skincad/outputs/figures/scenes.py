@@ -121,6 +121,7 @@ def _signals(axes: Axes, simulation: Simulation, group: list[int], name: str, *,
         step = simulation.slip_steps[ridge - 1]
         if step is not None:
             axes.axvline(step, color=GREY if len(group) == 1 else colour, zorder=0.9, **SLIPS)
+    axes.set_xlim(-0.5, simulation.march.time.size - 0.5)
     axes.tick_params(labelbottom=False, labelleft=first)
     room = 2 if len(simulation.signals) > MAX_PANELS // 2 else 4  # so that numbers of neighbours do not meet
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=room))

@@ -9,7 +9,7 @@ from typing import Any
 from skincad.base.errors import require_number
 from skincad.base.machine import machine
 from skincad.base.progress import Progress
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Result, columns_of, item, record, reported
 from skincad.inputs.design import Design
 from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_of
 
@@ -20,7 +20,7 @@ MOST_REPEATS = 100
 class Accuracy(Result):
     """The ladders of a design, on what machine, and the seconds of the whole."""
 
-    shown_by = "skincad.outputs.accuracies"
+    shown_by = "skincad.outputs.accuracies:ACCURACY"
     name: str = item(meaning="of the design")
     ladders: tuple[Ladder, ...]
     machine: dict[str, Any] = item(meaning="on which times were taken")
@@ -31,6 +31,11 @@ class Accuracy(Result):
     def rows(self) -> list[dict[str, Any]]:
         """Rows of all ladders."""
         return [row for ladder in self.ladders for row in ladder.rows()]
+
+    def columns(self) -> dict[str, Any]:
+        """Return a row for each trial; `errors.NAME` is the error by this measure, in its unit of
+        `reference`."""
+        return columns_of(self.rows)
 
     @reported(meaning="what errors are against, by ladder")
     def reference(self) -> dict[str, Any]:

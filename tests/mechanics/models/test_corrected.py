@@ -17,7 +17,7 @@ from tests.mechanics.models.test_solid import FORCE, assert_inside, refined
 def test_refined_solid_lies_inside() -> None:
     answer = corrected.answer(reference().with_(**THREE), Request(FORCE))
     assert_inside(answer, refined())
-    # docs/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear model's own error aside
+    # docs/evidence/facts.md: a coarse run's ratio is a fine one's to 0.5 %; the linear model's error aside
     assert answer.approach.value == pytest.approx(refined().approach, rel=5e-3)
     assert answer.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
 
@@ -89,7 +89,7 @@ def threshold_ratio(ends: corrected.Ends) -> float:
 
 
 def test_a_long_pad_is_hardly_changed() -> None:
-    """480 mm: the ends' share falls as 1 / L: the 28 % of docs/facts.md at 12 mm would be 0.7 % at 480 mm."""
+    """The ends' share falls as 1 / L: the 28 % of docs/evidence/facts.md at 12 mm is 0.7 % at 480 mm."""
     long = reference().with_(**THREE).with_(skin={"length": 480.0})
     ends = corrected.free_ends(pad_of(long), 40 * FORCE, {})
     assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01

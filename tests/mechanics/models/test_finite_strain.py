@@ -1,4 +1,4 @@
-"""The neo-Hookean model: closed forms, tangent, limits, docs/facts.md's numbers, and what it refuses."""
+"""The neo-Hookean model: closed forms, tangent, limits, numbers of docs/evidence/facts.md, refusals."""
 
 from __future__ import annotations
 
@@ -198,7 +198,7 @@ def test_light_loads_are_linear(force: float) -> None:
 
 
 def test_reference_section_against_facts() -> None:
-    """docs/facts.md#what-a-model-leaves-out against linear: approach about -4 %, outer share -25 to -45 %.
+    """docs/evidence/facts.md#what-a-model-leaves-out: approach about -4 %, outer share -25 to -45 %.
 
     Its F9 "about +10 %" comes out as +5 %, as the outer share's -25 % asks for: that share starts at F9 and
     grows by 0.09 N per N. Bounds wide enough for both.
@@ -301,7 +301,7 @@ def test_other_plates_are_refused() -> None:
 
 
 def test_a_part_with_low_crests() -> None:
-    """Both outer crests 0.025 mm low: F9 32 % higher by docs/facts.md#manufacture; here a third too."""
+    """Outer crests 0.025 mm low: F9 32 % higher by docs/evidence/facts.md#manufacture; here a third too."""
     drops = (0.025, *[0.0] * 7, 0.025)
     low = finite_strain.answer(reference(), Request(4.0, COARSE, crest_offsets=drops))
     assert 1.25 < value(low.all_touch_force) / value(nine().all_touch_force) < 1.45

@@ -1,4 +1,4 @@
-"""The solid against plane strain, against itself refined, and the free ends of docs/facts.md."""
+"""The solid against plane strain, against itself refined, and the free ends of docs/evidence/facts.md."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def test_layers_integrate_polynomials() -> None:
 
 @pytest.mark.slow
 def test_free_ends_as_in_the_facts() -> None:
-    """docs/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; two meshes: 1 %."""
+    """docs/evidence/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; meshes: 1 %."""
     solution = solid.solve(pad_of(sharp()), Request(4.0))
     assert not solution.warnings
     assert solution.touching == 9
@@ -185,7 +185,7 @@ def test_free_ends_as_in_the_facts() -> None:
     [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=pytest.mark.slow), (48.0, 0.1859)],
 )
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
-    """Of docs/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs had its own error."""
+    """Of docs/evidence/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs errs too."""
     pad = replace(pad_of(sharp()), length=length)
     solution = coarse(pad, force=4.0 * length / 12.0)
     assert solution.approach == pytest.approx(approach, rel=1.5e-2)

@@ -38,7 +38,7 @@ def test_linear_model_lies_inside_the_model_error(name: str) -> None:
 
 
 def test_reference_is_low_as_measured() -> None:
-    """docs/facts.md#what-a-model-leaves-out: F9 25 to 35 % low."""
+    """docs/evidence/facts.md#what-a-model-leaves-out: F9 25 to 35 % low."""
     low = (check(reference(), model="winkler").all_touch_force.value or 0.0) / 3.026
     assert 0.65 <= low <= 0.75
 

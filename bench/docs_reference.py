@@ -1,0 +1,243 @@
+"""The generated pages of docs/reference: commands, Python names, TOML keys and JSON keys.
+
+A hook of mkdocs: the pages exist in the built site only. `python -m bench.docs_reference FOLDER` writes them.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import is_dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import typer
+from mkdocs.structure.files import File
+
+import skincad
+from skincad.base.result import Record, ReportedProperty, declared_items, key_of
+from skincad.base.tables import Table
+from skincad.cli.app import app
+from skincad.effects import EFFECTS, effect
+from skincad.inputs.design import Design
+from skincad.inputs.gripper import Gripper
+from skincad.inputs.process import Process
+from skincad.inputs.silicone import Silicone
+from skincad.outputs.tomls import table_entries
+
+RESULTS = {  # a command, and the record that its --json prints
+    "new": "studies.wish:WishResult",
+    "check": "mechanics.verdict:ContactCheck",
+    "check --stress": "mechanics.film.stress:FilmStresses",
+    "make": "fabrication.making:MakeResult",
+    "simulate": "scenes.simulation:Simulation",
+    "circuit": "circuit.bode:CircuitGain",
+    "solve": "studies.solving:Solution",
+    "sweep": "studies.sweeping:SweepResult",
+    "optimise": "studies.study:Optimisation",
+    "accuracy": "studies.accuracy.accuracy:Accuracy",
+    "fit-material": "material.modulus:MaterialFit",
+    "coupon": "fabrication.coupon:CouponKit",
+    "coupon --measured": "fabrication.coupon_reading:CouponReading",
+    "package": "outputs.simulators.package:Package",
+}
+DOCUMENTS = ("Circuit", "Design", "Scene", "Study")  # fields are keys of TOML, which have their own page
+METHODS = "with_, to_toml"
+TYPES = (  # the first that a type's last part names
+    ("Estimate", "number with error"), ("bool", "true or false"), ("str|Literal|Verdict", "text"),
+    ("float", "number"), (r"\w*Array|ndarray|Floats", "number"), ("int", "whole number"),
+    ("BySource", "number by source"),
+)  # fmt: skip
+NAMED_LATE = ("fabrication.estimates", "fabrication.fasteners", "fabrication.rules")  # hold records of make's
+
+
+def commands_page() -> str:
+    """Return the page of commands: each with its arguments, options and defaults."""
+    lines = ["# Commands", "", "The output of `skincad COMMAND --help`, on one page.", ""]
+    group = typer.main.get_command(app)
+    for name, command in group.commands.items():  # type: ignore[attr-defined]
+        context = command.make_context(name, [], resilient_parsing=True)
+        lines += [f"## skincad {name}", "", *inspect.cleandoc(command.help or "").splitlines(), ""]
+        shown = [parameter.get_help_record(context) for parameter in command.params]
+        rows = [f"| `{record[0]}` | {_cell(record[1])} |" for record in shown if record]
+        lines += ["| argument or option | meaning |", "|---|---|", *rows, ""]
+    return "\n".join(lines)
+
+
+def python_page() -> str:
+    """Return the page of public names, each by its docstring; mkdocstrings fills it in."""
+    lines = [
+        "# Python",
+        "",
+        "Every public name of `skincad`. [Use Python](../howto/python.md) shows them at work.",
+        "",
+    ]
+    for name in skincad.__all__:
+        home = skincad._HOMES[name].replace(":", ".")
+        lines += [f"::: skincad.{home}", "    options:", f"      heading: skincad.{name}"]
+        lines += [
+            f"      {kind}: [{METHODS}]" for kind in ("members", "inherited_members") if name in DOCUMENTS
+        ]
+        lines += ["", "[Its keys](toml.md).", ""] if name in DOCUMENTS else [""]
+    return "\n".join(lines)
+
+
+def toml_page() -> str:
+    """Return the page of TOML keys: unit, range, default and meaning of each."""
+    from skincad.circuit.model import Circuit
+    from skincad.scenes.scene import Scene
+    from skincad.studies.study import Study
+
+    lines = [
+        "# TOML keys", "", "Every key of every file that skincad reads. `skincad new FILE --template NAME`",
+        "writes a file with the same text as comments.", "",
+    ]  # fmt: skip
+    kinds: list[type[Table]] = [Design, Scene, Circuit, Study]
+    for model in kinds:
+        lines += [f"## {model.__name__}", "", *_tables(model, "")]
+        if model is Scene:
+            for name in EFFECTS:
+                lines += _tables(effect(name), f"effects.{name}")
+    own = (
+        ("Silicones", Silicone, "my-silicone"),
+        ("Processes", Process, "my-printer"),
+        ("Grippers", Gripper, "my-gripper"),
+    )
+    for title, model, name in own:
+        lines += [f"## {title}", "", f"A table a row, as `[{name}]`.", "", *_tables(model, name)]
+    return "\n".join(lines)
+
+
+def _tables(model: type[Table], path: str) -> Iterator[str]:
+    """A table of keys for a model and, below it, each table within."""
+    rows, inner = table_entries(model)
+    if path:
+        yield from (f"### `[{path}]`", "", _cell(inspect.cleandoc(model.__doc__ or "").split("\n\n")[0]), "")
+    if rows:
+        yield from ("| key | meaning | unit, range, default |", "|---|---|---|")
+        for row in rows:
+            default = row.default if row.default in ("", "required") else f"default `{row.default}`"
+            limits = "; ".join(part for part in (row.limits, default) if part)
+            yield f"| `{row.key}` | {_cell(row.meaning)} | {limits} |"
+        yield ""
+    for key, table in inner.items():
+        if table in (Silicone, Process, Gripper):  # each has its own section
+            continue
+        yield from _tables(table, f"{path}.{key}" if path else key)
+
+
+def json_page() -> str:
+    """Return the page of JSON keys: of each command, and of each record within them."""
+    lines = [
+        "# JSON keys", "", "The output of `--json`. A key ends in its unit. A number with error is",
+        '`{"value": v, "error": e}`; `v` is null if there is none. Lists over ridges start with ridge 1.', "",
+    ]  # fmt: skip
+    for module in NAMED_LATE:
+        import_module(f"skincad.{module}")
+    known: dict[str, type[Record]] = {}
+    for command, home in RESULTS.items():
+        kind = _imported(home)
+        lines += [f"## skincad {command}", "", *_record_rows(kind, known)]
+    lines += ["## Records within", ""]
+    listed: set[str] = set()
+    while names := [name for name in known if name not in listed]:
+        for name in names:
+            listed.add(name)
+            lines += [f"### {name}", "", *_record_rows(known[name], known)]
+    return "\n".join(lines)
+
+
+def _imported(home: str) -> type[Record]:
+    module, _, name = home.partition(":")
+    return getattr(import_module(f"skincad.{module}"), name)  # type: ignore[no-any-return]
+
+
+def _record_rows(kind: type[Record], known: dict[str, type[Record]]) -> Iterator[str]:
+    yield from ("| key | type | meaning |", "|---|---|---|")
+    yield from _rows_of(kind, known)
+    yield ""
+
+
+def _rows_of(kind: type[Record], known: dict[str, type[Record]]) -> Iterator[str]:
+    records = {record.__name__: record for record in _below(Record)}
+    for name, item in declared_items(kind):
+        written = _annotation(kind, name)
+        inner = next((records[word] for word in re.findall(r"\w+", written) if word in records), None)
+        if item.inline and inner:
+            yield from _rows_of(inner, known)
+            continue
+        if inner:
+            known.setdefault(inner.__name__, inner)
+        key = "(more keys)" if item.inline else f"`{item.key or key_of(name, item.unit)}`"
+        yield f"| {key} | {_type(written, inner)} | {_cell(item.meaning)} |"
+
+
+def _annotation(kind: type, name: str) -> str:
+    """An attribute's type as the class writes it."""
+    for parent in kind.__mro__:
+        value = vars(parent).get(name)
+        if isinstance(value, ReportedProperty):
+            return str(value.method.__annotations__["return"])
+        if name in vars(parent).get("__annotations__", {}):
+            return str(vars(parent)["__annotations__"][name])
+    return ""
+
+
+def _type(written: str, inner: type[Record] | None) -> str:
+    """A Python type in words: "list of number"."""
+    if inner:
+        plain = f"[{inner.__name__}](#{inner.__name__.lower()})"
+    else:
+        last = re.split(r"\b(?:dict|Mapping)\[[^,]+,", written)[-1]
+        plain = next((shown for name, shown in TYPES if re.search(rf"\b{name}\b", last)), "value")
+    if written.startswith(("tuple", "list", "np.", "Array", "Floats", "Sequence")):
+        return f"list of {plain}"
+    return f"table of {plain}" if re.match(r"dict|Mapping", written) else plain
+
+
+def _below(kind: type[Record]) -> Iterable[type[Record]]:
+    for child in kind.__subclasses__():
+        if is_dataclass(child):
+            yield child
+        yield from _below(child)
+
+
+def _cell(text: str) -> str:
+    return (
+        " ".join(text.split())
+        .replace("|", "\\|")
+        .replace("<", "&lt;")
+        .replace("*", "\\*")
+        .replace("_", "\\_")
+    )
+
+
+PAGES: dict[str, Callable[[], str]] = {
+    "reference/cli.md": commands_page,
+    "reference/python.md": python_page,
+    "reference/toml.md": toml_page,
+    "reference/json.md": json_page,
+}
+
+
+def on_files(files: Any, *, config: Any) -> Any:
+    """Add the pages to the site; mkdocs calls this."""
+    for path, page in PAGES.items():
+        files.append(File.generated(config, path, content=page()))
+    return files
+
+
+def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
+    """Rank the tables of Evidence below other pages in the search; mkdocs calls this."""
+    if page.file.src_uri.startswith("evidence/"):
+        page.meta["search"] = {"boost": 1e-4}  # a match in a title counts 1000 times one in the text
+    return markdown
+
+
+if __name__ == "__main__":
+    for path, page in PAGES.items():
+        (Path(sys.argv[1]) / path).parent.mkdir(parents=True, exist_ok=True)
+        (Path(sys.argv[1]) / path).write_text(page())

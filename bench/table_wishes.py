@@ -1,0 +1,149 @@
+"""Random wishes: how many are met, whether those said to be met really are, and feasible ones missed.
+
+    python -m bench.table_wishes 9000 9200
+
+Each seed is a wish. A design that is said to meet it is judged again by `check` without a budget, and by the
+findings of its mold. Of a wish that is said not to be met, random designs are tried: one that passes shows
+that it was feasible.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import sys
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from time import perf_counter
+
+import skincad
+from skincad.base.errors import InputError, RefusedError
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.inputs.design import Design
+from skincad.inputs.gripper import grippers
+from skincad.inputs.process import PROCESSES
+from skincad.inputs.silicone import silicones
+from skincad.studies.wish import meets, room
+
+TRIALS, CHECKS = 400, 4  # random designs for a wish that is not met; of them checked
+Given = dict[str, object]
+
+
+def wish_of(seed: int) -> Given:
+    """Return a random wish; each part but the size and the touch is left out now and then."""
+    chance = random.Random(seed)
+    given: Given = {
+        "size": (round(chance.uniform(8, 50), 1), round(chance.uniform(8, 50), 1)),
+        "touch": float(f"{10 ** chance.uniform(-1, 1.3):.2g}"),
+        "film": chance.choice(("none", "pvdf-9um", "pvdf-28um", "pvdf-28um", "pvdf-52um", "pvdf-110um")),
+    }
+    if chance.random() < 0.6:
+        given["silicone"] = chance.choice(list(silicones(None)))
+    if chance.random() < 0.7:
+        given["process"] = chance.choice(PROCESSES)
+    if chance.random() < 0.3:
+        given["gripper"] = chance.choice(list(grippers()))
+    return given
+
+
+def castable(design: Design) -> bool:
+    """Whether no rule of the mold is broken by more than a note."""
+    return all(finding.severity == "note" for finding in design_findings(Job(design)))
+
+
+def feasible(given: Given, found: Design, seed: int) -> bool:
+    """Whether a random design near the found one meets the wish: same silicone, process, film and holes."""
+    chance, tried = random.Random(seed), []
+    width, length = given["size"]  # type: ignore[misc]
+    touch = float(given["touch"])  # type: ignore[arg-type]
+    for _ in range(TRIALS):
+        pitch = chance.uniform(1.0, 8.0)
+        by = pitch / (found.ridge.pitch or 1.0)
+        high = chance.uniform(0.3, 1.0) * pitch
+        tables: dict[str, dict[str, object]] = {
+            "skin": {
+                "width": width,
+                "length": length,
+                "thickness": chance.uniform(2.0, 20.0),
+                "curvature_radius": width * 10 ** chance.uniform(0.4, 2),
+            },
+            "ridge": {
+                "pitch": pitch,
+                "count": max(2, int(width / pitch)),
+                "height": high,
+                "levelling": 1.0,
+                "root_width": chance.uniform(0.55, 0.8) * pitch,
+                "tip_width": chance.uniform(0.25, 0.5) * pitch,
+                "crown": chance.uniform(0.02, 0.1) * pitch,
+                "tip_fillet": max(found.ridge.tip_fillet, 0.05 * pitch),
+                "root_fillet": 0.08 * pitch,
+            },
+            "contact": {"force": touch},
+        }
+        if "gripper" in given:
+            tables["mold"] = {"mount": given["gripper"]}
+        if found.slot is not None:
+            tables["slot"] = {key: getattr(found.slot, key) * by for key in ("depth", "offset", "elevation")}
+        try:
+            design = found.with_(**tables)
+            size = room(design)
+        except (InputError, RefusedError):
+            continue
+        if size is not None:
+            tried.append((size, design))
+    checked = 0
+    for _, design in sorted(tried, key=lambda one: -one[0]):
+        try:
+            if not castable(design):
+                continue
+            checked += 1
+            if meets(skincad.check(design)):
+                return True
+        except (InputError, RefusedError):
+            continue
+        if checked == CHECKS:
+            break
+    return False
+
+
+def judged(seed: int) -> dict[str, object]:
+    """Return a row of the table: the wish, the answer, and what the second judge says."""
+    given, began = wish_of(seed), perf_counter()
+    row: dict[str, object] = {"seed": seed, "wish": given}
+    try:
+        answer = skincad.design_for(**given)  # type: ignore[arg-type]
+    except (InputError, RefusedError) as refused:
+        return row | {"refused": str(refused), "seconds": perf_counter() - began}
+    row |= {"seconds": perf_counter() - began, "met": answer.passed}
+    row["broken"] = [broken.wish for broken in answer.broken]
+    design, verdict = answer.design, answer.check
+    row["design"] = {"pitch": design.ridge.pitch, "count": design.ridge.count, "height": design.ridge.height}
+    row["design"] |= {"levelling": design.ridge.levelling, "force": design.contact.force}  # type: ignore[operator]
+    row["needed"], row["model"] = verdict.all_touch_force.value, verdict.model
+    row["parts"] = verdict.manufacture and verdict.manufacture.passing.value
+    row["silicone"] = design.material.name
+    row["again"] = castable(design) and meets(skincad.check(design))
+    if not answer.passed:
+        row["feasible"] = feasible(given, design, seed)
+    return row
+
+
+def main(first: int, last: int) -> None:
+    """Judge the wishes of these seeds, and print each and the counts."""
+    rows = []
+    with ProcessPoolExecutor(2) as pool:
+        for job in as_completed([pool.submit(judged, seed) for seed in range(first, last)]):
+            rows.append(job.result())
+            print(json.dumps(rows[-1]), flush=True)
+    met = [row for row in rows if row.get("met")]
+    missed = [row for row in rows if row.get("feasible")]
+    false = [row["seed"] for row in met if not row["again"]]
+    seconds = sorted(float(row["seconds"]) for row in rows)  # type: ignore[arg-type]
+    share = len(met) / max(1, len(met) + len(missed))
+    print(f"{len(rows)} wishes: {len(met)} met, {len(false)} of them falsely {false}; refused or not met")
+    print(f"{len(rows) - len(met)}, of which {len(missed)} are feasible; met of the feasible {share:.1%}")
+    print(f"seconds: median {seconds[len(seconds) // 2]:.1f}, largest {seconds[-1]:.1f}")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:3]))

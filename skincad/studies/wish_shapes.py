@@ -1,0 +1,229 @@
+"""Castable shapes for a wish: pads in the paper's proportions, of which machines and mold refuse nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from skincad.base.errors import InputError
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.rules import walls_close
+from skincad.inputs.catalog import Own, with_own
+from skincad.inputs.design import Design
+from skincad.inputs.process import Process, processes
+
+PITCHES = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # mm
+MOST_RIDGES = 9  # the paper's number: each more takes two strips and two channels
+COARSEST = 4.0  # mm, the pitch up to which a wide pad gets larger ridges, not more of them
+LEAST_RIDGES = 3  # fewer can't tell outer from inner ridges
+# of the pitch, as yamada-2002: a ridge's root, crown and fillets, and its slots' place
+RIDGE = {"root_width": 0.75, "crown": 0.03, "tip_fillet": 0.05, "root_fillet": 0.08}
+SLOT = {"depth": 0.25, "offset": 0.16, "elevation": 0.05}
+# a ridge's height and tip by the pitch, and the skin's thickness by four pitches: yamada-2002's first, then
+# softer ones
+FORMS = ((0.5, 0.5, 1.0), (0.7, 0.5, 1.0), (0.7, 0.5, 1.5), (0.9, 0.4, 2.0), (1.0, 0.3, 2.0))
+THINNEST, THICKEST = 4.0, 10.0  # mm, of the first form
+# of a ridge's height: how much lower than the middle crest the outer ones lie at most, as yamada-2002's, and
+# on a skin that counts as flat
+DROP, FLAT = 0.25, 0.001
+SMALLEST_RADIUS = 5.5  # by the width, as yamada-2002's: a fan of 10 degrees
+SHIMS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)  # mm, precision sheet as it is sold
+FILM_ROOM, SLOT_SHARE = 0.02, 0.05  # mm beside a film; slot by pitch, at least
+WIRE_SLIT = 0.01  # mm, a side, of shims in combs that are cut and lapped
+DIGITS = 2  # of a chosen length
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A pad of `width` (across the ridges) by `length` mm whose ridges all touch a flat plate at `touch` N.
+
+    `silicone`, `process` and `gripper` are names, `film` is a strip's thickness in mm, 0 for none; `own` are
+    the lab's own tables, by the design's key.
+    """
+
+    width: float
+    length: float
+    touch: float
+    silicone: str
+    process: str = "sla"
+    gripper: str | None = None
+    film: float = 0.028
+    name: str = "pad"
+    own: dict[str, Own | None] = field(default_factory=dict, compare=False)
+
+    @cached_property
+    def processes(self) -> dict[str, Process]:
+        """All processes by name, the lab's own too."""
+        return processes(self.design({}).printer)
+
+    def design(self, tables: dict[str, dict[str, Any]]) -> Design:
+        """Return a design of these tables, over those that every wish has."""
+        plain = Shape(PITCHES[3], 1, *FORMS[0]).tables(self.width, self.length)
+        data: dict[str, Any] = {
+            **plain,
+            "name": self.name,
+            "material": {"name": self.silicone},
+            "mold": {"process": self.process},
+            "contact": {"force": self.touch},
+        }
+        for key, table in tables.items():
+            data[key] = {**data.get(key, {}), **table}
+        for key in ("printer", "silicones", "grippers"):
+            data = with_own(data, key, self.own.get(key))  # type: ignore[arg-type]  # a name of OwnTable
+        return Design(**data)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Ridges of one pitch, mm, on a skin: `height` and `tip` by the pitch, `thickness` by the usual one."""
+
+    pitch: float
+    count: int
+    height: float
+    tip: float
+    thickness: float
+
+    def tables(self, width: float, length: float) -> dict[str, dict[str, Any]]:
+        """Return the tables of skin and ridges; the skin is flat."""
+        high = rounded(self.height * self.pitch)
+        thick = self.thickness * min(max(4 * self.pitch, THINNEST), THICKEST)
+        ridge = {"count": self.count, "pitch": self.pitch, "height": high}
+        sizes = {key: rounded(share * self.pitch) for key, share in RIDGE.items()}
+        return {
+            "skin": {
+                "curvature_radius": radius_for(FLAT * high, (self.count - 1) * self.pitch, width),
+                "thickness": rounded(thick),
+                "width": width,
+                "length": length,
+            },
+            "ridge": {**ridge, **sizes, "tip_width": rounded(self.tip * self.pitch)},
+        }
+
+
+def radius_for(drop: float, reach: float, width: float) -> float:
+    """Return the curvature radius, mm, at which the outer of ridges that span `reach` mm lie `drop` mm lower
+    than the middle one; no smaller than a skin of this width takes."""
+    return rounded(max(reach**2 / (8 * drop), SMALLEST_RADIUS * width))
+
+
+class Blocked(Exception):  # noqa: N818
+    """No shape is castable: `by` names the finding, or the key, that refused the last one."""
+
+    def __init__(self, by: str, excess: float = 0.0) -> None:
+        self.by, self.excess = by, excess
+        super().__init__(by)
+
+
+WHATEVER_THE_RIDGES = ("build volume", "mold.mount")  # what blocks one shape blocks them all
+
+
+def rounded(length: float) -> float:
+    """Return a length, mm, of DIGITS digits."""
+    return float(f"{length:.{DIGITS}g}")
+
+
+def usual_pitch(width: float) -> float:
+    """Return the pitch, mm, of the ridges that a width, mm, gets unless something stands against it."""
+    return next((p for p in PITCHES if p >= COARSEST or _most(width, p) <= MOST_RIDGES), COARSEST)
+
+
+def shapes(width: float) -> Iterator[Shape]:
+    """Yield the shapes for a width, mm, the most like the paper first: its number of ridges or a few less,
+    then larger and softer ones, then finer ones."""
+    usual = usual_pitch(width)
+    larger = [pitch for pitch in PITCHES if pitch >= usual]
+    steps = [
+        (place + form, pitch, FORMS[form]) for place, pitch in enumerate(larger) for form in range(len(FORMS))
+    ]
+    finer = [(0, pitch, FORMS[0]) for pitch in reversed(PITCHES) if pitch < usual]
+    for _, pitch, form in [*sorted(steps, key=lambda step: step[0]), *finer]:
+        if (count := _most(width, pitch)) >= LEAST_RIDGES:
+            yield Shape(pitch, count, *form)
+
+
+def _most(width: float, pitch: float) -> int:
+    """How many ridges of a pitch fit on a width, mm."""
+    root = (RIDGE["root_width"] + 2 * RIDGE["root_fillet"]) * pitch
+    return max(0, math.floor((0.995 * width - root) / pitch) + 1)
+
+
+def combs(wish: Wish) -> list[str]:
+    """Return by what the end plates may be made, the wish's own machine first: finer ones for fine slots."""
+    own = wish.processes.get(wish.process)
+    finer = ["edm"] if own is None or not own.layer else ["sla", "edm"]
+    return list(dict.fromkeys([wish.process, *finer])) if wish.film else [wish.process]
+
+
+def check_castable(design: Design) -> None:
+    """Raise Blocked where a rule or a machine refuses a design's mold: a finding is an error or a warning."""
+    try:
+        findings = design_findings(Job(design))
+    except InputError as refused:
+        raise Blocked(refused.key) from None
+    grave = [finding for finding in findings if finding.severity != "note"]
+    if grave:
+        worst = next((f for f in grave if f.rule in WHATEVER_THE_RIDGES), grave[0])
+        raise Blocked(worst.rule, worst.measured - worst.limit)
+
+
+def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
+    """Return the wish's design in a shape, flat, with the slots and the play that its machines need. Raises
+    Blocked where no such skin can be."""
+    cutter = wish.processes[wish.process]
+    tables = shape.tables(wish.width, wish.length)
+    tip = max(tables["ridge"]["tip_fillet"], cutter.reach)
+    if cutter.groove_ratio:
+        tip = max(tip, rounded(tables["ridge"]["height"] / (2 * cutter.groove_ratio) + 0.005))
+    tables["ridge"]["tip_fillet"] = tip
+    makers = [cutter, *([wish.processes[end_plates]] if wish.film else [])]
+    play = max(maker.clearance + 2 * _walls(wish, maker) for maker in makers)
+    tables["mold"] = {"clearance": _up(play)}
+    if wish.gripper is not None:
+        tables["mold"]["mount"] = wish.gripper
+    if wish.film:
+        tables |= _slots(wish.film, shape.pitch)
+        comb = makers[-1]
+        slit = comb.tolerance + _walls(wish, comb) if comb.layer else WIRE_SLIT
+        if tables["slot"]["thickness"] + 2 * slit < max(comb.gap, 2 * comb.reach):
+            raise Blocked("gap")
+        tables["mold"]["slit_clearance"] = _up(slit)
+        if end_plates != wish.process:
+            tables["mold"]["end_plate_process"] = end_plates
+    try:
+        return wish.design(tables)
+    except InputError as refused:
+        raise Blocked(refused.key) from None
+
+
+def _walls(wish: Wish, maker: Process) -> float:
+    """By how much each wall comes nearer than it is drawn, mm: growth, and a coat where one is needed."""
+    return walls_close(Job(wish.design({})), maker)
+
+
+def _slots(film: float, pitch: float) -> dict[str, dict[str, Any]]:
+    """The tables of slots for a film, mm, in ridges of a pitch, mm."""
+    thick = max(film + FILM_ROOM, SLOT_SHARE * pitch)
+    slot = next((shim for shim in SHIMS if shim >= thick - 1e-9), math.ceil(10 * thick) / 10)
+    places = {key: rounded(share * pitch) for key, share in SLOT.items()}
+    return {"slot": {"thickness": slot, **places, "tilt": 0.0}, "film": {"thickness": film}}
+
+
+def _up(length: float) -> float:
+    """A length, mm, rounded up to a micrometre."""
+    return math.ceil(1000 * length - 1e-6) / 1000
+
+
+def relaxed(wish: Wish, blocked: Blocked) -> Wish | None:
+    """Return the nearest wish without what blocked it; None where nothing is left to give up."""
+    if blocked.by == "build volume":
+        width, length = wish.width, wish.length
+        if length >= width:
+            return replace(wish, length=math.floor(length - max(blocked.excess, 1.0)))
+        return replace(wish, width=math.floor(width - max(blocked.excess, 1.0)))
+    if blocked.by.startswith("mold.mount") and wish.gripper is not None:
+        return replace(wish, gripper=None)
+    return replace(wish, film=0.0) if wish.film else None

@@ -1,0 +1,230 @@
+"""Designs for wishes: what is met, what is not, and what the file says. One small pad serves fast tests."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad.cli import run
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
+from skincad.studies.wish import PASSING, WishResult, film_of, force_of, size_of
+from tests.conftest import run_skincad
+from tests.refusals import refused, refused_by, refused_command
+
+SMALL: dict[str, Any] = {"size": "10x12", "touch": "300mN", "silicone": "ecoflex-00-50"}
+
+
+@pytest.fixture(scope="module")
+def small() -> WishResult:
+    return skincad.design_for(**SMALL, name="small")
+
+
+def graver_than_notes(design: Design) -> list[str]:
+    return [str(finding) for finding in design_findings(Job(design)) if finding.severity != "note"]
+
+
+def share(result: WishResult) -> float:
+    assert result.check.manufacture is not None
+    return result.check.manufacture.passing.value or 0.0
+
+
+def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult) -> None:
+    design = small.design
+    assert small.passed
+    assert not small.broken
+    assert (design.skin.width, design.skin.length, design.contact.force) == (10.0, 12.0, 0.3)
+    assert (design.material.name, design.mold.process) == ("ecoflex-00-50", "sla")
+    assert design.film is not None
+    assert design.film.thickness == 0.028
+    assert graver_than_notes(design) == []
+    assert skincad.check(design, model="corrected").passed
+    assert share(small) >= PASSING
+
+
+def test_its_skin_is_about_as_curved_as_the_force_bears(small: WishResult) -> None:
+    """With half the radius too few parts pass: the choice is not just the flattest."""
+    assert max(skin_of(small.design).crests) - min(skin_of(small.design).crests) > 0.003
+    rounder = small.design.with_(skin={"curvature_radius": small.design.skin.curvature_radius / 2})
+    parts = skincad.check(rounder, model="corrected").manufacture
+    assert parts is not None
+    assert (parts.passing.value or 0.0) < PASSING
+
+
+def test_every_choice_names_a_key_its_value_and_its_rule(small: WishResult) -> None:
+    values = {choice.key: choice.value for choice in small.choices}
+    assert values["ridge.pitch"].startswith(f"{small.design.ridge.pitch:g} mm, {small.design.ridge.count} ")
+    assert {"ridge.height", "ridge.levelling", "skin.thickness", "skin.curvature_radius"} <= set(values)
+    assert all(choice.why for choice in small.choices)
+    assert str(small).startswith("Met: all ")
+    assert "ridge.levelling" in str(small)
+    assert small.as_json()["passed"] is True
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_the_file_is_the_design_with_its_rules(small: WishResult, tmp_path: Path, full: bool) -> None:
+    from skincad.outputs.wishes import write_wish
+
+    path, schema = write_wish(tmp_path / "mine.toml", small, full)
+    assert skincad.load(path) == small.design.with_(name="mine")
+    text = path.read_text()
+    assert text.startswith(f"#:schema ./{schema.name}\n")
+    assert ("# gap per side between parts" in text) == full
+    if not full:
+        assert len(text.splitlines()) < 70
+        assert "leaves room for crests that scatter by 0.015 mm, as sla makes them\ncurvature_radius" in text
+        assert "d31" not in tomllib.loads(text)["film"]
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [
+        ("24x30", (24.0, 30.0)),
+        ("2.4 x 3cm", (24.0, 30.0)),
+        ("24 x 30 mm", (24.0, 30.0)),
+        ("1inx2in", (25.4, 50.8)),
+    ],
+)
+def test_a_size_may_have_units(text: str, size: tuple[float, float]) -> None:
+    assert size_of(text) == pytest.approx(size)
+
+
+def test_a_force_and_a_film_may_have_units() -> None:
+    assert [force_of(text) for text in ("1N", "1", "500mN", "0.5 N")] == [1.0, 1.0, 0.5, 0.5]
+    films = ("pvdf-28um", "28um", "28", "0.028mm", "none")
+    assert [film_of(text) for text in films] == pytest.approx([0.028, 0.028, 0.028, 0.028, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("wish", "words"),
+    [
+        ({"size": "24"}, "size: must be width x length, got '24'; as in 24x30 or 2.4x3cm"),
+        ({"size": "4x30"}, "size: must be 5 to 200 mm, got 4"),
+        ({"size": (24, float("nan"))}, "size: must be"),
+        ({"touch": "heavy"}, "touch: must be a force, got 'heavy'; as in 1N or 500mN"),
+        ({"touch": 0}, "touch: must be 0.02 to 500 N, got 0"),
+        ({"film": "gold"}, "film: must be a thickness, or none, got 'gold'"),
+        ({"silicone": "ecoflex"}, "material.name: "),
+        ({"process": "casting"}, "mold.process: "),
+        ({"gripper": "hand"}, "mold.mount: "),
+    ],
+)
+def test_a_wish_that_is_none_is_refused(wish: dict[str, Any], words: str) -> None:
+    with refused_by(words):
+        skincad.design_for(**wish)
+
+
+def test_a_pad_too_small_for_its_machine_is_refused() -> None:
+    with refused("size: has no castable pad"):
+        skincad.design_for(
+            process="tiny", printer={"tiny": {"based_on": "sla", "build_x": 20.0, "build_y": 20.0}}
+        )
+
+
+def test_bad_wishes_leave_no_file(tmp_path: Path) -> None:
+    line = refused_command("new", "pad.toml", "--size", "24", cwd=tmp_path)
+    assert line.startswith("--size: must be width x length")
+    line = refused_command("new", "pad.toml", "--size", "24x30", "--template", "lab-bench", cwd=tmp_path)
+    assert line == "--template: does not go with a wish, got 'lab-bench'; leave out --size"
+    (tmp_path / "lab.toml").write_text("[mine]\nyoung_modulus = 0.1\n")
+    line = refused_command("new", "pad.toml", "--silicones", "lab.toml", cwd=tmp_path)
+    assert line.startswith("--silicones: needs a wish; ")
+
+
+def test_new_writes_the_wish_and_says_what_to_do_next(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "pad.toml"
+    status = run(["new", str(path), "--size", "10x12", "--touch", "0.3N", "--film", "none", "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert status == 0
+    assert answer["files"] == [str(path), str(path.with_suffix(".schema.json"))]
+    assert answer["broken"] == []
+    assert skincad.load(path).slot is None
+    assert {"key", "value", "why"} == set(answer["choices"][0])
+    assert skincad.load(path).material.name == next(
+        choice["value"] for choice in answer["choices"] if choice["key"] == "material.name"
+    )
+
+
+def test_without_a_terminal_a_new_file_is_one_that_a_home_printer_makes(tmp_path: Path) -> None:
+    done = run_skincad("new", "mine.toml", cwd=tmp_path)
+    assert done.returncode == 0
+    assert skincad.load(tmp_path / "mine.toml") == skincad.load("home-printer").with_(name="mine")
+    job = Job(skincad.load("home-printer"))
+    assert {job.maker(part) for part in job.closed.parts if part.made == "made"} == {"sla"}
+
+
+@pytest.mark.slow
+def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
+    leader, follower = pty.openpty()
+    command = [sys.executable, "-m", "skincad", "new", "pad.toml"]
+    with subprocess.Popen(command, stdin=follower, stdout=follower, stderr=follower, cwd=tmp_path) as child:
+        os.close(follower)
+        os.write(leader, b"hand\nnone\n10\n10x12\n300mN\n\n\nnone\n")
+        said = ""
+        while True:
+            try:
+                piece = os.read(leader, 4096).decode("utf-8", "replace")
+            except OSError:  # Linux says so where the other end is closed
+                break
+            said += piece
+            if not piece:
+                break
+        status = child.wait()
+    os.close(leader)
+    assert status == 0, said
+    assert said.count("Gripper [none]") == 2
+    assert said.count("Size in mm") == 2
+    assert "Error: size: must be width x length" in said
+    assert "Met: all" in said
+    assert skincad.load(tmp_path / "pad.toml").skin.width == 10.0
+
+
+@pytest.mark.slow
+def test_without_a_wish_the_design_is_the_home_printers() -> None:
+    answer = skincad.design_for(name="home-printer")
+    assert answer.passed
+    assert answer.design == skincad.load("home-printer")
+
+
+@pytest.mark.slow
+def test_the_pad_for_a_franka_finger() -> None:
+    answer = skincad.design_for(size="24x30", touch="1N", silicone="ecoflex-00-50", gripper="franka-hand")
+    assert answer.passed
+    assert answer.design.mold.mount == "franka-hand"
+    assert graver_than_notes(answer.design) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("wish", "broken"),
+    [
+        ({"touch": 0.5, "silicone": "sylgard-184"}, {"touch"}),
+        ({"touch": 40, "silicone": "ecoflex-00-30"}, {"touch"}),
+        ({"size": "8x8", "gripper": "plain-plate", "touch": 2}, {"gripper"}),
+        ({"size": "30x180", "touch": 5}, {"size"}),
+        ({"size": "8x20", "touch": 2, "film": "pvdf-110um", "process": "fdm"}, {"film"}),
+    ],
+)
+def test_a_wish_that_cannot_be_met_is_named_and_the_nearest_design_can_be_cast(
+    wish: dict[str, Any], broken: set[str]
+) -> None:
+    answer = skincad.design_for(**wish)
+    assert not answer.passed
+    assert answer.exit_status == 1
+    assert {one.wish for one in answer.broken} == broken
+    assert graver_than_notes(answer.design) == []
+    assert answer.check.passed
+    assert str(answer).startswith("NOT MET: ")
