@@ -41,6 +41,7 @@ from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
 from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone, silicones
 from skincad.laws.rubber import Rubber
+from skincad.outputs import gallery
 
 _LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
 _LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
@@ -358,6 +359,8 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         return _processes()
     if kind == "grippers":
         return _grippers()
+    if kind == "designs":
+        return {"kind": kind, "entries": gallery.entries()}, _list_rows(kind)
     return {
         "kind": kind,
         "entries": {name: {"about": text} for name, text in _about(kind).items()},
@@ -395,7 +398,19 @@ def _grippers() -> tuple[dict[str, Any], list[str]]:
 
 
 def _list_rows(kind: str) -> list[str]:
+    if kind == "designs":
+        return _design_rows()
     return [f"{LISTS[kind]:8} {name:26} {text}" for name, text in _about(kind).items()]
+
+
+def _design_rows() -> list[str]:
+    """The gallery as a table with its head."""
+    entries = gallery.entries()
+    head = ("design", "name", *gallery.HEADS, "for")
+    rows = [head, *(("design", name, *gallery.cells(e), e["about"]) for name, e in entries.items())]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
+    return [line.rstrip() for line in lines]
 
 
 def _first(text: str) -> str:

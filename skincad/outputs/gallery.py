@@ -1,0 +1,116 @@
+"""The designs that ship, side by side: size, smallest detail, how they are made, and at what force all touch.
+
+The forces are computed once, by `python -m bench.gallery`, and ship in templates/gallery.toml with the
+revision of the design that they belong to.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from typing import Any
+
+from skincad.base.estimate import Estimate
+from skincad.inputs.catalog import load_design, template_names, template_text
+from skincad.inputs.design import Design
+from skincad.inputs.shipped import templates_folder
+from skincad.shape.skin import skin_of
+
+HEADS = ("ridges", "size, mm", "detail", "mold by", "silicone", "all touch")
+
+
+@cache
+def forces() -> dict[str, dict[str, Any]]:
+    """Return, by design, its revision, all-touch force and error, N, and the model that gave them."""
+    return tomllib.loads((templates_folder() / "gallery.toml").read_text("utf-8"))
+
+
+def purpose(name: str) -> str:
+    """Return what a design is for, its file's first line."""
+    return template_text(name, "designs").splitlines()[0].lstrip("# ")
+
+
+def smallest_detail(design: Design) -> tuple[float, str]:
+    """Return the narrowest groove, tooth or slot of a mold, mm, and which it is."""
+    skin = skin_of(design)
+    details = [skin.groove(), *([tooth] if (tooth := skin.tooth()) else [])]
+    widths = [(detail.width, detail.where) for detail in details]
+    if design.core_thickness:
+        widths.append((design.core_thickness, "slot" if design.mold.method == "shim" else "film"))
+    return min(widths)
+
+
+def force_of(design: Design) -> Estimate:
+    """Return a shipped design's all-touch force, without value where none is known."""
+    row = forces().get(design.name, {})
+    if row.get("revision") != design.revision or "all_touch_force" not in row:
+        return Estimate(None, None, "N")
+    return Estimate(row["all_touch_force"], row["error"], "N")
+
+
+def entries() -> dict[str, dict[str, Any]]:
+    """Return each design's row as plain data."""
+    return {name: _entry(load_design(name)) for name in template_names("designs")}
+
+
+def _entry(design: Design) -> dict[str, Any]:
+    detail, where = smallest_detail(design)
+    return {
+        "about": purpose(design.name),
+        "family": design.features.family,
+        "count": design.features.count,
+        "size_mm": [design.skin.width, design.skin.length],
+        "smallest_detail_mm": detail,
+        "smallest_detail": where,
+        "process": design.mold.process,
+        "end_plate_process": design.mold.end_plate_process or design.mold.process,
+        "silicone": design.material.name,
+        "force_N": design.contact.force,
+        "all_touch_force_N": force_of(design).as_json(),
+    }
+
+
+def cells(entry: dict[str, Any]) -> tuple[str, ...]:
+    """Return the cells of a row, in the order of HEADS."""
+    width, length = entry["size_mm"]
+    made = dict.fromkeys((entry["process"], entry["end_plate_process"]))
+    force = entry["all_touch_force_N"]["value"]
+    return (
+        f"{entry['count']} {entry['family']}s",
+        f"{width:g} x {length:g}",
+        f"{entry['smallest_detail_mm']:.3g}",
+        "+".join(made),
+        str(entry["silicone"]),
+        "?" if force is None else f"{force:.2g} of {entry['force_N']:g} N",
+    )
+
+
+def page() -> str:
+    """Return the gallery as a page of the docs, whose pictures lie beside it."""
+    rows = []
+    for name, entry in entries().items():
+        ridges, size, detail, made, silicone, _ = cells(entry)
+        force = force_of(load_design(name))
+        touch = f"All touch from {force} on; the design is for {entry['force_N']:g} N."
+        facts = f"{ridges} on {size} mm, smallest detail {detail} mm ({entry['smallest_detail']})"
+        rows += [
+            f"## {name}",
+            "",
+            f"{entry['about']}.",
+            "",
+            f"![Skin, section and opened mold of {name}](gallery/{name}.png)",
+            "",
+            f"{facts}. Cast in {silicone}, mold by {made}. {touch}",
+            "",
+        ]
+    return "\n".join([*_PAGE_HEAD, *rows])
+
+
+_PAGE_HEAD = (
+    "# Gallery",
+    "",
+    "The designs that ship. `skincad make NAME` makes one.",
+    "`skincad new FILE --template NAME` copies one to edit.",
+    "`python -m bench.gallery` writes this page and its pictures.",
+    "",
+)
