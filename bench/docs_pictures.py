@@ -48,7 +48,7 @@ def draw(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for command in commands:
             line = [sys.executable, "-m", "skincad", *command.split()]
-            subprocess.run(line, cwd=folder, check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(line, cwd=folder, check=True, stdout=subprocess.DEVNULL, timeout=600)
         (DOCS / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(Path(folder) / file, DOCS / name)
 

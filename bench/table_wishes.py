@@ -133,7 +133,7 @@ def main(first: int, last: int) -> None:
     rows = []
     with ProcessPoolExecutor(2) as pool:
         for job in as_completed([pool.submit(judged, seed) for seed in range(first, last)]):
-            rows.append(job.result())
+            rows.append(job.result(timeout=0))  # it is completed
             print(json.dumps(rows[-1]), flush=True)
     met = [row for row in rows if row.get("met")]
     missed = [row for row in rows if row.get("feasible")]

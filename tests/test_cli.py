@@ -168,7 +168,7 @@ def test_version_and_help(tmp_path: Path) -> None:
 
 def test_templates_are_listed_with_what_they_are_for(tmp_path: Path) -> None:
     rows = run_skincad("templates", cwd=tmp_path).stdout.splitlines()
-    assert any(row.startswith("design   yamada-2002 ") for row in rows)
+    assert any(row.split()[:2] == ["design", "yamada-2002"] for row in rows)
     assert all(len(row.split(maxsplit=2)) == 3 for row in rows)
     assert "yamada-2002" in json.loads(run_skincad("templates", "--json", cwd=tmp_path).stdout)["designs"]
 

@@ -53,7 +53,7 @@ def test_it_opens_and_searches_from_files(site: Path) -> None:
     with shown(site / "index.html") as seen:
         seen.page.get_by_label("Search", exact=True).first.press_sequentially("levelling")
         results = seen.page.locator(".md-search-result__item a")
-        results.first.wait_for()
+        results.first.wait_for(timeout=30_000)
         seen.page.goto(results.first.evaluate("link => link.href"))
         assert "levelling" in seen.page.inner_text("article").lower()
         assert seen.complaints == []

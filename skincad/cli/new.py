@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 
 from skincad.base.errors import InputError
@@ -105,7 +104,7 @@ def new(
     own = {"printer": printer, "silicones": silicones, "grippers": grippers}
     if given and template is not None:
         raise InputError("template", "does not go with a wish", template, f"leave out --{next(iter(given))}")
-    if not given and template is None and sys.stdin.isatty() and sys.stdout.isatty() and not as_json:
+    if not given and template is None and not as_json and _at_a_terminal():
         given = _asked()
     if not given:
         if used := [key for key, value in own.items() if value is not None]:
@@ -130,6 +129,11 @@ def _write_wish(file: Path, given: dict[str, Any], own: dict[str, Any], full: bo
     leave(result)
 
 
+def _at_a_terminal() -> bool:
+    """Whether a person can be asked; a closed stream is None."""
+    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout))
+
+
 def _asked() -> dict[str, str]:
     """Ask for each part of the wish; an answer that is none is asked again."""
     from skincad.studies.wish import USUAL_FILM, USUAL_PROCESS, USUAL_TOUCH, film_of, force_of, size_of
@@ -139,7 +143,7 @@ def _asked() -> dict[str, str]:
 
         def named(text: str) -> str:
             if text not in known:
-                raise click.UsageError(f"one of {', '.join(known)}")
+                raise typer.BadParameter(f"one of {', '.join(known)}")
             return text
 
         return named
@@ -149,7 +153,7 @@ def _asked() -> dict[str, str]:
             try:
                 check(text)
             except InputError as refused:
-                raise click.UsageError(str(refused)) from None
+                raise typer.BadParameter(str(refused)) from None
             return text
 
         return checked

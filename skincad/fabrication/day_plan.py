@@ -21,12 +21,14 @@ GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to 
 
 class Task(NamedTuple):
     """What is done, for how many minutes by hand, how many minutes nobody touches it afterwards, and how many
-    minutes of what follows must end on the same day: primer is good for hours."""
+    minutes of what follows must end on the same day: primer is good for hours. Some begin a day after the
+    last cure."""
 
     what: str
     hands: float
     wait: float = 0.0
     then: float = 0.0
+    a_day_after: bool = False
 
 
 class Entry(NamedTuple):
@@ -70,29 +72,27 @@ def tasks(job: Job) -> list[Task]:
     rows.append(Task("open the mold, take the skin out", OPENING))
     if film is not None:
         rows.append(Task("test the strips, lead them to the board", WIRING * strips))
-    return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING)]
+    return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING, a_day_after=True)]
 
 
 def day_plan(job: Job) -> list[Entry]:
     """Return when each task begins: hands work from `BEGIN` to `END`, what cures goes on by night. A task
     longer than a day begins in the morning."""
-    entries, day, hour, cured = list[Entry](), 1, BEGIN, 0.0
+    entries, now, cured = list[Entry](), BEGIN, 0.0  # h from the first day's midnight
     for task in tasks(job):
-        if task.what.startswith("inspect"):
-            day, hour = max((day, hour), (1 + int(cured // 24) + 1, cured % 24))
-        day, hour = (day, max(hour, BEGIN)) if hour <= END else (day + 1, BEGIN)
-        needs = task.hands + (task.wait + task.then if task.then else 0.0)
-        if hour + needs / 60 > END and hour > BEGIN:
-            day, hour = day + 1, BEGIN
-        entries.append(Entry(day, hour, task))
-        hour += (task.hands + task.wait) / 60
-        cured = 24 * (day - 1) + hour if task.wait else cured
-        while hour >= 24.0:
-            day, hour = day + 1, hour - 24.0
-        if hour > END:
-            day, hour = day + 1, BEGIN
-        hour = max(hour, BEGIN)
+        begin = _working(max(now, cured + 24.0) if task.a_day_after else now, task)
+        entries.append(Entry(1 + int(begin // 24), begin % 24, task))
+        now = begin + (task.hands + task.wait) / 60
+        cured = now if task.wait else cured
     return entries
+
+
+def _working(earliest: float, task: Task) -> float:
+    """When a task begins: not by night, nor so late in the day that it would not end on it. In h."""
+    midnight, hour = 24 * (earliest // 24), max(earliest % 24, BEGIN)
+    needs = task.hands + (task.wait + task.then if task.then else 0.0)
+    late = hour > END or (hour + needs / 60 > END and hour > BEGIN)
+    return midnight + (24 + BEGIN if late else hour)
 
 
 def span(minutes: float) -> str:

@@ -53,7 +53,7 @@ def test_the_shipped_set_is_as_near_to_the_paper_as_any_that_is_found(
 
 
 def test_the_ranges_searched_are_those_of_the_page() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "circuit.md").read_text("utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "evidence" / "circuit.md").read_text("utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", page, re.M)
     ranges = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
     assert ranges == BOUNDS

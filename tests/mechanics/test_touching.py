@@ -28,7 +28,6 @@ from skincad.mechanics.models.linear import level
 from skincad.mechanics.models.table import MODELS, expected_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck, NextModel
-from skincad.outputs.checks import lines
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
 
@@ -374,7 +373,9 @@ def test_a_check_says_from_which_force_on_the_skin_meets_itself() -> None:
     clear = linear_check(small(), tol=0.05)
     assert (clear.self_contact.begins.value, clear.self_contact.where) == (None, "")
     assert clear.self_contact.free_to > clear.force
-    assert any(line.startswith("  self-contact   none is found up to ") for line in lines(clear))
+    assert any(
+        line.startswith("  self-contact   none is found up to ") for line in clear.details().splitlines()
+    )
 
 
 def test_a_budget_that_no_mesh_fits_buys_the_closed_form_and_says_so() -> None:

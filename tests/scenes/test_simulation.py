@@ -353,7 +353,8 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
         "simulate", *scene, "--set", f"history.steps={steps}", "-o", str(folder), cwd=tmp_path
     )
     assert again.returncode == 0, again.stderr
-    assert again.stdout.startswith(f"{'hold' if whole else name}: {steps} steps.")
+    assert again.stdout.startswith(f"{'hold' if whole else name}: no ridge slips for good.\n")
+    assert len(list(csv.reader((folder / "signals.csv").open()))) == steps + 2  # a head, and the start
 
 
 @pytest.mark.parametrize(

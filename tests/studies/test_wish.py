@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import pty
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -21,6 +20,7 @@ from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 from skincad.studies.wish import PASSING, WishResult, film_of, force_of, size_of
 from tests.conftest import run_skincad
+from tests.processes import LIMIT, started
 from tests.refusals import refused, refused_by, refused_command
 
 SMALL: dict[str, Any] = {"size": "10x12", "touch": "300mN", "silicone": "ecoflex-00-50"}
@@ -170,7 +170,7 @@ def test_without_a_terminal_a_new_file_is_one_that_a_home_printer_makes(tmp_path
 def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
     leader, follower = pty.openpty()
     command = [sys.executable, "-m", "skincad", "new", "pad.toml"]
-    with subprocess.Popen(command, stdin=follower, stdout=follower, stderr=follower, cwd=tmp_path) as child:
+    with started(command, stdin=follower, stdout=follower, stderr=follower, cwd=tmp_path) as child:
         os.close(follower)
         os.write(leader, b"hand\nnone\n10\n10x12\n300mN\n\n\nnone\n")
         said = ""
@@ -182,7 +182,7 @@ def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
             said += piece
             if not piece:
                 break
-        status = child.wait()
+        status = child.wait(timeout=LIMIT)
     os.close(leader)
     assert status == 0, said
     assert said.count("Gripper [none]") == 2
