@@ -49,6 +49,7 @@ def test_nothing_is_loaded_from_another_host(site: Path) -> None:
             assert not found, (path.name, found)
 
 
+@pytest.mark.slow
 def test_it_opens_and_searches_from_files(site: Path) -> None:
     with shown(site / "index.html") as seen:
         seen.page.get_by_label("Search", exact=True).first.press_sequentially("levelling")
@@ -60,6 +61,7 @@ def test_it_opens_and_searches_from_files(site: Path) -> None:
         assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [420, 1400])
 def test_no_page_is_wider_than_its_window(site: Path, width: int) -> None:
     with shown(site / "index.html") as seen:

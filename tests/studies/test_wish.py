@@ -53,6 +53,7 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
     assert share(small) >= PASSING
 
 
+@pytest.mark.slow
 def test_its_skin_is_about_as_curved_as_the_force_bears(small: WishResult) -> None:
     """With half the radius too few parts pass: the choice is not just the flattest."""
     assert max(skin_of(small.design).crests) - min(skin_of(small.design).crests) > 0.003
@@ -125,6 +126,7 @@ def test_a_wish_that_is_none_is_refused(wish: dict[str, Any], words: str) -> Non
         skincad.design_for(**wish)
 
 
+@pytest.mark.slow
 def test_a_pad_too_small_for_its_machine_is_refused() -> None:
     with refused("size: has no castable pad"):
         skincad.design_for(
