@@ -45,6 +45,8 @@ PLANES = (0.5, 0.37, 0.63, 1e-6, 1 - 1e-6, 0.21, 0.79, 0.11, 0.89)
 NEVER_WHOLE = {
     ("bent", "end-a-keeper"),
     ("bent", "end-b-keeper"),
+    ("home-printer", "end-b-comb"),
+    ("home-printer", "end-b-keeper"),
     ("plain-ridges", "end-b"),
 }
 
