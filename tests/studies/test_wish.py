@@ -144,6 +144,7 @@ def test_bad_wishes_leave_no_file(tmp_path: Path) -> None:
     assert line.startswith("--silicones: needs a wish; ")
 
 
+@pytest.mark.slow
 def test_new_writes_the_wish_and_says_what_to_do_next(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
