@@ -218,7 +218,7 @@ def test_the_pad_for_a_franka_finger() -> None:
         ({"touch": 40, "silicone": "ecoflex-00-30"}, {"touch"}),
         ({"size": "8x8", "gripper": "plain-plate", "touch": 2}, {"gripper"}),
         ({"size": "30x180", "touch": 5}, {"size"}),
-        ({"size": "8x20", "touch": 2, "film": "pvdf-110um", "process": "fdm"}, {"film"}),
+        ({"size": "5x20", "touch": 2, "film": 0.5, "process": "edm"}, {"film"}),
     ],
 )
 def test_a_wish_that_cannot_be_met_is_named_and_the_nearest_design_can_be_cast(
