@@ -24,7 +24,7 @@ from skincad.cli.options import (
     show,
 )
 
-WISH_STAGES = 5  # of its bar at first: shape, two checks of the levelling, the last check
+WISH_STAGES = 5  # of its bar at first: shape, two checks of the curvature, the last check
 
 
 def _starts() -> Iterable[str]:
@@ -37,7 +37,7 @@ def _listed(table: str) -> Callable[[], Iterable[str]]:
     def names() -> Iterable[str]:
         from skincad.outputs.tomls import listing
 
-        return list(listing(None)[0][table])
+        return list(listing(table)[0]["entries"])
 
     return names
 

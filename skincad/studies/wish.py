@@ -31,7 +31,7 @@ from skincad.studies.wish_shapes import (
     DROP,
     FLAT,
     WHATEVER_THE_RIDGES,
-    Blocked,
+    ObstacleError,
     Wish,
     check_castable,
     combs,
@@ -49,7 +49,7 @@ TOUGH = 3.0  # least elongation at break of a silicone that is chosen: it is pul
 PASSING = 0.9  # of all parts
 AIM = 0.95  # the same, by the search's model
 # standard deviations of a crest that the plate comes down beyond the lowest one: set on the seeds 8000 to
-# 8019 of bench/table_wishes.py so that AIM of the parts pass
+# 8013 of bench/table_wishes.py so that AIM of the parts pass
 CREST_SPREADS = 4.5
 SEARCH_CHECKS, FORCE_CHECKS = 3, 3
 ENOUGH = 1.3  # room that a flat design is to have: the closed form may be off by as much
@@ -193,7 +193,7 @@ def film_of(film: str | float | None) -> float:
 
 
 def _tough(design: Design) -> list[str]:
-    """The silicones that bear being pulled out of a mold, the hardest first."""
+    """The silicones that can be pulled out of a mold, the hardest first."""
     rows = listed_silicones(design.silicones)
     tough = [name for name, row in rows.items() if (row.elongation_at_break or 0.0) >= TOUGH]
     return sorted(tough, key=lambda name: -rows[name].young_modulus.value)
@@ -234,7 +234,7 @@ class _Search:
             return flat, self._last_check(flat)
         return design, verdict
 
-    def _told(self, stage: str) -> None:
+    def _report(self, stage: str) -> None:
         if self.progress:
             self.progress(stage)
 
@@ -248,25 +248,25 @@ class _Search:
 
     def _flat_design(self) -> Design:
         """The first castable flat design that is soft enough by the closed form; or else the nearest."""
-        self._told("shape and mold")
+        self._report("shape and mold")
         wish = self.asked = replace(self.asked, silicone=self.names[0])
         while True:
             try:
                 return self._best(wish)
-            except Blocked as blocked:
-                less = relaxed(wish, blocked)
+            except ObstacleError as obstacle:
+                less = relaxed(wish, obstacle)
                 if less is None or min(less.width, less.length) < SMALLEST:
-                    words, asked = f"has no castable pad ({blocked.by})", f"{wish.width:g}x{wish.length:g}"
+                    words, asked = f"has no castable pad ({obstacle.by})", f"{wish.width:g}x{wish.length:g}"
                     raise InputError("size", words, asked, "take a larger one") from None
                 for what in ("width", "length", "gripper", "film"):
                     if getattr(less, what) != getattr(wish, what):
-                        self.given_up[what] = blocked.by
+                        self.given_up[what] = obstacle.by
                 wish = less
 
     def _best(self, wish: Wish) -> Design:
-        """The first castable design that is soft enough; where none is, the softest. Raises Blocked where
-        none of those that are tried is castable."""
-        last, tried = Blocked("size"), 0
+        """The first castable design that is soft enough; where none is, the softest. Raises ObstacleError
+        where none of those that are tried is castable."""
+        last, tried = ObstacleError("size"), 0
         options = list(self._options(wish))
         enough = [option for option in options if (option.room or 0.0) >= ENOUGH]
         others = sorted((o for o in options if o not in enough), key=lambda option: -(option.room or 0.0))
@@ -274,9 +274,9 @@ class _Search:
             try:
                 check_castable(option.design)
                 return option.design
-            except Blocked as blocked:
-                last, tried = blocked, tried + 1
-                if tried == MOST_FORMS or blocked.by.startswith(WHATEVER_THE_RIDGES):
+            except ObstacleError as obstacle:
+                last, tried = obstacle, tried + 1
+                if tried == MOST_FORMS or obstacle.by.startswith(WHATEVER_THE_RIDGES):
                     break
         raise last
 
@@ -286,7 +286,7 @@ class _Search:
             for shape in shapes(wish.width):
                 try:
                     design = design_of(wish, shape, end_plates)
-                except Blocked:
+                except ObstacleError:
                     continue
                 alike = [design.with_(material={"name": name}) for name in self.names]
                 options = [_Option(other, room(other)) for other in alike]
@@ -296,7 +296,7 @@ class _Search:
     def _curved(self, flat: Design) -> tuple[Design, bool]:
         """The design with as much of the paper's curvature as its force bears, and whether enough of its
         parts pass."""
-        high = flat.ridge.height or 0.0
+        high = flat.features.height or 0.0
         drop = min(DROP * high, max(_free_drop(flat), FLAT * high))
         for left in reversed(range(SEARCH_CHECKS)):
             design = bent(flat, drop)
@@ -312,7 +312,7 @@ class _Search:
         """The flat design at the smallest force, of a few tried, at which enough parts pass."""
         size, force, design = room(flat), self.asked.touch, flat
         if size is None:
-            flat = bent(flat, DROP * (flat.ridge.height or 0.0))
+            flat = bent(flat, DROP * (flat.features.height or 0.0))
             force /= max(1.0, overload(flat, check(flat, model="winkler")))
         elif size < 1.0:
             force /= size
@@ -326,7 +326,7 @@ class _Search:
 
     def _check(self, design: Design) -> ContactCheck:
         model = first_able(MODELS, design)
-        self._told(f"radius {design.skin.curvature_radius:g} at {design.contact.force:g} N")
+        self._report(f"radius {design.skin.curvature_radius:g} at {design.contact.force:g} N")
         self.verdict = check(design, model=model, tol=mesh_tolerance(model, None))
         return self.verdict
 
@@ -335,7 +335,7 @@ class _Search:
         left = SECONDS - (perf_counter() - self.began)
         if left < LEAST_SECONDS:
             return self.verdict
-        self._told("last check")
+        self._report("last check")
         return max(check(design, budget=left), self.verdict, key=lambda verdict: AUTO.index(verdict.model))
 
 
@@ -365,14 +365,14 @@ def _free_drop(flat: Design) -> float:
 
 def bent(flat: Design, drop: float) -> Design:
     """Return a flat design with the curvature at which its outer crests lie `drop` mm lower."""
-    reach = (flat.ridge.count - 1) * flat.ridge.spacing
+    reach = (flat.features.count - 1) * flat.features.spacing
     return flat.with_(skin={"curvature_radius": radius_for(drop, reach, flat.skin.width)})
 
 
 def _is_castable(design: Design) -> bool:
     try:
         check_castable(design)
-    except Blocked:
+    except ObstacleError:
         return False
     return True
 

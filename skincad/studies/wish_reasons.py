@@ -46,7 +46,7 @@ def choices(design: Design, *, asked_size: bool, asked_silicone: bool) -> tuple[
 
 
 def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator[Choice]:
-    skin, ridge, mold = design.skin, design.ridge, design.mold
+    skin, ridge, mold = design.skin, design.features, design.mold
     if not asked_size:
         whose = f"the face of {mold.mount}" if mold.mount else "the usual pad"
         yield Choice(key="skin", value=_size(skin.width, skin.length), why=whose)
@@ -57,9 +57,9 @@ def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator
     if not asked_silicone:
         why = f"the hardest that feels {design.contact.force:g} N and bears being pulled out of a mold"
         yield Choice(key="material.name", value=str(design.material.name), why=why)
-    if design.slot and design.film:
+    if (slot := skin_of(design).slot) and design.film:
         why = f"shim sheet as it is sold, thicker than the film by at least {FILM_ROOM:g} mm"
-        yield Choice(key="slot.thickness", value=f"{design.slot.thickness:g} mm", why=why)
+        yield Choice(key="slot.thickness", value=f"{slot.thickness:g} mm", why=why)
     if mold.end_plate_process:
         why = f"{mold.process} is too coarse for the slots' combs"
         yield Choice(key="mold.end_plate_process", value=mold.end_plate_process, why=why)
@@ -67,7 +67,7 @@ def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator
 
 def _ridges(design: Design) -> Iterator[Choice]:
     """The choice of pitch, height and thickness."""
-    skin, ridge, mold = design.skin, design.ridge, design.mold
+    skin, ridge, mold = design.skin, design.features, design.mold
     usual, pitch, height = usual_pitch(skin.width), ridge.pitch or 0.0, ridge.height or 0.0
     why = f"as many ridges as fit, about {MOST_RIDGES} as in the paper"
     if pitch > usual:
@@ -95,9 +95,9 @@ def _curvature(design: Design) -> Choice:
         f"at {force:g} N that leaves room for crests that scatter by {scatter:g} mm, as {process} makes them"
     )
     why = f"the outer crests lie {low:.2g} mm lower; {room}"
-    if low > (DROP - 0.03) * (design.ridge.height or 0.0):
+    if low > (DROP - 0.03) * (design.features.height or 0.0):
         why = f"the outer crests lie {low:.2g} mm lower, a quarter of a ridge's height, as the paper's"
-    elif low < 2 * FLAT * (design.ridge.height or 0.0):
+    elif low < 2 * FLAT * (design.features.height or 0.0):
         why = "nearly flat: at this force the plate comes down too little for more"
     return Choice(key="skin.curvature_radius", value=f"{design.skin.curvature_radius:g} mm", why=why)
 

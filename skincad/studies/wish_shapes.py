@@ -110,7 +110,7 @@ def radius_for(drop: float, reach: float, width: float) -> float:
     return rounded(max(reach**2 / (8 * drop), SMALLEST_RADIUS * width))
 
 
-class Blocked(Exception):  # noqa: N818
+class ObstacleError(Exception):
     """No shape is castable: `by` names the finding, or the key, that refused the last one."""
 
     def __init__(self, by: str, excess: float = 0.0) -> None:
@@ -159,20 +159,20 @@ def combs(wish: Wish) -> list[str]:
 
 
 def check_castable(design: Design) -> None:
-    """Raise Blocked where a rule or a machine refuses a design's mold: a finding is an error or a warning."""
+    """Raise ObstacleError where a rule or a machine refuses a design's mold, by more than a note."""
     try:
         findings = design_findings(Job(design))
     except InputError as refused:
-        raise Blocked(refused.key) from None
+        raise ObstacleError(refused.key) from None
     grave = [finding for finding in findings if finding.severity != "note"]
     if grave:
         worst = next((f for f in grave if f.rule in WHATEVER_THE_RIDGES), grave[0])
-        raise Blocked(worst.rule, worst.measured - worst.limit)
+        raise ObstacleError(worst.rule, worst.measured - worst.limit)
 
 
 def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
     """Return the wish's design in a shape, flat, with the slots and the play that its machines need. Raises
-    Blocked where no such skin can be."""
+    ObstacleError where no such skin can be."""
     cutter = wish.processes[wish.process]
     tables = shape.tables(wish.width, wish.length)
     tip = max(tables["ridge"]["tip_fillet"], cutter.reach)
@@ -189,14 +189,14 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
         comb = makers[-1]
         slit = comb.tolerance + _walls(wish, comb) if comb.layer else WIRE_SLIT
         if tables["slot"]["thickness"] + 2 * slit < max(comb.gap, 2 * comb.reach):
-            raise Blocked("gap")
+            raise ObstacleError("gap")
         tables["mold"]["slit_clearance"] = _up(slit)
         if end_plates != wish.process:
             tables["mold"]["end_plate_process"] = end_plates
     try:
         return wish.design(tables)
     except InputError as refused:
-        raise Blocked(refused.key) from None
+        raise ObstacleError(refused.key) from None
 
 
 def _walls(wish: Wish, maker: Process) -> float:
@@ -217,13 +217,13 @@ def _up(length: float) -> float:
     return math.ceil(1000 * length - 1e-6) / 1000
 
 
-def relaxed(wish: Wish, blocked: Blocked) -> Wish | None:
-    """Return the nearest wish without what blocked it; None where nothing is left to give up."""
-    if blocked.by == "build volume":
+def relaxed(wish: Wish, obstacle: ObstacleError) -> Wish | None:
+    """Return the nearest wish without what stands against it; None where nothing is left to give up."""
+    if obstacle.by == "build volume":
         width, length = wish.width, wish.length
         if length >= width:
-            return replace(wish, length=math.floor(length - max(blocked.excess, 1.0)))
-        return replace(wish, width=math.floor(width - max(blocked.excess, 1.0)))
-    if blocked.by.startswith("mold.mount") and wish.gripper is not None:
+            return replace(wish, length=math.floor(length - max(obstacle.excess, 1.0)))
+        return replace(wish, width=math.floor(width - max(obstacle.excess, 1.0)))
+    if obstacle.by.startswith("mold.mount") and wish.gripper is not None:
         return replace(wish, gripper=None)
     return replace(wish, film=0.0) if wish.film else None
