@@ -430,6 +430,7 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
 STARTS_NOTHING = {"Lock", "RLock", "current_thread", "main_thread"}  # of threading
 
 
+@pytest.mark.slow
 def test_no_workers() -> None:
     """No part of skincad starts threads or processes: none can die alone. But for a study's, which says so
     and loses nothing that was finished (`tests/studies/test_running.py`), and a live page's, which says so

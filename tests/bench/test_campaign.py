@@ -98,6 +98,7 @@ def test_a_wrong_figure_is_a_fault(kind: str) -> None:
     assert kind in {fault for fault, _ in faults(case, {**numbers, **change})}
 
 
+@pytest.mark.slow
 def test_a_failure_is_shrunk_and_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A made-up fault of wide skins: what is saved is one, and the campaign goes on."""
 

@@ -14,6 +14,7 @@ def test_hidden_targets_are_hit_in_few_evaluations(knobs: int) -> None:
     assert sum(way.hit for way in entries) >= 18, "\n".join(str(way) for way in entries if not way.hit)
 
 
+@pytest.mark.slow
 def test_sixty_hidden_targets_over_twelve_keys_are_not_denied() -> None:
     entries = list(ways(60, 0, 1, "winkler", "yamada-2002", wide("yamada-2002")))
     assert len({way.keys for way in entries}) >= 12

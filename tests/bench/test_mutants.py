@@ -59,6 +59,7 @@ def test_what_changes_no_result_is_left_alone(text: str) -> None:
     assert not list(sites(text))
 
 
+@pytest.mark.slow
 def test_every_change_of_a_file_of_ours_is_another_program() -> None:
     text = (HERE / "skincad" / "outputs" / "figures" / "design.py").read_text("utf-8")
     rows = [mutated(text, site, after) for site in sites(text) for after in site.after]
@@ -152,6 +153,7 @@ def test_a_run_tells_what_is_seen_and_goes_on_where_it_stopped(
     assert sorted(capsys.readouterr().out.splitlines()) == sorted(answer)
 
 
+@pytest.mark.slow
 def test_a_run_without_end_is_seen_and_one_without_tests_is_not_a_pass(tmp_path: Path) -> None:
     here = tree(
         tmp_path / "tree",

@@ -12,6 +12,7 @@ from skincad.fabrication.printing import print_plates
 from tests.conftest import Made
 from tests.consumers import Job, prusaslicer
 
+LONGER = ["lab-bench", "nozzle-04", "gang"]  # than seconds
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
 
 
@@ -34,7 +35,7 @@ def test_its_default_gap_closing_fills_the_slits(made: Made) -> None:
     assert filled == pytest.approx(18 * 0.06 * 0.25 * 4.0, rel=0.15)  # also corners elsewhere, and mouths
 
 
-@pytest.mark.parametrize("name", ["lab-bench", "nozzle-04", "plain-ridges", "gang"])
+@pytest.mark.parametrize("name", ["plain-ridges", *(pytest.param(n, marks=pytest.mark.slow) for n in LONGER)])
 def test_every_plate_is_sliced_and_lies_on_its_bed(name: str, tmp_path: Path) -> None:
     """Without rearranging: where the file has them, with the settings that the order tells."""
     design = skincad.load("plain-ridges", ["mold.cavities=3"] if name == "gang" else [])

@@ -80,6 +80,7 @@ def test_a_few_chosen_steps_tell_what_finite_strain_in_each_tells() -> None:
     assert loads < 0.2 * np.abs(small.loads[:, :2] - every.loads[:, :2]).max()
 
 
+@pytest.mark.slow
 def test_nothing_jumps_where_a_step_is_chosen() -> None:
     """The signal's slope changes nowhere by more than at finite strain in each step."""
     every, chosen = marched("all"), marched("chosen")
@@ -159,6 +160,7 @@ def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
     assert drifts[-1].films.max() > 0
 
 
+@pytest.mark.slow
 def test_the_same_march_gives_the_same_bits() -> None:
     way = drives()[:8]
     pad = pad_of(FiniteStrain(steps="chosen"))

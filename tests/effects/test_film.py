@@ -23,6 +23,7 @@ from tests.small_scene import THIRD, small_scene
 LOOSE = ("effects.film.bond=loose", "readout.ridges=[]", "effects.friction=none")
 
 
+@pytest.mark.slow
 def test_a_loose_film_leaves_the_slots_empty(tmp_path: Path) -> None:
     """A scene's last step against the linear model."""
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=2", *LOOSE)

@@ -36,6 +36,7 @@ def friction(mu: float) -> Any:
     return Friction(coefficient=mu)
 
 
+@pytest.mark.slow
 def test_a_march_tells_films_energy_and_gross_slip() -> None:
     what = model()
     drives = [Drive(0.3 * min(i, 4), 0.15 * max(0, i - 4)) for i in range(9)]

@@ -52,6 +52,7 @@ def pressed_and_pulled(folder: Path, ramp: float, *more: str) -> Simulation:
     return at_level(load_scene(folder / "scene.toml", last_of_each(*history, *more)), LEVELS[0])
 
 
+@pytest.mark.slow
 def test_undamped_masses_are_warned_of(folder: Path) -> None:
     short = ("history.steps=2", "readout.ridges=[]", "plate.mass=0.1")
     bare = pressed_and_pulled(folder, 1e-3, *short, "effects.inertia={}")

@@ -37,6 +37,7 @@ def test_a_growth_of_30_um_is_recovered_to_5_um(seed: int) -> None:
     assert growth.error < 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("growth", [-0.01, 0.012, 0.03, 0.08])
 @pytest.mark.parametrize("scatter", [0.0, 0.005, 0.015])
 def test_its_error_bar_holds(growth: float, scatter: float) -> None:

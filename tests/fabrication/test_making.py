@@ -44,6 +44,7 @@ def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: Mak
     assert "contact check" not in unchecked.seconds
 
 
+@pytest.mark.slow
 def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path) -> None:
     assert str(unchecked).startswith("Not checked whether all ridges touch.")
     ending = r"plain-ridges: mold: no errors, \w+ warnings?; contact: not checked$"
@@ -74,6 +75,7 @@ def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: Make
     assert str(replace(unchecked, findings=(grave,), strict=True)).endswith("Next: larger lengths.")
 
 
+@pytest.mark.slow
 def test_a_next_step_names_no_file_that_was_not_written(tmp_path: Path) -> None:
     few = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0", "--model", "winkler")
     whole = run_skincad("make", *few, "--format", "html", "-o", "all", cwd=tmp_path).stdout
@@ -144,6 +146,7 @@ def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: M
     assert preview.files().keys() <= unchecked.files().keys()
 
 
+@pytest.mark.slow
 def test_a_preview_never_loads_the_cad_kernel(tmp_path: Path) -> None:
     program = (
         "import sys, skincad\n"
@@ -169,6 +172,7 @@ def test_the_command_previews_and_makes_step_where_that_is_asked(tmp_path: Path)
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
 
 
+@pytest.mark.slow
 def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     good = skincad.load("plain-ridges").with_(name="mine", ridge={"count": 1}, skin={"width": 3.0}).to_toml()

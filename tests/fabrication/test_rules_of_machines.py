@@ -36,6 +36,7 @@ def test_extents_are_those_of_the_mesh_on_the_bed(design: Design) -> None:
         assert sorted(extent(part)) == pytest.approx(sorted(high - low), abs=0.02)  # chords of arcs
 
 
+@pytest.mark.slow
 def test_a_gang_too_long_for_the_bed_is_an_error_that_tells_how_many_fit() -> None:
     plain = skincad.load("plain-ridges")
     assert findings_of(plain, "build volume") == []

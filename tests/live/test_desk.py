@@ -33,6 +33,7 @@ def desk(seen: Counter[str]) -> Iterator[Desk]:
     live_desk.close()
 
 
+@pytest.mark.slow
 def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> None:
     """To the last digit: it is the same function, in another process."""
     desk.begin()
@@ -114,6 +115,7 @@ def test_findings_are_those_of_make_that_need_no_solids() -> None:
     )
 
 
+@pytest.mark.slow
 def test_timings_are_told(desk: Desk) -> None:
     desk.begin()
     assert desk.wait_until_drawn(LONG)

@@ -47,6 +47,7 @@ def test_the_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         serve.serve(skincad.load("plain-ridges"), "plain-ridges", "127.0.0.1", 0, browser=False, say=print)
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_it_with_130_and_nothing_else_is_printed() -> None:
     words = [sys.executable, "-m", "skincad", "live", "plain-ridges", "--port", "0"]
     with started(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

@@ -285,6 +285,7 @@ def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
     assert np.mean([f.half_width[0] for f in fits]) < 1.3 * 1.96 * spread
 
 
+@pytest.mark.slow
 def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) -> None:
     """The curve is 10 % softer than plane strain at 1.3 N, and finite strain makes it stiffer by 3 %."""
     at = float(np.interp(4 / 3, small.force, small.small))

@@ -25,6 +25,7 @@ def test_ends_soften_as_in_three_dimensions(skin: dict[str, float]) -> None:
     assert said == pytest.approx(solid, abs=0.16 * solid.max())
 
 
+@pytest.mark.slow
 def test_strips_hold_ridges_along_y() -> None:
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0, "thickness": 3.0})
     bonded, bare = (design.with_(contact={"film": film}) for film in ("bonded", "ignored"))

@@ -65,6 +65,7 @@ def random_few() -> Iterator[Design]:
             continue
 
 
+@pytest.mark.slow
 def test_random_designs_with_few_ridges_have_a_verdict() -> None:
     judged = [judge(design, "linear") for design in islice(random_few(), 10)]
     assert sum(judged) >= 7  # the others tip over

@@ -149,6 +149,7 @@ def test_films_of_unlike_ridges_are_mirrored_too() -> None:
         assert a.value == pytest.approx(-(b.value or 0.0), abs=(a.error or 0.0) + (b.error or 0.0))
 
 
+@pytest.mark.slow
 def test_nine_ridges_touch_at_half_the_force_of_ridges_alike() -> None:
     """2.64 ± 0.38 N by `corrected` without levelling: half of that is 1.32 N."""
     levelled = load("yamada-2002", ["ridge.levelling=0.7"])

@@ -257,6 +257,7 @@ def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float)
     assert result.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
 
 
+@pytest.mark.slow
 def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
     """Random pairs of ridges, asked for half to twice what they need, known to 0 to 150 %."""
     dice = np.random.default_rng(7)

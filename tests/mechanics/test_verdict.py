@@ -67,6 +67,7 @@ def test_verdicts_near_the_needed_force_agree_with_themselves(model: str, member
         consistent(verdict)
 
 
+@pytest.mark.slow
 def test_without_tolerance_or_budget_no_late_model_is_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     """An undecided check names the next model and its time; with a tolerance it takes the time it needs."""
     monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 0.0)

@@ -35,6 +35,7 @@ def assert_told(entry: LeftOutEffect, change: float) -> None:
     assert change / entry.within <= entry.change <= change * entry.within
 
 
+@pytest.mark.slow
 def test_small_pad(tmp_path: Path) -> None:
     """Three ridges, films along the axis."""
     press = (*FORCES, "history.steps=10", "readout.ridges=[1, 2, 3]")

@@ -61,6 +61,7 @@ def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folde
     json.dumps(data, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_its_errors_are_small_strains_and_what_drifts(folder: Path) -> None:
     """Mesh and time step are as small strain has them; what drifts counts in stress, slips and leads."""
     simulation, small = corrected(folder), simulate(scene_in(folder, "effects.small_strain={}"), tol=0.1)
@@ -143,6 +144,7 @@ def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> 
         assert not any("model beyond" in note for note in run.refined_run.short)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
     """With the effect, the reason, and the results of small strain."""
     simulation = simulate(scene_in(folder, "effects.viscosity.retardation_time=1e-4"), tol=0.1)
@@ -171,6 +173,7 @@ def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
     assert "events" in simulation.read
 
 
+@pytest.mark.slow
 def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And finite strain in each step is not tried: it would stop there."""
     seen = iter([None, None, None])

@@ -88,6 +88,7 @@ def events(outputs: np.ndarray) -> list[Event]:
     return fed(D, at_rest(outputs.shape[1]), outputs)[0]
 
 
+@pytest.mark.slow
 def test_each_slip_is_told_once_and_then_that_all_do() -> None:
     """Ridge 2 sticks again in between, so that its first slip does not count for gross slip."""
     alarms = events(papers())
@@ -161,6 +162,7 @@ def test_what_the_load_does_to_both_ridges_is_no_slip(load: np.ndarray) -> None:
     assert events(behind(load, 0.8 * load)) == []
 
 
+@pytest.mark.slow
 def test_pressing_is_no_slip() -> None:
     assert felt(0, "yamada-2002-press", "effects.piezo.noise_seed=1")["events"] == []
 
@@ -335,6 +337,7 @@ def test_bad_constants_are_told(noise: float, threshold: float) -> None:
         detector(RATE, WIDTH, noise, threshold)
 
 
+@pytest.mark.slow
 def test_early_alarms_are_more_and_told_as_such() -> None:
     """They come of another network, and none of them of noise alone."""
     outputs = by_name(papers())

@@ -174,6 +174,7 @@ def test_the_stress_holds_against_finer_steps() -> None:
         assert difference <= error.time_step < error.left_out
 
 
+@pytest.mark.slow
 def test_what_is_told_of_slips_and_stress() -> None:
     simulation = slip("history.steps=110")
     data = simulation.as_json()

@@ -71,6 +71,7 @@ def told_in_keys_that_were_written(found: list[InputError], count: int) -> None:
         assert refused.remedy
 
 
+@pytest.mark.slow
 def test_nine_of_ten_random_sections_have_a_mold() -> None:
     told_in_keys_that_were_written([result for _, result, _ in few() if isinstance(result, InputError)], FEW)
 

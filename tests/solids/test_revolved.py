@@ -120,6 +120,7 @@ def test_corners_lie_on_the_true_surface_of_a_sphere(yamada: Design) -> None:
     assert np.allclose(away[beside], 60.0, atol=1e-12)  # rounding of 60 mm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("relative", "least", "most"), [(True, 1.5, 5.0), (False, 0.0, 1.5)])
 def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
     yamada: Design, relative: bool, least: float, most: float

@@ -43,6 +43,7 @@ def found() -> Optimisation:
     return optimise(study())
 
 
+@pytest.mark.slow
 def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
     grid = sweep(
         skincad.load_design("lab-bench"),
@@ -79,6 +80,7 @@ def test_the_front_is_what_the_judge_says(found: Optimisation) -> None:
     assert row["ridge.levelling"] == design.ridge.levelling  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 def test_without_robustness_the_value_counts() -> None:
     """The largest force below a limit lies at it: its value, or its upper end."""
     most = [{"key": "all_touch_force", "goal": "max"}]
@@ -106,6 +108,7 @@ def test_a_better_judge_has_the_last_word() -> None:
     assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
 
 
+@pytest.mark.slow
 def test_a_number_may_have_a_limit_on_either_side() -> None:
     both = [{"key": "all_touch_force", "at_least": 0.05, "at_most": 3.0}]
     goal = [{"key": "all_touch_force", "goal": "min"}]
@@ -125,6 +128,7 @@ def test_what_nothing_keeps_is_said_with_the_nearest() -> None:
     assert "BROKEN" in str(none)
 
 
+@pytest.mark.slow
 def test_several_objectives_have_a_front() -> None:
     goals = [{"key": "approach"}, {"key": "all_touch_force", "goal": "min"}]
     several = optimise(study(objectives=goals, constraints=[], evaluations=240))

@@ -48,6 +48,7 @@ def test_a_point_named_twice_is_asked_once() -> None:
     assert rows[0].results == rows[2].results
 
 
+@pytest.mark.slow
 def test_two_processes_say_the_same(alone: list[tuple[str, float]]) -> None:
     done = []
     with workers(2) as who:

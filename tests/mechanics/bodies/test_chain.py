@@ -103,12 +103,14 @@ def stored(small: ChainFactors) -> int:
     return int(slabs + joints + sum(lower.nnz for lower in small.lowers))
 
 
+@pytest.mark.slow
 def test_what_a_chain_stores_grows_with_the_ridges() -> None:
     """Between 6, 12 and 24 ridges as much is added for each: the ends cancel, netgen's scatter remains."""
     few, some, many = (stored(condense_by_slabs(system_of("", 2, ridges))) for ridges in (6, 12, 24))
     assert (many - some) / 12 == pytest.approx((some - few) / 6, rel=0.1)
 
 
+@pytest.mark.slow
 def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a pad curved so that its outer ridges touch last, as with nine: 31 solves of contact for either,
     most of them in the search for the force at which the last one touches."""

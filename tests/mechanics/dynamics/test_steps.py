@@ -284,6 +284,7 @@ def pad_in_motion() -> tuple[Dynamics, PadEquations]:
     return Dynamics(equations), equations
 
 
+@pytest.mark.slow
 def test_at_rest_it_is_the_condensed_pad() -> None:
     """Compliance and strips' stresses of the two ways. 1e-8: the rounding of nu 0.499 and stiff strips."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
@@ -346,6 +347,7 @@ def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
         assert u @ moving.soft @ u == pytest.approx(share * shear * volume, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_a_pad_creeps_as_its_material() -> None:
     """Pulled by a held force, all moves by 1 / (1 + g), then relaxes to 1. 1 %: what volume changes bear,
     which stays elastic, and films, which do not relax."""

@@ -53,6 +53,7 @@ def test_pad_is_its_own_mirror_image() -> None:
     assert (pad.ridge == 4 - pad.ridge[::-1]).all()
 
 
+@pytest.mark.slow
 def test_the_half_agrees_with_the_whole() -> None:
     """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
     piece, _, half = meshed()

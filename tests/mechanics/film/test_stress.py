@@ -150,6 +150,7 @@ def drawn_between_strips(field: RidgeField) -> float:
     return float(shares[holder] @ field.stress[field.triangles[holder]])
 
 
+@pytest.mark.slow
 def test_pulling_back_mirrors_everything() -> None:
     _, there, back = three_stresses()
     assert values(back.s1) == pytest.approx(values(there.s2)[::-1], rel=1e-9)
@@ -228,6 +229,7 @@ def test_ignored_film_is_the_silicone_without_any_strip() -> None:
         assert estimate.value == pytest.approx(mean, abs=estimate.error + 2e-3 * abs(mean))
 
 
+@pytest.mark.slow
 def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     """Mean of n.sigma.n = contour integral of (n.t)(n.x) / area, here from the silicone's side."""
     pad, thickness = filled_pad(three())

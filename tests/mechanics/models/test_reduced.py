@@ -45,6 +45,7 @@ def assert_same(quick: Answer, full: Answer) -> None:
     assert shares[0].sum() == pytest.approx(shares[1].sum(), rel=1e-8)  # the root's
 
 
+@pytest.mark.slow
 def test_twenty_five_features_are_those_of_the_full_model() -> None:
     assert skin_of(reduced.cell_of(pad(25))).count < 20
     assert_same(*answers(25))
@@ -96,6 +97,7 @@ def test_two_thousand_features_are_a_sparse_system() -> None:
     assert pressed(model, float(forces.sum()))[1] == pytest.approx(0.25, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_without_free_ends_it_is_plane_strain() -> None:
     """A pad no longer than its cell: what is reduced alone differs."""
     design = pad(15)
@@ -105,6 +107,7 @@ def test_without_free_ends_it_is_plane_strain() -> None:
     assert pressed(model, design.contact.force)[1] == pytest.approx(full.approach.value, rel=0.01)
 
 
+@pytest.mark.slow
 def test_auto_takes_it_of_many_features_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first where there are more than 60, and where no time is left for a better one the last."""
     monkeypatch.setattr(checking, "DEFAULT_BUDGET", 0.0)

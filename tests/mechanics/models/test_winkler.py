@@ -132,6 +132,7 @@ def missed_on_steps(seeds: Iterable[int]) -> Array:
     return np.array(rows)
 
 
+@pytest.mark.slow
 def test_bars_hold_where_a_step_crosses_a_tip() -> None:
     """A spring knows one height of the plate. Before, the shares of 6 in 56 were off, by up to 2.2 bars."""
     rows = missed_on_steps(FAST_STEPS)

@@ -29,7 +29,7 @@ from skincad.solids.plan import CutRole, Part, RotatedBody, bores
 from skincad.solids.projection import Arc
 from tests.bent_skin import three_ridges
 
-FAST = {"yamada-2002", "nozzle-04", "bent", "mounted"}  # by wire, printed with nuts, doubly curved
+FAST = {"nozzle-04", "bent"}  # printed with nuts, doubly curved; by wire and mounted are slow
 NAMES = [
     pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
     for name in (*template_names(), "bent", "mounted")
@@ -267,6 +267,7 @@ def test_a_right_piece_counts_from_its_level_side() -> None:
     assert [row[1:3] for row in grooves[0]] == [row[1:3] for row in grooves[1]][::-1]  # its mirror image
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["a", "b"])
 def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
     design = skincad.load("yamada-2002", ["mold.cavities=3"])

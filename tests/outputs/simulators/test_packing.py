@@ -127,6 +127,7 @@ def test_the_image_of_heights_reads_back(made: tuple[Path, dict]) -> None:
     assert levels.max() == 65535
 
 
+@pytest.mark.slow
 def test_the_same_again_is_the_same_bytes(made: tuple[Path, dict], tmp_path: Path) -> None:
     folder, _ = made
     assert run_skincad("package", *FAST, "-o", "again", cwd=tmp_path).returncode == 0

@@ -188,6 +188,7 @@ def test_the_reference_is_named_with_its_own_error(pressed: Ladder) -> None:
     assert not next(m for m in pressed.measures if m.name == "mesh F9").compares
 
 
+@pytest.mark.slow
 def test_what_cannot_judge_a_design_is_skipped_with_its_reason(
     plain: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
