@@ -58,7 +58,7 @@ def _entry(design: Design) -> dict[str, Any]:
     return {
         "about": purpose(design.name),
         "family": design.features.family,
-        "count": design.features.count,
+        "count": design.count,
         "size_mm": [design.skin.width, design.skin.length],
         "smallest_detail_mm": detail,
         "smallest_detail": where,

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, moments, polygon
 from skincad.shape.families import place
-from skincad.shape.feature import Feature, Placed, SensorPlace
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
 
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
@@ -81,6 +80,16 @@ class Skin:
     pitch: float
 
     @property
+    def family(self) -> str:
+        """The family of its features, and the name of one."""
+        return self.profile.family
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """What its features' outlines run along or turn about."""
+        return self.profile.symmetry
+
+    @property
     def count(self) -> int:
         """How many features there are."""
         return len(self.placed)
@@ -133,7 +142,7 @@ class Skin:
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
         deepest = max(self.heights)
-        which = f"ridge {self.heights.index(deepest) + 1}" if self.uneven else "a ridge"
+        which = f"{self.family} {self.heights.index(deepest) + 1}" if self.uneven else f"a {self.family}"
         return Narrowest(f"groove of {which}'s tip", self.profile.tip_width, deepest)
 
     def tooth(self) -> Narrowest | None:
@@ -145,9 +154,11 @@ class Skin:
         """
         if self.count == 1:
             return None
-        free = [min(pair) for pair in pairwise(self.heights)]
-        first = free.index(max(free)) + 1
-        which = f"the roots of ridges {first} and {first + 1}" if self.uneven else "two ridges' roots"
+        pairs = [(p.number, n) for p in self.placed for n in p.neighbours if n > p.number]
+        free = [min(self.heights[a - 1], self.heights[b - 1]) for a, b in pairs]
+        first, second = pairs[free.index(max(free))]
+        name = self.family
+        which = f"the roots of {name}s {first} and {second}" if self.uneven else f"two {name}s' roots"
         return Narrowest(f"tooth between {which}", self.pitch - self.profile.root_width, max(free))
 
     @cached_property
@@ -158,18 +169,20 @@ class Skin:
         of it has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is
         squeezed by the nominal strain 1 - w / W. Exact to the guards' chord tolerance; 0 is below it.
         """
-        return {placed.number: _undercut(tuple(placed.outline)) for placed in self.placed}
+        if self.symmetry == "none":
+            return {}
+        return {placed.number: _undercut(tuple(_upright(placed).outline)) for placed in self.placed}
 
 
 @lru_cache(maxsize=32)
 def skin_of(design: Design) -> Skin:
     """Return the design's skin. Raises InputError where features have no shape, or no room."""
-    return Skin(design.name, design.skin, place(design), design.features.spacing)
+    return Skin(design.name, design.skin, place(design), design.spacing)
 
 
 @lru_cache(maxsize=32)
 def section(design: Design) -> Section:
-    """Return the design's section, guarded.
+    """Return the design's section, guarded: what is swept along y or turned. Pins are not in it.
 
     Raises InputError when fillets do not fit, when the outline is not simple, or when a slot leaves it
     or leaves too thin a wall. Valid for curvature radii up to 1e8 mm.
@@ -190,18 +203,43 @@ def _outline(skin: Skin) -> Iterator[Segment]:
     yield Segment(Point(-x, 0.0), Point(x, 0.0), kind="back")
     yield Segment(Point(x, 0.0), Point(x, shoulder), kind="side")
     here, angle = Point(x, shoulder), side
-    for placed in reversed(skin.placed):
+    for placed in reversed(_crossings(skin)):
         right, left = placed.feature.feet
         reach = math.atan2(right.x, radius + right.z)
-        yield from _base_arc(here, placed.frame.at(*right), angle - placed.lean - reach)
+        yield from _base_arc(skin, here, placed.frame.at(*right), angle - placed.lean - reach)
         yield from placed.outline
         here, angle = placed.frame.at(*left), placed.lean - reach
-    yield from _base_arc(here, Point(-x, shoulder), angle + side)
+    yield from _base_arc(skin, here, Point(-x, shoulder), angle + side)
     yield Segment(Point(-x, shoulder), Point(-x, 0.0), kind="side")
 
 
-def _base_arc(start: Point, end: Point, sweep: float) -> Iterator[Segment]:
-    segment = Segment(start, end, math.tan(sweep / 4), "base")
+def _crossings(skin: Skin) -> list[Placed]:
+    """The features that cross the section, from the smallest x: rings on either side of the middle."""
+    if skin.symmetry == "extruded":
+        return list(skin.placed)
+    if skin.symmetry == "concentric":
+        return [*(_mirrored(placed) for placed in reversed(skin.placed)), *skin.placed]
+    return []
+
+
+def _mirrored(placed: Placed) -> Placed:
+    """A ring where the section's half at -x crosses it."""
+    origin, along, out = placed.frame.origin, placed.frame.tangent, placed.frame.normal
+    frame = Frame(Point(-origin.x, origin.z), Point(along.x, -along.z), Point(-out.x, out.z))
+    return replace(placed, frame=frame, lean=-placed.lean)
+
+
+def _upright(placed: Placed) -> Placed:
+    """A pin in the plane of its axis and z; any other feature as it is."""
+    if placed.feature.symmetry != "revolved":
+        return placed
+    sine, cosine = math.sin(placed.lean), math.cos(placed.lean)
+    return replace(placed, frame=Frame(placed.frame.origin, Point(cosine, -sine), Point(sine, cosine)))
+
+
+def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
+    face = skin.symmetry == "none"
+    segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
     if segment.chord > 0.0:
         yield segment
 
@@ -213,7 +251,7 @@ def _guard(result: Section, skin: Skin) -> None:
         raise InputError(
             skin.profile.family,
             f"the outline crosses itself ({shapely.is_valid_reason(body)})",
-            remedy="move ridges apart",
+            remedy=f"move {skin.family}s apart",
         )
     if not result.slots or skin.slot is None:
         return

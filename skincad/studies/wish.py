@@ -18,6 +18,7 @@ from skincad.base.result import Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import Own
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Ridge
 from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.silicone import silicones as listed_silicones
 from skincad.mechanics.check import check, mesh_tolerance
@@ -296,7 +297,7 @@ class _Search:
     def _curved(self, flat: Design) -> tuple[Design, bool]:
         """The design with as much of the paper's curvature as its force bears, and whether enough of its
         parts pass."""
-        high = flat.features.height or 0.0
+        high = flat.of(Ridge).height or 0.0
         drop = min(DROP * high, max(_free_drop(flat), FLAT * high))
         for left in reversed(range(SEARCH_CHECKS)):
             design = bent(flat, drop)
@@ -312,7 +313,7 @@ class _Search:
         """The flat design at the smallest force, of a few tried, at which enough parts pass."""
         size, force, design = room(flat), self.asked.touch, flat
         if size is None:
-            flat = bent(flat, DROP * (flat.features.height or 0.0))
+            flat = bent(flat, DROP * (flat.of(Ridge).height or 0.0))
             force /= max(1.0, overload(flat, check(flat, model="winkler")))
         elif size < 1.0:
             force /= size
@@ -365,7 +366,7 @@ def _free_drop(flat: Design) -> float:
 
 def bent(flat: Design, drop: float) -> Design:
     """Return a flat design with the curvature at which its outer crests lie `drop` mm lower."""
-    reach = (flat.features.count - 1) * flat.features.spacing
+    reach = (flat.count - 1) * flat.spacing
     return flat.with_(skin={"curvature_radius": radius_for(drop, reach, flat.skin.width)})
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from skincad.base.result import Record, item, record
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Ridge
 from skincad.shape.skin import skin_of
 from skincad.studies.wish_shapes import (
     DROP,
@@ -46,7 +47,7 @@ def choices(design: Design, *, asked_size: bool, asked_silicone: bool) -> tuple[
 
 
 def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator[Choice]:
-    skin, ridge, mold = design.skin, design.features, design.mold
+    skin, ridge, mold = design.skin, design.of(Ridge), design.mold
     if not asked_size:
         whose = f"the face of {mold.mount}" if mold.mount else "the usual pad"
         yield Choice(key="skin", value=_size(skin.width, skin.length), why=whose)
@@ -67,7 +68,7 @@ def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator
 
 def _ridges(design: Design) -> Iterator[Choice]:
     """The choice of pitch, height and thickness."""
-    skin, ridge, mold = design.skin, design.features, design.mold
+    skin, ridge, mold = design.skin, design.of(Ridge), design.mold
     usual, pitch, height = usual_pitch(skin.width), ridge.pitch or 0.0, ridge.height or 0.0
     why = f"as many ridges as fit, about {MOST_RIDGES} as in the paper"
     if pitch > usual:
@@ -95,9 +96,9 @@ def _curvature(design: Design) -> Choice:
         f"at {force:g} N that leaves room for crests that scatter by {scatter:g} mm, as {process} makes them"
     )
     why = f"the outer crests lie {low:.2g} mm lower; {room}"
-    if low > (DROP - 0.03) * (design.features.height or 0.0):
+    if low > (DROP - 0.03) * (design.of(Ridge).height or 0.0):
         why = f"the outer crests lie {low:.2g} mm lower, a quarter of a ridge's height, as the paper's"
-    elif low < 2 * FLAT * (design.features.height or 0.0):
+    elif low < 2 * FLAT * (design.of(Ridge).height or 0.0):
         why = "nearly flat: at this force the plate comes down too little for more"
     return Choice(key="skin.curvature_radius", value=f"{design.skin.curvature_radius:g} mm", why=why)
 
