@@ -76,7 +76,7 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
         short = short_toml(wish, name, schema)
         return commented_toml("designs", short, path.stem, schema) if full else short
 
-    return write_with_schema(path, "designs", written)
+    return write_with_schema(path, "designs", written, wish.design.features.family)
 
 
 def next_step(wish: WishResult) -> str:
