@@ -17,7 +17,7 @@ from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import Section, section
+from skincad.shape.skin import Section, cell_section, section, skin_of
 
 
 def rise(plate: Plate, x: Array) -> Array:
@@ -90,7 +90,9 @@ class Bend:
 
 @dataclass(frozen=True)
 class Pad:
-    """An elastic section of `length` mm along y, clamped at its `back` segments.
+    """An elastic section of `length` mm along y, clamped at its `back` segments. One that is `revolved` is
+    the whole of a skin's section through its axis x = 0, whose half at x >= 0 is turned about it; its length
+    does not count, and a ring crosses it twice. Within `focus` mm of x = 0 the mesh resolves a contact.
 
     Segments that touch may meet the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
@@ -113,6 +115,8 @@ class Pad:
     ends: tuple[tuple[float, ...], ...] = ()
     law: Rubber | None = None
     bend: Bend | None = None
+    revolved: bool = False
+    focus: float = 0.0
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
@@ -302,10 +306,22 @@ class Answer:
 
 
 def pad_of(design: Design) -> Pad:
-    """Return the pad of a design that is straight along y, its slots filled as `film_state` says.
+    """Return the pad of a design whose section is swept straight along y, its slots filled as `film_state`
+    says, or of one that turns about its middle: rings, a round flat skin, or one pin on a round skin.
 
-    Raises InputError for a skin that is curved along y too.
+    Raises InputError for a skin that is curved along y too, and for pins of which there are more or whose
+    base is no disc.
     """
+    skin = skin_of(design)
+    if skin.symmetry == "revolved":
+        if skin.count > 1:
+            raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
+        if not design.skin.round:
+            remedy = 'give skin.outline = "round"'
+            raise InputError(
+                "skin.outline", "must be 'round' round a single pin", design.skin.outline, remedy
+            )
+        return pin_cell(design, design.skin.width / 2, curvature_radius=design.skin.curvature_radius)
     radius = design.skin.curvature_radius_y
     if radius is not None:
         rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
@@ -313,8 +329,28 @@ def pad_of(design: Design) -> Pad:
     return solid_pad_of(design)
 
 
+def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: float = math.inf) -> Pad:
+    """Return the pad of one pin alone, upright in the middle of a disc of base of a `radius` mm whose rim is
+    free: its section turns about its axis. The base is flat unless it has a `curvature_radius` mm. Pockets
+    are silicone.
+
+    Valid under a flat plate that is square to the pin's axis.
+    """
+    material = silicone(design)
+    return Pad(
+        section=cell_section(design, radius, number, curvature_radius),
+        length=2 * radius,
+        young_modulus=material.young_modulus.value,
+        poisson_ratio=material.poisson_ratio,
+        plate=design.contact.plate,
+        density=material.density,
+        law=material.law,
+        revolved=True,
+    )
+
+
 def solid_pad_of(design: Design) -> Pad:
-    """Return the pad of a design, straight along y or not."""
+    """Return the pad of a design, straight along y or not; a round skin's section turns."""
     radius = design.skin.curvature_radius_y
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
@@ -334,7 +370,23 @@ def solid_pad_of(design: Design) -> Pad:
         film_density=PVDF_DENSITY if strips else 0.0,
         law=material.law,
         bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
+        revolved=design.skin.round,
     )
+
+
+FOCUS = 1.5  # half-widths of the contact by Hertz, which a thin base makes narrower
+
+
+def focused(pad: Pad, force: float) -> Pad:
+    """Return a pad with its `focus` at `force` N, where it touches with one arc over x = 0: by Hertz
+    (Johnson, Contact Mechanics, 1985, eq. 4.22 and 4.43)."""
+    middle = [s for s in pad.section.outline if s.touches and s.end.x < 0 < s.start.x and s.bulge]
+    if len(pad.ridges) > 1 or not middle or not (pad.revolved or middle[0].kind == "base"):
+        return pad
+    radius, stiffness = middle[0].radius, pad.young_modulus / (1 - pad.poisson_ratio**2)
+    line = math.sqrt(4 * force * radius / (math.pi * pad.length * stiffness))
+    half = math.cbrt(3 * force * radius / (4 * stiffness)) if pad.revolved else line
+    return replace(pad, focus=FOCUS * half)
 
 
 def one_ridge(pad: Pad) -> Pad:

@@ -194,6 +194,39 @@ def section(design: Design) -> Section:
     return result
 
 
+def cell_section(
+    design: Design, radius: float, number: int = 1, curvature_radius: float = math.inf
+) -> Section:
+    """Return the section through the axis of one pin, feature 1, upright in the middle of a disc of base of a
+    `radius` mm, which falls away from the pin's foot as on a sphere of a `curvature_radius` mm.
+
+    Raises InputError for a pin whose foot covers the disc.
+    """
+    skin, up = skin_of(design), Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
+    pin = Placed(skin.placed[number - 1].feature, up, 1, 0.0, ())
+    foot, thickness = pin.feature.feet[0].x, design.skin.thickness
+    if not foot < radius:
+        rule = f"must leave base round a pin's foot, {foot:.4g} mm in radius"
+        raise InputError("skin.width", rule, 2 * radius, "enlarge it, or take a thinner pin")
+    flat = math.isinf(curvature_radius)
+    turn = 0.0 if flat else math.asin(radius / curvature_radius) - math.asin(foot / curvature_radius)
+    rim = (
+        thickness
+        if flat
+        else thickness - 2 * curvature_radius * math.sin(math.asin(radius / curvature_radius) / 2) ** 2
+    )
+    bulge = math.tan(turn / 4)
+    outline = (
+        Segment(Point(-radius, 0.0), Point(radius, 0.0), kind="back"),
+        Segment(Point(radius, 0.0), Point(radius, rim), kind="side"),
+        Segment(Point(radius, rim), Point(foot, thickness), bulge, "base"),
+        *pin.outline,
+        Segment(Point(-foot, thickness), Point(-radius, rim), bulge, "base"),
+        Segment(Point(-radius, rim), Point(-radius, 0.0), kind="side"),
+    )
+    return Section(outline)
+
+
 def _outline(skin: Skin) -> Iterator[Segment]:
     """Outline from the back's left corner, counterclockwise; segments without length are left out."""
     base = skin.base
