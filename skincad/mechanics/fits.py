@@ -227,6 +227,8 @@ FITS = (
 
 def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
     """Return in which numbers the design is unlike all that a model's or an effect's fits saw, or ""."""
+    if (family := skin_of(design).family) != "ridge":  # the sets are ridges
+        return f"a {family}"
     numbers, found = shape_of(design), {}
     for fit in FITS:
         if model in fit.models or (effect and effect == fit.effect):

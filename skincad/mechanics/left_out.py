@@ -196,7 +196,7 @@ def friction(design: Design, carrying: int) -> LeftOut:
     """
     skin, ridges = design.skin, skin_of(design).count
     thick = skin.thickness / _spanned(design, ridges)
-    slope = abs(skin_of(design).lean(ridges)) + steepest(design.contact.plate, skin.width / 2)
+    slope = abs(skin_of(design).placed[-1].lean) + steepest(design.contact.plate, skin.width / 2)
     stiffer = tip_constraint(design, ridges) - 1
     drawn_in = (1 - 2 * silicone(design).poisson_ratio) ** 2
     softer = 1 - 1 / tip_constraint(design, max(carrying, 1))
@@ -232,6 +232,9 @@ def tip_constraint(design: Design, ridges: int) -> float:
     to being squeezed out (Poiseuille's flow, the silicone being nearly incompressible).
     """
     skin, nu = skin_of(design), silicone(design).poisson_ratio
+    if skin.family == "flat":  # no features between: from sliding to bonded
+        thick = skin.base.thickness / skin.base.width
+        return confinement(thick / 2, nu) / confinement(thick, nu)
     column = median(skin.heights) / skin.profile.mean_width
     give = skin.pitch * (1.2 * column + column**3 / 4)
     thickness, base = skin.base.thickness, skin.base.thickness / skin.pitch
@@ -243,17 +246,22 @@ def tip_constraint(design: Design, ridges: int) -> float:
 
 
 def _spanned(design: Design, ridges: int) -> float:
-    """Width of the base under so many ridges, mm."""
+    """Width of the base under so many features, mm."""
     skin = skin_of(design)
-    return min(skin.base.width, (ridges - 1) * skin.pitch + skin.profile.mean_width)
+    across = (ridges - 1) * skin.pitch
+    if skin.symmetry == "concentric":
+        across = 2 * skin.placed[ridges - 1].summit.x
+    return min(skin.base.width, across + skin.profile.mean_width)
 
 
 def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:
-    """Return the bounds of the effects that a model leaves out of its answer at `force` N."""
+    """Return the bounds of the effects that a model leaves out of its answer at `force` N; a disc has no free
+    ends."""
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
         FINITE_STRAIN: lambda: finite_strain(design, answer, force),
         FRICTION: lambda: friction(design, answer.touching),
         ALONG: lambda: friction_along(design),
     }
-    return tuple(bounds[effect]() for effect in effects)
+    has_ends = not design.skin.round
+    return tuple(bounds[effect]() for effect in effects if has_ends or effect not in (FREE_ENDS, ALONG))

@@ -246,7 +246,8 @@ class Answer:
 
     `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form. `fault`
     names an undetected contact of the skin with itself or the plate, "" if there is none. `own_seconds` is
-    the model's own time, without the models that it builds on. `deformed` is the section under the force.
+    the model's own time, without the models that it builds on. `deformed` is the section under the force,
+    `contact_width` mm that of the contact of a skin without features.
     """
 
     touching: int
@@ -261,6 +262,7 @@ class Answer:
     ridge_model: RidgeModel | None = None
     self_contact: SelfContact | None = None
     own_seconds: float = 0.0
+    contact_width: Estimate | None = None
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
 
     def consistent(self, force: float) -> Answer:
@@ -302,7 +304,17 @@ class Answer:
             all_touch_force=wider(first, (first.value or 0.0) * threshold),
             approach=wider(down, abs(down.value or 0.0) * approach),
             ridge_force=tuple(wider(ridge, share) for ridge in self.ridge_force),
+            contact_width=self.contact_width
+            and wider(self.contact_width, (self.contact_width.value or 0.0) * approach / 2),
         )
+
+
+def wider_by(width: Estimate, approach: float) -> Estimate:
+    """Return a contact's width where the approach changes by a factor: as its root, in Hertz' contact and on
+    a thin bonded layer (Johnson, Contact Mechanics, 1985, eq. 4.22 and sec. 5.8). Half of the width's change
+    is taken as its error."""
+    value, root = width.value or 0.0, math.sqrt(approach)
+    return Estimate(value * root, math.hypot((width.error or 0.0) * root, value * (root - 1) / 2), width.unit)
 
 
 def pad_of(design: Design) -> Pad:
@@ -312,16 +324,6 @@ def pad_of(design: Design) -> Pad:
     Raises InputError for a skin that is curved along y too, and for pins of which there are more or whose
     base is no disc.
     """
-    skin = skin_of(design)
-    if skin.symmetry == "revolved":
-        if skin.count > 1:
-            raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
-        if not design.skin.round:
-            remedy = 'give skin.outline = "round"'
-            raise InputError(
-                "skin.outline", "must be 'round' round a single pin", design.skin.outline, remedy
-            )
-        return pin_cell(design, design.skin.width / 2, curvature_radius=design.skin.curvature_radius)
     radius = design.skin.curvature_radius_y
     if radius is not None:
         rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
@@ -350,7 +352,19 @@ def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: f
 
 
 def solid_pad_of(design: Design) -> Pad:
-    """Return the pad of a design, straight along y or not; a round skin's section turns."""
+    """Return the pad of a design, straight along y or not; a round skin's section turns.
+
+    Raises InputError for pins, as `pad_of`.
+    """
+    skin = skin_of(design)
+    if skin.symmetry == "revolved":
+        if skin.count > 1:
+            raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
+        if not design.skin.round:
+            remedy = 'give skin.outline = "round"'
+            rule = "must be 'round' round a single pin"
+            raise InputError("skin.outline", rule, design.skin.outline, remedy)
+        return pin_cell(design, design.skin.width / 2, curvature_radius=design.skin.curvature_radius)
     radius = design.skin.curvature_radius_y
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state

@@ -439,6 +439,8 @@ class _Levels:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]
         result = estimated_answer(best, lower, before, refinement.order, self.seconds)
+        if self.pad.section.outline and _is_face(self.pad):
+            result = replace(result, contact_width=contact_width(best, lower))
         return result, relative_error(result, self.request.force, unit_of(self.pad))
 
     def _check_fits(self, solved: object, rest: float) -> None:
@@ -521,6 +523,28 @@ def estimated_answer(
         seconds=dict(seconds),
         fault=best.fault,
     )
+
+
+def _is_face(pad: Pad) -> bool:
+    """Whether the base itself touches."""
+    return any(s.touches and s.kind == "base" for s in pad.section.outline)
+
+
+def contact_width(best: PlaneSolution, lower: PlaneSolution) -> Estimate:
+    """Return how wide one contact over x = 0 is, mm: of a section that turns its diameter.
+
+    It ends halfway between the last point under pressure and the next. The error is what lies between them,
+    and what the order changes.
+    """
+    ends = []
+    for solution in (best, lower):
+        order = np.argsort(np.abs(solution.x))
+        far, loaded = np.abs(solution.x)[order], solution.pressure[order] > 0
+        last = int(np.flatnonzero(loaded).max())
+        following = far[min(last + 1, far.size - 1)]
+        ends.append((far[last] + following, following - far[last]))
+    (width, open_), (other, _) = ends
+    return Estimate(float(width), float(open_ + abs(width - other)), "mm")
 
 
 def _add(total: dict[str, float], more: dict[str, float]) -> None:
