@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from scipy import interpolate, optimize, sparse
+from scipy import interpolate, optimize, sparse, spatial
 from scipy.sparse.linalg import splu
 
 from skincad.base.arrays import Array, Index
@@ -27,9 +27,11 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import places
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
+from skincad.mechanics.models.pin_cell import crown_radius, lone, pin_cell
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
@@ -38,6 +40,7 @@ FEWEST = 15  # features of the cell, where the pad has as many
 NEWTON_STEPS = 60  # ten are usual
 SETTLED = 1e-10  # of the largest force
 ROOT = 1e-9  # of the approach
+SAME = 1e-9  # relative; heights that differ by less are alike
 FARTHEST = 64.0  # times the approach that closes all gaps: the search's end
 FINENESS, ORDER = 1.0, 3  # of the cell's section
 # Against the corrected model (bench/table_reduced.py): 45 and 101 plain ridges, 6 to 24 mm long, 2 to 7 mm
@@ -95,6 +98,11 @@ def feature_model(
     design: Design, force: float, seconds: dict[str, float], *, ends: bool = True
 ) -> FeatureModel:
     """Return the reduced pad of a design for forces of about `force` N; without `ends` in plane strain."""
+    if skin_of(design).family == "pin":
+        began = perf_counter()
+        model = pin_model(design)
+        seconds["cell"] = perf_counter() - began
+        return model
     cell = cell_of(design)
     few, many = skin_of(cell).count, skin_of(design).count
     began, share, pad = perf_counter(), force * few / many, pad_of(cell)
@@ -116,6 +124,101 @@ def feature_model(
         indentation=parts.indentation[few // 2] * parts.unit,
         coupling=repeated(coupling, many),
     )
+
+
+MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantities between are interpolated
+
+
+def pin_model(design: Design) -> FeatureModel:
+    """Return the reduced pad of pins, in small strain, on a base without edges.
+
+    The curve is that of the stiffest cell. What a pin gives way more by its height, by the base's thickness under
+    it and by its lean stands on the diagonal of `coupling`: the contact's force is normal to the plate and acts
+    where the leaning tip is highest, so it bends the pin too. Pins feel each other by their distance, as on a base
+    of the mean thickness under both; a pin's own root does not stiffen the base for its neighbours.
+    """
+    skin, many = skin_of(design), skin_of(design).count
+    heights = np.array(skin.heights)
+    thick = base_thicknesses(design)
+    nodes = [_nodes(values, most) for values, most in zip((heights, thick), MOST_NODES, strict=True)]
+    cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
+    at = heights, thick
+    axial = _interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at)
+    across = _interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at)
+    stiffest = min((cell for row in cells for cell in row), key=lambda cell: cell.axial)
+    lean = np.array(skin.leans)
+    radius = crown_radius(design)
+    sine, arm = np.sin(lean), (np.sin(lean) * radius if math.isfinite(radius) else 0 * lean)
+    bent = sine**2 * (across[:, 0, 0] - axial) + 2 * sine * arm * across[:, 0, 1] + arm**2 * across[:, 1, 1]
+    foot = np.array([placed.foot for placed in skin.placed])
+    reach = float(stiffest.radius[-1])
+    pairs = spatial.cKDTree(foot).query_pairs(reach, output_type="ndarray")
+    first, second = pairs.T
+    distance = np.linalg.norm(foot[first] - foot[second], axis=1)
+    row = cells[len(cells) // 2]
+    sinking = np.array([cell.sinking(distance, skin.profile.root_width / 2) for cell in row])
+    between = (thick[first] + thick[second]) / 2
+    weights = _lagrange(nodes[1], between)
+    values = (weights * sinking.T).sum(axis=1)
+    everyone = np.arange(many)
+    entries = np.concatenate([values, values, axial - stiffest.axial + bent])
+    index = np.concatenate([first, second, everyone]), np.concatenate([second, first, everyone])
+    tops = pin_tops(design)
+    return FeatureModel(
+        gap=tops.max() - tops,
+        force=stiffest.force,
+        indentation=stiffest.indentation,
+        coupling=sparse.csr_matrix((entries, index), shape=(many, many)),
+    )
+
+
+def base_thicknesses(design: Design) -> Array:
+    """Return the base's thickness under each feature `(n,)` mm, before the second curvature's turn."""
+    skin, base = skin_of(design), design.skin
+    if base.round:
+        return np.array([placed.foot[2] for placed in skin.placed])
+    along = np.array([at.u for at in places(base, design.features)])
+    return np.asarray(
+        base.thickness - 2 * base.curvature_radius * np.sin(along / base.curvature_radius / 2) ** 2
+    )
+
+
+def pin_tops(design: Design) -> Array:
+    """Return the height of each pin's highest point `(n,)` mm: on its crown, or where it leans more on the
+    crown's edge."""
+    skin = skin_of(design)
+    shape, radius = skin.profile, crown_radius(design)
+    tip, lean = np.array([placed.tip[2] for placed in skin.placed]), np.array(skin.leans)
+    edge = shape.tip_width / 2 * np.sin(lean) - shape.crown * np.cos(lean)
+    if not math.isfinite(radius):
+        return tip + edge
+    on_crown = 2 * radius * np.sin(lean / 2) ** 2
+    return np.where(radius * np.sin(lean) <= shape.tip_width / 2, tip + on_crown, tip + edge)
+
+
+def _nodes(values: Array, most: int) -> Array:
+    """At most so many values to solve at, all if there are no more."""
+    distinct = np.unique(values)
+    low, high = distinct[0], distinct[-1]
+    if distinct.size <= most:
+        return distinct
+    return np.linspace(low, high, most) if high - low > SAME * high else np.array([(low + high) / 2])
+
+
+def _lagrange(nodes: Array, at: Array) -> Array:
+    """Weights `(n, nodes)` of the polynomial through all nodes at `at` `(n,)`."""
+    factors = [
+        np.prod([(at - other) / (node - other) for other in nodes if other != node], axis=0)
+        * np.ones_like(at)
+        for node in nodes
+    ]
+    return np.array(factors).T
+
+
+def _interpolated(nodes: list[Array], values: Array, at: tuple[Array, Array]) -> Array:
+    """Values `(heights, thicknesses, ...)` at nodes, for features `at` heights and thicknesses `(n,)`."""
+    by_height, by_thickness = (_lagrange(node, x) for node, x in zip(nodes, at, strict=True))
+    return np.asarray(np.einsum("ni,nj,ij...->n...", by_height, by_thickness, values))
 
 
 def repeated(coupling: Array, many: int) -> sparse.csr_matrix:
@@ -202,11 +305,9 @@ def all_touch_force(model: FeatureModel) -> float:
 
 def _root(model: FeatureModel, missing: Callable[[Array, Array], float]) -> float:
     """The approach, mm, at which `missing(forces, indentations)` is 0; it rises with the approach."""
-    high = float(np.ptp(model.gap)) or float(model.indentation[-1])
-    for _ in range(round(math.log2(FARTHEST))):
-        if missing(*at_approach(model, high)) > 0:
-            break
-        high *= 2
-    else:
+    gap, end = float(np.ptp(model.gap)), float(model.indentation[-1])
+    doubled = [start * 2**k for start in (gap, end) if start for k in range(round(math.log2(FARTHEST)))]
+    high = next((d for d in doubled if missing(*at_approach(model, d)) > 0), 0.0)
+    if not high:
         raise ContactError("no approach brings all features into contact")
     return float(optimize.brentq(lambda d: missing(*at_approach(model, d)), 0.0, high, xtol=ROOT * high))

@@ -1,0 +1,92 @@
+"""A turned section under loads that are no turned ones: one harmonic round the axis x = 0.
+
+Displacements are (u_r cos n t, u_z cos n t, u_t sin n t) at the angle t round the axis: n = 0 a pressure, n = 1 a
+pull across the axis or a moment about a line across it. Zienkiewicz and Taylor, The Finite Element Method, 5th
+ed., vol. 2, sec. 9.6. Lengths are in the pad's unit, stresses in E.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.mechanics.bodies import fe
+from skincad.mechanics.bodies.elements import small_strain
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """The condensed stiffness of one harmonic: NGSolve's `form` over `space`, and which unknowns are `free`. The
+    space's first component is (u_r, u_z), of n > 0 the second is u_r + n u_t."""
+
+    form: Any
+    space: Any
+    free: Any
+
+    def solved(self, loads: Sequence[Any]) -> list[Any]:
+        """Return the displacements under loads: NGSolve's linear forms of traction on the boundary."""
+        inverse = self.form.mat.Inverse(self.free, inverse="sparsecholesky")
+        fields = []
+        for load in loads:
+            field = ng.GridFunction(self.space)
+            field.vec.data = inverse * load.vec
+            field.vec.data += self.form.harmonic_extension * field.vec
+            fields.append(field)
+        return fields
+
+
+def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], number: int) -> Harmonic:
+    """Return harmonic `number` of a section that turns about x = 0, in small strain, with the pressure as an
+    unknown; materials and orders as in `small_strain`, which is harmonic 0.
+
+    For n > 0 the unknown round the axis is w = u_r + n u_t: the hoop strain is w / r, and strains stay finite on
+    the axis with w = 0 there, without any condition that ties unknowns to each other.
+    """
+    if number == 0:
+        form, both = small_strain(mesh, order, materials, revolved=True)
+        held = [fe.held_on_cut(mesh, both.components[0])[0]]
+        return Harmonic(form, both, _free(both, held))
+    plane = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    around = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    both = plane * around * ng.L2(mesh, order=order - 1)
+    (u, w, q), (v, s, p) = both.TnT()
+    strains, tests = _strains(u, w, number), _strains(v, s, number)
+    shear, bulk = fe.moduli(mesh, materials)
+    swell, swelling = sum(strains[:3]), sum(tests[:3])
+    inner = sum(a * b for a, b in zip(strains[:3], tests[:3], strict=True))
+    inner += sum(a * b for a, b in zip(strains[3:], tests[3:], strict=True)) / 2
+    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    dx = ng.dx(bonus_intorder=2)
+    turn = fe.turn() / 2  # the mean of cos^2 round the axis
+    form += turn * 2 * shear * (inner - swell * swelling / 3) * dx
+    form += turn * (q * swelling + p * swell - q * p / bulk) * dx
+    form.Assemble()
+    in_r, in_z = fe.held_on_cut(mesh, plane)
+    on_axis = np.flatnonzero(fe.on_cut(mesh, around)) + both.Range(1).start
+    return Harmonic(form, both, _free(both, [in_z, on_axis] if number == 1 else [in_r, in_z, on_axis]))
+
+
+def _strains(u: Any, w: Any, n: int) -> list[Any]:
+    """Normal strains along r, z and t, and the shear strains rz, rt and zt, doubled, over cos n t or sin n t."""
+    r, gradient, slope = ng.x, ng.Grad(u), ng.grad(w)
+    return [
+        gradient[0, 0],
+        gradient[1, 1],
+        w / r,
+        gradient[0, 1] + gradient[1, 0],
+        (slope[0] - gradient[0, 0]) / n + ((1 / n - n) * u[0] - w / n) / r,
+        (slope[1] - gradient[0, 1]) / n - n * u[1] / r,
+    ]
+
+
+def _free(space: Any, held: Sequence[Any]) -> Any:
+    free = ng.BitArray(space.FreeDofs(True))
+    for number in np.concatenate(held).tolist():
+        free.Clear(number)
+    return free
