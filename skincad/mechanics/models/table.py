@@ -56,7 +56,12 @@ MODELS = {
         families=("ridge",),
     ),
     "reduced": ContactModel(
-        f"{_ROOM}reduced:answer", 5.0, (FINITE_STRAIN,), meshed=False, families=("ridge",)
+        f"{_ROOM}reduced:answer",
+        5.0,
+        (FINITE_STRAIN,),
+        meshed=False,
+        families=("ridge", "pin"),
+        turns=True,
     ),
     "linear": ContactModel(
         f"{_ROOM}linear:answer",
@@ -101,7 +106,7 @@ AUTO = (
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 # Models of `auto` that are for some designs only
 AUTO_IF: dict[str, Callable[[Design], bool]] = {
-    "reduced": lambda design: skin_of(design).count > MANY,
+    "reduced": lambda design: skin_of(design).count > MANY or skin_of(design).family == "pin",
     "finite-strain": lambda design: design.skin.round,
     "solid": lambda design: design.skin.curvature_radius_y is not None,
 }
@@ -136,14 +141,14 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         takes = [family for family in model.families if model.turns or family not in ("ring", "pin")]
         disc = "" if model.turns else " on a rectangular skin"
         yield f"{skin.family}: is not judged by the {name} model, which takes {' or '.join(takes)}{disc}"
-    if skin.symmetry == "revolved" and (skin.count > 1 or not design.skin.round):
+    if skin.family == "pin" and name != "reduced" and (skin.count > 1 or not design.skin.round):
         yield f"pin: must be one, on a round skin, for the {name} model"
     if shape != "flat" and (design.skin.round or not model.shaped_plates):
         yield f"contact.plate.shape: must be 'flat' for {_of(name, design)}"
-    if design.skin.curvature_radius_y is not None and not model.doubly_curved:
+    if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.family != "pin":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
         yield f"skin.curvature_radius_y: {words}"
-    if name == "reduced" and skin_of(design).uneven:
+    if name == "reduced" and skin.family == "ridge" and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"
     if measured and not model.measured:
         yield f"measured: is not judged by the {name} model"
