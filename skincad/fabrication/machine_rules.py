@@ -40,11 +40,11 @@ from skincad.solids.mold import mold
 from skincad.solids.plan import (
     CAVITIES,
     END_PLATES,
+    Body,
     Bore,
     Part,
     PartRole,
     Prism,
-    RevolvedBody,
     plain,
     unturned,
 )
@@ -160,7 +160,7 @@ def _overhang(case: Case) -> Iterator[Finding]:
     end = on_end(part, process)
     upright = "y" if end else "z"
 
-    def closes(cut: Prism | RevolvedBody | Bore) -> bool:
+    def closes(cut: Body) -> bool:
         return isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge
 
     cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))
