@@ -139,6 +139,11 @@ class Skin:
         crest."""
         return self.base.thickness + self.heights[self.crests.index(max(self.crests))]
 
+    @cached_property
+    def summit(self) -> float:
+        """Largest z of its pins, mm, exact; in a section features have theirs."""
+        return max(s.top for placed in self.placed for s in _upright(placed).outline)
+
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
         deepest = max(self.heights)
@@ -240,6 +245,8 @@ def _upright(placed: Placed) -> Placed:
 def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
     face = skin.symmetry == "none"
     segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
+    if skin.symmetry == "revolved" and abs(segment.bulge) * segment.chord / 2 < GUARD_TOLERANCE:
+        segment = replace(segment, bulge=0.0)  # plane, as a flat skin's pins stand
     if segment.chord > 0.0:
         yield segment
 
