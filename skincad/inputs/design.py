@@ -210,7 +210,8 @@ def drop_replaced(data: dict[str, Any], family: str, changed: set[str]) -> None:
 def scaled_skin(design: Design, by: float) -> Design:
     """Return the design with every length of its skin and features, and its slots' place, times a factor.
 
-    Slots and films keep their sizes, pockets their diameter: what keeps them free is bought. It may pass a key's limit by that factor, so it isn't checked.
+    Slots and films keep their sizes, pockets their diameter: what keeps them free is bought. It may pass a
+    key's limit by that factor, so it isn't checked.
     """
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
     features = {design.features.family: _scaled(design.features, by)}

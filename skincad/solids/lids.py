@@ -293,8 +293,8 @@ def _openings(design: Design, place: Layout) -> _Openings:
 
 
 def core_bores(design: Design, place: Layout) -> list[Bore]:
-    """Return the carrier's through holes in which the pockets' core pins stand, as wide as the pins: reamed, so
-    that they stay where they are pushed in flush with the carrier's top."""
+    """Return the carrier's through holes in which the pockets' core pins stand, as wide as these: reamed,
+    so that they stay where they are pushed in, flush with the carrier's top."""
     return [
         Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius, role=CutRole.CORE)
         for bore in pockets(design, -1.0)

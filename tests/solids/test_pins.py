@@ -108,6 +108,8 @@ def test_core_pins_stand_in_the_carrier_and_leave_with_it() -> None:
 
 
 def test_a_pocket_at_the_vent_is_refused() -> None:
-    design = families.flat().with_(flat={"pitch": 15.6, "pocket": {"diameter": 3.0}, "columns": 1})
+    design = families.flat().with_(
+        flat={"pitch": 15.6, "pocket": {"diameter": 3.0, "depth": 2.0}, "columns": 1}
+    )
     with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
         mold(design)
