@@ -325,10 +325,10 @@ def _reach(case: Case) -> Iterator[Finding]:
         if s.feature is not None
     ]
     in_holes.sort(key=lambda row: -row[0])
-    yield from _in_grooves(
-        case, [*in_holes, *((depth, s) for depth, _, s in depths if s.feature is not None)]
-    )
-    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None])
+    bare = case.job.skin.symmetry == "none"  # the face is the feature, and no groove
+    grooved = [(depth, s) for depth, _, s in depths if s.feature is not None and not bare]
+    yield from _in_grooves(case, [*in_holes, *grooved])
+    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None or bare])
 
 
 def _deepest_holes(case: Case) -> list[Loop]:
