@@ -443,6 +443,8 @@ def grooves_of(job: Job, part: Part) -> tuple[Groove, ...]:
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
     cast, rows, shift = job.cast_skin, [], job.place.centres[0]
+    if cast.symmetry == "none":
+        return ()
     cut = {s.feature for s in body.outline if s.feature is not None}
     for placed in cast.placed:
         if placed.number in cut:

@@ -46,7 +46,7 @@ from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, 
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
+from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused_lids, seal_sheet
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import Way, cast_skin
@@ -119,7 +119,11 @@ def mold(design: Design) -> ClosedMold:
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
-    rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
+    rest = [
+        *_gang(place, [carrier(design, place), *core_pins(design, place)]),
+        cover(design, place),
+        *_pins(design, place),
+    ]
     rest.append(seal_sheet(design, place))
     rest += base_dowels(design, place) if ridges else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
@@ -129,6 +133,9 @@ def mold(design: Design) -> ClosedMold:
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     """What a cavity that is split at these ridges can't be."""
     skin = skin_of(design)
+    if design.mold.split == "auto" and skin.symmetry != "extruded":
+        rule = f"must be 'none' here: a cavity is split at ridges, and [{skin.family}] has none"
+        yield InputError("mold.split", rule, design.mold.split, "leave it out")
     if ridges and skin.count % 2 == 0:
         rule = "splits only an odd number of ridges, so that the middle one comes straight out"
         yield InputError("mold.split", rule, skin.count, "take one ridge more or less")
@@ -156,7 +163,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
-        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))
+        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.STRIP))
         return replace(closed, opening=tuple(steps))
     steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
     pieces = zip(
@@ -175,6 +182,7 @@ def _gang(place: Layout, parts: list[Part]) -> list[Part]:
             name=part.name + (f"-{i}" if i > 1 else ""),
             body=moved(part.body, x),
             cuts=tuple(moved(cut, x) for cut in part.cuts),
+            adds=tuple(moved(body, x) for body in part.adds),
         )
         for i, x in enumerate(place.centres, 1)
         for part in parts
