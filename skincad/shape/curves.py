@@ -131,6 +131,30 @@ def rectangle(x_min: float, x_max: float, z_min: float, z_max: float) -> Loop:
     return loop([Point(x_min, z_min), Point(x_max, z_min), Point(x_max, z_max), Point(x_min, z_max)])
 
 
+def circle(x: float, z: float, radius: float) -> Loop:
+    """Return the circle about (x, z), mm, as two half turns."""
+    left, right = Point(x - radius, z), Point(x + radius, z)
+    return Segment(left, right, 1.0), Segment(right, left, 1.0)
+
+
+def right_half(outline: Loop) -> Loop:
+    """Return what of a loop lies at x >= 0, closed along x = 0: of one that is its own mirror image there and
+    begins to the left of it, or that lies there as a whole."""
+    half: list[Segment] = []
+    for s in outline:
+        if s.start.x < 0.0 < s.end.x or s.end.x < 0.0 < s.start.x:
+            middle, bulge = Point(0.0, s.point(0.5).z), math.tan(s.sweep / 8)
+            s = (
+                replace(s, start=middle, bulge=bulge)
+                if s.end.x > 0.0
+                else replace(s, end=middle, bulge=bulge)
+            )
+        if min(s.start.x, s.end.x) >= 0.0:
+            half.append(s)
+    closing = Segment(half[-1].end, half[0].start)
+    return (*half, closing) if closing.chord > 0.0 else tuple(half)
+
+
 def flipped(outline: Loop) -> Loop:
     """Return the loop turned upside down (z to -z), still with the material on its left."""
     return tuple(
