@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Base, Slot
@@ -139,6 +140,23 @@ class Skin:
         crest."""
         return self.base.thickness + self.heights[self.crests.index(max(self.crests))]
 
+    @property
+    def counted(self) -> str:
+        """How many features there are, as words: "1 ridge", "9 pins", or "no features"."""
+        if self.symmetry == "none":
+            return "no features"
+        return f"{self.count} {self.family}{'s' * (self.count > 1)}"
+
+    @property
+    def turned_down(self) -> str:
+        """What of it is down while it is poured."""
+        return "its face" if self.symmetry == "none" else f"the {self.family}s"
+
+    @cached_property
+    def summit(self) -> float:
+        """Largest z of its pins, mm, exact; in a section features have theirs."""
+        return max(s.top for placed in self.placed for s in _upright(placed).outline)
+
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
         deepest = max(self.heights)
@@ -194,6 +212,23 @@ def section(design: Design) -> Section:
     return result
 
 
+def pictured_section(design: Design, tolerance: float) -> Array:
+    """Return what a picture shows as the section, `(n, 2)` mm of x and z, arcs within `tolerance` mm: the
+    outline, with the pins of the row next to the middle."""
+    skin, outline = skin_of(design), polygon(section(design).outline, tolerance)
+    if skin.symmetry != "revolved":
+        return outline
+    least = min(abs(p.y) for p in skin.placed)
+    row = [p for p in skin.placed if abs(p.y) <= least + VISIBLE]
+    body = shapely.Polygon(outline)
+    for placed in row:
+        (right, left), at = placed.feature.feet, placed.frame.at
+        buried = [at(left.x, -0.1 * skin.base.thickness), at(right.x, -0.1 * skin.base.thickness)]
+        pin = [*polygon(tuple(placed.outline), tolerance), at(*left), *buried]
+        body = body.union(shapely.Polygon(pin))
+    return shapely.get_coordinates(body.exterior)[:-1]
+
+
 def _outline(skin: Skin) -> Iterator[Segment]:
     """Outline from the back's left corner, counterclockwise; segments without length are left out."""
     base = skin.base
@@ -240,6 +275,8 @@ def _upright(placed: Placed) -> Placed:
 def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
     face = skin.symmetry == "none"
     segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
+    if skin.symmetry == "revolved" and abs(segment.bulge) * segment.chord / 2 < GUARD_TOLERANCE:
+        segment = replace(segment, bulge=0.0)  # plane, as a flat skin's pins stand
     if segment.chord > 0.0:
         yield segment
 

@@ -181,6 +181,7 @@ def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: G
             _opening(place, lids, grid),
             *_end_bores(design, place, grid),
             *(cut for cut in cavity(design, shape, lids).cuts if cut.role in _FROM_ABOVE),
+            *(cut for cut in straight.cuts if cut.role is CutRole.FEATURE),
         ),
         straight=straight,
     )

@@ -34,13 +34,27 @@ from skincad.solids.layout import (
     cover_pins,
     fits,
 )
-from skincad.solids.plan import Body, Bore, CutRole, Heading, Part, PartRole, Prism, box, drilled, shifted
+from skincad.solids.pins import cast, pins
+from skincad.solids.plan import (
+    Body,
+    Bore,
+    CutRole,
+    Heading,
+    Part,
+    PartRole,
+    Prism,
+    box,
+    drilled,
+    moved,
+    shifted,
+)
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
 
 def cavity(design: Design, shape: Section, place: Layout) -> Part:
-    """Return the block with one trough for each skin: its negative, and the carrier's seat above it."""
+    """Return the block with one trough for each skin: its negative, with its pins' holes, and the carrier's
+    seat above it."""
     single = (*_rim(design, place, 1), *_negative(shape.outline), *_rim(design, place, -1))
     lands = [shifted(single, x) for x in reversed(place.centres)]  # from right to left
     right = Point(place.half, place.bottom), Point(place.half, place.top)
@@ -51,11 +65,12 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
     holes, deep = fits(design, design.mold.process), on_grid(blind_depth(place.lid, cavity_process(design)))
-    cuts = (
+    cuts: tuple[Body, ...] = (
         *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
         *_pin_holes(design, place),
         *drilled(CutRole.COVER_THREAD, "z", place.bolts, place.top - deep, deep, holes.thread),
         *_sockets(design, place, cover_pins(place)),
+        *(moved(cast(pin, CutRole.FEATURE), x) for pin in pins(design, shape) for x in place.centres),
     )
     return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
 

@@ -146,20 +146,28 @@ def _checked_solid(part: Part) -> cq.Solid:
 def volume(part: Part, shape: cq.Solid) -> float:
     """Return a solid's volume by the kernel, mm3.
 
-    Where a bore meets a curved face the kernel's usual integration misses 1e-4 mm3 of a bore: there it is
-    asked to refine until it estimates its error within `VOLUME_TOLERANCE`.
+    Where a bore or a pin meets a curved face the kernel's usual integration misses 1e-4 mm3 of it: there it
+    is asked to refine until it estimates its error within `VOLUME_TOLERANCE`.
     """
-    if not any(isinstance(cut, Bore) and cut.within for cut in part.cuts):
+    if not _on_curved(part):
         return float(shape.Volume())
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
     return float(properties.Mass())
 
 
+def _on_curved(part: Part) -> bool:
+    """Whether a bore or a pin of a part meets a curved face."""
+    return any(
+        bool(body.within) if isinstance(body, Bore) else isinstance(body, TurnedBody) and body.buried != 0.0
+        for body in (*part.cuts, *part.adds)
+    )
+
+
 def moments(part: Part, shape: cq.Solid) -> tuple[Array, Array]:
     """Return a solid's centre `(3,)` mm and its inertia about it `(3, 3)` mm5, that of density 1 per mm3."""
     properties = GProp_GProps()
-    if any(isinstance(cut, Bore) and cut.within for cut in part.cuts):  # as in `volume`
+    if _on_curved(part):  # as in `volume`
         BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
     else:
         BRepGProp.VolumeProperties_s(shape.wrapped, properties)
@@ -273,7 +281,7 @@ def rounding_error(body: Body) -> float:
 def _cutting(part: Part, shape: cq.Solid) -> float:
     """Volume, mm3, by which cuts may be off: the kernel takes points within its tolerance of a face as on
     it, so the edges that a cut makes, and the faces up to them, may be off by as much."""
-    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts else 0.0
+    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts or part.adds else 0.0
 
 
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:

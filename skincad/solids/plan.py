@@ -52,6 +52,7 @@ class PartRole(Enum):
     STRIP = "a film that is cast in", "strip", "bought", _SILVER
     END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL
     COVER_PIN = "dowel between cavity and cover", "pin", "bought", _STEEL
+    CORE_PIN = "what keeps a pocket free", "core pin", "bought", _STEEL
     BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
 
     def __init__(self, what: str, label: str, made: MadeBy, colour: tuple[float, float, float]) -> None:
@@ -83,6 +84,9 @@ class CutRole(Enum):
     PRY = auto()  # notch for a screwdriver
     MARK = auto()  # nick that tells the ends apart
     BEVEL = auto()  # of a leaning end plate
+    FEATURE = auto()  # the negative of a pin
+    POCKET = auto()  # a skin's, for what it senses by
+    CORE = auto()  # a carrier's hole for the pin that keeps a pocket free
 
 
 CAVITIES = frozenset({PartRole.CAVITY, PartRole.BASE, PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT})

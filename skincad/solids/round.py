@@ -33,7 +33,7 @@ from skincad.solids.lids import carrier, cover, cover_dowels, seal_sheet
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, TurnedBody, box
 from skincad.solids.skin import cast_skin
 
-_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
+_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN, CutRole.FEATURE)
 
 
 def check_round(design: Design) -> Iterator[InputError]:

@@ -14,6 +14,7 @@ from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.skin import Section, section
+from skincad.solids.pins import cast, pins, pockets
 from skincad.solids.plan import (
     Axis,
     Body,
@@ -43,14 +44,17 @@ def skin_part(design: Design) -> Part:
     """
     shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
-    return Part("skin", PartRole.SKIN, along_skin(design, shape.outline, slots))
+    body = along_skin(design, shape.outline, slots)
+    return Part("skin", PartRole.SKIN, body, pockets(design), adds=pins(design, shape))
 
 
 def cast_skin(design: Design, shape: Section | None = None) -> Part:
-    """Return the skin as it lies in its mold, ridges down; of this section where it is given."""
+    """Return the skin as it lies in its mold, features down; of this section where it is given."""
     shape = shape or section(design)
     slots = tuple(flipped(s.loop()) for s in shape.slots)
-    return Part("skin", PartRole.SKIN, along_skin(design, flipped(shape.outline), slots, -1.0))
+    body = along_skin(design, flipped(shape.outline), slots, -1.0)
+    adds = tuple(cast(pin) for pin in pins(design, shape))
+    return Part("skin", PartRole.SKIN, body, pockets(design, -1.0), adds=adds)
 
 
 def along_skin(

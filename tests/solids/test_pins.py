@@ -1,0 +1,94 @@
+"""Pins on flat and doubly curved skins, pockets, and the mold that casts them: volumes three ways."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import skincad
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold
+from skincad.inputs.design import Design
+from skincad.solids.mold import mold
+from skincad.solids.occ import solid, volume
+from skincad.solids.plan import CutRole, PartRole
+from skincad.solids.skin import cast_skin, skin_part
+from tests import families
+
+
+def one_pin(radius: float, along: float | None = None) -> Design:
+    """A cylindrical pin with a hemisphere, alone in the middle of a skin."""
+    skin = {"curvature_radius": radius, "thickness": 4.0, "width": 8.0, "length": 8.0}
+    skin |= {"curvature_radius_y": along} if along else {}
+    pin = {"pitch": 4.0, "columns": 1, "rows": 1, "height": 3.0, "root_diameter": 2.0, "tip_diameter": 2.0}
+    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}}
+    return skincad.Design(name="one", skin=skin, pin={**pin, "crown": 1.0}, **rest)
+
+
+def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
+    (pin,) = skin_part(one_pin(10.0, 10.0)).adds
+    height = 10 - math.sqrt(10**2 - 1)  # of the cap under its foot, whose volume the cylinder there leaves
+    filled = math.pi * height - math.pi * height**2 * (10 - height / 3)
+    # height over the tangent plane is 3, so cylinder 2 and hemisphere; quadrature exact to rounding
+    assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pillars", "dome"])
+def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> None:
+    design = families.OF_FAMILIES[name]()
+    for part in (skin_part(design), cast_skin(design)):
+        shape = solid(part)  # which checks its volume against the formula to 1e-9
+        assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9)
+        assert len(shape.Solids()) == 1
+        errors = [manifold(part, chord).volume() - part.volume for chord in (4e-3, 4e-4)]
+        # chords within c of the surface move the volume by less than c times the area
+        assert abs(errors[1]) < 4e-4 * shape.Area()
+        assert abs(errors[1]) < abs(errors[0]) / 5
+
+
+def test_pins_lie_in_the_mold_turned_about_x() -> None:
+    design = families.pillars().with_(pin={"heights": [4.0 + 0.1 * i for i in range(9)]})
+    for pin, negative in zip(skin_part(design).adds, cast_skin(design).adds, strict=True):
+        x, y, z = pin.origin
+        assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
+
+
+@pytest.mark.parametrize("name", ["pillars", "dome"])
+def test_cavity_less_its_skin_is_empty(name: str) -> None:
+    closed = mold(families.OF_FAMILIES[name]())
+    skin, cavity = closed.first(PartRole.SKIN), closed.first(PartRole.CAVITY)
+    negatives = [cut for cut in cavity.cuts if cut.role is CutRole.FEATURE]
+    assert math.fsum(n.volume for n in negatives) == pytest.approx(
+        math.fsum(pin.volume for pin in skin.adds), rel=1e-12
+    )
+    assert (manifold(skin, 2e-3) ^ manifold(cavity, 2e-3)).volume() < 1e-6  # rounding of faces that touch
+    solid(cavity)
+    assert not interference(closed, 5e-3)
+
+
+def test_pockets_are_blind_holes_from_the_back() -> None:
+    design = families.flat()
+    part, bare = skin_part(design), skin_part(design.with_(flat={"pocket": None}))
+    assert bare.volume - part.volume == pytest.approx(4 * math.pi * 1.05**2 * 2.0, rel=1e-12)
+    assert {cut.role for cut in part.cuts} == {CutRole.POCKET}
+    solid(part)
+
+
+def test_a_pocket_needs_a_flat_back() -> None:
+    with pytest.raises(skincad.InputError, match="pocket: must not be given with skin"):
+        families.flat().with_(skin={"curvature_radius_y": 60.0})
+
+
+def _nibs() -> Design:
+    pin = {"pattern": "hex", "pitch": 1.2, "margin": 0.6, "height": 0.4, "root_diameter": 0.8}
+    pin |= {"tip_diameter": 0.5, "crown": 0.08, "root_fillet": 0.1}
+    skin = {"curvature_radius": 1e8, "thickness": 2.0, "width": 24.0, "length": 24.0}
+    return skincad.Design(name="nibs", skin=skin, pin=pin, material={"name": "dragon-skin-20"})
+
+
+@pytest.mark.slow
+def test_hundreds_of_nibs_are_one_solid() -> None:
+    part = skin_part(_nibs())
+    assert len(part.adds) == 389
+    assert len(solid(part).Faces()) == 6 + 3 * 389  # fillet, flank and crown of each
