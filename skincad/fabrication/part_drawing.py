@@ -43,7 +43,7 @@ from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
         gap = drawn - walls_close(job, by) - walls_close(job, job.process(part))
         out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
         rows.append(
-            f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
+            f"{'Diameter' if job.design.skin.round else 'Length and width'}: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
         )
     if part.role is PartRole.CARRIER and job.design.mounting and job.design.mounting.thread:
         metric = METRIC[job.design.mounting.thread]
@@ -182,6 +182,8 @@ def _accurate(job: Job, part: Part) -> str:
     """Which faces the process's own tolerance is for; all others have the general one."""
     process = job.process(part)
     faces = ACCURATE.get(part.role, "seat, trough, grooves, both ends and the top")
+    if not job.closed.of(*END_PLATES):
+        faces = faces.replace("length and width", "diameter").replace(", both ends", "")
     smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""
     lapped = " once lapped" if process.layer else ""
     return (

@@ -22,6 +22,7 @@ it. The disc lies on the seat's floor and is pushed out through a hole from belo
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
@@ -30,7 +31,7 @@ from skincad.shape.skin import Section
 from skincad.solids.cavity import cavity
 from skincad.solids.layout import Layout
 from skincad.solids.lids import carrier, cover, cover_dowels, seal_sheet
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, TurnedBody, box
+from skincad.solids.plan import CutRole, Part, PartRole, TurnedBody, box, disc
 from skincad.solids.skin import cast_skin
 
 _OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN, CutRole.FEATURE)
@@ -68,7 +69,7 @@ def _block(design: Design, shape: Section, place: Layout) -> Part:
     """The square block less the skin's negative and, above the back, the carrier's seat."""
     straight = cavity(design, shape, place)
     body = box(place.half, (-place.end, place.end), (place.bottom, place.top))
-    seat = Bore((0.0, 0.0, 0.0), "z", place.top, place.trough, role=CutRole.SEAT)
+    seat = replace(disc(place.trough, 0.0, place.top), role=CutRole.SEAT)
     cuts = (_trough(shape), seat, *(cut for cut in straight.cuts if cut.role in _OF_BLOCK))
     return Part("cavity", PartRole.CAVITY, body, cuts, straight=straight)
 
