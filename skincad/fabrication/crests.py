@@ -23,7 +23,10 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
-from skincad.shape.skin import section
+from skincad.shape.curves import polygon
+from skincad.shape.feature import Placed
+from skincad.shape.skin import section, upright
+from skincad.solids.layout import summit
 from skincad.solids.plan import PartRole, Prism, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
@@ -38,6 +41,7 @@ READINGS_NEAR_EDGE = 64  # of each crest in all, near the verdict's edge: so tha
 EDGE_DEVIATIONS = 2.5
 SHRINKAGE_SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
 LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
+MOST_LISTED = 64  # features that a sheet lists one by one
 NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
 SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
@@ -192,16 +196,15 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
 
 
 class _Block(NamedTuple):
-    """A printed cavity in its section's plane, mm: outline `(n, 2)`, its foot and top, a layer's height, how
-    much larger than the skin it is, and of each groove its place across, its bottom's height, and how far a
-    layer's middle may be from that for all that one knows."""
+    """A printed cavity in its section's plane, mm: its foot and top, a layer's height, how much larger than
+    the skin it is, and of each groove its place across, its bottom's height, how far a layer's middle may be
+    from that for all that one knows, and an outline `(n, 2)` that has it."""
 
-    outline: Array
     foot: float
     top: float
     layer: float
     grown: float
-    grooves: tuple[tuple[float, float, float], ...]
+    grooves: tuple[tuple[float, float, float, Array], ...]
 
 
 def printed_crests(job: Job) -> tuple[float, ...] | None:
@@ -244,7 +247,7 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     """
     skin = job.skin
     block, crests = _block(job), printed_crests(job)
-    if block is None or crests is None:
+    if block is None or crests is None or skin.count > MOST_LISTED or skin.symmetry == "none":
         return None
     off = max(abs(out - high) for out, high in zip(crests, skin.crests, strict=True))
     heights = []
@@ -255,8 +258,8 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(job)):
         return None
     cast = scaled_for_shrinkage(with_heights(job.design, heights))
-    top = section(cast).top
-    least = -block.foot - job.cast_section.top
+    top = summit(cast, section(cast))
+    least = -block.foot - summit(job.cast, job.cast_section)
     return tuple(heights), round(
         block.layer * math.ceil((top + least) / block.layer - NEGLIGIBLE_CHANGE) - top, 4
     )
@@ -269,7 +272,7 @@ def snapping_remarks(job: Job) -> tuple[str, ...]:
     heights, floor = snapped
     keys = " and ".join(height_keys(job.design))
     return (
-        f"With `mold.floor = {floor:g}` and `ridge.heights = {list(heights)}`"
+        f"With `mold.floor = {floor:g}` and `{job.skin.family}.heights = {list(heights)}`"
         f"{f' in the place of {keys}' if keys else ''} each crest is at a layer's end: then section, check "
         "and mold are of what comes out.",
     )
@@ -288,16 +291,27 @@ def _block(job: Job) -> _Block | None:
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2
     pixel = process.pixel if process.tool == "screen" else 0.0
+    pins = job.skin.symmetry == "revolved"
     grooves = tuple(
         (
             middle + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
             -high * grown,
             LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
+            _around(job.skin.placed[ridge - 1], outline, grown, job) if pins else outline,
         )
         for ridge, high in enumerate(job.skin.crests, 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
-    return _Block(outline, foot, top, process.layer, grown, grooves)
+    return _Block(foot, top, process.layer, grown, grooves)
+
+
+def _around(placed: Placed, block: Array, grown: float, job: Job) -> Array:
+    """The block's outline in the plane of a pin's axis and z, as if it had that hole alone, `(n, 2)` mm."""
+    hole = polygon(tuple(upright(placed).outline), print_chord(job.design)) * [grown, -grown]
+    left = np.array([2 * placed.frame.origin.x * grown - hole[0, 0], hole[0, 1]])
+    (low_x, low), high_x = block.min(axis=0), float(block[:, 0].max())
+    ends = [(low_x - 1, left[1]), (low_x - 1, low), (high_x + 1, low), (high_x + 1, hole[0, 1])]
+    return np.vstack([hole, left, np.array(ends)])
 
 
 def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[float, ...] | None:
@@ -306,10 +320,10 @@ def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[flo
     layer = block.layer
     ledge = layer * math.ceil(-(block.foot + at_ledge * LEVEL_BAND) / layer - 0.5)
     heights = []
-    for x, depth, band in block.grooves:
+    for x, depth, band, outline in block.grooves:
         foot = block.foot + in_grooves * band
         layers = math.ceil((depth - foot) / layer - 0.5)
-        while _open(block.outline, x, foot + (layers + 0.5) * layer) <= SLICE_CLOSING:
+        while _open(outline, x, foot + (layers + 0.5) * layer) <= SLICE_CLOSING:
             layers += 1
             if foot + (layers + 0.5) * layer > block.top:
                 return None

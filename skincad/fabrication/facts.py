@@ -91,7 +91,7 @@ from skincad.solids.cavity import split_ridges
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
 from skincad.solids.layout import end_angle
-from skincad.solids.plan import END_PLATES, CutRole, Part, PartRole, bores
+from skincad.solids.plan import END_PLATES, Bore, CutRole, Part, PartRole, bores
 
 RIVET_STRAIN = 0.5  # assumption: of a rivet's neck under the test, well below what breaks silicone
 BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed back
@@ -193,13 +193,40 @@ class Facts:
 
     @property
     def family(self) -> str:
-        """What a feature is called."""
+        """The family of the skin's features."""
         return self.job.skin.family
 
     @cached_property
     def ends(self) -> bool:
         """Whether end plates close the cavity."""
         return bool(self.job.closed.of(*END_PLATES))
+
+    @property
+    def blind(self) -> bool:
+        """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""
+        return self.job.skin.symmetry == "revolved"
+
+    @property
+    def cores(self) -> int:
+        """How many core pins keep pockets free."""
+        return len(self.job.closed.of(PartRole.CORE_PIN))
+
+    @property
+    def core_diameter(self) -> float:
+        """Their diameter, mm."""
+        return 2 * self._core.radius
+
+    @property
+    def core_depth(self) -> float:
+        """How far they stand out of the carrier, mm."""
+        return -self._core.start[2]
+
+    @property
+    def _core(self) -> Bore:
+        body = self.job.closed.first(PartRole.CORE_PIN).body
+        if not isinstance(body, Bore):
+            raise ValueError("a core pin is a rod")
+        return body
 
     @property
     def by_shim(self) -> bool:

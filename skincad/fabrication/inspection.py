@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from skincad.fabrication.crests import (
     GAUGE_SIGMA,
+    MOST_LISTED,
     SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
@@ -27,6 +28,7 @@ from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
 from skincad.shape.curves import area, length
+from skincad.shape.skin import Skin
 from skincad.solids.plan import Bore, CutRole, PartRole, bores
 
 MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place along x
@@ -53,11 +55,12 @@ class Measure:
 
 
 class Inspection(NamedTuple):
-    """What is measured: crests one by one, all else, and what is said of the limits."""
+    """What is measured: crests one by one, all else, what is said of the limits, and of which skin."""
 
     crests: Crests
     measures: tuple[Measure, ...]
     said: tuple[str, ...]
+    skin: Skin
 
 
 def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 0.0) -> Inspection:
@@ -69,9 +72,9 @@ def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 
     crests = crest_limits(job)
     said = [*layer_remarks(job, crests), *thickness_remarks(job, crests)]
     said.append(verdict_remark(job, crests, allowed_drops, margin))
-    if not job.bent and job.skin.count > 1:
+    if not job.bent and job.skin.count > 1 and job.skin.symmetry == "extruded":
         said.append(MEASURED_NOTE)
-    return Inspection(crests, tuple(_measures(job, crests)), tuple(said))
+    return Inspection(crests, tuple(_measures(job, crests)), tuple(said), job.skin)
 
 
 def _measures(job: Job, crests: Crests) -> list[Measure]:
@@ -83,7 +86,7 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
         place = "the back, in the middle of its length"
     what, how = f"mean crest over {place}", "mean of the third column: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
-    if skin.count > 1:
+    if skin.count > 1 and skin.symmetry == "extruded":
         spans = skin.count - 1
         how = f"the line's rise from crest 1 to crest {skin.count}"
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
@@ -103,7 +106,7 @@ def _length(design: Design) -> tuple[str, float]:
     """What is measured of the length, and its value: with a second curvature a chord."""
     radius, skin = design.skin.curvature_radius_y, design.skin
     if radius is None:
-        return "length along the ridges", skin.length
+        return "length along the ridges" if design.ridge else "length along y", skin.length
     return "length of the back, straight from end to end", 2 * (radius - skin.thickness) * math.sin(
         skin.length / 2 / radius
     )
@@ -169,11 +172,10 @@ def _films(job: Job) -> tuple[float, float]:
 
 def inspection_lines(inspected: Inspection) -> list[str]:
     """Return the form as Markdown."""
-    limits = [f"±{limit:.3f}" for limit in inspected.crests.beside] or ["-"] * len(inspected.crests.heights)
-    crests = [
-        f"| {ridge} | {height:.3f} | | | | {limit} |"
-        for ridge, (height, limit) in enumerate(zip(inspected.crests.heights, limits, strict=True), 1)
-    ]
+    if inspected.skin.symmetry == "extruded":
+        crests = _in_a_row(inspected.crests)
+    else:
+        crests = _by_place(inspected.crests, inspected.skin)
     rows = [
         f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | | {m.unit} | {m.how} |"
         for m in inspected.measures
@@ -185,16 +187,50 @@ def inspection_lines(inspected: Inspection) -> list[str]:
         "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
         f"that repeats to {GAUGE_SIGMA:g} mm; a dial gauge does it if it presses all crests alike.",
         "",
-        "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
-        "|---|---|---|---|---|---|",
         *crests,
-        "",
-        *_by_hand(len(inspected.crests.heights)),
         "| what | nominal | limits | measured | unit | with |",
         "|---|---|---|---|---|---|",
         *rows,
         "",
         *(line for remark in inspected.said for line in (remark, "")),
+    ]
+
+
+def _in_a_row(crests: Crests) -> list[str]:
+    """The table of ridges' crests, and how they are judged beside their line."""
+    limits = [f"±{limit:.3f}" for limit in crests.beside] or ["-"] * len(crests.heights)
+    return [
+        "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
+        "|---|---|---|---|---|---|",
+        *(
+            f"| {ridge} | {height:.3f} | | | | {limit} |"
+            for ridge, (height, limit) in enumerate(zip(crests.heights, limits, strict=True), 1)
+        ),
+        "",
+        *_by_hand(len(crests.heights)),
+    ]
+
+
+def _by_place(crests: Crests, skin: Skin) -> list[str]:
+    """The table of features' crests by their places on the skin; of many, of those alike together. The limit
+    is against the others of a height, less the plane through all crests."""
+    limit = f"±{crests.deviations * math.hypot(crests.sigma, GAUGE_SIGMA):.3f}"
+    alike: dict[object, list[int]] = {}
+    for i, height in enumerate(crests.heights):
+        alike.setdefault(i if skin.count <= MOST_LISTED else f"{height:.3f}", []).append(i)
+    rows = []
+    for members in alike.values():
+        place = skin.placed[members[0]]
+        at = f"{place.tip[0]:.3f} | {place.tip[1]:.3f}" if len(members) == 1 else " | "
+        who = f"{members[0] + 1}" if len(members) == 1 else f"{len(members)} from {members[0] + 1} on"
+        rows.append(f"| {who} | {at} | {crests.heights[members[0]]:.3f} | | {limit} |")
+    return [
+        f"x and y count from the skin's middle, seen with {skin.turned_down} up, end b towards -y.",
+        "",
+        f"| {skin.family} | x, mm | y, mm | comes out at, mm | measured, mm | limit |",
+        "|---|---|---|---|---|---|",
+        *rows,
+        "",
     ]
 
 

@@ -19,7 +19,7 @@ from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import METRIC, insert_outer, pin_depth
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import SQUEEZED_SHARE
-from skincad.solids.plan import PartRole, Prism
+from skincad.solids.plan import Bore, PartRole, Prism
 
 HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
 ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
@@ -111,6 +111,11 @@ def _bought_items(job: Job) -> Iterator[Item]:
     if shims and slot is not None:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         yield _item(shims, "shim", size, SHIM_STEEL, "slots", SHIM_TOLERANCE, shim_edges(job))
+    cores = job.closed.of(PartRole.CORE_PIN)
+    if cores and isinstance(rod := cores[0].body, Bore):
+        size = f"rod {2 * rod.radius:g} x {rod.length:.2f}, ground, its lower end cut square"
+        what = "reamed holes of the carrier; they keep the pockets free"
+        yield _item(len(cores), "core pin", size, "steel", what)
     material = job.silicone
     yield Item(
         quantity=f"{batch(job):.4g}",

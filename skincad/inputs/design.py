@@ -210,10 +210,14 @@ def drop_replaced(data: dict[str, Any], family: str, changed: set[str]) -> None:
 def scaled_skin(design: Design, by: float) -> Design:
     """Return the design with every length of its skin and features, and its slots' place, times a factor.
 
-    Slots and films keep their sizes. It may pass a key's limit by that factor, so it isn't checked.
+    Slots and films keep their sizes, pockets their diameter: what keeps them free is bought. It may pass a
+    key's limit by that factor, so it isn't checked.
     """
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
     features = {design.features.family: _scaled(design.features, by)}
+    if isinstance(table := features[design.features.family], Pin | Flat) and table.pocket is not None:
+        pocket = _scaled(table.pocket, by, ("depth", "offset"))
+        features = {table.family: table.model_copy(update={"pocket": pocket})}
     tables = {"skin": _scaled(design.skin, by), **features, "slot": slot}
     return design.model_copy(update=tables)
 

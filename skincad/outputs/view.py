@@ -181,6 +181,7 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
         PartRole.SKIN: (0.0, 0.0, 1.0 * high),
         PartRole.STRIP: (0.0, 0.0, 1.0 * high),
+        PartRole.CORE_PIN: (0.0, 0.0, 1.9 * high),
         PartRole.SHIM: (0.0, 2.4 * side, 0.0),
         PartRole.BASE: (0.0, 0.0, -0.7 * high),
         PartRole.BASE_PIN: (0.0, 0.0, -0.7 * high),

@@ -155,7 +155,7 @@ class Skin:
     @cached_property
     def summit(self) -> float:
         """Largest z of its pins, mm, exact; in a section features have theirs."""
-        return max(s.top for placed in self.placed for s in _upright(placed).outline)
+        return max(s.top for placed in self.placed for s in upright(placed).outline)
 
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
@@ -189,7 +189,7 @@ class Skin:
         """
         if self.symmetry == "none":
             return {}
-        return {placed.number: _undercut(tuple(_upright(placed).outline)) for placed in self.placed}
+        return {placed.number: _undercut(tuple(upright(placed).outline)) for placed in self.placed}
 
 
 @lru_cache(maxsize=32)
@@ -226,7 +226,8 @@ def pictured_section(design: Design, tolerance: float) -> Array:
         buried = [at(left.x, -0.1 * skin.base.thickness), at(right.x, -0.1 * skin.base.thickness)]
         pin = [*polygon(tuple(placed.outline), tolerance), at(*left), *buried]
         body = body.union(shapely.Polygon(pin))
-    return shapely.get_coordinates(body.exterior)[:-1]
+    points: Array = shapely.get_coordinates(body.exterior)[:-1]
+    return points
 
 
 def _outline(skin: Skin) -> Iterator[Segment]:
@@ -264,8 +265,8 @@ def _mirrored(placed: Placed) -> Placed:
     return replace(placed, frame=frame, lean=-placed.lean)
 
 
-def _upright(placed: Placed) -> Placed:
-    """A pin in the plane of its axis and z; any other feature as it is."""
+def upright(placed: Placed) -> Placed:
+    """Return a pin in the plane of its axis and z; any other feature as it is."""
     if placed.feature.symmetry != "revolved":
         return placed
     sine, cosine = math.sin(placed.lean), math.cos(placed.lean)

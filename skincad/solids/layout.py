@@ -240,7 +240,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE, long
     )
     broken += _length(design) if plates else []
-    split, lowest = -split_height(design, shape)[1], on_grid(-_summit(design, shape))
+    split, lowest = -split_height(design, shape)[1], on_grid(-summit(design, shape))
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
     need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
@@ -286,8 +286,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     return place, broken
 
 
-def _summit(design: Design, shape: Section) -> float:
-    """How high the skin is over its back, mm; pins are not in its section."""
+def summit(design: Design, shape: Section) -> float:
+    """Return how high the skin is over its back, mm; pins are not in its section."""
     skin = skin_of(design)
     return max(shape.top, skin.summit) if skin.symmetry == "revolved" else shape.top
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -20,7 +21,9 @@ from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.fasteners import LEAST_UNDER_HOLE, TAP_RADIUS, blind_thread, pin_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import BOLT_RADIUS, EDGE, PIN_DEPTH, Layout, cover_pins, lid_fits, lid_process
+from skincad.solids.pins import pockets
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, disc, drilled, moved
+from skincad.solids.shrinkage import on_grid
 
 SCREWS = 4  # source: ISO 9409-1, on the smaller of its bolt circles
 STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken
@@ -255,13 +258,15 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
 
 
 class _Openings(NamedTuple):
-    """Vent, reservoir, the places of the carrier's holes, the threads to pull it by, and its mount."""
+    """Vent, reservoir, the places of the carrier's holes, the threads to pull it by, its mount, and the holes
+    in which core pins stand."""
 
     vent: Bore
     cup: Bore
     rivets: list[tuple[float, float]]
     pulls: list[Bore]
     mount: list[Bore]
+    cores: list[Bore]
 
 
 def _openings(design: Design, place: Layout) -> _Openings:
@@ -271,11 +276,18 @@ def _openings(design: Design, place: Layout) -> _Openings:
     cup = _reservoir(design, place, vent)
     all_holes = _rivets(design, place, vent, cup)
     mount = mount_bores(design, place)
-    named = ("the vent", vent), ("the cup", cup)
+    cores = core_bores(design, place)
+    named = ("the vent", vent), ("the cup", cup), *(("a core pin", core) for core in cores)
     check_mount(design, place, mount, [(name, bore.start, bore.radius) for name, bore in named])
+    _check_cores(design, cores, vent)
+    all_holes = [
+        at
+        for at in all_holes
+        if all(math.dist(at, core.start[:2]) > core.radius + HOLD[1] + EDGE / 2 for core in cores)
+    ]
     rivets = _beside_mount(design, all_holes, mount)
     beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
-    beside += [(hole.start, hole.radius + EDGE / 2) for hole in mount]
+    beside += [(hole.start, hole.radius + EDGE / 2) for hole in (*mount, *cores)]
     pulls = _pulls(design, place, [*beside, *_filled(rivets)])
     if not pulls and (alone := _pulls(design, place, beside)):
         least_distance = TAP_RADIUS + HOLD[1] + EDGE / 2
@@ -284,7 +296,42 @@ def _openings(design: Design, place: Layout) -> _Openings:
         if 2 * len(fewer) >= len(all_holes) > 0:
             rivets, pulls = fewer, alone
     occupied = [*beside, *_filled(rivets), *((bore.start, bore.radius) for bore in pulls)]
-    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, occupied)])
+    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, occupied)], cores)
+
+
+def core_bores(design: Design, place: Layout) -> list[Bore]:
+    """Return the carrier's through holes in which the pockets' core pins stand, as wide as these: reamed,
+    so that they stay where they are pushed in, flush with the carrier's top."""
+    return [
+        Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius, role=CutRole.CORE)
+        for bore in pockets(design, -1.0)
+    ]
+
+
+def core_pins(design: Design, place: Layout) -> list[Part]:
+    """Return the rods that keep the pockets free, from a pocket's end to the carrier's top."""
+    return [
+        Part(
+            f"core-pin-{i}",
+            PartRole.CORE_PIN,
+            replace(bore, length=on_grid(bore.length) + place.back, role=None),
+        )
+        for i, bore in enumerate(pockets(design, -1.0), 1)
+    ]
+
+
+def _check_cores(design: Design, cores: list[Bore], vent: Bore) -> None:
+    """Raise InputError for a pocket whose core pin finds no room in the carrier beside its vent."""
+    for core in cores:
+        web = math.dist(core.start[:2], vent.start[:2]) - core.radius - vent.radius
+        if web < EDGE / 2:
+            x, y, _ = core.start
+            rule = (
+                f"puts a core pin at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from the carrier's vent, "
+                f"needed are {EDGE / 2:g}"
+            )
+            key = f"{design.features.family}.pocket"
+            raise InputError(key, rule, remedy="move the pockets, or take a smaller mold.vent")
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
@@ -319,13 +366,13 @@ def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs, and
     others hold it on a robot."""
-    vent, _, rivets, pulls, mount = _openings(design, place)
+    vent, _, rivets, pulls, mount, cores = _openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
     half, flat = place.end - gap, (0.0, place.back)
     wide = place.trough - gap
     body = disc(wide, *flat) if design.skin.round else box(wide, (-half, half), flat)
-    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount))
+    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
 
 
 def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:

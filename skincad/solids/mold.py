@@ -46,7 +46,7 @@ from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, 
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
+from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused_lids, seal_sheet
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.round import check_round, lids_layout, round_parts
 from skincad.solids.shrinkage import scaled_for_shrinkage
@@ -124,7 +124,11 @@ def mold(design: Design) -> ClosedMold:
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
-    rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
+    rest = [
+        *_gang(place, [carrier(design, place), *core_pins(design, place)]),
+        cover(design, place),
+        *_pins(design, place),
+    ]
     rest.append(seal_sheet(design, place))
     rest += base_dowels(design, place) if ridges else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
@@ -162,7 +166,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
-        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))
+        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.STRIP))
         return replace(closed, opening=tuple(steps))
     steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
     pieces = zip(
@@ -181,6 +185,7 @@ def _gang(place: Layout, parts: list[Part]) -> list[Part]:
             name=part.name + (f"-{i}" if i > 1 else ""),
             body=moved(part.body, x),
             cuts=tuple(moved(cut, x) for cut in part.cuts),
+            adds=tuple(moved(body, x) for body in part.adds),
         )
         for i, x in enumerate(place.centres, 1)
         for part in parts

@@ -21,6 +21,7 @@ from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.feature import Feature
 from skincad.shape.skin import Section, Skin, skin_of
 from skincad.solids.plan import Bore, CutRole, TurnedBody
+from skincad.solids.shrinkage import on_grid
 
 SUNK = 0.2  # mm, by which a pin's cylinder goes at least into a curved base
 _TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature over a foot; smooth, so exact
@@ -78,9 +79,9 @@ def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
     pocket = pocket_of(design)
     if pocket is None:
         return ()
-    low = 0.0 if up > 0 else -pocket.depth
+    deep = on_grid(pocket.depth)
     return tuple(
-        Bore((x, up * y, low), "z", pocket.depth, pocket.diameter / 2, role=CutRole.POCKET)
+        Bore((x, up * y, min(0.0, up * deep)), "z", deep, pocket.diameter / 2, role=CutRole.POCKET)
         for x, y in pocket_places(design)
     )
 

@@ -92,3 +92,24 @@ def test_hundreds_of_nibs_are_one_solid() -> None:
     part = skin_part(_nibs())
     assert len(part.adds) == 389
     assert len(solid(part).Faces()) == 6 + 3 * 389  # fillet, flank and crown of each
+
+
+def test_core_pins_stand_in_the_carrier_and_leave_with_it() -> None:
+    closed = mold(families.flat())
+    carrier, cores = closed.first(PartRole.CARRIER), closed.of(PartRole.CORE_PIN)
+    assert len(cores) == 4
+    holes = [cut for cut in carrier.cuts if cut.role is CutRole.CORE]
+    # a pocket's volume and the carrier's hole are the rod, but for the shrinkage of the pocket's place
+    rods = math.fsum(core.volume for core in cores)
+    pockets = [cut for cut in closed.first(PartRole.SKIN).cuts if cut.role is CutRole.POCKET]
+    assert rods == pytest.approx(math.fsum(cut.volume for cut in (*holes, *pockets)), rel=1e-12)
+    assert not interference(closed, 5e-3)
+    assert {core.name for core in cores} <= set(closed.opening[-1].parts)
+
+
+def test_a_pocket_at_the_vent_is_refused() -> None:
+    design = families.flat().with_(
+        flat={"pitch": 15.6, "pocket": {"diameter": 3.0, "depth": 2.0}, "columns": 1}
+    )
+    with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
+        mold(design)
