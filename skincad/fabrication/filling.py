@@ -1,8 +1,8 @@
 """How a mold fills: the void that silicone fills, its levels, and the air that stays.
 
-Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces, and
-a round skin, cut into wedges. In
-a doubly curved mold the skin and what touches its back are curved; volumes hold there as well.
+Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces,
+and a round skin. In a doubly curved mold the skin and what touches its back are curved; volumes hold there as
+well.
 
 The seats (carrier on ledge, cover on carrier) and the shims' slits in the end plates count as tight.
 
@@ -206,8 +206,10 @@ def cells(space: Void, tolerance: float) -> Cells:
         first = len(corners)
         if isinstance(part.body, TurnedBody):
             pieces = _turned(part.body, tolerance)
-        elif isinstance(part.body, Prism | Bore):
-            pieces = (_prism if isinstance(part.body, Prism) else _bore)(part.body, tolerance)
+        elif isinstance(part.body, Prism):
+            pieces = _prism(part.body, tolerance)
+        elif isinstance(part.body, Bore):
+            pieces = _bore(part.body, tolerance)
         else:
             raise RefusedError(f"{part.name}: how it fills is known of prisms, bores and round skins alone")
         corners += pieces.corners

@@ -327,7 +327,7 @@ def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Fin
     depth, worst = over[0]
     count = len({s.feature for _, s in over})
     others = f" and {count - 1} more" if count > 1 else ""
-    place = f"{worst.kind.replace('_', ' ')} of ridge {worst.feature}{others}"
+    place = f"{worst.kind.replace('_', ' ')} of {case.job.skin.family} {worst.feature}{others}"
     reach, ridge = case.process.reach, case.job.skin.profile
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
@@ -378,8 +378,11 @@ def _depth(case: Case) -> Iterator[Finding]:
 
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
-    """A wire is straight: it cuts no trough that is bent along it."""
-    if case.process.tool == "wire" and case.part.straight:
+    """A wire is straight: it cuts no trough that is bent along it, or turns."""
+    if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
+        where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
+        yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)
+    elif case.process.tool == "wire" and case.part.straight:
         angle = math.degrees(2 * end_angle(case.job.design))
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)

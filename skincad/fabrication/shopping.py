@@ -153,7 +153,7 @@ def to_buy(job: Job) -> list[str]:
 
 def _bolts(job: Job) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    holes, process = fits(job.design, job.design.mold.process), job.cavity_process
+    holes = fits(job.design, job.design.mold.process)
     hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
     if (lid := cover_screws(job)) is not None:
@@ -200,9 +200,10 @@ def _reamed(job: Job) -> str:
     ]
     if not printed:
         return "their holes come reamed from the shop"
+    ends = "the end plates and " if job.closed.of(*END_PLATES) else ""
     return (
         f"ream the holes of the printed {listed(printed)} that they are pressed into to {2 * PIN_RADIUS:g} "
-        f"mm (H7); in {'the end plates and ' if job.closed.of(*END_PLATES) else ''}the cavity's top they slide"
+        f"mm (H7); in {ends}the cavity's top they slide"
     )
 
 

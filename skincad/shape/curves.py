@@ -141,16 +141,14 @@ def right_half(outline: Loop) -> Loop:
     """Return what of a loop lies at x >= 0, closed along x = 0: of one that is its own mirror image there and
     begins to the left of it, or that lies there as a whole."""
     half: list[Segment] = []
-    for s in outline:
-        if s.start.x < 0.0 < s.end.x or s.end.x < 0.0 < s.start.x:
-            middle, bulge = Point(0.0, s.point(0.5).z), math.tan(s.sweep / 8)
-            s = (
-                replace(s, start=middle, bulge=bulge)
-                if s.end.x > 0.0
-                else replace(s, end=middle, bulge=bulge)
-            )
-        if min(s.start.x, s.end.x) >= 0.0:
-            half.append(s)
+    for whole in outline:
+        side = whole
+        if min(whole.start.x, whole.end.x) < 0.0 < max(whole.start.x, whole.end.x):
+            side = replace(whole, bulge=math.tan(whole.sweep / 8))
+            middle = Point(0.0, whole.point(0.5).z)
+            side = replace(side, start=middle) if whole.end.x > 0.0 else replace(side, end=middle)
+        if min(side.start.x, side.end.x) >= 0.0:
+            half.append(side)
     closing = Segment(half[-1].end, half[0].start)
     return (*half, closing) if closing.chord > 0.0 else tuple(half)
 

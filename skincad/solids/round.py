@@ -54,12 +54,12 @@ def check_round(design: Design) -> Iterator[InputError]:
 
 
 def lids_layout(design: Design, place: Layout) -> Layout:
-    """Return the layout as carrier, cover and seal see it: silicone ends at the skin's rim, not the block's."""
+    """Return the layout as carrier, cover and seal see it: silicone ends at the skin's rim."""
     return place._replace(end=design.skin.width / 2) if design.skin.round else place
 
 
 def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
-    """Return the closed mold's parts; `design` is what is poured. Raises InputError for what finds no room."""
+    """Return the closed mold's parts; `design` is what is poured. Raises InputError if one has no room."""
     lids = lids_layout(design, place)
     rest = [carrier(design, lids), cover(design, lids), *cover_dowels(design, lids), seal_sheet(design, lids)]
     return [cast_skin(design, shape), _block(design, shape, place), *rest]

@@ -12,7 +12,7 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
 from skincad.solids.pins import cast, pins, pockets
 from skincad.solids.plan import (
