@@ -24,9 +24,9 @@ from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
-from skincad.shape.feature import Placed
-from skincad.shape.skin import section, upright
+from skincad.shape.skin import section
 from skincad.solids.layout import summit
+from skincad.solids.pins import hole_block
 from skincad.solids.plan import PartRole, Prism, TurnedBody, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
@@ -296,24 +296,18 @@ def _block(job: Job) -> _Block | None:
     pins = job.skin.symmetry == "revolved"
     grooves = tuple(
         (
-            middle + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
+            (0.0 if pins else middle)
+            + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
             -high * grown,
             LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
-            _around(job.skin.placed[ridge - 1], outline, grown, job) if pins else outline,
+            polygon(hole_block(job.skin.placed[ridge - 1]), print_chord(job.design)) * grown
+            if pins
+            else outline,
         )
         for ridge, high in enumerate(job.skin.crests, 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     return _Block(foot, top, process.layer, grown, grooves)
-
-
-def _around(placed: Placed, block: Array, grown: float, job: Job) -> Array:
-    """The block's outline in the plane of a pin's axis and z, as if it had that hole alone, `(n, 2)` mm."""
-    hole = polygon(tuple(upright(placed).outline), print_chord(job.design)) * [grown, -grown]
-    left = np.array([2 * placed.frame.origin.x * grown - hole[0, 0], hole[0, 1]])
-    (low_x, low), high_x = block.min(axis=0), float(block[:, 0].max())
-    ends = [(low_x - 1, left[1]), (low_x - 1, low), (high_x + 1, low), (high_x + 1, hole[0, 1])]
-    return np.vstack([hole, left, np.array(ends)])
 
 
 def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[float, ...] | None:

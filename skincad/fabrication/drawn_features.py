@@ -451,7 +451,9 @@ def grooves_of(job: Job, part: Part) -> tuple[Groove, ...]:
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
     cast, rows, shift = job.cast_skin, [], job.place.centres[0]
-    cut = {s.feature for s in body.outline if s.feature is not None and cast.symmetry != "none"}
+    if cast.symmetry == "none":
+        return ()
+    cut = {s.feature for s in body.outline if s.feature is not None}
     for placed in cast.placed:
         if placed.number in cut:
             shape, summit, lean = placed.feature, placed.summit, -math.degrees(placed.lean)

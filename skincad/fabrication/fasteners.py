@@ -49,6 +49,7 @@ _FOR = {
     CutRole.FIDUCIAL: "fiducial for a camera",
     CutRole.RESERVOIR: "riser cup",
     CutRole.BLEED: "bleed",
+    CutRole.CORE: "core pin, pushed in by hand; ream",
 }
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: ISO 8734, nominal lengths of parallel pins of 2 mm

@@ -37,6 +37,7 @@ from skincad.inputs.process import Process
 from skincad.shape.curves import Loop, Segment, polygon
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import mold
+from skincad.solids.pins import hole_block
 from skincad.solids.plan import (
     CAVITIES,
     END_PLATES,
@@ -316,8 +317,30 @@ def _reach(case: Case) -> Iterator[Finding]:
     milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
     left = left_standing(body.outline, reach, from_above=milled_down)
     depths = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
-    yield from _in_grooves(case, [(depth, s) for depth, _, s in depths if s.feature is not None])
-    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None])
+    holes = _deepest_holes(case) if case.part.role in CAVITIES and case.process.tool == "mill" else []
+    in_holes = [
+        (depth, s)
+        for hole in holes
+        for depth, s in zip(left_standing(hole, reach, from_above=True), hole, strict=True)
+        if s.feature is not None
+    ]
+    in_holes.sort(key=lambda row: -row[0])
+    bare = case.job.skin.symmetry == "none"  # the face is the feature, and no groove
+    grooved = [(depth, s) for depth, _, s in depths if s.feature is not None and not bare]
+    yield from _in_grooves(case, [*in_holes, *grooved])
+    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None or bare])
+
+
+def _deepest_holes(case: Case) -> list[Loop]:
+    """The blocks of the pins' holes that a tool reaches least: the deepest one, and the most leaning one."""
+    skin = case.job.skin
+    if skin.symmetry != "revolved":
+        return []
+    worst = (
+        max(skin.placed, key=lambda p: p.feature.height),
+        max(skin.placed, key=lambda p: round(abs(p.lean), 9)),
+    )
+    return [hole_block(placed) for placed in dict.fromkeys(worst)]
 
 
 def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Finding]:
@@ -327,11 +350,13 @@ def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Fin
     depth, worst = over[0]
     count = len({s.feature for _, s in over})
     others = f" and {count - 1} more" if count > 1 else ""
-    place = f"{worst.kind.replace('_', ' ')} of {case.job.skin.family} {worst.feature}{others}"
-    reach, ridge = case.process.reach, case.job.skin.profile
+    skin = case.job.skin
+    place = f"{worst.kind.replace('_', ' ')} of {skin.named(worst.feature or 1)}{others}"
+    reach, ridge = case.process.reach, skin.profile
+    tip_key = "tip_diameter" if skin.symmetry == "revolved" else "tip_width"
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
-        remedy = f"a tip_width above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
+        remedy = f"a {tip_key} above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
     elif ridge.tip_fillet >= reach:
         remedy = "no undercut, which a tool from above can't cut"
     yield case.breaks("tool reach", place, depth, case.process.tolerance, "mm left", remedy)
@@ -386,6 +411,11 @@ def _straight_cut(case: Case) -> Iterator[Finding]:
         angle = math.degrees(2 * end_angle(case.job.design))
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)
+    skin = case.job.skin
+    if case.process.tool == "wire" and case.part.role in CAVITIES and skin.symmetry == "revolved":
+        where = f"{case.part.role.label}, blind holes of {skin.counted}, by {case.name}"
+        remedy = "mill, sink-erode or print it: a wire goes through"
+        yield error("tool reach", where, float(skin.count), 0.0, "holes", remedy)
 
 
 TOOL_RULES: tuple[Rule, ...] = (_reach, _depth, _straight_cut)

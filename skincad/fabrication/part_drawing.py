@@ -39,6 +39,7 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
 from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
+from skincad.inputs.feature_tables import Pin
 from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process
 from skincad.shape.skin import Skin
@@ -65,6 +66,8 @@ _TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
 Coordinate = Callable[[float], float]
 NUT = "N"
 LEANING = "leaning from upright, positive with the mouth to the right"
+MOST_RUNS = 6  # of a hole's numbers in a row
+LEVEL = 1e-6  # rad, by which a pin of a flat skin leans
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
@@ -286,6 +289,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
         _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
+        _pin_table(job, part),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
     (_, near), (_, far) = seen[ABOVE].box()
@@ -320,6 +324,55 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         surface=surface_words(job, part),
         cut_from_solid=not job.process(part).layer,
     )
+
+
+def _pin_table(job: Job, part: Part) -> DrawingTable:
+    """The blind holes of pins as one pattern: a row a depth, and where they stand in words."""
+    skin, table = job.cast_skin, job.cast.features
+    if not isinstance(table, Pin) or part.role not in CAVITIES:
+        return DrawingTable("", (), ())
+    depths: dict[str, list[int]] = {}
+    for placed in skin.placed:
+        depths.setdefault(f"{placed.feature.height:.3f}", []).append(placed.number)
+    rows = [
+        (
+            f"{len(numbers)}",
+            _numbers(numbers) if len(depths) > 1 else "all",
+            number(table.root_diameter),
+            number(table.tip_diameter),
+            number(table.crown),
+            depth,
+        )
+        for depth, numbers in [*depths.items()][:MOST_ROWS]
+    ]
+    size = {
+        "square": f"square, {table.columns} x {table.rows}" if table.columns else "square",
+        "hex": "hexagonal, rows along x",
+        "polar": "rings of 6, 12, 18, ... round the middle",
+    }[table.pattern]
+    first = "at the smallest x, furthest towards end b, and numbers run along x"
+    if table.pattern == "polar":
+        first = "in the middle, and in each ring numbers run from +x towards end a"
+    lean = max(abs(placed.lean) for placed in skin.placed)
+    leaning = f"; square to the curved base, up to {_degrees(math.degrees(lean))}°" if lean > LEVEL else ""
+    title = (
+        f"Blind holes of {skin.count} pins: {size}, pitch {number(table.pitch)} along the base from its "
+        f"middle; root R {number(table.root_fillet)}{leaning}. Places: STEP and DXF; "
+        f"pin 1 is {first}"
+    )
+    return DrawingTable(title, ("count", "pins", "Ø root", "Ø tip", "crown", "depth on axis"), tuple(rows))
+
+
+def _numbers(numbers: list[int]) -> str:
+    """Numbers with runs drawn together, as "1-4, 6"; of many runs the first."""
+    runs: list[list[int]] = []
+    for n in numbers:
+        if runs and runs[-1][-1] == n - 1:
+            runs[-1] = [runs[-1][0], n]
+        else:
+            runs.append([n, n])
+    words = [f"{a}" if a == b else f"{a}-{b}" for a, b in runs]
+    return ", ".join(words[:MOST_RUNS]) + (", ..." if len(words) > MOST_RUNS else "")
 
 
 def _gang_words(job: Job, part: Part) -> str:

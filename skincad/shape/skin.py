@@ -147,6 +147,14 @@ class Skin:
             return "no features"
         return f"{self.count} {self.family}{'s' * (self.count > 1)}"
 
+    def named(self, number: int) -> str:
+        """Return what a finding calls a feature: a pin by its place too, x and y from the skin's middle."""
+        where = f"{self.family} {number}"
+        if self.symmetry != "revolved":
+            return where
+        x, y, _ = self.placed[number - 1].tip
+        return f"{where} at x {x:.4g}, y {y:.4g} mm"
+
     @property
     def turned_down(self) -> str:
         """What of it is down while it is poured."""

@@ -233,7 +233,7 @@ def safe_strain(design: Design) -> float:
 def split_ridges(design: Design) -> list[int]:
     """Return the ridges at which the cavity is parted: with split = "auto" those that are squeezed beyond
     what is safe, and their mirror images, so that the pieces between come out straight."""
-    if design.mold.split == "none":
+    if design.mold.split == "none" or skin_of(design).symmetry != "extruded":
         return []
     skin, limit = skin_of(design), safe_strain(design)
     caught = [ridge for ridge, undercut in skin.undercuts.items() if undercut.strain > limit]

@@ -138,6 +138,9 @@ def mold(design: Design) -> ClosedMold:
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     """What a cavity that is split at these ridges can't be."""
     skin = skin_of(design)
+    if design.mold.split == "auto" and skin.symmetry != "extruded":
+        rule = f"must be 'none' here: a cavity is split at ridges, and [{skin.family}] has none"
+        yield InputError("mold.split", rule, design.mold.split, "leave it out")
     if ridges and skin.count % 2 == 0:
         rule = "splits only an odd number of ridges, so that the middle one comes straight out"
         yield InputError("mold.split", rule, skin.count, "take one ridge more or less")

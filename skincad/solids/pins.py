@@ -17,9 +17,9 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Flat, Pin, Pocket, places
 from skincad.inputs.skin_tables import Base
-from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.feature import Feature
-from skincad.shape.skin import Section, Skin, skin_of
+from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.feature import Feature, Placed
+from skincad.shape.skin import Section, Skin, skin_of, upright
 from skincad.solids.plan import Bore, CutRole, TurnedBody
 from skincad.solids.shrinkage import on_grid
 
@@ -84,6 +84,19 @@ def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
         Bore((x, up * y, min(0.0, up * deep)), "z", deep, pocket.diameter / 2, role=CutRole.POCKET)
         for x, y in pocket_places(design)
     )
+
+
+def hole_block(placed: Placed) -> Loop:
+    """Return the block with a pin's hole alone, in the plane of the pin's axis and z, z as in the mold: what
+    a tool or a layer meets there is what it meets in the round hole."""
+    hole = flipped(tuple(upright(placed).outline))
+    start, end = hole[-1].end, hole[0].start
+    low = min(min(s.start.z, s.end.z) for s in hole) - 2 * placed.feature.root_width
+    wide = 2 * (start.x - end.x)
+    corners = [end, Point(end.x - wide, end.z), Point(end.x - wide, low), Point(start.x + wide, low)]
+    corners += [Point(start.x + wide, start.z), start]
+    ground = (Segment(a, b) for a, b in pairwise(corners))
+    return (*(s.reversed() for s in reversed(hole)), *ground)
 
 
 def _loop(feature: Feature, deep: float) -> Loop:

@@ -7,9 +7,13 @@ import math
 import pytest
 
 import skincad
+from skincad.fabrication.crests import printed_crests
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
 from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import CutRole, PartRole
@@ -113,3 +117,39 @@ def test_a_pocket_at_the_vent_is_refused() -> None:
     )
     with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
         mold(design)
+
+
+def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
+    by_wire, milled, printed = (
+        {f.rule: f for f in design_findings(Job(families.pillars().with_(mold={"process": name})))}
+        for name in ("edm", "cnc", "sla")
+    )
+    assert by_wire["tool reach"].severity == "error"
+    assert "blind holes of 9 pins" in by_wire["tool reach"].where
+    assert milled["tool depth"].where == "cavity, groove of pin 5's tip, by cnc"
+    assert not {"tool reach", "tool depth"} & printed.keys()
+
+
+def test_leaning_pins_are_squeezed_alike_round_a_dome() -> None:
+    pin = {"root_diameter": 0.7, "tip_diameter": 0.65, "rings": 6, "pitch": 1.2}
+    design = families.dome().with_(pin=pin)
+    findings = [f for f in design_findings(Job(design)) if f.rule == "undercut"]
+    undercuts = [u for u in skin_of(design).undercuts.values() if u.width > 0]
+    assert 0 < len(findings) < len(undercuts)
+    assert max(f.measured for f in findings) == max(u.strain for u in undercuts)
+    assert all(" at x " in f.where for f in findings)
+
+
+def test_printed_pins_end_at_layers() -> None:
+    job = Job(families.pillars())
+    layer = job.cavity_process.layer
+    for crest in printed_crests(job) or ():
+        layers = crest / (1 - job.shrinkage) / layer
+        assert layers == pytest.approx(round(layers), abs=1e-6)
+    off = [a - b for a, b in zip(printed_crests(job) or (), job.skin.crests, strict=True)]
+    assert max(map(abs, off)) < 1.5 * layer  # a hole ends at the first layer whose middle it is in
+
+
+def test_split_auto_is_of_ridges() -> None:
+    with pytest.raises(skincad.InputError, match="split: must be 'none' here"):
+        mold(families.pillars().with_(mold={"split": "auto"}))
