@@ -86,7 +86,7 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
     if base.curvature_radius_y is not None:
         place = "the back, in the middle of its length"
-    what, how = f"mean crest over {place}", "mean of the third column: the thickness"
+    what, how = f"mean crest over {place}", "mean of the crests as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
     if skin.count > 1 and skin.symmetry == "extruded":
         spans = skin.count - 1

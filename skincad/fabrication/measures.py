@@ -266,8 +266,7 @@ def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
     """Whether a turned part lies all in one turned cut of another one, as a skin in its trough: meshes that
     touch everywhere take the boolean a hundred times longer."""
     body, cuts = inner.body, [cut.built if isinstance(cut, ExtendedCut) else cut for cut in outer.cuts]
-    holes = {replace(cut, role=None) for cut in cuts if isinstance(cut, TurnedBody)}
-    if not isinstance(body, RevolvedBody | TurnedBody) or not holes.issuperset(inner.adds):
+    if not isinstance(body, RevolvedBody | TurnedBody) or inner.adds:
         return False
     return any(
         _turn(cut, body)
