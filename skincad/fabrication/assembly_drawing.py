@@ -49,13 +49,14 @@ class Balloon(NamedTuple):
 @dataclass(frozen=True, kw_only=True)
 class AssemblyDrawing(Titled):
     """The closed mold: the section's faces, y to the right and z up; the view from above, x to the right and
-    y up, and its balloons; where the section is cut, x."""
+    y up, and its balloons; where the section is cut, x, and whether a gate lies there."""
 
     faces: tuple[CutFace, ...]
     plan: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
     balloons: tuple[Balloon, ...]
     cut_at: float
+    gate: bool
 
 
 def assembly_drawing(job: Job) -> AssemblyDrawing:
@@ -90,6 +91,7 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
         hidden=hidden,
         balloons=tuple(_balloons(job, in_it)),
         cut_at=cut_at,
+        gate=job.gate is not None,
     )
 
 

@@ -27,7 +27,7 @@ from skincad.shape.curves import polygon
 from skincad.shape.skin import section
 from skincad.solids.layout import summit
 from skincad.solids.pins import hole_block
-from skincad.solids.plan import PartRole, Prism, corners
+from skincad.solids.plan import PartRole, Prism, TurnedBody, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
@@ -283,13 +283,15 @@ def _block(job: Job) -> _Block | None:
     process = job.cavity_process
     blocks, skin = job.closed.of(PartRole.CAVITY), job.closed.first(PartRole.SKIN).body
     body = blocks[0].body if len(blocks) == 1 else None
+    if isinstance(skin, TurnedBody) and body is not None and blocks[0].straight:
+        body = blocks[0].straight.body
     flat = process.layer and process.orientation != "end"
-    if not (flat and isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid:
+    if not (flat and isinstance(body, Prism) and isinstance(skin, Prism | TurnedBody)) or body.grid:
         return None
     grown = 1 / (1 - job.shrinkage)
     outline = corners(body, body.outline, print_chord(job.design))
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
-    middle = (min(sides) + max(sides)) / 2
+    middle = (min(sides) + max(sides)) / 2 if isinstance(skin, Prism) else 0.0
     pixel = process.pixel if process.tool == "screen" else 0.0
     pins = job.skin.symmetry == "revolved"
     grooves = tuple(

@@ -91,7 +91,7 @@ from skincad.solids.cavity import split_ridges
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
 from skincad.solids.layout import end_angle
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, bores
+from skincad.solids.plan import END_PLATES, Bore, CutRole, Part, PartRole, bores
 
 RIVET_STRAIN = 0.5  # assumption: of a rivet's neck under the test, well below what breaks silicone
 BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed back
@@ -195,6 +195,11 @@ class Facts:
     def family(self) -> str:
         """The family of the skin's features."""
         return self.job.skin.family
+
+    @cached_property
+    def ends(self) -> bool:
+        """Whether end plates close the cavity."""
+        return bool(self.job.closed.of(*END_PLATES))
 
     @property
     def blind(self) -> bool:
@@ -321,8 +326,8 @@ class Facts:
     @property
     def printed(self) -> list[str]:
         """Which parts of the mold are printed, by what they are called."""
-        job = self.job
-        made = {"cavity": job.cavity_process, "end plates": job.end_process, "cover": job.lid_process}
+        job, ends = self.job, {"end plates": self.job.end_process} if self.ends else {}
+        made = {"cavity": job.cavity_process, **ends, "cover": job.lid_process}
         return [name for name, process in made.items() if process.layer]
 
     @property
@@ -430,7 +435,8 @@ class Facts:
             area = math.fsum(math.pi * bore.radius**2 for bore in necks)
             return area * self.job.silicone.young_modulus.value * RIVET_STRAIN
         skin = self.job.design.skin
-        return BOND_SHARE * BOND_STRENGTH * skin.width * skin.length * self.job.design.mold.cavities
+        bond = BOND_SHARE * BOND_STRENGTH * self.job.design.mold.cavities
+        return bond * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
 
     @property
     def pull_off_g(self) -> float:

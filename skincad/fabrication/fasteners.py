@@ -188,7 +188,9 @@ def cover_screws(job: Job) -> Screws | None:
 
 def end_screws(job: Job) -> Screws:
     """Return the end plates' screws: along y through both plates, or, of a doubly curved mold, into each of
-    the cavity's ends."""
+    the cavity's ends; no pieces where there are no end plates."""
+    if not job.closed.of(*END_PLATES):
+        return Screws(0, 0.0)
     if job.bent:
         count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in job.closed.of(*END_PLATES))
         threads = bores(job.closed.first(PartRole.CAVITY), CutRole.END_THREAD)

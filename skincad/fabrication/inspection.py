@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
+
 from skincad.fabrication.crests import (
     GAUGE_SIGMA,
     MOST_LISTED,
@@ -27,7 +29,7 @@ from skincad.fabrication.patterns import strip_patterns
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
-from skincad.shape.curves import area, length
+from skincad.shape.curves import area, length, polygon, right_half
 from skincad.shape.skin import Skin
 from skincad.solids.plan import Bore, CutRole, PartRole, bores
 
@@ -84,7 +86,7 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
     if base.curvature_radius_y is not None:
         place = "the back, in the middle of its length"
-    what, how = f"mean crest over {place}", "mean of the third column: the thickness"
+    what, how = f"mean crest over {place}", "mean of the crests as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
     if skin.count > 1 and skin.symmetry == "extruded":
         spans = skin.count - 1
@@ -93,6 +95,13 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
         how = f"microscope, from crest 1 to crest {skin.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
+    if base.round:
+        near = 2 * walls_close(job, body)
+        how = "callipers, lightly, twice square to each other"
+        rows.append(
+            _size("diameter of the back", base.width - near, 2 * body.tolerance, CALLIPERS, crests, how)
+        )
+        return [*rows, _mass(job, crests)]
     what, end_to_end = _length(job.design)
     how = "callipers, lightly"
     near = walls_close(job, body)
@@ -142,10 +151,17 @@ def _extra_volume(job: Job) -> float:
 
     Where walls come nearer by w, so does the ledge, on which the back lies: of the section w times (the cast
     outline less its width) goes, for floors rise with the ledge; the cavity's ends, between which the plates
-    lie, stand 2 w further apart. An offset of all crests deepens all of it.
+    lie, stand 2 w further apart. An offset of all crests deepens all of it. Of a round skin w times (the face
+    that turns less its back) goes.
     """
     near = walls_close(job, job.cavity_process)
     skin, shape = job.design.skin, job.section
+    if skin.round:
+        points = polygon(right_half(shape.outline), MICROSCOPE)
+        steps = np.roll(points, -1, axis=0) - points
+        face = math.pi * float(np.hypot(*steps.T) @ (points[:, 0] + np.roll(points[:, 0], -1)))
+        back = math.pi / 4 * skin.width**2  # is in the turned face as well
+        return offset_of(job) * back - near * (face - 2 * back)
     less = near * (length(shape.outline) - 2 * skin.width) - offset_of(job) * skin.width
     drawn = area(shape.outline)
     return (drawn - less) * (skin.length + 2 * near) - drawn * skin.length
@@ -224,8 +240,10 @@ def _by_place(crests: Crests, skin: Skin) -> list[str]:
         at = f"{place.tip[0]:.3f} | {place.tip[1]:.3f}" if len(members) == 1 else " | "
         who = f"{members[0] + 1}" if len(members) == 1 else f"{len(members)} from {members[0] + 1} on"
         rows.append(f"| {who} | {at} | {crests.heights[members[0]]:.3f} | | {limit} |")
+    both = "Of a ring measure both ends of the diameter along x: their mean counts. "
+    start = both if skin.symmetry == "concentric" else ""
     return [
-        f"x and y count from the skin's middle, seen with {skin.turned_down} up, end b towards -y.",
+        f"{start}x and y count from the skin's middle, seen with {skin.turned_down} up, end b towards -y.",
         "",
         f"| {skin.family} | x, mm | y, mm | comes out at, mm | measured, mm | limit |",
         "|---|---|---|---|---|---|",

@@ -403,8 +403,11 @@ def _depth(case: Case) -> Iterator[Finding]:
 
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
-    """A wire is straight: it cuts no trough that is bent along it."""
-    if case.process.tool == "wire" and case.part.straight:
+    """A wire is straight: it cuts no trough that is bent along it, or turns."""
+    if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
+        where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
+        yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)
+    elif case.process.tool == "wire" and case.part.straight:
         angle = math.degrees(2 * end_angle(case.job.design))
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)

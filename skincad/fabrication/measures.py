@@ -265,22 +265,29 @@ def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:
 def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
     """Whether a turned part lies all in one turned cut of another one, as a skin in its trough: meshes that
     touch everywhere take the boolean a hundred times longer."""
-    body = inner.body
-    if not isinstance(body, RevolvedBody):
+    body, cuts = inner.body, [cut.built if isinstance(cut, ExtendedCut) else cut for cut in outer.cuts]
+    if not isinstance(body, RevolvedBody | TurnedBody) or inner.adds:
         return False
-    cuts = [cut.built for cut in outer.cuts if isinstance(cut, ExtendedCut)]
     return any(
-        cut.low <= body.low
-        and body.high <= cut.high
+        _turn(cut, body)
         and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume
         <= LEAST_COMMON_VOLUME
         for cut in cuts
-        if isinstance(cut, RevolvedBody)
+        if isinstance(cut, RevolvedBody | TurnedBody)
     )
 
 
-def _region(body: RevolvedBody, tolerance: float) -> shapely.Polygon:
-    return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in body.holes])
+def _turn(outer: RevolvedBody | TurnedBody, inner: RevolvedBody | TurnedBody) -> bool:
+    """Whether one body turns about the axis of another one, as far at least."""
+    if isinstance(outer, TurnedBody) or isinstance(inner, TurnedBody):
+        axes = [(b.origin, b.direction) if isinstance(b, TurnedBody) else None for b in (outer, inner)]
+        return axes[0] == axes[1]
+    return outer.low <= inner.low and inner.high <= outer.high
+
+
+def _region(body: RevolvedBody | TurnedBody, tolerance: float) -> shapely.Polygon:
+    holes = body.holes if isinstance(body, RevolvedBody) else ()
+    return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in holes])
 
 
 def _finding(where: str, volume: float) -> Finding:

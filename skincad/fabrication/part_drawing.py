@@ -42,9 +42,10 @@ from skincad.inputs.catalog import display_name
 from skincad.inputs.feature_tables import Pin
 from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process
+from skincad.shape.skin import Skin
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
@@ -161,9 +162,8 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
         drawn, by = job.design.mold.clearance, job.cavity_process
         gap = drawn - walls_close(job, by) - walls_close(job, job.process(part))
         out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
-        rows.append(
-            f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
-        )
+        sizes = "Diameter" if job.design.skin.round else "Length and width"
+        rows.append(f"{sizes}: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows.")
     if part.role is PartRole.CARRIER and job.design.mounting and job.design.mounting.thread:
         metric = METRIC[job.design.mounting.thread]
         off = (metric.clearance - metric.diameter) / 4
@@ -185,6 +185,8 @@ def _accurate(job: Job, part: Part) -> str:
     """Which faces the process's own tolerance is for; all others have the general one."""
     process = job.process(part)
     faces = ACCURATE.get(part.role, "seat, trough, grooves, both ends and the top")
+    if not job.closed.of(*END_PLATES):
+        faces = faces.replace("length and width", "diameter").replace(", both ends", "")
     smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""
     lapped = " once lapped" if process.layer else ""
     return (
@@ -215,10 +217,13 @@ def _crests(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     if judged.drops:
         least = min(judged.drops)
         which = judged.drops.index(least) + 1
-        word = "any depth does" if math.isinf(least) else f"ridge {which} allows least, {least:.4f}"
+        word = (
+            "any depth does" if math.isinf(least) else f"{job.skin.family} {which} allows least, {least:.4f}"
+        )
         rows.append(
             "Grooves: the tolerance in the table is for one groove alone; a shallower one uses up the "
-            f"check's margin, and a ridge stays off the plate; {word}. The process's sigma is {sigma}."
+            f"check's margin, and a {job.skin.family} stays off the plate; {word}. The process's sigma is "
+            f"{sigma}."
         )
     else:
         rows.append(
@@ -283,7 +288,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _places(holes, nuts, seen, part),
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
-        _groove_table(carved, seen, part, judged.drops if judged else ()),
+        _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
         _pin_table(job, part),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
@@ -454,16 +459,22 @@ def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> DrawingTa
 
 
 def _groove_table(
-    carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
+    skin: Skin, carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> DrawingTable:
     x_of, _ = _coordinates(seen, FRONT, part)
-    rows: list[tuple[str, ...]] = []
+    rings, middle, rows = skin.symmetry == "concentric", x_of(0.0), list[tuple[str, ...]]()
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = str(groove.ridge), number(x_of(x)), number(-z), _degrees(groove.lean)
+        row = (
+            str(groove.ridge),
+            number(x_of(x) - (middle if rings else 0.0)),
+            number(-z),
+            _degrees(groove.lean),
+        )
         allowed = drops[groove.ridge - 1] if drops else None
         rows.append(
             row if allowed is None else (*row, "free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
         )
-    heads = ("ridge", "x", "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
-    return DrawingTable(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
+    across = "radius" if rings else "x"
+    heads = (skin.family, across, "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
+    return DrawingTable(f"Grooves of the {skin.family}s: deepest point; {LEANING}", heads, tuple(rows))

@@ -88,7 +88,7 @@ def _bought_items(job: Job) -> Iterator[Item]:
     lid, ends = cover_screws(job), end_screws(job)
     bent = job.bent
     for screws, place in ((ends, "end plates"), (lid, "cover")):
-        if screws is not None:
+        if screws is not None and screws.pieces:
             yield from _screws(screws, place)
     if lid is None:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")

@@ -41,6 +41,7 @@ from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
 from skincad.solids.layout import (
     BESIDE,
     EDGE,
+    OVERHANG,
     SQUEEZED_SHARE,
     Layout,
     cavity_process,
@@ -75,7 +76,6 @@ SHARE_OF_ARM = 0.3  # assumption: a shim rises by a twentieth of the arm then, s
 CUT_OVERRUN = 0.5  # mm, by which a cut is built further than what it takes away
 LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
-OVERHANG = 3.0  # mm, assumption: of the cover beyond the end plates, to be lifted by
 BORE_OVERRUN = 0.2  # mm, by which a bore from the curved back begins below its rim
 _FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 

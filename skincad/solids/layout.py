@@ -11,6 +11,7 @@ Screws run along y through both end plates (a lane in each wall, nearest the tro
 (the outer lane), so no two bores meet. Those along y end in hexagonal nut pockets of end plate b where it is
 printed, in tapped holes where it is cut from metal; the cover's end in the cavity, in a tapped hole or in a
 threaded insert, so that the floor stays flat and closed. A pocket from below would be an overhang in print.
+A round skin's mold has no end plates: its block is square, with one row of screws a side.
 Pins press into one part and slide in the other: both fits are the process's. On a skin too short for bolts
 and pins side by side the cover has its pins alone, and clamps hold it down.
 
@@ -133,6 +134,7 @@ BASE_PIN = 3.0  # mm, assumption: of a pin in a split cavity's base, and as much
 WALL, FLOOR, CARRIER = 13.0, 9.0, 4.0  # mm, assumption: where bolts and pins find room in them
 STOCK = 0.5  # mm, assumption: what is computed goes up to a multiple of this, as plates are sold
 ROUND_DOWN = 0.05  # mm, assumption: by which a wall or a ledge may be thinner than asked for a round size
+OVERHANG = 3.0  # mm, assumption: of the cover beyond the block or the end plates, to be lifted by
 LEAST_BOLTED = 9.0  # mm, assumption: length of a skin whose cover has bolts; a shorter one's is clamped
 KEYING = 0.5  # mm, assumption: one pin stands aside by this and two clearances: the cover fits one way only
 
@@ -219,7 +221,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     trough = _rounded_up(skin.width + 2 * LEDGE) / 2 + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
     widest = max(BOLT_RADIUS, fits(design, choice.process).thread)  # of the cover's row: it may have inserts
-    outer = inner + EDGE + BOLT_RADIUS + widest
+    plates = not skin.round
+    outer = inner + EDGE + BOLT_RADIUS + widest if plates else trough + EDGE + widest
     count, short = choice.cavities, is_clamped(design)
     row_offset = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
     half_pitch = trough + EDGE + BOLT_RADIUS + (row_offset if count > 1 else 0.0)
@@ -227,21 +230,25 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     between = [(2 * i - count) * half_pitch for i in range(1, count)]
     outer, inner = outer + centres[-1], inner + centres[-1]
     row_places = (-outer, *(x + row_offset for x in between), outer)
-    diagonal = 0.0 if short else max(2.0, skin.length / 4)
-    row, lid, spans = _cover_screws(design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
     need = outer - centres[-1] + BOLT_RADIUS + EDGE - skin.width / 2
-    wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
-    half = centres[-1] + skin.width / 2 + wall
-    broken += _length(design)
+    what = f"{'two rows of bolts' if plates else 'bolts'} beside the trough"
+    wall, broken = _room("mold.wall", choice.wall, WALL if plates else 0.0, need, what)
+    half = _rounded_up(2 * (centres[-1] + skin.width / 2 + wall)) / 2
+    long = skin.length if plates else 2 * half  # of the cavity
+    diagonal = 0.0 if short else max(2.0, long / 4)
+    row, lid, spans = _cover_screws(
+        design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE, long
+    )
+    broken += _length(design) if plates else []
     split, lowest = -split_height(design, shape)[1], on_grid(-summit(design, shape))
-    need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
+    need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
     need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
     straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
     top = (
         on_grid(back + SQUEEZED_SHARE * seal_thickness(stack_error(design, spans, lid))) if straight else back
     )
-    need = lowest - split + 2 * (nut + EDGE)
+    need = lowest - split + 2 * (nut + EDGE) if plates else 0.0
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
     else:  # the cover's screws end in it
@@ -254,19 +261,19 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     key = KEYING + 2 * (slide - PIN_RADIUS)
     place = Layout(
         centres=centres,
-        half=_rounded_up(2 * half) / 2,
-        end=skin.length / 2,
+        half=half,
+        end=long / 2,
         bottom=bottom,
         back=back,
         top=top,
         trough=trough,
-        lanes=(-inner, *(x - (row_offset if count > 1 else 0.0) for x in between), inner),
+        lanes=(-inner, *(x - (row_offset if count > 1 else 0.0) for x in between), inner) if plates else (),
         pins=(pin_offset - inner, inner - pin_offset),
         outer=outer,
         bolts=() if short else _bolts(row_places, row, diagonal),
         pin_along=diagonal if row.screws == 1 else row.spacing / 2 * (row.screws % 2),
         pin_depth=depth,
-        cover=_rounded_up(skin.length + 2 * choice.end_plate) / 2,
+        cover=_rounded_up(skin.length + 2 * choice.end_plate) / 2 if plates else half + OVERHANG,
         lid=lid,
         spans=spans,
         split=split,
@@ -286,11 +293,16 @@ def summit(design: Design, shape: Section) -> float:
 
 
 def _cover_screws(
-    design: Design, row_places: tuple[float, ...], diagonal: float, load: float, between: float
+    design: Design,
+    row_places: tuple[float, ...],
+    diagonal: float,
+    load: float,
+    between: float,
+    length: float,
 ) -> tuple[ScrewRow, float, Spans]:
     """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
     beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
-    length, wide = design.skin.length, max(b - a for a, b in pairwise(row_places))
+    wide = max(b - a for a, b in pairwise(row_places))
     holes = fits(design, design.mold.process)
     choices = screw_rows(
         length, diagonal, max(BOLT_RADIUS, holes.thread) + EDGE, 2 * between, design.mold.cavities
@@ -314,7 +326,8 @@ def stack_error(design: Design, spans: Spans, lid: float) -> float:
     block, ends, lids = cavity_process(design), end_process(design), lid_process(design)
     on_ledge = block.tolerance + lids.tolerance
     keeper = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
-    return max(on_ledge, keeper) + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
+    under = on_ledge if design.skin.round else max(on_ledge, keeper)
+    return under + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
 
 
 def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tuple[tuple[float, float], ...]:
@@ -342,7 +355,8 @@ def _rounded_up(size: float) -> float:
 
 def is_clamped(design: Design) -> bool:
     """Whether a skin is so short that clamps hold its mold's cover, not bolts; `design` is what is poured."""
-    return design.skin.length < LEAST_BOLTED and design.skin.curvature_radius_y is None
+    straight = not design.skin.round and design.skin.curvature_radius_y is None
+    return straight and design.skin.length < LEAST_BOLTED
 
 
 def _room(

@@ -48,6 +48,7 @@ from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused_lids, seal_sheet
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
+from skincad.solids.round import check_round, lids_layout, round_parts
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import Way, cast_skin
 
@@ -91,30 +92,34 @@ class ClosedMold:
             raise ValueError("a cavity is a prism less its cuts")
         if block.axis == "y":
             return block.high - block.low
-        return 2 * max(s.start.x for s in block.outline)
+        return 2 * max(s.start.z if block.axis == "z" else s.start.x for s in block.outline)
 
 
 def mold(design: Design) -> ClosedMold:
     """Return the closed mold's parts, the skin, shims or strips and pins in it, and the opening sequence.
 
     Raises InputError when a bore, the gate or a notch finds no room, and for what a doubly curved mold can't
-    be: split, for several skins, or poured open.
+    be: split, for several skins, or poured open; or a round one's: split, for several, or through a gate.
     """
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))]
+    whole = [*check_bent(design), *check_round(design)]
+    whole += refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
     design = scaled_for_shrinkage(design)
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
     place, more = layout(design, shape, split_cavity=bool(ridges))
-    broken += [*more, *refused_ends(design, shape, place), *refused_lids(design, place)]
+    broken += [*more, *refused_lids(design, lids_layout(design, place))]
+    broken += refused_ends(design, shape, place) if place.lanes else []
     if broken:
         raise together(broken)
     if design.skin.curvature_radius_y is not None:
         return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
+    if design.skin.round:
+        return _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else [cavity(design, shape, place)]
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
@@ -160,6 +165,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
     shims = [drawn._replace(travel=sign * drawn.travel)] if drawn.parts else []
     plates = [leave("y", y, *END_PLATES, end=end) for end, y in zip(ENDS, (-far, far), strict=True)]
+    plates = [step for step in plates if step.parts]
     lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:

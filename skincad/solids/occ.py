@@ -159,7 +159,7 @@ def volume(part: Part, shape: cq.Solid) -> float:
 def _on_curved(part: Part) -> bool:
     """Whether a bore or a pin of a part meets a curved face."""
     return any(
-        bool(body.within) if isinstance(body, Bore) else isinstance(body, TurnedBody) and not body.flush
+        bool(body.within) if isinstance(body, Bore) else isinstance(body, TurnedBody) and body.buried != 0.0
         for body in (*part.cuts, *part.adds)
     )
 

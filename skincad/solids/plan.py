@@ -447,6 +447,11 @@ def box(x: float, y: tuple[float, float], z: tuple[float, float], axis: Axis = "
     return Prism(curves.rectangle(-x, x, *z), "y", *y)
 
 
+def disc(radius: float, low: float, high: float) -> Prism:
+    """Return a disc about z between two levels, mm."""
+    return Prism(curves.circle(0.0, 0.0, radius), "z", low, high)
+
+
 _Body = TypeVar("_Body", bound=Body)
 
 

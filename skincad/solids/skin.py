@@ -12,7 +12,7 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
 from skincad.solids.pins import cast, pins, pockets
 from skincad.solids.plan import (
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 def skin_part(design: Design) -> Part:
-    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y.
+    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y, or round.
 
     With a second curvature the section is the one at y = 0, its ends are planes through the axis.
     """
@@ -59,14 +59,17 @@ def cast_skin(design: Design, shape: Section | None = None) -> Part:
 
 def along_skin(
     design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0
-) -> Prism | RevolvedBody:
-    """Return a loop swept along the skin's length, `up` = -1 where the ridges point down.
+) -> Prism | RevolvedBody | TurnedBody:
+    """Return the section's loop swept along the skin's length, `up` = -1 where the ridges point down; of a
+    round skin turned about z.
 
     A doubly curved skin turns about the axis curvature_radius_y below the base circle's summit; `length` is
     the arc of that summit.
     """
     skin, half = design.skin, design.skin.length / 2
     radius = skin.curvature_radius_y
+    if skin.round:
+        return TurnedBody(curves.right_half(outline), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     if radius is None:
         return Prism(outline, "y", -half, half, holes)
     return RevolvedBody(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
@@ -119,10 +122,8 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
 def _as_prism(body: Body, tolerance: float) -> Prism | None:
     """A round pin along y as a prism, and what turns as its silhouette; None where a body is no prism."""
     if isinstance(body, Bore) and body.axis == "y" and body.end_radius is None:
-        (x, low, z), r = body.start, body.radius
-        ends = Point(x - r, z), Point(x + r, z)
-        circle = Segment(ends[0], ends[1], 1.0), Segment(ends[1], ends[0], 1.0)  # half turns
-        return Prism(circle, "y", low, low + body.length)
+        (x, low, z) = body.start
+        return Prism(curves.circle(x, z, body.radius), "y", low, low + body.length)
     if isinstance(body, RevolvedBody) and body.grid:
         points = curves.polygon(body.outline, tolerance / 2)
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)

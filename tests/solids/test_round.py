@@ -1,0 +1,137 @@
+"""Round skins and their molds: what turns about z, three ways, and that nothing shares its room."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold, mesh
+from skincad.inputs.design import Design
+from skincad.shape.curves import polygon
+from skincad.shape.skin import section, skin_of
+from skincad.solids.mold import mold
+from skincad.solids.occ import solid, volume
+from skincad.solids.plan import CutRole, PartRole, TurnedBody, bores
+from skincad.solids.shrinkage import shrinkage
+from skincad.solids.skin import skin_part
+from tests import families
+
+ROUND = ["rings", "round-nibs", "round-flat"]
+
+
+def of(name: str) -> Design:
+    if name != "round-flat":
+        return families.OF_FAMILIES[name]()
+    skin = {"outline": "round", "curvature_radius": 30.0, "thickness": 4.0, "width": 14.0}
+    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}}
+    return skincad.Design(name=name, skin=skin, flat={"columns": 1, "rows": 1, "pitch": 4.0}, **rest)
+
+
+def test_a_bare_round_skin_is_a_cylinder_under_a_spherical_cap() -> None:
+    design = of("round-flat")
+    radius, half = 30.0, 7.0
+    cap = radius - math.sqrt(radius**2 - half**2)
+    handbook = math.pi * half**2 * (4.0 - cap) + math.pi * cap**2 * (3 * radius - cap) / 3
+    assert skin_part(design).volume == pytest.approx(handbook, rel=1e-13)
+
+
+def test_rings_turn_about_the_middle() -> None:
+    """By the section's polygon, cut at x = 0: another library's area and centroid, chords within 1e-6 mm."""
+    design = of("rings")
+    whole = shapely.Polygon(polygon(section(design).outline, 1e-6))
+    half = whole.intersection(shapely.box(0.0, -1.0, 100.0, 100.0))
+    turned = 2 * math.pi * half.centroid.x * half.area
+    assert skin_part(design).volume == pytest.approx(turned, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["rings", "round-flat", pytest.param("round-nibs", marks=pytest.mark.slow)])
+def test_every_part_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> None:
+    for part in mold(of(name)).parts:
+        shape = solid(part)  # one valid solid
+        assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9), part.name
+        # chords within c of the surface move the volume by less than c times the area
+        assert manifold(part, 1e-3).volume() == pytest.approx(part.volume, abs=1e-3 * shape.Area())
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_parts_share_nothing_closed_or_opening(name: str) -> None:
+    design = of(name)
+    closed = mold(design)
+    assert interference(closed, design.mold.clearance / 10) == []
+    moved = [part for step in closed.opening for part in step.parts]
+    still = {part.name for part in closed.parts} - {*moved}
+    assert len(moved) == len({*moved})
+    assert still == {part.name for part in closed.of(PartRole.CAVITY)}
+
+
+def test_meshes_that_only_touch_share_nothing_as_their_sections_say() -> None:
+    """The quick way by sections against the meshes' own boolean, which takes its time where all faces touch; a
+    skin that is a little too large shares the shell, 0.01 mm on its face and side."""
+    design = of("rings")
+    closed = mold(design)
+    skin = closed.part("skin")
+    area = manifold(skin, 1e-3).surface_area()
+    assert isinstance(skin.body, TurnedBody)
+    larger = replace(skin, body=replace(skin.body, origin=(0.0, 0.0, -0.01)))
+    parts = tuple(larger if part is skin else part for part in closed.parts)
+    (finding,) = interference(replace(closed, parts=parts, opening=()), design.mold.clearance / 10)
+    # a shift of 0.01 along z: of the area that looks down, the back's by its shadow, at least half of all
+    assert 0.3 * area * 0.01 < finding.measured < 0.5 * area * 0.01
+
+
+def test_grooves_are_as_deep_as_the_rings_are_high_and_the_silicone_shrinks() -> None:
+    design = of("rings")
+    points = np.asarray(mesh(mold(design).part("cavity"), 1e-3).vertices)
+    grown, skin = 1 / (1 - shrinkage(design)), skin_of(design)
+    radii = np.hypot(points[:, 0], points[:, 1])
+    for placed in skin.placed:
+        near = np.abs(radii - placed.summit.x * grown) < skin.profile.tip_width / 4
+        crown = max(s.top for s in placed.outline)
+        assert points[near, 2].min() == pytest.approx(-crown * grown, abs=2e-3)  # two chords
+
+
+def test_the_mold_has_no_ends_and_its_vent_stands_at_the_skins_rim() -> None:
+    closed = mold(of("rings"))
+    assert not closed.of(PartRole.END_PLATE, PartRole.COMB, PartRole.KEEPER, PartRole.END_PIN)
+    (vent,) = bores(closed.part("carrier"), CutRole.VENT)
+    (trough,) = (cut for cut in closed.part("cavity").cuts if cut.role is CutRole.TROUGH)
+    rim = manifold(closed.part("skin"), 1e-3).bounding_box()[4]
+    assert trough.volume == closed.part("skin").volume
+    assert vent.start[1] + vent.radius == pytest.approx(rim, abs=2e-3)
+
+
+def test_holes_of_the_carrier_keep_off_its_rim() -> None:
+    mount = {"thread": "M3", "diameter": 22.0, "pin": 2.0, "fiducials": 3}
+    design = of("rings").with_(skin={"width": 34.0}, mount=mount)
+    carrier = mold(design).part("carrier")
+    radius = manifold(carrier, 1e-4).bounding_box()[3]
+    roles = {bore.role for bore in bores(carrier)}
+    assert roles >= {CutRole.RIVET, CutRole.PULL, CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL}
+    for bore in bores(carrier):
+        assert radius - math.hypot(*bore.start[:2]) - bore.far_radius > 1.199, bore  # layout's EDGE, chords
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "rule"),
+    [
+        ({"mold": {"pour": "syringe"}}, "mold.pour", "poured open"),
+        ({"mold": {"gate": 2.0}}, "mold.gate", "poured open"),
+        ({"mold": {"cavities": 2}}, "mold.cavities", "must be 1"),
+        ({"mold": {"split": "auto"}}, "mold.split", "must be 'none'"),
+        ({"mold": {"reservoir": 40.0}}, "mold.reservoir", "clear of the bolts"),
+        ({"mount": {"thread": "M3", "diameter": 19.0}}, "mount.diameter", "at most"),
+    ],
+)
+def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        mold(of("rings").with_(**change))
+    assert str(refusal.value).startswith(f"{key}: ")
+    assert rule in str(refusal.value)
+    assert "\n" not in str(refusal.value)
