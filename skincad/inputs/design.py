@@ -168,9 +168,9 @@ class Design(Document):
             drop_dependents(data, key)
         if key == "material" and isinstance(change, dict) and change.get("name") is not None:
             renamed_material(data, set(change))
-        if key == "skin" and isinstance(change, dict) and data["skin"].get("outline") == "round":
-            if "width" in change and "length" not in change:
-                data["skin"].pop("length", None)  # a round skin's is its width
+        wider = key == "skin" and isinstance(change, dict) and "width" in change and "length" not in change
+        if wider and data["skin"].get("outline") == "round":  # whose length is its width
+            data["skin"].pop("length", None)
         if key in FAMILY_TABLES and isinstance(change, dict):
             drop_replaced(data, key, {name for name, value in change.items() if value is not None})
 

@@ -72,8 +72,8 @@ def test_parts_share_nothing_closed_or_opening(name: str) -> None:
 
 
 def test_meshes_that_only_touch_share_nothing_as_their_sections_say() -> None:
-    """The quick way by sections against the meshes' own boolean, which takes its time where all faces touch; a
-    skin that is a little too large shares the shell, 0.01 mm on its face and side."""
+    """The quick way by sections against the meshes' own boolean, which takes its time where all faces touch;
+    a skin that is a little too large shares the shell, 0.01 mm on its face and side."""
     design = of("rings")
     closed = mold(design)
     skin = closed.part("skin")

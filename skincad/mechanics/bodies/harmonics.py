@@ -1,13 +1,12 @@
 """A turned section under loads that are no turned ones: one harmonic round the axis x = 0.
 
-Displacements are (u_r cos n t, u_z cos n t, u_t sin n t) at the angle t round the axis: n = 0 a pressure, n = 1 a
-pull across the axis or a moment about a line across it. Zienkiewicz and Taylor, The Finite Element Method, 5th
-ed., vol. 2, sec. 9.6. Lengths are in the pad's unit, stresses in E.
+Displacements are (u_r cos n t, u_z cos n t, u_t sin n t) at the angle t round the axis: n = 0 a pressure, n
+= 1 a pull across the axis or a moment about a line across it. Zienkiewicz and Taylor, The Finite Element
+Method, 5th ed., vol. 2, sec. 9.6. Lengths are in the pad's unit, stresses in E.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,15 +14,14 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 
-from skincad.base.arrays import Array
 from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.elements import small_strain
 
 
 @dataclass(frozen=True)
 class Harmonic:
-    """The condensed stiffness of one harmonic: NGSolve's `form` over `space`, and which unknowns are `free`. The
-    space's first component is (u_r, u_z), of n > 0 the second is u_r + n u_t."""
+    """The condensed stiffness of one harmonic: NGSolve's `form` over `space`, and which unknowns are `free`.
+    The space's first component is (u_r, u_z), of n > 0 the second is u_r + n u_t."""
 
     form: Any
     space: Any
@@ -45,8 +43,8 @@ def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
     """Return harmonic `number` of a section that turns about x = 0, in small strain, with the pressure as an
     unknown; materials and orders as in `small_strain`, which is harmonic 0.
 
-    For n > 0 the unknown round the axis is w = u_r + n u_t: the hoop strain is w / r, and strains stay finite on
-    the axis with w = 0 there, without any condition that ties unknowns to each other.
+    For n > 0 the unknown round the axis is w = u_r + n u_t: the hoop strain is w / r, and strains stay
+    finite on the axis with w = 0 there, without any condition that ties unknowns to each other.
     """
     if number == 0:
         form, both = small_strain(mesh, order, materials, revolved=True)
@@ -73,7 +71,8 @@ def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
 
 
 def _strains(u: Any, w: Any, n: int) -> list[Any]:
-    """Normal strains along r, z and t, and the shear strains rz, rt and zt, doubled, over cos n t or sin n t."""
+    """Normal strains along r, z and t, and the shear strains rz, rt and zt, doubled, over cos n t or sin n
+    t."""
     r, gradient, slope = ng.x, ng.Grad(u), ng.grad(w)
     return [
         gradient[0, 0],

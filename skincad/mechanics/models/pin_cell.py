@@ -1,9 +1,9 @@
 """One pin alone: its force against indentation, how it gives way under a pull, and what both do to the base.
 
 The cell is the pin on a disc of base that is bonded below, wide enough for the pin not to be felt at its rim.
-Loads on the pin are harmonics round its axis (bodies/harmonics.py). A load that is spread over a part of the tip
-moves it as far as the same load would move a half-space, and as far as the pin and its base give way: the latter
-is what a contact of any size sees, and what differs from pin to pin by height and thickness.
+Loads on the pin are harmonics round its axis (bodies/harmonics.py). A load that is spread over a part of the
+tip moves it as far as the same load would move a half-space, and as far as the pin and its base give way:
+the latter is what a contact of any size sees, and what differs from pin to pin by height and thickness.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.harmonics import harmonic
 from skincad.mechanics.bodies.mesh import PadMesh, plane_piece
 from skincad.mechanics.models import linear
-from skincad.mechanics.problem import Pad, pad_of
+from skincad.mechanics.problem import pad_of
 from skincad.shape.skin import skin_of
 
 REACH = 4.0  # thicknesses of the base beyond a pin's foot, where less than 1e-3 of its sinking is left
@@ -33,9 +33,10 @@ SAMPLES = 60  # radii at which the base's displacement is taken
 BELOW = 1e-5  # units under the base where it is sampled: on its surface no point is surely inside
 POINTS = 24  # of a root, over which its sinking is a mean
 MOST_LOADED = 1.2  # times the force at which a contact by Hertz would be as wide as the tip: the table's end
-# Of a half-space under a load spread evenly over a disc of radius a, times E* a: its mean sinking, 16 / (3 pi^2),
-# and per moment of a pressure that rises evenly, E* a^3, 32 / pi x the integral of (J_2(x) / x)^2. Both are
-# means weighted by the load: Johnson, Contact Mechanics, 1985, sec. 3.4; Abramowitz and Stegun 11.4.33
+# Of a half-space under a load spread evenly over a disc of radius a, times E* a: its mean sinking, 16 / (3
+# pi^2), and per moment of a pressure that rises evenly, E* a^3, 32 / pi x the integral of (J_2(x) / x)^2.
+# Both are means weighted by the load: Johnson, Contact Mechanics, 1985, sec. 3.4; Abramowitz and Stegun
+# 11.4.33
 SINKING, TURNING = 16 / (3 * math.pi**2), 0.864594
 
 
@@ -43,11 +44,12 @@ SINKING, TURNING = 16 / (3 * math.pi**2), 0.864594
 class PinCell:
     """`force` `(t,)` N against `indentation` `(t,)` mm of a tip pressed along its axis.
 
-    `axial` mm/N and `across` `(2, 2)` are what pin and base give way beside the contact's half-space: along the
-    axis; across it, by force and by moment (mm/N, 1/N, 1/(N mm)), where a positive moment lifts the side that the
-    force points to. `radius` `(m,)` mm are distances on the base from the axis; `by_push` `(2, m)` is how far the
-    base moves there, outward and up, per N along the axis; `by_pull` `(2, 3, m)` outward, up and round, by the
-    cosine and the sine of the angle to the pull, per N across the tip and per N mm of moment.
+    `axial` mm/N and `across` `(2, 2)` are what pin and base give way beside the contact's half-space: along
+    the axis; across it, by force and by moment (mm/N, 1/N, 1/(N mm)), where a positive moment lifts the side
+    that the force points to. `radius` `(m,)` mm are distances on the base from the axis; `by_push` `(2, m)`
+    is how far the base moves there, outward and up, per N along the axis; `by_pull` `(2, 3, m)` outward, up
+    and round, by the cosine and the sine of the angle to the pull, per N across the tip and per N mm of
+    moment.
     """
 
     force: Array
@@ -59,15 +61,16 @@ class PinCell:
     by_pull: Array
 
     def sinking(self, distance: Array, foot: float) -> Array:
-        """Return how far a pin with a root of radius `foot` mm sinks at these distances, mm per N on this one:
-        the mean over its root, 0 beyond the cell."""
+        """Return how far a pin with a root of radius `foot` mm sinks at these distances, mm per N on this
+        one: the mean over its root, 0 beyond the cell."""
         ring, angle = _disc()
         away = np.hypot(distance[:, None] + foot * ring * np.cos(angle), foot * ring * np.sin(angle))
         return np.asarray(-np.interp(away, self.radius, self.by_push[1], right=0.0).mean(axis=1))
 
 
 def lone(design: Design, height: float, thickness: float) -> Design:
-    """Return one pin of a `height` mm like the design's on a flat round base of a `thickness` mm, the cell."""
+    """Return one pin of a `height` mm like the design's on a flat round base of a `thickness` mm, the
+    cell."""
     pin = skin_of(design).profile
     width = 2 * (pin.feet[0].x + REACH * thickness)
     skin = design.skin.model_copy(
@@ -110,7 +113,7 @@ def pin_cell(cell: Design) -> PinCell:
         tangential = (2 - pad.poisson_ratio) / (2 * (1 - pad.poisson_ratio))
         axial -= SINKING / (modulus * loaded)
         across = across - np.diag([tangential * SINKING / loaded, TURNING / loaded**3]) / modulus
-    force, indentation = _curve(meshed, cell, axial)
+    force, indentation = _curve(meshed, cell)
     return PinCell(force, indentation, axial, across, radius, by_push, by_pull)
 
 
@@ -126,7 +129,7 @@ def hertz(force: Array, radius: float, modulus: float) -> Array:
     return np.cbrt(9 * force**2 / (16 * radius * modulus**2))
 
 
-def _curve(meshed: PadMesh, cell: Design, axial: float) -> tuple[Array, Array]:
+def _curve(meshed: PadMesh, cell: Design) -> tuple[Array, Array]:
     """Force and indentation of the pin pressed along its axis: below what the mesh resolves Hertz's and the
     compliance of pin and base."""
     pad, shape = meshed.whole, skin_of(cell).profile
@@ -189,4 +192,5 @@ def _disc() -> tuple[Array, Array]:
     """Relative radii and angles of points that share a disc's area evenly: Vogel, Math. Biosci. 44 (1979)
     179."""
     number = np.arange(POINTS) + 0.5
-    return np.sqrt(number / POINTS), number * math.pi * (3 - math.sqrt(5))
+    turn = np.asarray(number * math.pi * (3 - math.sqrt(5)), dtype=float)
+    return np.asarray(np.sqrt(number / POINTS)), turn

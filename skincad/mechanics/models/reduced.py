@@ -136,10 +136,11 @@ MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantit
 def pin_model(design: Design) -> FeatureModel:
     """Return the reduced pad of pins, in small strain, on a base without edges.
 
-    The curve is that of the stiffest cell. What a pin gives way more by its height, by the base's thickness under
-    it and by its lean stands on the diagonal of `coupling`: the contact's force is normal to the plate and acts
-    where the leaning tip is highest, so it bends the pin too. Pins feel each other by their distance, as on a base
-    of the mean thickness under both; a pin's own root does not stiffen the base for its neighbours.
+    The curve is that of the stiffest cell. What a pin gives way more by its height, by the base's thickness
+    under it and by its lean stands on the diagonal of `coupling`: the contact's force is normal to the plate
+    and acts where the leaning tip is highest, so it bends the pin too. Pins feel each other by their
+    distance, as on a base of the mean thickness under both; a pin's own root does not stiffen the base for
+    its neighbours.
     """
     skin, many = skin_of(design), skin_of(design).count
     heights = np.array(skin.heights)
@@ -195,7 +196,7 @@ def pin_tops(design: Design) -> Array:
     tip, lean = np.array([placed.tip[2] for placed in skin.placed]), np.array(skin.leans)
     edge = shape.tip_width / 2 * np.sin(lean) - shape.crown * np.cos(lean)
     if not math.isfinite(radius):
-        return tip + edge
+        return np.asarray(tip + edge)
     on_crown = 2 * radius * np.sin(lean / 2) ** 2
     return np.asarray(np.where(radius * np.sin(lean) <= shape.tip_width / 2, tip + on_crown, tip + edge))
 
