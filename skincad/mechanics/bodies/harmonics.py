@@ -7,6 +7,7 @@ Method, 5th ed., vol. 2, sec. 9.6. Lengths are in the pad's unit, stresses in E.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.elements import small_strain
 
@@ -89,3 +91,57 @@ def _free(space: Any, held: Sequence[Any]) -> Any:
     for number in np.concatenate(held).tolist():
         free.Clear(number)
     return free
+
+
+Places = tuple[Array, Array]  # radii and heights `(m,)`, in units
+
+
+def pushed(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], loaded: float, at: Places
+) -> tuple[float, Array]:
+    """Return by how much the contact boundary sinks under a force of 1 along the axis, spread evenly within a
+    radius, the mean weighted by the load; and the displacements `(2, m)`, outward and up, at places."""
+    tip = _Tip.of(mesh, loaded)
+    push = harmonic(mesh, order, materials, 0)
+    (_, _), (v, _) = push.space.TnT()
+    down = ng.LinearForm(-2 * math.pi * ng.x * tip.inside / tip.area * v[1] * tip.ds).Assemble()
+    (field,) = push.solved([down])
+    return float(ng.InnerProduct(down.vec, field.vec)), np.asarray(field.components[0](mesh(*at))).T
+
+
+def pulled(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], loaded: float, at: Places
+) -> tuple[Array, Array]:
+    """Return the compliances `(2, 2)` of the contact boundary under a force of 1 across the axis and a moment
+    of 1 that lifts the side it points to; and the displacements `(2, 3, m)` of both at places, outward, up
+    and round, by the cosine and the sine of the angle to the pull."""
+    tip = _Tip.of(mesh, loaded)
+    turning = ng.Integrate(math.pi * ng.x**3 * tip.inside * tip.ds, mesh)
+    pull = harmonic(mesh, order, materials, 1)
+    _, (v, s, _) = pull.space.TnT()
+    loads = [
+        ng.LinearForm(math.pi * ng.x * tip.inside / tip.area * (2 * v[0] - s) * tip.ds).Assemble(),
+        ng.LinearForm(math.pi * ng.x**2 * tip.inside / turning * v[1] * tip.ds).Assemble(),
+    ]
+    fields, points, moves = pull.solved(loads), mesh(*at), []
+    for field in fields:
+        u, w = (np.asarray(field.components[i](points)).T for i in (0, 1))
+        moves.append(np.stack([u[0], u[1], w.ravel() - u[0]]))
+    across = np.array([[ng.InnerProduct(load.vec, field.vec) for field in fields] for load in loads])
+    return across, np.array(moves)
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """The part of feature 1's contact boundary within a radius: an indicator times the normal's rise, its
+    `area` seen along the axis, and the boundary to integrate over."""
+
+    inside: Any
+    area: float
+    ds: Any
+
+    @classmethod
+    def of(cls, mesh: Any, loaded: float) -> _Tip:
+        inside = ng.IfPos(loaded * (1 + 1e-6) - ng.x, ng.specialcf.normal(2)[1], 0.0)
+        ds = ng.ds(definedon=mesh.Boundaries("contact1"), bonus_intorder=4)
+        return cls(inside, ng.Integrate(2 * math.pi * ng.x * inside * ds, mesh), ds)

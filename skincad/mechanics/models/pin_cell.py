@@ -12,14 +12,13 @@ import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import ngsolve as ng
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.harmonics import harmonic
+from skincad.mechanics.bodies.harmonics import pulled, pushed
 from skincad.mechanics.bodies.mesh import PadMesh, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
@@ -154,38 +153,15 @@ def _compliances(meshed: PadMesh, cell: Design, loaded: float) -> tuple[float, A
     """Compliances of the tip under loads over `loaded` mm of it, and the base's displacements, of PinCell."""
     pad, unit = meshed.whole, meshed.unit
     mesh = elements.curved(meshed.mesh, ORDER)
-    inside = ng.IfPos(loaded / unit * (1 + 1e-6) - ng.x, ng.specialcf.normal(2)[1], 0.0)
-    ds = ng.ds(definedon=mesh.Boundaries("contact1"), bonus_intorder=4)
-    area = ng.Integrate(2 * math.pi * ng.x * inside * ds, mesh)
-    turning = ng.Integrate(math.pi * ng.x**3 * inside * ds, mesh)
     foot, rim = skin_of(cell).profile.feet[0].x / unit, cell.skin.width / 2 / unit
     radius = foot + (rim - foot) * np.linspace(0.0, 1.0, SAMPLES + 1)[:-1] ** 1.5
     low = (cell.skin.thickness / unit - BELOW) * np.ones_like(radius)
+    axial, by_push = pushed(mesh, ORDER, pad.materials, loaded / unit, (radius, low))
+    across, by_pull = pulled(mesh, ORDER, pad.materials, loaded / unit, (radius, low))
     per_force, per_turn = pad.young_modulus * unit, pad.young_modulus * unit**2
-
-    push = harmonic(mesh, ORDER, pad.materials, 0)
-    (_, _), (v, _) = push.space.TnT()
-    down = ng.LinearForm(-2 * math.pi * ng.x * inside / area * v[1] * ds).Assemble()
-    (field,) = push.solved([down])
-    axial = ng.InnerProduct(down.vec, field.vec) / per_force
-    points = mesh(radius, low)
-    by_push = np.asarray(field.components[0](points)).T / per_force
-
-    pull = harmonic(mesh, ORDER, pad.materials, 1)
-    _, (v, s, _) = pull.space.TnT()
-    loads = [
-        ng.LinearForm(math.pi * ng.x * inside / area * (2 * v[0] - s) * ds).Assemble(),
-        ng.LinearForm(math.pi * ng.x**2 * inside / turning * v[1] * ds).Assemble(),
-    ]
-    fields = pull.solved(loads)
-    scales = np.array([per_force, per_turn])
-    across = np.array([[ng.InnerProduct(load.vec, f.vec) for f in fields] for load in loads])
     across /= np.array([[per_force, per_turn], [per_turn, per_turn * unit]])
-    by_pull = []
-    for f, scale in zip(fields, scales, strict=True):
-        u, w = np.asarray(f.components[0](points)).T, np.asarray(f.components[1](points)).ravel()
-        by_pull.append(np.stack([u[0], u[1], w - u[0]]) / scale)
-    return float(axial), across, radius * unit, by_push, np.array(by_pull)
+    by_pull /= np.array([per_force, per_turn])[:, None, None]
+    return axial / per_force, across, radius * unit, by_push / per_force, by_pull
 
 
 def _disc() -> tuple[Array, Array]:
