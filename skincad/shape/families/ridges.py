@@ -184,8 +184,7 @@ def half_profile(ridge: ProfileTable, radius: float, height: float) -> HalfProfi
     if u is None:
         raise InputError(f"{name}.root_fillet", "does not fit between flank and base circle", r, "reduce it")
     low, centre = root + u * along, root + r * out + u * along
-    share = 1.0 if flat else radius / (radius + r)
-    base = centre * share - [0.0, r * share]
+    base = centre - [0.0, r] if flat else centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
     r, curvature = ridge.tip_fillet, crown_curvature
     if curvature * r >= 1:
         raise InputError(
