@@ -198,7 +198,7 @@ def _sizes(view: PageScale, low: list[float], high: list[float]) -> list[str]:
 
 def _bent_view(closed: ClosedMold) -> list[str]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
-    mold = [CAVITIES, END_PLATES, {PartRole.COVER}]
+    mold = [{PartRole.BLOCK}, CAVITIES, END_PLATES, {PartRole.COVER}]
     kinds = [*((roles, "mold") for roles in mold), ({PartRole.CARRIER}, "hole"), ({PartRole.SKIN}, "skin")]
     rings = [(kind, _side(part)) for roles, kind in kinds for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])
