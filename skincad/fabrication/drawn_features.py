@@ -384,9 +384,10 @@ def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
     across = (
         " Ø" if any(isinstance(cut, TurnedBody) and cut.role is CutRole.TROUGH for cut in part.cuts) else ""
     )
-    wide = Length(FRONT, "u", level[0], level[3], f"{'seat' if top > 0 else 'disc'}{across}")
+    wide = Length(FRONT, "u", level[0], level[3], f"seat{across}")
     depth = Length(FRONT, "v", 0.0, top, "seat")
-    return wide, Length(FRONT, "u", level[1], level[2], f"skin{across}"), *([depth] if top > 0 else [])
+    skin = Length(FRONT, "u", level[1], level[2], f"skin{across}")
+    return (wide, skin, depth) if top > 0 else (skin,)  # a disc's ledge is its top
 
 
 def pockets(part: Part) -> tuple[NutPocket, ...]:
