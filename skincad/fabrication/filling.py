@@ -417,7 +417,7 @@ def _contacts(faces: list[_Face]) -> Iterator[tuple[int, int, Points]]:
 
 
 @dataclass(frozen=True)
-class Pocket:
+class AirPocket:
     """Air that no way leads out of: what it lies under, its highest place (mm, mold's frame), its volume in
     mm3 and its height in mm along the vertical."""
 
@@ -443,7 +443,7 @@ class _Filling(NamedTuple):
     tilted: bool
 
 
-def pockets(job: Job, tilt: float | None = None) -> tuple[Pocket, ...]:
+def pockets(job: Job, tilt: float | None = None) -> tuple[AirPocket, ...]:
     """Return the air pockets of at least `LEAST_POCKET` mm3, the largest first.
 
     End b is up by `tilt` deg, by the design's own tilt if not given.
@@ -518,14 +518,14 @@ def _level(design: Design) -> list[Finding]:
     return [note("trapped air", where, tilt, least, "deg", remedy)]
 
 
-def _grouped_findings(design: Design, air: Iterable[Pocket], remedy: str) -> list[Finding]:
-    kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
+def _grouped_findings(design: Design, air: Iterable[AirPocket], remedy: str) -> list[Finding]:
+    kinds: dict[tuple[str, str], list[AirPocket]] = defaultdict(list)
     for pocket in air:
         kinds[pocket.harm, pocket.alike].append(pocket)
     return [_finding(design, group, remedy) for group in kinds.values()]
 
 
-def _finding(design: Design, group: list[Pocket], remedy: str) -> Finding:
+def _finding(design: Design, group: list[AirPocket], remedy: str) -> Finding:
     largest, volume = group[0], math.fsum(pocket.volume for pocket in group)
     body = math.pi / 6 * (BUBBLE_SHARE * design.skin.thickness) ** 3
     limit = LEAST_POCKET if largest.harm == "relief" else body
@@ -570,7 +570,7 @@ def _surfaces(closed: ClosedMold, family: str) -> list[_Surface]:
     return surfaces
 
 
-def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
+def _pockets(fillings: list[_Filling], tilt: float) -> list[AirPocket]:
     pockets = []
     for filling in fillings:
         ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if part.beside is PartRole.COVER)
@@ -579,14 +579,14 @@ def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
     return sorted((p for p in pockets if p.volume >= LEAST_POCKET), key=lambda p: (-p.volume, p.place))
 
 
-def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> Pocket:
+def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> AirPocket:
     """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
     partition, spaces = filling.cells, filling.space.spaces
     skin = [c for c in air.cells if spaces[partition.space[c]].beside is PartRole.SKIN]
     if not skin:
         first = min(air.cells, key=lambda c: -float((partition.corners[c] @ up).max()))
         space = spaces[partition.space[first]]
-        return Pocket(space.where, space.name, air.highest, air.volume, air.height, "riser")
+        return AirPocket(space.where, space.name, air.highest, air.volume, air.height, "riser")
     corners = np.unique(np.vstack([partition.corners[c] for c in skin]), axis=0)
     heights = corners @ up
     touched = [(p, h) for p, h in zip(corners, heights, strict=True) if h > air.level]
@@ -601,4 +601,4 @@ def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> Pocket:
     relief = any(s.relief for surfaces in names for s in surfaces)
     x, y, z = (float(v) for v in place)
     harm: Literal["relief", "body"] = "relief" if relief else "body"
-    return Pocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)
+    return AirPocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)

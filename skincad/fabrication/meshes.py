@@ -141,8 +141,8 @@ def _revolved(body: RevolvedBody, tolerance: float) -> Manifold:
 
 def _turned(body: TurnedBody, tolerance: float) -> Manifold:
     """Join copies of the loop all round; its points on the axis are one each. As in `_revolved` the loop and
-    the turn have half of the tolerance each."""
-    half = tolerance / 2
+    the turn have half of the tolerance each; half of that at a curved face, whose error adds."""
+    half = tolerance / (4 if body.buried else 2)
     flat = curves.polygon(body.outline, half)
     steps = max(12, turn_steps(2 * math.pi, float(flat[:, 0].max()), half))
     angles = 2 * math.pi * np.arange(steps) / steps

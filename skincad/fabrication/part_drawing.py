@@ -327,7 +327,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
 
 
 def _pin_table(job: Job, part: Part) -> DrawingTable:
-    """The blind holes of pins as one pattern: a row a depth, and where they stand in words."""
+    """The blind holes of pins as one pattern, a row a depth; each place is in the STEP file."""
     skin, table = job.cast_skin, job.cast.features
     if not isinstance(table, Pin) or part.role not in CAVITIES:
         return DrawingTable("", (), ())
@@ -348,18 +348,14 @@ def _pin_table(job: Job, part: Part) -> DrawingTable:
     size = {
         "square": f"square, {table.columns} x {table.rows}" if table.columns else "square",
         "hex": "hexagonal, rows along x",
-        "polar": "rings of 6, 12, 18, ... round the middle",
+        "polar": "rings of 6, 12, 18, ...",
     }[table.pattern]
-    first = "at the smallest x, furthest towards end b, and numbers run along x"
+    first = "at the smallest x, next to end b"
     if table.pattern == "polar":
-        first = "in the middle, and in each ring numbers run from +x towards end a"
+        first = "in the middle, rings from +x towards end a"
     lean = max(abs(placed.lean) for placed in skin.placed)
-    leaning = f"; square to the curved base, up to {_degrees(math.degrees(lean))}°" if lean > LEVEL else ""
-    title = (
-        f"Blind holes of {skin.count} pins: {size}, pitch {number(table.pitch)} along the base from its "
-        f"middle; root R {number(table.root_fillet)}{leaning}. Places: STEP and DXF; "
-        f"pin 1 is {first}"
-    )
+    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}°" if lean > LEVEL else ""
+    title = f"Blind holes of {skin.count} pins: {size}, pitch {number(table.pitch)}{leaning}; pin 1 {first}"
     return DrawingTable(title, ("count", "pins", "Ø root", "Ø tip", "crown", "depth on axis"), tuple(rows))
 
 

@@ -215,7 +215,8 @@ def _calculations(build: Build, make_command: str) -> str:
     """The closed forms: the foundation's verdict, casting, films."""
     check = build.check
     share = max((force.value or 0.0 for force in check.ridge_force), default=0.0) if check else None
-    contact = contact_calculations(build.design, share or None)
+    bars = skin_of(build.design).symmetry == "extruded"  # whose springs in a row the closed forms are
+    contact = contact_calculations(build.design, share or None) if bars else []
     ridges = {
         quantity.symbol: quantity
         for step in contact
@@ -228,7 +229,7 @@ def _calculations(build: Build, make_command: str) -> str:
     )
     parts = [
         heading("Calculation", "calculation"),
-        paragraph(words),
+        paragraph(words) if contact else "",
         *(calculation(step) for step in contact),
         ridge_table(list(ridges.values())) if ridges else "",
         "<h3>Casting</h3>\n",
