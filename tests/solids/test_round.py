@@ -183,3 +183,29 @@ def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key:
     assert str(refusal.value).startswith(f"{key}: ")
     assert rule in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "rule"),
+    [
+        ({"ring": {"radius": 0.5}}, "ring.radius", "closes over its middle"),
+        ({"ring": {"count": 9}}, "ring.count", "fit on skin.width"),
+        ({"ring": {"root_width": 2.5, "radius": 3.0, "count": 2}}, "ring.root_width", "must be less than"),
+        ({"skin": {"outline": "rectangle", "length": 16.0}}, "skin.outline", "must be 'round' for rings"),
+        ({"skin": {"length": 12.0}}, "skin.length", "of a round skin"),
+    ],
+)
+def test_what_no_ring_can_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        of("rings").with_(**change)
+    assert str(refusal.value).startswith(f"{key}: ")
+    assert rule in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_thin_walls_between_rings_are_a_warning_with_their_width() -> None:
+    """The tooth of the mold between two rings is their pitch less a root."""
+    design = of("rings").with_(ring={"root_width": 1.7, "root_fillet": 0.1}, mold={"process": "fdm"})
+    (thin,) = (f for f in design_findings(Job(design)) if f.rule == "wall")
+    assert thin.measured == pytest.approx(0.3)
+    assert "two rings' roots" in thin.where
