@@ -163,8 +163,8 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
     skin = job.skin
     if skin.count == 1:
-        which = "Its face" if skin.symmetry == "none" else f"One {skin.family}"
-        return f"{which} touches in any case: its height changes no verdict."
+        subject = "Its face" if skin.symmetry == "none" else f"One {skin.family}"
+        return f"{subject} touches in any case: its height changes no verdict."
     if not allowed_drops:
         return (
             "The check leaves no margin or was not asked: the limits say what the process does, not whether "
