@@ -94,7 +94,8 @@ def _section_view(design: Design) -> list[str]:
         radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
     along = "along the ridges " if placed.symmetry == "extruded" else "along y "
-    rows.append(_text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length {along}{skin.length:g}"))
+    words = "turns about its middle" if skin.round else f"length {along}{skin.length:g}"
+    rows.append(_text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; {words}"))
     return rows
 
 
