@@ -121,7 +121,7 @@ def _from_above(job: Job) -> tuple[tuple[Stroke, ...], tuple[Stroke, ...]]:
     """Outlines and bores of the cover, and what stands out under it; the bolts along y as hidden lines."""
     closed, seen = job.closed, list[Stroke]()
     cover = closed.first(PartRole.COVER)
-    blocks = [closed.of(*CAVITIES)[0], *closed.of(*END_PLATES), cover]
+    blocks = [closed.of(PartRole.BLOCK, *CAVITIES)[0], *closed.of(*END_PLATES), cover]
     boxes = [manifold(part, CHORD).bounding_box() for part in blocks]
     for low_x, low_y, _, high_x, high_y, _ in boxes:
         corners = (low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y), (low_x, low_y)

@@ -386,7 +386,8 @@ def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
     )
     wide = Length(FRONT, "u", level[0], level[3], f"seat{across}")
     depth = Length(FRONT, "v", 0.0, top, "seat")
-    return wide, Length(FRONT, "u", level[1], level[2], f"skin{across}"), depth
+    skin = Length(FRONT, "u", level[1], level[2], f"skin{across}")
+    return (wide, skin, depth) if top > 0 else (skin,)  # a disc's ledge is its top
 
 
 def pockets(part: Part) -> tuple[NutPocket, ...]:

@@ -201,6 +201,11 @@ class Facts:
         """Whether end plates close the cavity."""
         return bool(self.job.closed.of(*END_PLATES))
 
+    @cached_property
+    def disc(self) -> bool:
+        """Whether the cavity is a disc in a block."""
+        return bool(self.job.closed.of(PartRole.BLOCK))
+
     @property
     def blind(self) -> bool:
         """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""

@@ -49,6 +49,7 @@ _FOR = {
     CutRole.FIDUCIAL: "fiducial for a camera",
     CutRole.RESERVOIR: "riser cup",
     CutRole.BLEED: "bleed",
+    CutRole.EJECT: "to push the cavity out",
     CutRole.CORE: "core pin, pushed in by hand; ream",
 }
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
@@ -174,14 +175,14 @@ class Screws(NamedTuple):
 
 def cover_screws(job: Job) -> Screws | None:
     """Return the cover's screws; None where clamps hold it."""
-    cover, blocks = job.closed.first(PartRole.COVER), job.closed.of(*CAVITIES)
+    cover, blocks = job.closed.first(PartRole.COVER), job.closed.of(PartRole.BLOCK, *CAVITIES)
     screws = bores(cover, CutRole.COVER_BOLT)
     if not screws:
         return None
     passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
     thread_length = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     split = bool(job.closed.of(PartRole.BASE))
-    long, washers = screw_for(screws[0].length + passed, thread_length, job.cavity_process, bottomed=split)
+    long, washers = screw_for(screws[0].length + passed, thread_length, job.block_process, bottomed=split)
     studs = long > LENGTHS[-1]
     return Screws(len(screws), long + (NUT if studs else 0.0), washers, len(screws) if studs else 0)
 

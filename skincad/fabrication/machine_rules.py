@@ -314,7 +314,7 @@ def _reach(case: Case) -> Iterator[Finding]:
     reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
-    milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
+    milled_down = case.part.role in CAVITIES and case.process.tool in ("mill", "lathe")
     left = left_standing(body.outline, reach, from_above=milled_down)
     depths = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
     holes = _deepest_holes(case) if case.part.role in CAVITIES and case.process.tool == "mill" else []
@@ -403,7 +403,15 @@ def _depth(case: Case) -> Iterator[Finding]:
 
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
-    """A wire is straight: it cuts no trough that is bent along it, or turns."""
+    """A wire is straight: it cuts no trough that is bent along it, or turns. A lathe turns a round cavity."""
+    disc = case.part.role is PartRole.CAVITY and case.job.closed.of(PartRole.BLOCK)
+    if case.process.tool == "lathe" and (not disc or case.job.skin.symmetry == "revolved"):
+        remedy = (
+            "mill or print it: the cavity of a round skin without pins is turned, with a mold.block_process"
+        )
+        yield error(
+            "tool reach", f"{case.part.role.label}, by a lathe, which does not make it", 1.0, 0.0, "", remedy
+        )
     if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
         where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
         yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)

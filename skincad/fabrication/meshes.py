@@ -41,7 +41,7 @@ PART_GAP = 5.0  # mm, assumption: between parts on a plate
 def asked_chord(design: Design) -> float:
     """Return how far print meshes of a design's mold may leave the true surface, mm: the finest process's."""
     known, choice = processes(design.printer), design.mold
-    makers = {choice.process, choice.end_plate_process, choice.lid_process}
+    makers = {choice.process, choice.end_plate_process, choice.block_process, choice.lid_process}
     return min(known[name].chord for name in makers if name)
 
 

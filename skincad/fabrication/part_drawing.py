@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
-CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
+CUTTERS = {"wire": "Wire", "mill": "Ball-end mill", "lathe": "Turning tool, its nose"}
 GENERAL_RA = 1.6  # µm, source: what shops keep without a surcharge on milled and wire-cut faces
 ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.COMB: "inner face, lower face, slits and the edge under the keeper",
@@ -62,7 +62,7 @@ ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.COVER: "lower face",
     PartRole.BASE: "upper face",
 }
-_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
+_TOOLS = {"mill": ", milled", "lathe": ", turned", "wire": ", wire erosion"}
 Coordinate = Callable[[float], float]
 NUT = "N"
 LEANING = "leaning from upright, positive with the mouth to the right"

@@ -92,9 +92,9 @@ def _bought_items(job: Job) -> Iterator[Item]:
             yield from _screws(screws, place)
     if lid is None:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
-    if job.cavity_process.thread != "tapped":
+    if job.block_process.thread != "tapped":
         inserts = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
-        metric, how = METRIC["M3"], job.cavity_process.thread
+        metric, how = METRIC["M3"], job.block_process.thread
         size = f"M3 x {metric.insert:g}, outer diameter {insert_outer('M3', how):g}, {how}"
         yield _item(inserts, "threaded insert", size, "brass", "printed parts")
     yield from _mount(job)

@@ -22,7 +22,7 @@ from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_c
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PIN_RADIUS, PITCH
-from skincad.solids.layout import SQUEEZED_SHARE, fits
+from skincad.solids.layout import SQUEEZED_SHARE, block_fits
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism
 
@@ -153,7 +153,7 @@ def to_buy(job: Job) -> list[str]:
 
 def _bolts(job: Job) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    holes = fits(job.design, job.design.mold.process)
+    holes = block_fits(job.design)
     hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
     if (lid := cover_screws(job)) is not None:
@@ -195,15 +195,14 @@ def _seal(closed: ClosedMold) -> list[str]:
 
 def _reamed(job: Job) -> str:
     """How pin holes are finished."""
-    printed = [
-        name for name, part in (("cavity", job.cavity_process), ("cover", job.lid_process)) if part.layer
-    ]
+    block = "block" if job.closed.of(PartRole.BLOCK) else "cavity"
+    printed = [name for name, part in ((block, job.block_process), ("cover", job.lid_process)) if part.layer]
     if not printed:
         return "their holes come reamed from the shop"
     ends = "the end plates and " if job.closed.of(*END_PLATES) else ""
     return (
         f"ream the holes of the printed {listed(printed)} that they are pressed into to {2 * PIN_RADIUS:g} "
-        f"mm (H7); in {ends}the cavity's top they slide"
+        f"mm (H7); in {ends}the {block}'s top they slide"
     )
 
 

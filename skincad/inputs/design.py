@@ -168,9 +168,8 @@ class Design(Document):
             drop_dependents(data, key)
         if key == "material" and isinstance(change, dict) and change.get("name") is not None:
             renamed_material(data, set(change))
-        wider = key == "skin" and isinstance(change, dict) and "width" in change and "length" not in change
-        if wider and data["skin"].get("outline") == "round":  # whose length is its width
-            data["skin"].pop("length", None)
+        if key == "skin" and isinstance(change, dict):
+            drop_length(data["skin"], set(change))
         if key in FAMILY_TABLES and isinstance(change, dict):
             drop_replaced(data, key, {name for name, value in change.items() if value is not None})
 
@@ -180,6 +179,12 @@ def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
     if "name" in changed and isinstance(data.get("material"), dict):
         dropped = {*OF_A_SILICONE} - changed
         data["material"] = {key: value for key, value in data["material"].items() if key not in dropped}
+
+
+def drop_length(skin: dict[str, Any], changed: set[str]) -> None:
+    """Drop, in place, the length of a round skin whose width was set again: it follows."""
+    if skin.get("outline") == "round" and "width" in changed and "length" not in changed:
+        skin.pop("length", None)
 
 
 def drop_dependents(data: dict[str, Any], dropped: str) -> None:

@@ -24,7 +24,7 @@ CORE_SHARE = 0.2  # assumption: least radius of a revolved skin's back, of curva
 def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
     """Yield what a workshop's own processes lack, and names of the mold's that nobody knows."""
     yield from refusals(lambda: check_own(own))
-    for key in ("process", "end_plate_process", "lid_process"):
+    for key in ("process", "end_plate_process", "block_process", "lid_process"):
         yield from refusals(partial(check_named, f"mold.{key}", getattr(mold, key), own))
 
 

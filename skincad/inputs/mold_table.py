@@ -32,6 +32,12 @@ class Mold(Table):
         description="how the end plates are made, if not as the cavity",
         json_schema_extra=_A_PROCESS,
     )
+    block_process: str | None = Field(
+        default=None,
+        description="of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
+        "to be turned or printed finer; block and cavity are one piece if not given",
+        json_schema_extra=_A_PROCESS,
+    )
     lid_process: str | None = Field(
         default=None,
         description="how carrier and cover are made, if not as the cavity",

@@ -54,6 +54,11 @@ class Base(Table):
         """Whether it is a disc, a solid of revolution about z."""
         return self.outline == "round"
 
+    @property
+    def across(self) -> str:
+        """Its width and length, or its diameter, mm, as words."""
+        return f"Ø{self.width:g}" if self.round else f"{self.width:g} x {self.length:g}"
+
 
 class Slot(Table):
     """A mirrored pair of straight slots for the film strips in every ridge."""

@@ -35,14 +35,16 @@ UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     needed, plate = _shown(check.all_touch_force), f"a {check.plate} plate at {check.force:g} N"
-    every = "both ridges" if check.ridges == 2 else f"all {check.ridges} ridges"
+    of = check.family
+    every = f"both {of}s" if check.ridges == 2 else f"all {check.ridges} {of}s"
     if check.out_of_range:
         return f"UNDECIDED: {check.out_of_range}."
     if check.ridges == 1:
-        return f"Passes: the one ridge touches a {check.plate} plate at any force."
+        one = "face" if of == "flat" else f"one {of}"
+        return f"Passes: the {one} touches a {check.plate} plate at any force."
     if check.passed:
         return f"Passes: {every} touch {plate}; they already do at {needed}."
-    some = f"{check.touching} of {check.ridges} ridges touch {plate}"
+    some = f"{check.touching} of {check.ridges} {of}s touch {plate}"
     if check.verdict == "fails":
         need = (
             "the force that all need is beyond the model's range"
@@ -77,12 +79,15 @@ def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
 
 def lines(check: ContactCheck) -> list[str]:
     """Return the verdict, its margin and error, the forces as bars, and what to know of them."""
-    return [*answer_lines(check), f"  ridge forces   {force_bars(check)}", *notes(check)]
+    forces = "" if check.family == "flat" else f"  {f'{check.family} forces':15}{force_bars(check)}"
+    return [*answer_lines(check), *([forces] if forces else []), *notes(check)]
 
 
 def answer_lines(check: ContactCheck) -> list[str]:
     """Return the verdict, and its margin and error where it has any."""
-    return [verdict(check), *_margin_lines(check)]
+    width = check.contact_width
+    lines = [] if width is None else [f"  approach       {check.approach}, the contact {width} wide"]
+    return [verdict(check), *lines, *_margin_lines(check)]
 
 
 def notes(check: ContactCheck) -> list[str]:

@@ -44,9 +44,9 @@ from skincad.solids.layout import (
     OVERHANG,
     SQUEEZED_SHARE,
     Layout,
-    cavity_process,
+    block_fits,
+    block_process,
     end_angle,
-    fits,
     seal_thickness,
     stack_error,
 )
@@ -161,7 +161,7 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
 def _cover_places(design: Design, place: Layout, grid: Grid, top: float) -> tuple[float, float, float]:
     """Return how far along y bolts and pins of the cover may stand where the cavity's walls end at `top`, and
     what is left between a bolt and a pin, mm."""
-    holes, end = fits(design, design.mold.process), half_length(grid, top)
+    holes, end = block_fits(design), half_length(grid, top)
     bolt, hole = (on_grid(min(place.pin_along, end - TOP_EDGE - r)) for r in (holes.thread, holes.slide))
     return bolt, hole, bolt + hole - holes.thread - holes.slide
 
@@ -216,13 +216,13 @@ def _opening(place: Layout, lids: Layout, grid: Grid) -> ExtendedCut:
 
 def _end_bores(design: Design, place: Layout, grid: Grid) -> list[ExtendedCut]:
     """Threads for the end plates' screws, and holes for their pins, square to the leaning ends."""
-    holes = fits(design, design.mold.process)
+    holes = block_fits(design)
     bores = []
     for x, z in ((x, z) for x in place.lanes for z in (place.comb_bolt, place.keeper_bolt)):
         deepest, plate, process = (
             _deepest(grid, z, holes.thread),
             design.mold.end_plate,
-            cavity_process(design),
+            block_process(design),
         )
         long, washers = screw_for(plate, deepest, process, bottomed=True)
         engaged = long - washers * WASHER - plate

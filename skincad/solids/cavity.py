@@ -30,9 +30,9 @@ from skincad.solids.layout import (
     EDGE,
     PIN_DEPTH,
     Layout,
-    cavity_process,
+    block_fits,
+    block_process,
     cover_pins,
-    fits,
 )
 from skincad.solids.pins import cast, pins
 from skincad.solids.plan import (
@@ -55,7 +55,7 @@ from skincad.solids.split import path
 def cavity(design: Design, shape: Section, place: Layout) -> Part:
     """Return the block with one trough for each skin: its negative, with its pins' holes, and the carrier's
     seat above it."""
-    single = (*_rim(design, place, 1), *_negative(shape.outline), *_rim(design, place, -1))
+    single = (*_rim(design, place, 1), *negative(shape.outline), *_rim(design, place, -1))
     lands = [shifted(single, x) for x in reversed(place.centres)]  # from right to left
     right = Point(place.half, place.bottom), Point(place.half, place.top)
     outline = path([*right, lands[0][0].start])
@@ -64,7 +64,7 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
         outline += path([here[-1].end, there[0].start]) if there else []
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
-    holes, deep = fits(design, design.mold.process), on_grid(blind_depth(place.lid, cavity_process(design)))
+    holes, deep = block_fits(design), on_grid(blind_depth(place.lid, block_process(design)))
     cuts: tuple[Body, ...] = (
         *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
         *_pin_holes(design, place),
@@ -140,7 +140,7 @@ def base_dowels(design: Design, place: Layout) -> list[Part]:
 
 
 def _base(design: Design, place: Layout, level: float) -> Part:
-    holes, through = fits(design, design.mold.process), (place.bottom, level - place.bottom)
+    holes, through = block_fits(design), (place.bottom, level - place.bottom)
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt,)),
         *_pin_holes(design, place),
@@ -152,7 +152,7 @@ def _base(design: Design, place: Layout, level: float) -> Part:
 
 
 def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
-    level, slide = _base_level(place), fits(design, design.mold.process).slide
+    level, slide = _base_level(place), block_fits(design).slide
     bolts, pins = ([p for p in places if p[0] * side > 0] for places in (place.bolts, cover_pins(place)))
     lanes = tuple(x for x in place.lanes if x * side > 0)
     return (
@@ -174,17 +174,17 @@ def _foot(design: Design, ridge: int, summit: Point, level: float) -> Point:
 
 def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
     """The negative from right to left, cut at the summits of these ridges, and the summits."""
-    negative = _negative(outline)
+    edge = negative(outline)
     cuts = []
     for ridge in reversed(ridges):
-        crown = [i for i, s in enumerate(negative) if s.feature == ridge]
+        crown = [i for i, s in enumerate(edge) if s.feature == ridge]
         cuts.append(crown[len(crown) // 2])
-    ends = [0, *cuts, len(negative)]
-    chunks = [negative[a:b] for a, b in pairwise(ends)]
-    return chunks, [negative[i].start for i in cuts]
+    ends = [0, *cuts, len(edge)]
+    chunks = [edge[a:b] for a, b in pairwise(ends)]
+    return chunks, [edge[i].start for i in cuts]
 
 
-def _negative(outline: Loop) -> Loop:
+def negative(outline: Loop) -> Loop:
     """The section's outline but its back, upside down, from right to left, the cavity on its left."""
     return tuple(
         replace(s, start=Point(s.start.x, -s.start.z), end=Point(s.end.x, -s.end.z), bulge=-s.bulge)
@@ -208,7 +208,7 @@ def _along(place: Layout, lanes: tuple[float, ...], heights: tuple[float, ...]) 
 
 
 def _pin_holes(design: Design, place: Layout) -> list[Bore]:
-    press, depth = fits(design, design.mold.process).press, place.pin_depth
+    press, depth = block_fits(design).press, place.pin_depth
     ends = (-place.end, place.end - depth)
     return [
         Bore((x, y, place.comb_pin), "y", depth, press, role=CutRole.END_PIN)
@@ -218,7 +218,7 @@ def _pin_holes(design: Design, place: Layout) -> list[Bore]:
 
 
 def _sockets(design: Design, place: Layout, places: list[tuple[float, float]]) -> list[Bore]:
-    slide = fits(design, design.mold.process).slide
+    slide = block_fits(design).slide
     return drilled(CutRole.COVER_PIN, "z", places, place.top - PIN_DEPTH, PIN_DEPTH, slide)
 
 

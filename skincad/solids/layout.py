@@ -196,9 +196,14 @@ def end_fits(design: Design) -> Fits:
     return fits(design, design.mold.end_plate_process or design.mold.process)
 
 
-def cavity_process(design: Design) -> Process:
-    """Return the process of the cavity."""
-    return processes(design.printer)[design.mold.process]
+def block_process(design: Design) -> Process:
+    """Return the process of the block: the cavity's, if this is not a disc in it."""
+    return processes(design.printer)[design.mold.block_process or design.mold.process]
+
+
+def block_fits(design: Design) -> Fits:
+    """Return the fits of the block."""
+    return fits(design, design.mold.block_process or design.mold.process)
 
 
 def lid_process(design: Design) -> Process:
@@ -215,12 +220,12 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     """Return the positions, and an error for every value that leaves a bore no room. `design` is what is
     poured."""
     skin, choice, ends = design.skin, design.mold, end_fits(design)
-    slide = max(ends.slide, fits(design, choice.process).slide)
+    slide = max(ends.slide, block_fits(design).slide)
     nut = NUT_FLATS / 2 + max(NUT_PLAY, ends.slide - PIN_RADIUS)
     pin_offset = 2 / math.sqrt(3) * nut + EDGE + slide  # of a pin beside a nut's corner
     trough = _rounded_up(skin.width + 2 * LEDGE) / 2 + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
-    widest = max(BOLT_RADIUS, fits(design, choice.process).thread)  # of the cover's row: it may have inserts
+    widest = max(BOLT_RADIUS, block_fits(design).thread)  # of the cover's row: it may have inserts
     plates = not skin.round
     outer = inner + EDGE + BOLT_RADIUS + widest if plates else trough + EDGE + widest
     count, short = choice.cavities, is_clamped(design)
@@ -252,7 +257,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
     else:  # the cover's screws end in it
-        need = max(need, blind_depth(lid, cavity_process(design)) + EDGE - (top - lowest))
+        need = max(need, blind_depth(lid, block_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
     bottom = lowest - floor if choice.floor else _bottom(design, lowest - floor, top)
@@ -303,7 +308,7 @@ def _cover_screws(
     """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
     beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
     wide = max(b - a for a, b in pairwise(row_places))
-    holes = fits(design, design.mold.process)
+    holes = block_fits(design)
     choices = screw_rows(
         length, diagonal, max(BOLT_RADIUS, holes.thread) + EDGE, 2 * between, design.mold.cavities
     )
@@ -323,8 +328,10 @@ def stack_error(design: Design, spans: Spans, lid: float) -> float:
     """Return by how much what the seal lies on may be higher or lower against the cavity's top than designed,
     mm, every part at the worst end of its process's tolerance: a carrier on its ledge, or a keeper on its
     comb, which slides on pins; and by how much the seal itself bows the cover."""
-    block, ends, lids = cavity_process(design), end_process(design), lid_process(design)
+    block, ends, lids = block_process(design), end_process(design), lid_process(design)
     on_ledge = block.tolerance + lids.tolerance
+    if design.mold.block_process is not None:
+        on_ledge += processes(design.printer)[design.mold.process].tolerance  # of the disc between them
     keeper = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
     under = on_ledge if design.skin.round else max(on_ledge, keeper)
     return under + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
@@ -341,7 +348,7 @@ def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tup
 def _bottom(design: Design, highest: float, top: float) -> float:
     """The underside of a block whose floor is computed, mm, at most at `highest`: a whole number of layers
     under the ledge, z = 0, so that a print has it where it is drawn, or else a round size under the top."""
-    layer = cavity_process(design).layer
+    layer = block_process(design).layer
     if layer:
         return on_grid(-math.ceil(-highest / layer - 1e-6) * layer)
     return top - _rounded_up(top - highest)
@@ -379,7 +386,7 @@ def _length(design: Design) -> list[InputError]:
     """What is wrong with the skin's length: bolts and pins of a cover, or its pins alone, stand beside it."""
     least, what = LEAST_BOLTED, "bolts and pins of a mold"
     if is_clamped(design):
-        least, what = 2 * (fits(design, design.mold.process).slide + BESIDE), "the pins of a mold's cover"
+        least, what = 2 * (block_fits(design).slide + BESIDE), "the pins of a mold's cover"
     cured = 1 - shrinkage(design)
     remedy = "cast a longer skin and cut it to length"
     return at_least("skin.length", cured * design.skin.length, cured * least, what, remedy)

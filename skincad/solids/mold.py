@@ -92,7 +92,7 @@ class ClosedMold:
             raise ValueError("a cavity is a prism less its cuts")
         if block.axis == "y":
             return block.high - block.low
-        return 2 * max(s.start.z if block.axis == "z" else s.start.x for s in block.outline)
+        return 2 * max(max(s.start) if block.axis == "z" else s.start.x for s in block.outline)
 
 
 def mold(design: Design) -> ClosedMold:
@@ -112,8 +112,8 @@ def mold(design: Design) -> ClosedMold:
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
     place, more = layout(design, shape, split_cavity=bool(ridges))
-    broken += [*more, *refused_lids(design, lids_layout(design, place))]
-    broken += refused_ends(design, shape, place) if place.lanes else []
+    broken += [*more, *(refused_ends(design, shape, place) if place.lanes else ())]
+    broken += [*refused_lids(design, lids_layout(design, place))]
     if broken:
         raise together(broken)
     if design.skin.curvature_radius_y is not None:
@@ -170,6 +170,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
         steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.STRIP))
+        steps += [leave("z", high, PartRole.CAVITY)] if closed.of(PartRole.BLOCK) else []
         return replace(closed, opening=tuple(steps))
     steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
     pieces = zip(

@@ -38,6 +38,7 @@ class PartRole(Enum):
 
     SKIN = "the skin", "skin", "cast", _ROSE
     CAVITY = "a cavity in one piece", "cavity", "made", _GREY
+    BLOCK = "block in whose seat the cavity lies", "block", "made", _STONE
     BASE = "base of a split cavity", "cavity", "made", _GREY
     LEFT = "outer piece of a split cavity, at -x", "cavity", "made", _STONE
     BETWEEN = "piece of a split cavity, between two splits", "cavity", "made", _STONE
@@ -86,6 +87,7 @@ class CutRole(Enum):
     BEVEL = auto()  # of a leaning end plate
     FEATURE = auto()  # the negative of a pin
     POCKET = auto()  # a skin's, for what it senses by
+    EJECT = auto()  # a block's hole, to push the cavity out through
     CORE = auto()  # a carrier's hole for the pin that keeps a pocket free
 
 

@@ -21,26 +21,34 @@ it. The disc lies on the seat's floor and is pushed out through a hole from belo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.curves import flipped, right_half
+from skincad.shape.curves import Point, flipped, right_half
 from skincad.shape.skin import Section
-from skincad.solids.cavity import cavity
-from skincad.solids.layout import Layout
-from skincad.solids.lids import carrier, cover, cover_dowels, seal_sheet
-from skincad.solids.plan import CutRole, Part, PartRole, TurnedBody, box, disc
+from skincad.solids.cavity import cavity, negative
+from skincad.solids.layout import STOCK, Layout, summit
+from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, seal_sheet
+from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, TurnedBody, box, disc
+from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
+from skincad.solids.split import path
 
-_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN, CutRole.FEATURE)
+_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
+UNDER_GROOVES = 3.0  # mm, assumption: of a disc under its deepest groove, to be held by while it is turned
+EJECT = 2.5  # mm, assumption: radius of the hole for a rod that pushes the disc out; a disc is wider than 8
 
 
 def check_round(design: Design) -> Iterator[InputError]:
     """Yield an error for each thing that the mold of a round skin can't be; none for another."""
     choice = design.mold
     if not design.skin.round:
+        if choice.block_process is not None:
+            rule = "must not be given for a skin that is not round, whose block is its cavity"
+            yield InputError("mold.block_process", rule, choice.block_process, "leave it out")
         return
     if choice.pour == "syringe" or choice.gate is not None:
         key, value = ("mold.pour", choice.pour) if choice.pour == "syringe" else ("mold.gate", choice.gate)
@@ -60,21 +68,37 @@ def lids_layout(design: Design, place: Layout) -> Layout:
 
 def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     """Return the closed mold's parts; `design` is what is poured. Raises InputError if one has no room."""
-    lids = lids_layout(design, place)
-    rest = [carrier(design, lids), cover(design, lids), *cover_dowels(design, lids), seal_sheet(design, lids)]
-    return [cast_skin(design, shape), _block(design, shape, place), *rest]
+    lids, whole = lids_layout(design, place), _block(design, shape, place)
+    blocks = [whole] if design.mold.block_process is None else _parted(design, shape, place, whole)
+    rest = [carrier(design, lids), *core_pins(design, lids), cover(design, lids)]
+    rest += [*cover_dowels(design, lids), seal_sheet(design, lids)]
+    return [cast_skin(design, shape), *blocks, *rest]
 
 
 def _block(design: Design, shape: Section, place: Layout) -> Part:
     """The square block less the skin's negative and, above the back, the carrier's seat."""
     straight = cavity(design, shape, place)
     body = box(place.half, (-place.end, place.end), (place.bottom, place.top))
+    half = right_half(flipped(shape.outline))
+    trough = TurnedBody(half, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), role=CutRole.TROUGH)
     seat = replace(disc(place.trough, 0.0, place.top), role=CutRole.SEAT)
-    cuts = (_trough(shape), seat, *(cut for cut in straight.cuts if cut.role in _OF_BLOCK))
+    cuts = (trough, seat, *(cut for cut in straight.cuts if cut.role in (*_OF_BLOCK, CutRole.FEATURE)))
     return Part("cavity", PartRole.CAVITY, body, cuts, straight=straight)
 
 
-def _trough(shape: Section) -> TurnedBody:
-    """The negative of the skin."""
-    half = right_half(flipped(shape.outline))
-    return TurnedBody(half, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), role=CutRole.TROUGH)
+def _parted(design: Design, shape: Section, place: Layout, whole: Part) -> list[Part]:
+    """The block with a deeper seat, and the cavity as a disc in it."""
+    low = -on_grid(math.ceil((summit(design, shape) + UNDER_GROOVES) / STOCK) * STOCK)
+    seat = replace(disc(place.trough, low, place.top), role=CutRole.SEAT)
+    eject = Bore((0.0, 0.0, place.bottom), "z", low - place.bottom, EJECT, role=CutRole.EJECT)
+    threads = (cut for cut in whole.cuts if cut.role in _OF_BLOCK)
+    wide, half = place.trough - design.mold.clearance, design.skin.width / 2
+    right = Point(wide, low), Point(wide, 0.0), Point(half, 0.0)
+    left = Point(-half, 0.0), Point(-wide, 0.0), Point(-wide, low), Point(wide, low)
+    outline = (*path([*right]), *negative(shape.outline), *path([*left]))
+    section = Part("cavity", PartRole.CAVITY, Prism(outline, "y", -wide, wide))
+    carved = tuple(cut for cut in whole.cuts if cut.role in (CutRole.TROUGH, CutRole.FEATURE))
+    return [
+        Part("block", PartRole.BLOCK, whole.body, (seat, eject, *threads)),
+        Part("cavity", PartRole.CAVITY, disc(wide, low, 0.0), carved, straight=section),
+    ]

@@ -11,6 +11,9 @@ import shapely
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.fabrication.filling import pockets
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold, mesh
 from skincad.inputs.design import Design
@@ -19,6 +22,7 @@ from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import mold
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import CutRole, PartRole, TurnedBody, bores
+from skincad.solids.round import UNDER_GROOVES
 from skincad.solids.shrinkage import shrinkage
 from skincad.solids.skin import skin_part
 from tests import families
@@ -60,6 +64,38 @@ def test_every_part_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> Non
         assert manifold(part, 1e-3).volume() == pytest.approx(part.volume, abs=1e-3 * shape.Area())
 
 
+def test_a_cavity_in_a_block_is_a_disc_of_the_same_trough() -> None:
+    design = of("rings")
+    whole, parted = mold(design), mold(design.with_(mold={"block_process": "fdm", "lid_process": "fdm"}))
+    disc, block = parted.part("cavity"), parted.part("block")
+    assert {*disc.cuts} == {cut for cut in whole.part("cavity").cuts if cut.role is CutRole.TROUGH}
+    for part in (disc, block):
+        assert volume(part, solid(part)) == pytest.approx(part.volume, rel=2e-9), part.name
+    low, _, bottom, high, _, top = manifold(disc, 1e-3).bounding_box()
+    least = -manifold(parted.part("skin"), 1e-3).bounding_box()[2] + UNDER_GROOVES
+    assert top == 0.0
+    assert least <= -bottom < least + 0.5  # a round height, in halves of a millimetre
+    assert high - low == pytest.approx(parted.part("carrier").body.outline[0].chord, abs=1e-2)  # chords
+    assert interference(parted, design.mold.clearance / 10) == []
+    assert parted.opening[-1].parts == ("cavity",)
+
+
+@pytest.mark.parametrize(
+    ("tables", "where"),
+    [
+        ({"process": "edm"}, "cavity, a trough that turns"),
+        ({"process": "lathe"}, "cavity, by a lathe"),
+        ({"process": "lathe", "block_process": "lathe"}, "block, by a lathe"),
+        ({"process": "lathe", "block_process": "sla"}, ""),
+    ],
+)
+def test_what_a_wire_or_a_lathe_does_not_make_is_an_error(tables: dict[str, str], where: str) -> None:
+    lathe = {"based_on": "cnc", "tool": "lathe", "tool_radius": 0.1, "groove_ratio": 0.0}
+    design = of("rings").with_(printer={"lathe": lathe}, mold={"lid_process": "sla", **tables})
+    errors = [f.where for f in design_findings(Job(design)) if f.severity == "error"]
+    assert errors[0].startswith(where) if where else errors == [], errors
+
+
 @pytest.mark.parametrize("name", ROUND)
 def test_parts_share_nothing_closed_or_opening(name: str) -> None:
     design = of(name)
@@ -71,9 +107,8 @@ def test_parts_share_nothing_closed_or_opening(name: str) -> None:
     assert still == {part.name for part in closed.of(PartRole.CAVITY)}
 
 
-def test_meshes_that_only_touch_share_nothing_as_their_sections_say() -> None:
-    """The quick way by sections against the meshes' own boolean, which takes its time where all faces touch;
-    a skin that is a little too large shares the shell, 0.01 mm on its face and side."""
+def test_a_skin_that_is_not_in_its_trough_shares_its_room() -> None:
+    """Of a skin that lies 0.01 mm too low: what its sections say is touching is not taken for it."""
     design = of("rings")
     closed = mold(design)
     skin = closed.part("skin")
@@ -118,12 +153,25 @@ def test_holes_of_the_carrier_keep_off_its_rim() -> None:
         assert radius - math.hypot(*bore.start[:2]) - bore.far_radius > 1.199, bore  # layout's EDGE, chords
 
 
+def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
+    """By the wedges of the turned skin: tilted, the back's highest place is at the vent, at the rim."""
+    job = Job(of("rings").with_(mold={"carrier": "plain"}))
+    assert pockets(job, 10.0) == ()
+    # end b down by 10 deg: air up to the vent's level, at most a wedge of the back, 16 mm x tan(10 deg) high
+    (air,) = (p for p in pockets(job, -10.0) if p.harm == "body")
+    assert air.place[1] < 0
+    assert air.height == pytest.approx(
+        15.0 * math.sin(math.radians(10.0)), rel=0.02
+    )  # vent's far side to rim
+
+
 @pytest.mark.parametrize(
     ("change", "key", "rule"),
     [
         ({"mold": {"pour": "syringe"}}, "mold.pour", "poured open"),
         ({"mold": {"gate": 2.0}}, "mold.gate", "poured open"),
         ({"mold": {"cavities": 2}}, "mold.cavities", "must be 1"),
+        ({"mold": {"block_process": "edd"}}, "mold.block_process", "must be"),
         ({"mold": {"split": "auto"}}, "mold.split", "must be 'none'"),
         ({"mold": {"reservoir": 40.0}}, "mold.reservoir", "clear of the bolts"),
         ({"mount": {"thread": "M3", "diameter": 19.0}}, "mount.diameter", "at most"),
@@ -135,3 +183,29 @@ def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key:
     assert str(refusal.value).startswith(f"{key}: ")
     assert rule in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "rule"),
+    [
+        ({"ring": {"radius": 0.5}}, "ring.radius", "closes over its middle"),
+        ({"ring": {"count": 9}}, "ring.count", "fit on skin.width"),
+        ({"ring": {"root_width": 2.5, "radius": 3.0, "count": 2}}, "ring.root_width", "must be less than"),
+        ({"skin": {"outline": "rectangle", "length": 16.0}}, "skin.outline", "must be 'round' for rings"),
+        ({"skin": {"length": 12.0}}, "skin.length", "of a round skin"),
+    ],
+)
+def test_what_no_ring_can_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        of("rings").with_(**change)
+    assert str(refusal.value).startswith(f"{key}: ")
+    assert rule in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_thin_walls_between_rings_are_a_warning_with_their_width() -> None:
+    """The tooth of the mold between two rings is their pitch less a root."""
+    design = of("rings").with_(ring={"root_width": 1.7, "root_fillet": 0.1}, mold={"process": "fdm"})
+    (thin,) = (f for f in design_findings(Job(design)) if f.rule == "wall")
+    assert thin.measured == pytest.approx(0.3)
+    assert "two rings' roots" in thin.where

@@ -295,7 +295,7 @@ def write_section_svg(design: Design, path: Path) -> None:
 def section_html(design: Design) -> str:
     """Return what a notebook shows of a design: its name, its sizes, and its section."""
     skin = skin_of(design)
-    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
+    size = f"{design.skin.across} x {section(design).top:.4g} mm"
     ridges = f"{skin.count} ridge{'s' * (skin.count > 1)}"
     words = f"{design.name}: {ridges} on {size}, of {silicone(design).name}"
     data = base64.b64encode(_section_svg(design).encode()).decode()

@@ -94,7 +94,8 @@ def _section_view(design: Design) -> list[str]:
         radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
     along = "along the ridges " if placed.symmetry == "extruded" else "along y "
-    rows.append(_text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length {along}{skin.length:g}"))
+    words = "turns about its middle" if skin.round else f"length {along}{skin.length:g}"
+    rows.append(_text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; {words}"))
     return rows
 
 
@@ -198,7 +199,7 @@ def _sizes(view: PageScale, low: list[float], high: list[float]) -> list[str]:
 
 def _bent_view(closed: ClosedMold) -> list[str]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
-    mold = [CAVITIES, END_PLATES, {PartRole.COVER}]
+    mold = [{PartRole.BLOCK}, CAVITIES, END_PLATES, {PartRole.COVER}]
     kinds = [*((roles, "mold") for roles in mold), ({PartRole.CARRIER}, "hole"), ({PartRole.SKIN}, "skin")]
     rings = [(kind, _side(part)) for roles, kind in kinds for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])

@@ -75,7 +75,7 @@ def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
     low, high = shown.bounds
     _scale_bar(axes, camera, low, high[0] - low[0])
-    size = f"{design.skin.width:g} x {design.skin.length:g} x {high[2] - low[2]:.4g} mm"
+    size = f"{design.skin.across} x {high[2] - low[2]:.4g} mm"
     _show(axes, f"skin: {skin_of(design).counted}, {size}")
 
 
