@@ -24,8 +24,7 @@ from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
-from skincad.shape.skin import section
-from skincad.solids.layout import summit
+from skincad.shape.skin import summit
 from skincad.solids.pins import hole_block
 from skincad.solids.plan import PartRole, Prism, TurnedBody, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage
@@ -259,8 +258,8 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(job)):
         return None
     cast = scaled_for_shrinkage(with_heights(job.design, heights))
-    top = summit(cast, section(cast))
-    least = -block.foot - summit(job.cast, job.cast_section)
+    top = summit(cast)
+    least = -block.foot - summit(job.cast)
     return tuple(heights), round(
         block.layer * math.ceil((top + least) / block.layer - NEGLIGIBLE_CHANGE) - top, 4
     )

@@ -28,9 +28,10 @@ class Base(Table):
     length: float = quantity(
         "mm", "along the ridges (y); of a round skin its diameter, as width, if not given", ge=0.5, le=1000.0
     )
-    outline: Literal["rectangle", "round"] = Field(
-        default="rectangle",
-        description="round: the section turns about its middle, so that the skin is a disc of diameter width",
+    outline: Literal["rectangle", "round"] | None = Field(
+        default=None,
+        description="round: the section turns about its middle, and the skin is a disc of diameter width; "
+        "rectangle if not given",
     )
     curvature_radius_y: float | None = quantity(
         "mm",

@@ -160,11 +160,6 @@ class Skin:
         """What of it is down while it is poured."""
         return "its face" if self.symmetry == "none" else f"the {self.family}s"
 
-    @cached_property
-    def summit(self) -> float:
-        """Largest z of its pins, mm, exact; in a section features have theirs."""
-        return max(s.top for placed in self.placed for s in upright(placed).outline)
-
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
         deepest = max(self.heights)
@@ -218,6 +213,13 @@ def section(design: Design) -> Section:
     result = Section(tuple(_outline(skin)), slots)
     _guard(result, skin)
     return result
+
+
+@lru_cache(maxsize=32)
+def summit(design: Design) -> float:
+    """Return how high the skin is over its back, mm, exact; pins are not in its section."""
+    tops = (s.top for placed in skin_of(design).placed for s in upright(placed).outline)
+    return max([section(design).top, *tops])
 
 
 def cell_section(

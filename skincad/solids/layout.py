@@ -29,7 +29,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.curves import Point, loop
-from skincad.shape.skin import Section, skin_of
+from skincad.shape.skin import Section, summit
 from skincad.solids.fasteners import TAP_RADIUS, blind_depth, insert_radius, least_thickness
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.plan import CutRole, Prism
@@ -245,7 +245,7 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE, long
     )
     broken += _length(design) if plates else []
-    split, lowest = -split_height(design, shape)[1], on_grid(-summit(design, shape))
+    split, lowest = -split_height(design, shape)[1], on_grid(-summit(design))
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
     need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
@@ -289,12 +289,6 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         nut=nut,
     )
     return place, broken
-
-
-def summit(design: Design, shape: Section) -> float:
-    """Return how high the skin is over its back, mm; pins are not in its section."""
-    skin = skin_of(design)
-    return max(shape.top, skin.summit) if skin.symmetry == "revolved" else shape.top
 
 
 def _cover_screws(

@@ -28,9 +28,9 @@ from dataclasses import replace
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, flipped, right_half
-from skincad.shape.skin import Section
+from skincad.shape.skin import Section, summit
 from skincad.solids.cavity import cavity, negative
-from skincad.solids.layout import STOCK, Layout, summit
+from skincad.solids.layout import STOCK, Layout
 from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, seal_sheet
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, TurnedBody, box, disc
 from skincad.solids.shrinkage import on_grid
@@ -88,7 +88,7 @@ def _block(design: Design, shape: Section, place: Layout) -> Part:
 
 def _parted(design: Design, shape: Section, place: Layout, whole: Part) -> list[Part]:
     """The block with a deeper seat, and the cavity as a disc in it."""
-    low = -on_grid(math.ceil((summit(design, shape) + UNDER_GROOVES) / STOCK) * STOCK)
+    low = -on_grid(math.ceil((summit(design) + UNDER_GROOVES) / STOCK) * STOCK)
     seat = replace(disc(place.trough, low, place.top), role=CutRole.SEAT)
     eject = Bore((0.0, 0.0, place.bottom), "z", low - place.bottom, EJECT, role=CutRole.EJECT)
     threads = (cut for cut in whole.cuts if cut.role in _OF_BLOCK)

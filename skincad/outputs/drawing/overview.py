@@ -13,7 +13,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, polygon
-from skincad.shape.skin import pictured_section, section, skin_of
+from skincad.shape.skin import pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
     CAVITIES,
@@ -74,7 +74,7 @@ def drawing(design: Design, closed: ClosedMold) -> str:
 def _section_view(design: Design) -> list[str]:
     shape, skin = section(design), design.skin
     outline, placed = pictured_section(design, CHORD), skin_of(design)
-    top = placed.summit if placed.symmetry == "revolved" else shape.top
+    top = summit(design)
     scale = min(120.0 / skin.width, 45.0 / top)
     view = PageScale((80.0, 62.0), scale)
     half = skin.width / 2

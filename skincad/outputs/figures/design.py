@@ -33,7 +33,7 @@ from skincad.outputs.figures.canvas import (
 )
 from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import polygon
-from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of
+from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
@@ -75,7 +75,7 @@ def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
     low, high = shown.bounds
     _scale_bar(axes, camera, low, high[0] - low[0])
-    size = f"{design.skin.across} x {high[2] - low[2]:.4g} mm"
+    size = f"{design.skin.across} x {summit(design):.4g} mm"
     _show(axes, f"skin: {skin_of(design).counted}, {size}")
 
 
@@ -114,8 +114,10 @@ def _draw_whole(axes: Axes, design: Design, shape: Section, outline: Array) -> N
     for slot in shape.slots:  # too thin, at this scale, for a film within
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor=STRIP if design.film else "white")
     half, top = 0.5 * design.skin.width, float(outline[:, 1].max())
-    surface = outline[outline[:, 1] > 1e-6, 1]  # a plane one has its corners alone
-    relief = max(top - float(surface.min()), _LEAST_RELIEF * top)
+    points = pictured_section(design, 1e-3)
+    between = (points[:, 1] > 1e-6) & (np.abs(points[:, 0]) < (1 - 1e-6) * half)
+    low = float(points[between, 1].min(initial=top))  # a plane face has corners alone
+    relief = max(top - low, _LEAST_RELIEF * top)
     scale = max(k for k in _HEIGHT_SCALES if k == 1 or k * relief <= _RELIEF * 2 * half)
     axes.axhline(top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
     axes.set_xlim(-1.02 * half, 1.02 * half)
