@@ -35,7 +35,7 @@ PARTS = 10_000
 REJECTED = 0.01  # asked, of good parts
 CAUGHT = 0.95  # asked, of parts whose verdict fails
 SPOILED = 3.0  # times the process's crest errors: a mold that is not what its process makes
-NAMES = [n if n == "plain-ridges" else pytest.param(n, marks=pytest.mark.slow) for n in template_names()]
+NAMES = [n if n == "steep-fingertip" else pytest.param(n, marks=pytest.mark.slow) for n in template_names()]
 
 
 class JudgedDesign(NamedTuple):
