@@ -91,6 +91,7 @@ def test_nothing_jumps_where_a_step_is_chosen() -> None:
     assert bend[1] < 1.5 * bend[0]
 
 
+@pytest.mark.slow
 def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     """The energy summed up from the contact's work is the body's own at the last chosen step, to the drift;
     and the plate's work is that and friction's, to the trapezoids' error where points close within a step."""

@@ -35,7 +35,6 @@ PARTS = 10_000
 REJECTED = 0.01  # asked, of good parts
 CAUGHT = 0.95  # asked, of parts whose verdict fails
 SPOILED = 3.0  # times the process's crest errors: a mold that is not what its process makes
-NAMES = [n if n == "plain-ridges" else pytest.param(n, marks=pytest.mark.slow) for n in template_names()]
 
 
 class JudgedDesign(NamedTuple):
@@ -118,7 +117,8 @@ def parts_of(case: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
     return drawn(case.design, mold(case.design), PARTS, seed, worse, readings)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", template_names())
 def test_good_parts_are_kept(name: str) -> None:
     one = judged(name)
     parts = parts_of(one, 101)
@@ -127,7 +127,8 @@ def test_good_parts_are_kept(name: str) -> None:
     assert lost < REJECTED
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", template_names())
 def test_parts_that_fail_are_caught(name: str) -> None:
     """Of a spoiled mold, and with one crest too low by up to three times what the verdict allows."""
     one = judged(name)
@@ -170,7 +171,8 @@ def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str)
     assert bad.sum() < 20 or rejected(one, parts)[bad].mean() >= CAUGHT
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", template_names())
 def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     one = judged(name)
     heights = np.array(one.inspected.crests.heights) + 0.1

@@ -281,6 +281,7 @@ def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
     assert not [f for f in design_findings(Job(design)) if f.rule == "silicone"]
 
 
+@pytest.mark.slow
 def test_the_command_line_takes_a_lab(tmp_path: Path, lab: Path) -> None:
     chosen = ("--silicones", str(lab), "--set", "material.name=lab-10", "--set", "ridge.count=1")
     out = ("--format", "toml", "-o", str(tmp_path / "made"))

@@ -48,7 +48,7 @@ def judge_each(design: Design, models: Sequence[str]) -> None:
 
 
 @pytest.mark.parametrize("ridges", FEW)
-@pytest.mark.parametrize("model", ["winkler", "linear", "corrected"])
+@pytest.mark.parametrize("model", ["winkler", "linear", pytest.param("corrected", marks=pytest.mark.slow)])
 def test_few_ridges_have_a_verdict(model: str, ridges: int) -> None:
     assert judge(skincad.load("yamada-2002", [f"ridge.count={ridges}"]), model)
 

@@ -50,6 +50,7 @@ def of_scenes() -> Iterable[Design]:
     return (random_scene(np.random.default_rng(seed)).design for seed in range(60))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [of_templates, of_verdicts, of_campaign, of_scenes])
 def test_designs_drawn_again_fill_their_ranges(draw: Callable[[], Iterable[Design]]) -> None:
     """To 0.5 %: the table has four digits."""

@@ -103,6 +103,7 @@ def test_each_slip_is_told_once_and_then_that_all_do() -> None:
     assert [0 < steps <= 20 for steps in late] == [True] * 4
 
 
+@pytest.mark.slow
 def test_it_hears_the_same_on_the_other_side() -> None:
     """Mirrored, S1 and S2 change places, and so do the ridges."""
     other = [

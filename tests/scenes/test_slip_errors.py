@@ -215,6 +215,7 @@ def test_what_is_told_of_slips_and_stress() -> None:
     assert f"by {worst_effect.change:.0%}." in last
 
 
+@pytest.mark.slow
 def test_the_next_step_adds_what_is_missed_most() -> None:
     simulation = slip("history.steps=20")
 

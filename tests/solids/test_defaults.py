@@ -81,6 +81,7 @@ def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
     told_in_keys_that_were_written([refused for _, refused in refusals(sections(MANY))], MANY)
 
 
+@pytest.mark.slow
 def test_where_plain_values_make_a_mold_the_computed_one_is_that_in_a_round_block() -> None:
     """Up to the next half millimetre of width and height, where neither wall nor floor is given."""
     pairs = [(mold(d), mold(plain(d))) for d in map(skincad.load, template_names())]

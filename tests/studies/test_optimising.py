@@ -174,6 +174,7 @@ def test_json_has_the_contracts_keys(found: Optimisation) -> None:
     assert {"values", "objectives", "constraints"} <= data["front"][0].keys()
 
 
+@pytest.mark.slow
 def test_the_command_writes_designs_table_pictures_and_a_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -106,6 +106,7 @@ def random_aims(random: np.random.Generator, several: bool) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("several", [False, True], ids=["one", "front"])
 def test_all_combinations_are_evaluated_if_they_fit(several: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 random studies find the best of all, or the whole front, with the package optuna or without."""

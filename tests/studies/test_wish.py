@@ -40,6 +40,7 @@ def share(result: WishResult) -> float:
     return result.check.manufacture.passing.value or 0.0
 
 
+@pytest.mark.slow
 def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult) -> None:
     design = small.design
     assert small.passed
@@ -63,6 +64,7 @@ def test_its_skin_is_about_as_curved_as_the_force_bears(small: WishResult) -> No
     assert (parts.passing.value or 0.0) < PASSING
 
 
+@pytest.mark.slow
 def test_every_choice_names_a_key_its_value_and_its_rule(small: WishResult) -> None:
     values = {choice.key: choice.value for choice in small.choices}
     assert values["ridge.pitch"].startswith(f"{small.design.ridge.pitch:g} mm, {small.design.ridge.count} ")
@@ -73,6 +75,7 @@ def test_every_choice_names_a_key_its_value_and_its_rule(small: WishResult) -> N
     assert small.as_json()["passed"] is True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True])
 def test_the_file_is_the_design_with_its_rules(small: WishResult, tmp_path: Path, full: bool) -> None:
     from skincad.outputs.wishes import write_wish

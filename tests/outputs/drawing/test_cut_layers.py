@@ -32,7 +32,7 @@ from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
 from tests.outputs.test_export import dxf_loops
 
-FAST = {"steep-fingertip", "bent"}  # a split cavity, doubly curved; the others are slow
+FAST = {"steep-fingertip"}  # a split cavity; the others are slow
 NAMES = [
     pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
     for name in (*template_names(), "bent")

@@ -29,7 +29,7 @@ from skincad.solids.plan import CutRole, Part, RotatedBody, bores
 from skincad.solids.projection import Arc
 from tests.bent_skin import three_ridges
 
-FAST = {"nozzle-04", "bent"}  # printed with nuts, doubly curved; by wire and mounted are slow
+FAST = {"bent"}  # doubly curved; printed with nuts, by wire and mounted are slow
 NAMES = [
     pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
     for name in (*template_names(), "bent", "mounted")

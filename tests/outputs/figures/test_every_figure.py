@@ -172,7 +172,11 @@ OTHERS: dict[str, Callable[[], Picture]] = {
     "one model": lambda: models_figure([("corrected-finite-strain", 2.8, 0.14)]),
     "sensitivities": lambda: sensitivity_figure(sensitivities(skincad.load("yamada-2002"), 2.64)),
 }
-EVERY = [*RESULTS, *OTHERS]
+QUICK = {"press", "section", "film stress", "one model", "models"}  # the others are slow
+EVERY = [
+    pytest.param(name, marks=() if name in QUICK else pytest.mark.slow, id=name)
+    for name in [*RESULTS, *OTHERS]
+]
 
 
 @pytest.fixture(scope="module")
