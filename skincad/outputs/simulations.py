@@ -26,6 +26,7 @@ from skincad.scenes.models import (
 )
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -44,6 +45,7 @@ ADDING = {  # how to add an effect, where one setting won't do
     "inertia": "add [effects.inertia] and plate.mass to the scene",
     "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
 }
+MAX_NAMED = 12  # features that are named one by one
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
@@ -82,21 +84,28 @@ def _run(simulation: Simulation) -> str:
 
 def _answer(simulation: Simulation) -> str:
     """When the skin slips, after why the run ended early where it did."""
-    march, gross = simulation.march, simulation.gross_slip_step
+    march, gross, name = simulation.march, simulation.gross_slip_step, _feature(simulation)
     steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
     begin = f"STOPPED {_end(simulation)}; " if march.stopped and march.stopped != GROSS_SLIP else ""
     if not steps:
-        return f"{begin}no ridge slips for good"
+        return f"{begin}no {name} slips for good"
     step = min(steps.values())
     first = [str(ridge) for ridge in steps if steps[ridge] == step]
-    who = f"ridge {first[0]}" if len(first) == 1 else f"ridges {', '.join(first[:-1])} and {first[-1]}"
+    who = f"{name} {first[0]}" if len(first) == 1 else f"{name}s {', '.join(first[:-1])} and {first[-1]}"
+    if len(first) > MAX_NAMED:
+        who = f"{len(first)} {name}s, {first[0]} among them,"
     if gross is not None:
         early = f"; {who} for good from step {step} on" if step < gross else ""
         return f"{begin}the whole skin slips from step {gross} on{early}"
     if len(steps) == len(first):
         return f"{begin}{who} slip{'s' * (len(first) == 1)} from step {step} until the end"
-    count = f"{len(steps)} of {len(simulation.slip_steps)} ridges"
+    count = f"{len(steps)} of {len(simulation.slip_steps)} {name}s"
     return f"{begin}{count} slip until the end; {who} first, from step {step} on"
+
+
+def _feature(simulation: Simulation) -> str:
+    """What slips: a ridge, or a pin."""
+    return skin_of(simulation.scene.design).family
 
 
 def _no_warning(simulation: Simulation) -> list[str]:
@@ -136,7 +145,8 @@ def next_step(simulation: Simulation) -> str:
         return f"{how}; leaving it out may change signals by {missing.change:.0%}."
     if "piezo" not in scene.effects and scene.design.film:
         return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
-    return f"{PICTURE} shows the signals of each monitored ridge."
+    pins = _feature(simulation) == "pin"
+    return f"{PICTURE} shows {'which pin slips when' if pins else 'the signals of each monitored ridge'}."
 
 
 def details(simulation: Simulation) -> list[str]:
@@ -169,7 +179,13 @@ def _slips(simulation: Simulation) -> str:
     touching = set(simulation.march.ridge[simulation.march.readings[-1].touches].tolist())
     clear = [str(ridge) for ridge in range(1, len(simulation.slip_steps) + 1) if ridge not in touching]
     clearance = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
-    return f"ridge {starts}{end}{clearance}" if steps else f"no ridge slips for good{clearance}"
+    if len(steps) > MAX_NAMED:
+        low, high = min(steps, key=lambda one: steps[one]), max(steps, key=lambda one: steps[one])
+        half = sorted(steps.values())[(len(steps) - 1) // 2]
+        ends = f"{low} from step {steps[low]}", f"{high} from step {steps[high]}"
+        starts = f"{ends[0]}, half of them from step {half}, {ends[1]}"
+    name = _feature(simulation)
+    return f"{name} {starts}{end}{clearance}" if steps else f"no {name} slips for good{clearance}"
 
 
 def _slip_error(simulation: Simulation) -> list[str]:
@@ -234,6 +250,7 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
     leads = {ridge: lead for ridge, lead in simulation.lead.items() if lead.value is not None}
     errors = {r: error for r, error in simulation.stress_errors.items() if error.mesh is not None}
+    name = _feature(simulation)
 
     def words(ridge: int) -> str:
         """How wrong a ridge's stress may be, and what that is made of."""
@@ -243,13 +260,16 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     if max(len(leads), len(errors)) <= MAX_RIDGE_LINES:
         rows = []
         for r, ahead in leads.items():
-            rows.append(f"  lead           ridge {r} slips {ahead} before all ridges do")
+            rows.append(f"  lead           {name} {r} slips {ahead} before all {name}s do")
             error = simulation.slip_errors.leads[r - 1]
             if error.total is not None:
                 rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
         return rows + [f"  error          {words(r)}" for r in errors]
+    if len(leads) > MAX_NAMED:
+        most = max(leads, key=lambda one: leads[one].value or 0.0)
+        leads = {most: leads[most]}
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
-    rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
+    rows = [f"  lead           from a {name}'s slip to that of all: {name} {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
         rows.append(f"  error          the largest is {words(worst)}")

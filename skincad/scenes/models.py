@@ -28,7 +28,7 @@ from skincad.base.errors import InputError, RefusedError, resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.effects import EFFECTS, effect
-from skincad.effects.kinds import Law, LeftOutEffect, PadChange, PlatePath, SceneOutline, Step
+from skincad.effects.kinds import Law, LeftOutEffect, MarchedPad, PadChange, PlatePath, SceneOutline, Step
 from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.fits import unlike
 from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
@@ -88,7 +88,7 @@ class MarchSetup:
     scene's own."""
 
     scene: Scene
-    piece: PadPiece
+    piece: PadPiece | None
     tick: Tick | None = None
     partial: bool = False
     meshes: dict[float, object] = field(default_factory=dict)
@@ -103,8 +103,11 @@ def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
     seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
 
 
-def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
-    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that."""
+def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
+    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that;
+    None of pins, which are springs."""
+    if skin_of(scene.design).family == "pin":
+        return None
     from skincad.mechanics.film.stick import piece_of
     from skincad.mechanics.film.stress import filled_pad
     from skincad.mechanics.problem import check_pad, pad_of
@@ -139,10 +142,9 @@ def march_on(
         tick(stage, 0)
     marks = [perf_counter()]
     with resource_guard(f"the mesh of {stage}"):
-        mesh = meshed_pad(on.piece, level, on.meshes)
+        mesh = meshed_pad(on.piece, level, on.meshes) if on.piece else None
         marks.append(perf_counter())
-        films = bool(scene.readout.ridges)
-        pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
+        pad = _marched_pad(on, mesh, level)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     count = history.step_count
@@ -162,6 +164,24 @@ def march_on(
         march_result = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
     seconds |= {**stages, "march": march_result.seconds}
     return march_result
+
+
+def _marched_pad(on: MarchSetup, mesh: object, level: Level) -> MarchedPad:
+    """The pad that a march advances: its law's, or pins as springs."""
+    scene = on.scene
+    if on.piece is not None:
+        return scene.law.marched(on.piece, mesh, level.order, bool(scene.readout.ridges), scene.terms)
+    from skincad.effects.small_strain import condensed
+    from skincad.mechanics.models.pin_springs import pin_springs
+
+    return condensed(pin_springs(scene.design, max(scene.history.normal_force_N)))
+
+
+def march_springs(on: MarchSetup, seconds: dict[str, float]) -> RefinedRun:
+    """March pins, of which there is no mesh; with fewer steps again, to tell the steps' error."""
+    march = march_on(LEVELS[0], on, seconds)
+    coarse = None if march.failed or march.interrupted else march_coarse_steps(on, march, seconds)
+    return RefinedRun(march, None, [], ComparisonRuns(before=march, every=march, coarse=coarse))
 
 
 def march_coarse_steps(
@@ -218,6 +238,8 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
     constants were fitted to is like this one, an estimate is not calibrated."""
     history = scene.history
+    if skin_of(scene.design).family == "pin":
+        return []
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
@@ -341,8 +363,10 @@ class _StoppedError(RefusedError):
     """A march that did not reach the end of its history."""
 
 
-def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
+def differential(piece: PadPiece | None, scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by monitored ridge."""
+    if piece is None:
+        return {}
     place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
@@ -381,7 +405,7 @@ def chosen_steps(march: March) -> list[int] | None:
 
 def drifted(on: MarchSetup, march: March) -> dict[int, float]:
     """Return the largest drift of each monitored ridge's difference, MPa; nothing without chosen steps."""
-    if march.readings[-1].drift is None:
+    if on.piece is None or march.readings[-1].drift is None:
         return {}
     place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
     films = np.array([reading.drift.films for reading in march.readings if reading.drift])

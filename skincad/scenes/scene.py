@@ -362,6 +362,7 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
+    _check_family(scene)
     _check_law(scene)
     _check_terms(scene)
     _check_force(scene)
@@ -385,6 +386,29 @@ def _check(scene: Scene) -> None:
         raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", too_late[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
+
+
+SPRINGS = "friction", LAW  # the effects that pins as springs know
+
+
+def _check_family(scene: Scene) -> None:
+    """Raise InputError for a skin that no scene takes, and for what pins as springs don't know."""
+    skin = skin_of(scene.design)
+    if skin.family not in ("ridge", "pin"):
+        remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
+        raise InputError("skin", f"needs ridges or pins, and {skin.name} has [{skin.family}]", remedy=remedy)
+    if skin.family == "ridge":
+        return
+    for name in scene.effects:
+        if name not in SPRINGS:
+            raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
+    if any(scene.history.rotation_deg or []):
+        raise InputError("history.rotation_deg", "is not simulated of pins", remedy="leave it out")
+    for key in ("steps", "frames"):
+        if getattr(scene.readout, key):
+            raise InputError(
+                f"readout.{key}", "draws a section's stress, which pins have none of", remedy="leave it out"
+            )
 
 
 def _check_terms(scene: Scene) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -19,6 +19,7 @@ from skincad.base.result import Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
+from skincad.mechanics.models.reduced import PIN_ERRORS
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.detector import report
 from skincad.scenes.errors import (
@@ -46,6 +47,7 @@ from skincad.scenes.models import (
     further,
     left_out_effects,
     march_on,
+    march_springs,
     model_of,
     piece_for,
     refine,
@@ -257,14 +259,20 @@ class Simulation(Result):
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a monitored ridge's lasting slip comes before gross slip; no value without both,
         no error where nobody asked what the mesh or the step changes."""
-        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
+        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self._timed)
         gross, errors = self.gross_slip_step, self.slip_errors.leads
         return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in slips}
 
     @reported("ms", "its error by source")
     def lead_error(self) -> dict[int, BySource]:
         """The leads' errors by source, ms."""
-        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self.scene.readout.ridges}
+        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self._timed}
+
+    @property
+    def _timed(self) -> Sequence[int]:
+        """The features whose leads are asked: the monitored ridges, or all pins."""
+        skin = skin_of(self.scene.design)
+        return range(1, skin.count + 1) if skin.family == "pin" else self.scene.readout.ridges
 
     @reported("ms", "the lead without its error")
     def slip_lead(self) -> dict[int, float | None]:
@@ -383,8 +391,8 @@ def marched(
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
-    refined_run = refine(on, tol, budget, began, seconds)
-    if further_models and tol is not None:
+    refined_run = march_springs(on, seconds) if on.piece is None else refine(on, tol, budget, began, seconds)
+    if on.piece and further_models and tol is not None:
         on, refined_run = further(on, refined_run, tol, budget, began, seconds)
     return SceneRun(on, refined_run, {"total": perf_counter() - began, **seconds})
 
@@ -418,6 +426,9 @@ def friction_cone(scene: Scene) -> FrictionCoefficients:
     return next((share.cone for share in shares if share.cone), FrictionCoefficients(1.0, 1.0))
 
 
+SPRINGS = "pins are springs of small strain; {:.0%} of what each bears is in the errors of its slip for that"
+
+
 def _change(left_out: list[LeftOutEffect]) -> float:
     """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
     return math.fsum(entry.change for entry in left_out)
@@ -430,7 +441,9 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     slips = slips_of(march.readings, march.ridge, skin_of(scene.design).count)
     left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
-    change = _change(left_out)
+    change = _change(left_out) if on.piece else PIN_ERRORS.share
+    if on.piece is None:
+        notes = [*notes, SPRINGS.format(change)]
     stressed = stress_errors(
         raw,
         refined_run.error,

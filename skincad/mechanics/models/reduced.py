@@ -31,7 +31,7 @@ from skincad.inputs.feature_tables import places
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
-from skincad.mechanics.models.pin_cell import crown_radius, lone, pin_cell
+from skincad.mechanics.models.pin_cell import PinCell, crown_radius, lone, pin_cell
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
@@ -143,14 +143,8 @@ def pin_model(design: Design) -> FeatureModel:
     its neighbours.
     """
     skin, many = skin_of(design), skin_of(design).count
-    heights = np.array(skin.heights)
-    thick = base_thicknesses(design)
-    nodes = [_nodes(values, most) for values, most in zip((heights, thick), MOST_NODES, strict=True)]
-    cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
-    at = heights, thick
-    axial = _interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at)
-    across = _interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at)
-    stiffest = min((cell for row in cells for cell in row), key=lambda cell: cell.axial)
+    solved = pin_cells(design)
+    axial, across, stiffest, thick = solved.axial, solved.across, solved.stiffest, solved.thickness
     lean = np.array(skin.leans)
     radius = crown_radius(design)
     sine, arm = np.sin(lean), (np.sin(lean) * radius if math.isfinite(radius) else 0 * lean)
@@ -160,10 +154,9 @@ def pin_model(design: Design) -> FeatureModel:
     pairs = spatial.cKDTree(foot).query_pairs(reach, output_type="ndarray")
     first, second = pairs.T
     distance = np.linalg.norm(foot[first] - foot[second], axis=1)
-    row = cells[len(cells) // 2]
-    sinking = np.array([cell.sinking(distance, skin.profile.root_width / 2) for cell in row])
+    sinking = np.array([cell.sinking(distance, skin.profile.root_width / 2) for cell in solved.row])
     between = (thick[first] + thick[second]) / 2
-    weights = _lagrange(nodes[1], between)
+    weights = _lagrange(solved.thicknesses, between)
     values = (weights * sinking.T).sum(axis=1)
     everyone = np.arange(many)
     entries = np.concatenate([values, values, axial - stiffest.axial + bent])
@@ -174,6 +167,41 @@ def pin_model(design: Design) -> FeatureModel:
         force=stiffest.force,
         indentation=stiffest.indentation,
         coupling=sparse.csr_matrix((entries, index), shape=(many, many)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class PinCells:
+    """The cells of a design's pins: each pin's compliances `axial` `(n,)` and `across` `(n, 2, 2)` as
+    PinCell's, and the base's `thickness` `(n,)` mm under it; the `stiffest` cell, and a `row` of them, of one
+    height, at `thicknesses` mm."""
+
+    axial: Array
+    across: Array
+    thickness: Array
+    stiffest: PinCell
+    row: list[PinCell]
+    thicknesses: Array
+
+    @property
+    def middle(self) -> PinCell:
+        """The cell in the middle of both ranges."""
+        return self.row[len(self.row) // 2]
+
+
+def pin_cells(design: Design) -> PinCells:
+    """Return the cells of a design's pins, solved at a few heights and thicknesses and interpolated."""
+    heights, thick = np.array(skin_of(design).heights), base_thicknesses(design)
+    nodes = [_nodes(values, most) for values, most in zip((heights, thick), MOST_NODES, strict=True)]
+    cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
+    at = heights, thick
+    return PinCells(
+        axial=_interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at),
+        across=_interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at),
+        thickness=thick,
+        stiffest=min((cell for row in cells for cell in row), key=lambda cell: cell.axial),
+        row=cells[len(cells) // 2],
+        thicknesses=nodes[1],
     )
 
 

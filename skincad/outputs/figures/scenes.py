@@ -28,16 +28,19 @@ from skincad.outputs.figures.canvas import (
     THIN,
     VERMILION,
     Axes,
+    Circle,
     Line2D,
     ListedColormap,
     MaxNLocator,
     Patch,
+    PatchCollection,
     Picture,
     colormaps,
     legend,
     sheet,
 )
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 SLIP = VERMILION
 NORMAL, TANGENTIAL = BLUE, VERMILION
@@ -58,11 +61,13 @@ UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 def scene_figure(simulation: Simulation) -> Picture:
     """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13) of each
-    monitored ridge in its own panel, slip by ridge.
+    monitored ridge in its own panel, slip by ridge; of pins a map of when each slips.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
     ridge begins to slip for good.
     """
+    if skin_of(simulation.scene.design).family == "pin":
+        return _pins_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     rows = 2 + len(SIGNALS) * bool(groups)
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
@@ -94,6 +99,43 @@ def scene_figure(simulation: Simulation) -> Picture:
         width = simulation.scene.readout.bandwidth_Hz
         late = f"signals band-limited to {width:g} Hz, {1e3 * simulation.delay:.3g} ms late"
         figure.suptitle(f"{simulation.scene.name}" + (f": {late}" if simulation.signals else ""))
+    return figure
+
+
+def _pins_figure(simulation: Simulation) -> Picture:
+    """Forces by step, and above them a map of the pins, each coloured by the step from which it slips."""
+    placed = skin_of(simulation.scene.design).placed
+    x, y = (np.array([pin.tip[axis] for pin in placed]) for axis in (0, 1))
+    steps = np.array([np.nan if step is None else step for step in simulation.slip_steps], dtype=float)
+    last = simulation.march.readings[-1].touches
+    with sheet((6.4, 7.6), 255) as figure:
+        pins, forces = figure.subplots(2, 1, height_ratios=[2.6, 1.0])
+        wide = skin_of(simulation.scene.design).profile.tip_width / 2
+        where = ~np.isnan(steps)
+        circles = PatchCollection(
+            [Circle(at, wide) for at in zip(x[where], y[where], strict=True)], cmap=MAP, edgecolor=GREY
+        )
+        circles.set_array(steps[where])
+        pins.add_collection(circles)
+        for at, touches in zip(zip(x[~where], y[~where], strict=True), last[~where], strict=True):
+            pins.add_patch(Circle(at, wide, facecolor=STICK if touches else OPEN, edgecolor=GREY))
+        pins.set_aspect("equal")
+        pins.autoscale_view()
+        pins.set_xlabel("x, mm; the plate is pulled to +x")
+        pins.set_ylabel("y, mm")
+        pins.grid(visible=False)
+        if where.any():
+            figure.colorbar(circles, ax=pins, label="slips from step")
+        names = [(STICK, "sticks at the end")] * bool((~where & last).any())
+        names += [(OPEN, "clear at the end")] * bool((~where & ~last).any())
+        if names:
+            legend(pins, handles=[Patch(facecolor=c, edgecolor=GREY, label=name) for c, name in names])
+        forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
+        forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
+        forces.set_xlabel("step")
+        forces.set_ylabel("force, N")
+        legend(forces, 2)
+        figure.suptitle(f"{simulation.scene.name}: when each pin slips")
     return figure
 
 
