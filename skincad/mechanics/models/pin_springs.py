@@ -35,9 +35,14 @@ def pin_springs(design: Design, force: float) -> ContactPad:
     if count > MOST:
         raise SizeError("pin", f"a scene takes at most {MOST} pins", count, "take a larger pitch")
     cells, model = pin_cells(design), pin_model(design)
-    borne = pressed(model, force)[0]
+    borne, approach = pressed(model, force)
     least = np.maximum(borne, UNLOADED * force / count)
-    normal = model.coupling.toarray() + np.diag(np.interp(least, model.force, model.indentation) / least)
+    indentation = np.where(
+        borne == least,
+        approach - model.gap - model.coupling @ borne,
+        np.interp(least, model.force, model.indentation),
+    )
+    normal = model.coupling.toarray() + np.diag(indentation / least)
     radius = _contact_radius(design, least)
     across, both = _pulled(design, cells, radius)
     compliance = np.block([[across, both.T], [both, normal]])
