@@ -31,7 +31,7 @@ from skincad.inputs.feature_tables import places
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
-from skincad.mechanics.models.pin_cell import crown_radius, lone, pin_cell
+from skincad.mechanics.models.pin_cell import PinCell, crown_radius, lone, pin_cell
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
@@ -133,48 +133,95 @@ def feature_model(
 MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantities between are interpolated
 
 
+@dataclass(frozen=True)
+class PinCells:
+    """The cells of a design's pins: `cells[i][j]` at `nodes` of height and thickness, mm; `axial` and `across`
+    `(n, ...)` are each pin's of `PinCell`, `thick` mm the base's thickness under it."""
+
+    cells: list[list[PinCell]]
+    nodes: list[Array]
+    thick: Array
+    axial: Array
+    across: Array
+
+    @property
+    def stiffest(self) -> PinCell:
+        """The cell whose curve is taken."""
+        return min((cell for row in self.cells for cell in row), key=lambda cell: cell.axial)
+
+    @property
+    def middle(self) -> int:
+        """Place of the cells whose base stands for that of all heights."""
+        return len(self.cells) // 2
+
+    def at_pairs(self, of: Callable[[PinCell], Array], first: Index, second: Index) -> Array:
+        """A number of the cells, or several, of pairs of pins, on a base of both pins' mean thickness."""
+        weights = _lagrange(self.nodes[1], (self.thick[first] + self.thick[second]) / 2)
+        return np.asarray(np.einsum("kt,tk...->k...", weights, [of(c) for c in self.cells[self.middle]]))
+
+
+def pin_cells(design: Design) -> PinCells:
+    """Solve the cells of a design's pins, in small strain."""
+    at = np.array(skin_of(design).heights), base_thicknesses(design)
+    nodes = [_nodes(values, most) for values, most in zip(at, MOST_NODES, strict=True)]
+    cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
+    axial = _interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at)
+    across = _interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at)
+    return PinCells(cells, nodes, at[1], axial, across)
+
+
 def pin_model(design: Design) -> FeatureModel:
     """Return the reduced pad of pins, in small strain, on a base without edges.
 
     The curve is that of the stiffest cell. What a pin gives way more by its height, by the base's thickness
-    under it and by its lean stands on the diagonal of `coupling`: the contact's force is normal to the plate
-    and acts where the leaning tip is highest, so it bends the pin too. Pins feel each other by their
-    distance, as on a base of the mean thickness under both; a pin's own root does not stiffen the base for
-    its neighbours.
+    under it and by its lean stands on the diagonal of `coupling`. Pins feel each other by their distance, as
+    on a base of the mean thickness under both; a pin's own root does not stiffen the base for its neighbours.
     """
-    skin, many = skin_of(design), skin_of(design).count
-    heights = np.array(skin.heights)
-    thick = base_thicknesses(design)
-    nodes = [_nodes(values, most) for values, most in zip((heights, thick), MOST_NODES, strict=True)]
-    cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
-    at = heights, thick
-    axial = _interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at)
-    across = _interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at)
-    stiffest = min((cell for row in cells for cell in row), key=lambda cell: cell.axial)
-    lean = np.array(skin.leans)
-    radius = crown_radius(design)
-    sine, arm = np.sin(lean), (np.sin(lean) * radius if math.isfinite(radius) else 0 * lean)
-    bent = sine**2 * (across[:, 0, 0] - axial) + 2 * sine * arm * across[:, 0, 1] + arm**2 * across[:, 1, 1]
+    cells, skin = pin_cells(design), skin_of(design)
+    stiffest = cells.stiffest
     foot = np.array([placed.foot for placed in skin.placed])
-    reach = float(stiffest.radius[-1])
-    pairs = spatial.cKDTree(foot).query_pairs(reach, output_type="ndarray")
+    pairs = spatial.cKDTree(foot).query_pairs(float(stiffest.radius[-1]), output_type="ndarray")
     first, second = pairs.T
     distance = np.linalg.norm(foot[first] - foot[second], axis=1)
-    row = cells[len(cells) // 2]
-    sinking = np.array([cell.sinking(distance, skin.profile.root_width / 2) for cell in row])
-    between = (thick[first] + thick[second]) / 2
-    weights = _lagrange(nodes[1], between)
-    values = (weights * sinking.T).sum(axis=1)
-    everyone = np.arange(many)
-    entries = np.concatenate([values, values, axial - stiffest.axial + bent])
+    root = skin.profile.root_width / 2
+    values = cells.at_pairs(lambda cell: cell.sinking(distance, root), first, second)
+    everyone, alone = np.arange(skin.count), tip_compliances(design, cells)[:, 2, 2]
+    entries = np.concatenate([values, values, alone - stiffest.axial])
     index = np.concatenate([first, second, everyone]), np.concatenate([second, first, everyone])
     tops = pin_tops(design)
     return FeatureModel(
         gap=tops.max() - tops,
         force=stiffest.force,
         indentation=stiffest.indentation,
-        coupling=sparse.csr_matrix((entries, index), shape=(many, many)),
+        coupling=sparse.csr_matrix((entries, index), shape=(skin.count, skin.count)),
     )
+
+
+def tip_compliances(design: Design, cells: PinCells) -> Array:
+    """Return how far each pin's contact moves under forces on it, along x, y and z `(n, 3, 3)` mm/N, beside
+    the contact's half-space. A force on a leaning pin acts where its tip is highest: beside its axis, so that
+    it bends the pin by its moment too. A flat tip does not turn on the plate."""
+    radius, many = crown_radius(design), cells.axial.size
+    axis, across = np.array([placed.axis for placed in skin_of(design).placed]), cells.across
+    flat = not math.isfinite(radius)
+    along = np.einsum("ni,nj->nij", axis, axis)
+    arm = 0 * axis if flat else radius * (np.array([0.0, 0.0, 1.0]) - axis)
+    turn = _cross(axis) @ _cross(arm)  # of a force, the moment across the axis by which it lifts a side
+    by_force = across[:, 0, 0]
+    if flat:
+        by_force = by_force - across[:, 0, 1] ** 2 / across[:, 1, 1]
+    parts = (
+        (cells.axial, along),
+        (by_force, np.eye(3) - along),
+        (across[:, 0, 1], turn + turn.transpose(0, 2, 1)),
+        (across[:, 1, 1], turn.transpose(0, 2, 1) @ turn),
+    )
+    return np.asarray(sum(factor.reshape(many, 1, 1) * matrix for factor, matrix in parts))
+
+
+def _cross(vectors: Array) -> Array:
+    """The matrices `(n, 3, 3)` of vector products from the left."""
+    return np.asarray(np.cross(vectors[:, None, :], np.eye(3)[None], axis=2).transpose(0, 2, 1))
 
 
 def base_thicknesses(design: Design) -> Array:
