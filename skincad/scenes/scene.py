@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
+from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Step, Term
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive
@@ -362,6 +362,8 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
+    if skin.family != "ridge":
+        _check_family(scene)
     _check_law(scene)
     _check_terms(scene)
     _check_force(scene)
@@ -385,6 +387,27 @@ def _check(scene: Scene) -> None:
         raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", too_late[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
+
+
+def _check_family(scene: Scene) -> None:
+    """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
+    family = skin_of(scene.design).family
+    if family != "pin":
+        raise InputError("skin", f"must have ridges or pins to be pulled, not {family}s", scene.design.name)
+    for name in scene.effects:
+        if name not in ("friction", LAW):
+            rule = "does not work with pins, which know friction and small strain alone"
+            raise InputError(f"effects.{name}", rule, remedy=f"leave out effects.{name}")
+    for term in scene.terms:
+        cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone
+        if cone and (cone.breakpoints or cone.kinetic != cone.static):
+            rule = "must be Coulomb's with one coefficient for pins"
+            raise InputError("effects.friction", rule, remedy="give coefficient alone")
+    asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
+    asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
+    for key, given in asked.items():
+        if given:
+            raise InputError(key, "has no meaning for pins", remedy=f"leave out {key}")
 
 
 def _check_terms(scene: Scene) -> None:

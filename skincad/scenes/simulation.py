@@ -446,7 +446,8 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     normal, tangential, area = np.moveaxis(march.loads, 1, 0)
     path = RidgePath(normal, tangential, area, slips.slipping)
-    notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
+    if on.piece is not None:
+        notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)
     return Simulation(
         scene=scene,

@@ -62,7 +62,7 @@ class PinCell:
     def sinking(self, distance: Array, foot: float) -> Array:
         """Return how far a pin with a root of radius `foot` mm sinks at these distances, mm per N on this
         one: the mean over its root, 0 beyond the cell."""
-        ring, angle = _disc()
+        ring, angle = disc()
         away = np.hypot(distance[:, None] + foot * ring * np.cos(angle), foot * ring * np.sin(angle))
         return np.asarray(-np.interp(away, self.radius, self.by_push[1], right=0.0).mean(axis=1))
 
@@ -164,8 +164,8 @@ def _compliances(meshed: PadMesh, cell: Design, loaded: float) -> tuple[float, A
     return axial / per_force, across, radius * unit, by_push / per_force, by_pull
 
 
-def _disc() -> tuple[Array, Array]:
-    """Relative radii and angles of points that share a disc's area evenly: Vogel, Math. Biosci. 44 (1979)
+def disc() -> tuple[Array, Array]:
+    """Return relative radii and angles of points that share a disc's area evenly: Vogel, Math. Biosci. 44 (1979)
     179."""
     number = np.arange(POINTS) + 0.5
     turn = np.asarray(number * math.pi * (3 - math.sqrt(5)), dtype=float)

@@ -31,7 +31,7 @@ from skincad.inputs.feature_tables import places
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
-from skincad.mechanics.models.pin_cell import PinCell, crown_radius, lone, pin_cell
+from skincad.mechanics.models.pin_cell import PinCell, crown_radius, disc, lone, pin_cell
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
@@ -224,6 +224,51 @@ def _cross(vectors: Array) -> Array:
     return np.asarray(np.cross(vectors[:, None, :], np.eye(3)[None], axis=2).transpose(0, 2, 1))
 
 
+def tip_compliance(design: Design, cells: PinCells) -> Array:
+    """Return the compliance `(3 n, 3 n)` mm/N of all pins' contacts under forces on them, all along x, then y,
+    then z, beside their half-spaces: each pin's, and how pins feel each other through the base.
+
+    A pin's root goes as the base's surface would, the mean over it, and turns as that does. The base is
+    taken as level between two pins.
+    """
+    skin, many = skin_of(design), cells.axial.size
+    foot = np.array([placed.foot for placed in skin.placed])
+    pairs = spatial.cKDTree(foot).query_pairs(float(cells.stiffest.radius[-1]), output_type="ndarray")
+    first, second = np.concatenate([pairs, pairs[:, ::-1]]).T
+    ring, angle = disc()
+    root = skin.profile.root_width / 2
+    points = root * np.stack([ring * np.cos(angle), ring * np.sin(angle)], axis=1)
+    away = foot[first, None, :2] - foot[second, None, :2] + points
+    distance = np.linalg.norm(away, axis=2)
+    heights, nodes = np.array(skin.heights), cells.nodes[0]
+    taller = (heights[second] - nodes[cells.middle])[:, None]
+
+    def moves(cell: PinCell) -> Array:
+        """Outward and up by a push, outward, up and round by a pull `(k, 5, points)`."""
+        push, pull, by_moment = cell.by_push, *cell.by_pull
+        rows = (np.interp(distance, cell.radius, row, right=0.0) for row in (*push, *pull, *by_moment))
+        out, up, *pulls = rows
+        return np.stack([out, up, *(pulls[i] - taller * pulls[i + 3] for i in range(3))], axis=1)
+
+    out, up, pulled_out, pulled_up, pulled_round = cells.at_pairs(moves, first, second).transpose(1, 0, 2)
+    way = away / distance[:, :, None]
+    field = np.zeros((first.size, ring.size, 3, 3))  # of a displacement, by a force
+    spread = (pulled_out + pulled_round)[..., None, None] * way[..., :, None] * way[..., None, :]
+    field[..., :2, :2] = spread - pulled_round[..., None, None] * np.eye(2)
+    field[..., 2, :2] = pulled_up[..., None] * way
+    field[..., :2, 2] = -out[..., None] * way
+    field[..., 2, 2] = -up
+    blocks = field.mean(axis=1)
+    slope = np.einsum("qa,kqj->kaj", points, field[:, :, 2]) / (points**2).sum(axis=0)[:, None]
+    blocks[:, :2] -= heights[first, None, None] * slope
+    whole = np.zeros((3, many, 3, many))
+    whole[:, first, :, second] = blocks
+    everyone = np.arange(many)
+    whole[:, everyone, :, everyone] = tip_compliances(design, cells)
+    matrix = whole.reshape(3 * many, 3 * many)
+    return np.asarray((matrix + matrix.T) / 2)
+
+
 def base_thicknesses(design: Design) -> Array:
     """Return the base's thickness under each feature `(n,)` mm, before the second curvature's turn."""
     skin, base = skin_of(design), design.skin
@@ -306,7 +351,7 @@ def _places(few: int, many: int) -> Index:
     return np.where(number < half, number, np.where(from_end < half, few - 1 - from_end, half))
 
 
-class _Curve:
+class Curve:
     """Force of a feature against its indentation, smooth, and its slope; straight beyond the table."""
 
     def __init__(self, model: FeatureModel) -> None:
@@ -323,7 +368,7 @@ class _Curve:
 def at_approach(model: FeatureModel, approach: float) -> tuple[Array, Array]:
     """Return forces, N, and indentations, mm, `(n,)` where the plate came down by `approach` mm; negative
     indentations are gaps. Semi-smooth Newton, damped where it does not approach."""
-    curve, n = _Curve(model), model.gap.size
+    curve, n = Curve(model), model.gap.size
     forces = np.zeros(n)
     last, share = math.inf, 1.0
     for _ in range(NEWTON_STEPS):
