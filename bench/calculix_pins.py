@@ -48,8 +48,8 @@ def press(
     design: Design, size: float, approaches: Sequence[float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the pins' forces, N, and how far their tips go up, mm, both `(approaches, pins)`, at approaches
-    in mm; `size` mm is the edge of elements at the tips, and COARSER times that elsewhere. Raises RuntimeError where
-    a program fails."""
+    in mm; `size` mm is the edge of elements at the tips, and COARSER times that elsewhere. Raises
+    RuntimeError where a program fails."""
     skin = skin_of(design)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -121,7 +121,8 @@ def _geometry(design: Design, size: float, quarter: bool) -> Iterator[str]:
         x, y, z = placed.tip
         yield f"Field[{i}] = Ball; Field[{i}].XCenter = {x!r}; Field[{i}].YCenter = {y!r};"
         wide = skin_of(design).profile.tip_width / 2
-        yield f"Field[{i}].ZCenter = {z!r}; Field[{i}].Radius = {wide!r}; Field[{i}].Thickness = {2 * wide!r};"
+        yield f"Field[{i}].ZCenter = {z!r}; Field[{i}].Radius = {wide!r};"
+        yield f"Field[{i}].Thickness = {2 * wide!r};"
         yield f"Field[{i}].VIn = {size!r}; Field[{i}].VOut = {COARSER * size!r};"
     many = len(skin_of(design).placed)
     yield f"Field[{many + 1}] = Min; Field[{many + 1}].FieldsList = {{1:{many}}};"

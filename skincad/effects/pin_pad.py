@@ -20,16 +20,17 @@ from skincad.base.errors import InputError
 from skincad.effects.kinds import LeftOutEffect, Observables, PlatePath, Share, Step
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.contact import tips
 from skincad.mechanics.contact.frictional import in_halves, joined
 from skincad.mechanics.contact.state import Drive
+from skincad.mechanics.contact.tips import SWAY, Tips, TipState, advance, unloaded
 from skincad.mechanics.models import reduced
 from skincad.mechanics.models.pin_cell import crown_radius
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import limits
 from skincad.shape.skin import skin_of
 
-SWAYS = 0.5  # of a pin's height; a cantilever is 13 % stiffer then: Bisshopp and Drucker, Q. Appl. Math. 3 (1945) 272
+# Of a pin's height; a cantilever is 13 % stiffer then: Bisshopp and Drucker, Q. Appl. Math. 3 (1945) 272
+SWAYS = 0.5
 STIFFENS = 0.6  # that, by the square of what it sways
 STICKING, SLIDING = 1.0, 1.5  # of Mindlin's compliance: where all of a contact sticks, and where all slips
 MOST = 600  # pins: of more the dense equations take over 1 s a step
@@ -40,7 +41,7 @@ DEEPEST = 4  # halvings of a step
 class PinPad:
     """Pins to be marched; its states are `TipState`. `height` `(n,)` mm."""
 
-    tips: tips.Tips
+    tips: Tips
     height: Array
     area: Array
 
@@ -54,37 +55,38 @@ class PinPad:
         """Number of free unknowns."""
         return 3 * self.height.size + 2
 
-    def start(self) -> tips.TipState:
+    def start(self) -> TipState:
         """The unloaded state."""
-        return tips.unloaded(self.tips)
+        return unloaded(self.tips)
 
-    def advanced(self, state: tips.TipState, step: Step, shares: Sequence[Share]) -> tips.TipState:
+    def advanced(self, state: TipState, step: Step, shares: Sequence[Share]) -> TipState:
         """Return the converged state at the step's end."""
         coefficient = next((share.cone.static for share in shares if share.cone), 0.0)
 
-        def advance(before: tips.TipState, _start: Drive, end: Drive, _share: float) -> tips.TipState:
-            after = tips.advance(self.tips, before, end, coefficient)
-            sways = self.sways(np.hypot(after.tangential, after.sideways))
+        def solved(before: TipState, _start: Drive, end: Drive, _share: float) -> TipState:
+            after = advance(self.tips, before, end, coefficient)
+            sways = self.sways(np.hypot(after.tangential, after.sideways), after.normal)
             if sways.max() > SWAYS:
                 pin, most = int(sways.argmax()) + 1, f"{SWAYS:.0%} of its height"
                 raise ContactError(f"pin {pin} sways by more than {most}: the model's range ends there")
             return after
 
-        return in_halves(advance, state, step.before, step.after, joined, DEEPEST)
+        return in_halves(solved, state, step.before, step.after, joined, DEEPEST)
 
-    def sways(self, pull: Array) -> Array:
-        """Return how far tips go under pulls `(..., n)` N, of the pins' heights."""
-        return np.asarray(pull * self.tips.compliance.diagonal()[: self.height.size] / self.height)
+    def sways(self, pull: Array, normal: Array) -> Array:
+        """Return how far tips go under pulls and normal forces `(..., n)` N, of the pins' heights."""
+        gives = self.tips.compliance.diagonal()[: self.height.size] + self.tips.own(normal)
+        return np.asarray(pull * gives / self.height)
 
-    def reading(self, before: tips.TipState, state: tips.TipState) -> Observables:  # noqa: ARG002
+    def reading(self, before: TipState, state: TipState) -> Observables:  # noqa: ARG002
         """Return the observables of a state."""
         return Observables.of(state, np.zeros((0, 3)), state.elastic, state.dissipated)
 
-    def grip(self, state: tips.TipState) -> tips.TipState:
+    def grip(self, state: TipState) -> TipState:
         """Return the contact of a state, which is all of it."""
         return state
 
-    def fault(self, state: tips.TipState) -> str | None:  # noqa: ARG002
+    def fault(self, state: TipState) -> str | None:  # noqa: ARG002
         """None: pins have no mesh that could collide."""
         return None
 
@@ -93,7 +95,9 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     """Return a design's pins to be marched; `creep` as in `Tips`. Raises InputError for too many."""
     skin, n = skin_of(design), skin_of(design).count
     if n > MOST:
-        raise InputError("skin", f"must have at most {MOST} pins in a scene", n, "take fewer, or a part of it")
+        raise InputError(
+            "skin", f"must have at most {MOST} pins in a scene", n, "take fewer, or a part of it"
+        )
     cells, model = reduced.pin_cells(design), reduced.pin_model(design)
     compliance, height = reduced.tip_compliance(design, cells), np.array(skin.heights)
     pressed = np.arange(2 * n, 3 * n)
@@ -102,13 +106,13 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     radius, by_force, turn = crown_radius(design), cells.across[:, 0, 0], cells.across[:, 0, 1]
     ball = radius if math.isfinite(radius) else 0.0
     return PinPad(
-        tips=tips.Tips(
+        tips=Tips(
             gap=model.gap,
             curve=reduced.Curve(model).at,
             compliance=compliance,
             wide=float(np.cbrt(0.75 * radius * (1 - poisson**2) / young)),
             shear=(2 - poisson) * (1 + poisson) / (4 * young),
-            soften=by_force * (tips.SWAY / height - ball * (turn / by_force) ** 2),
+            soften=by_force * (SWAY / height - ball * (turn / by_force) ** 2),
             pressed=partial(reduced.pressed, model),
             creep=creep,
         ),
@@ -121,7 +125,7 @@ def left_out(design: Design, path: PlatePath) -> list[LeftOutEffect]:
     """Return what a march of pins leaves out: the base's edges and what else the reduced model misses, and
     finite strain."""
     pad, ends = pin_pad(design), limits(design)
-    sways = float(pad.sways(np.abs(path.pulled)).max(initial=0.0))
+    sways = float(pad.sways(np.abs(path.pulled), path.pressed).max(initial=0.0))
     strain = ends.strain(float(path.pressed.max(initial=0.0)))
     words = f"pins sway by {sways:.2g} of their height, and are strained by {strain:.2g}"
     return [

@@ -83,9 +83,9 @@ def coarse_steps(steps: int, points: Index) -> Index:
 
 @dataclass(frozen=True, eq=False)
 class MarchSetup:
-    """What a scene's marches share: the piece that is meshed, None of pins, which have no section; who is told, whether a march that Ctrl-C ends
-    is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
-    scene's own."""
+    """What a scene's marches share: the piece that is meshed, None of pins, which have no section; who is
+    told, whether a march that Ctrl-C ends is wanted (`partial`), the meshes made so far by fineness, and the
+    model's name where it is not the scene's own."""
 
     scene: Scene
     piece: PadPiece | None
@@ -343,7 +343,7 @@ def refine(
     elif ended is not None:
         words = str(ended) if isinstance(ended, _StoppedError) else f"a finer mesh is refused ({ended})"
         short.append(f"{words}; the results are those of the mesh before")
-    if films:
+    if films and on.piece is not None:
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import linalg
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Mask
 from skincad.base.interrupt import safe_point
 from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, ContactState, Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
@@ -29,7 +29,7 @@ LEAST_SHARE = 1 / 8  # of Newton's step, which is halved where the forces don't 
 ACCURACY = 1e-9  # of the plate's force
 ALL = 0.999  # of what friction bears in all, from where on the skin slips as a whole
 SWAY = 1.2  # twice a bent column's lowering, times its height, by the square of its tip's movement
-FAINT, TINY = 1e-6, 1e-12  # of the mean normal force, and N: a contact of less is as large
+FAINT, TINY = 1e-6, 1e-12  # of the mean normal force, and N: no contact has less
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +37,9 @@ class Tips:
     """n pins: `gap` mm, `curve`, which gives force and slope by indentation, `compliance` `(3 n, 3 n)` mm/N
     beside it, all along x, then y, then z; `radius` mm of the contact by its normal force is `wide` N^(-1/3)
     mm times its cube root (infinite: it gives way by nothing), `shear` (2 - nu) / (8 G) mm2/N; `soften`
-    `(n,)` 1/N is by how much a normal force softens a tip; `pressed` gives forces and approach under a normal force
-    without friction, to start from; `creep` what of Mindlin's compliance counts: from
-    1, where all sticks, to 1.5, where all is about to slip."""
+    `(n,)` 1/N is by how much a normal force softens a tip; `pressed` gives forces and approach under a normal
+    force without friction, to start from; `creep` what of Mindlin's compliance counts: from 1, where all
+    sticks, to 1.5, where all is about to slip."""
 
     gap: Array
     curve: Callable[[Array], tuple[Array, Array]]
@@ -51,20 +51,20 @@ class Tips:
     creep: float = 1.0
 
     def own(self, normal: Array) -> Array:
-        """Return by how much a tip gives way across at normal forces `(n,)`, mm/N, beside its compliance.
+        """Return by how much tips give way across at normal forces `(..., n)`, mm/N, beside `compliance`.
         Raises ContactError where pins sway without a pull."""
         sway = np.maximum(normal, 0.0) * self.soften
         if sway.max() >= 1:
-            raise ContactError(f"pin {int(sway.argmax()) + 1} tips over")
+            raise ContactError(f"pin {int(sway.argmax()) % self.gap.size + 1} tips over")
         normal = np.maximum(normal, max(FAINT * float(np.mean(normal)), TINY))
         contact = self.creep * self.shear / (self.wide * np.cbrt(normal))
-        return np.asarray(contact + self.compliance.diagonal()[: sway.size] * sway / (1 - sway))
+        return np.asarray(contact + self.compliance.diagonal()[: self.gap.size] * sway / (1 - sway))
 
 
 @dataclass(frozen=True, eq=False)
 class TipState(ContactState):
-    """A contact whose tangential forces have a part along y too, `sideways` `(n,)` N; `anchor` is `(2, n)` mm,
-    `elastic` mJ stored, `dissipated` mJ in the step."""
+    """A contact whose tangential forces have a part along y too, `sideways` `(n,)` N; `anchor` is `(2, n)`
+    mm, `elastic` mJ stored, `dissipated` mJ in the step."""
 
     sideways: Array = field(default_factory=lambda: np.zeros(0))
     elastic: float = 0.0
@@ -111,7 +111,7 @@ def _solved(tips: Tips, before: TipState, drive: Drive, coefficient: float) -> T
     else:
         raise ContactError(f"sticking and sliding pins do not settle in {ITERATIONS} sweeps")
     p = x[2 * n : -2]
-    touches, force = p > 0, x[: 2 * n].reshape(2, n)
+    touches, force = p > FAINT * normal / n, x[: 2 * n].reshape(2, n)
     moved = np.where(touches & ~sliding, 0.0, slip)
     mean = (force + np.array([before.tangential, before.sideways])) / 2
     status = np.where(touches, np.where(sliding, RIGHT, STICK), OPEN).astype(np.int8)
@@ -139,7 +139,7 @@ def _rise(tips: Tips, x: Array) -> tuple[Array, Array]:
 
 def _equations(
     tips: Tips, before: TipState, drive: Drive, coefficient: float, x: Array
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Mask]:
     """What the unknowns miss, its derivative, how far tips slid `(2, n)` mm, and which slide."""
     n, p = tips.gap.size, x[2 * tips.gap.size : -2]
     moved, indentation = _rise(tips, x)

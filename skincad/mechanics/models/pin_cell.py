@@ -165,8 +165,8 @@ def _compliances(meshed: PadMesh, cell: Design, loaded: float) -> tuple[float, A
 
 
 def disc() -> tuple[Array, Array]:
-    """Return relative radii and angles of points that share a disc's area evenly: Vogel, Math. Biosci. 44 (1979)
-    179."""
+    """Return relative radii and angles of points that share a disc's area evenly: Vogel, Math. Biosci. 44
+    (1979) 179."""
     number = np.arange(POINTS) + 0.5
     turn = np.asarray(number * math.pi * (3 - math.sqrt(5)), dtype=float)
     return np.asarray(np.sqrt(number / POINTS)), turn

@@ -135,8 +135,8 @@ MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantit
 
 @dataclass(frozen=True)
 class PinCells:
-    """The cells of a design's pins: `cells[i][j]` at `nodes` of height and thickness, mm; `axial` and `across`
-    `(n, ...)` are each pin's of `PinCell`, `thick` mm the base's thickness under it."""
+    """The cells of a design's pins: `cells[i][j]` at `nodes` of height and thickness, mm; `axial` and
+    `across` `(n, ...)` are each pin's of `PinCell`, `thick` mm the base's thickness under it."""
 
     cells: list[list[PinCell]]
     nodes: list[Array]
@@ -225,8 +225,8 @@ def _cross(vectors: Array) -> Array:
 
 
 def tip_compliance(design: Design, cells: PinCells) -> Array:
-    """Return the compliance `(3 n, 3 n)` mm/N of all pins' contacts under forces on them, all along x, then y,
-    then z, beside their half-spaces: each pin's, and how pins feel each other through the base.
+    """Return the compliance `(3 n, 3 n)` mm/N of all pins' contacts under forces on them, all along x, then
+    y, then z, beside their half-spaces: each pin's, and how pins feel each other through the base.
 
     A pin's root goes as the base's surface would, the mean over it, and turns as that does. The base is
     taken as level between two pins.
@@ -360,6 +360,7 @@ class Curve:
         self.slope = self.force.derivative()
 
     def at(self, indentation: Array) -> tuple[Array, Array]:
+        """Return force, N, and slope, N/mm, at indentations, mm."""
         inside = np.clip(indentation, 0.0, self.end)
         slope = np.where(indentation > 0, self.slope(inside), 0.0)
         return self.force(inside) + slope * np.maximum(indentation - self.end, 0.0), slope
