@@ -70,6 +70,7 @@ def compared(design: Design) -> tuple[float, float, float, float]:
     end = max(reduced.pressed(model, max(nominal, 1.3 * first))[1], 1.2 * closes)
     down = np.array([*(level * closes for level in LEVELS), end])
     forces, rises = calculix_pins.press(design, tip / FINENESS, down.tolist())
+    forces = forces[:, :, 1]
     last, total = int(model.gap.argmax()), forces.sum(axis=1)
     gaps = model.gap[last] - down[:2] - rises[:2, last]  # before it touches, where forces have no kink
     touch = down[0] + (down[1] - down[0]) * gaps[0] / (gaps[0] - gaps[1])

@@ -158,6 +158,7 @@ ENDS_BOUND, STRAIN_BOUND, ALONG_PART = (0.3, 0.5, 0.3), (1.3, 0.8, 0.9), (0.45, 
 FORCE_BY_FRICTION = 0.015, 0.41, 0.3, 0.06
 # A constant, by softer tips, and the last again; a constant, and by softer tips
 APPROACH_BY_FRICTION, SHARE_BY_FRICTION = (0.005, 0.5, 0.005), (0.08, 0.13)
+FAINT = 0.01  # of pins; 0.0004 of the approach on nine pillars, by mechanics/contact/tips.py
 
 
 def free_ends(design: Design) -> LeftOut:
@@ -212,6 +213,26 @@ def friction(design: Design, carrying: int) -> LeftOut:
     )
 
 
+def friction_of_pins(design: Design, force: float) -> LeftOut:
+    """Return the bound for pins under a frictionless plate at `force` N: the change to the reduced model
+    whose tips stick to the plate, and FAINT for what neighbours push tips aside.
+
+    A point contact of incompressible silicone feels no friction as it is pressed: Johnson, Contact Mechanics,
+    1985, sec. 5.4.
+    """
+    from skincad.mechanics.models.reduced import all_touch_force, pin_model, pressed
+
+    models = pin_model(design), pin_model(design, stuck=True)
+    first, stuck = map(all_touch_force, models)
+    (shares, approach), (others, lower) = (pressed(model, force) for model in models)
+    return LeftOut(
+        effect=FRICTION,
+        threshold=FAINT + (abs(stuck / first - 1) if first else 0.0),
+        approach=FAINT + abs(lower / approach - 1),
+        share=FAINT + float(abs(others - shares).max() / shares.mean()),
+    )
+
+
 def friction_along(design: Design) -> LeftOut:
     """Return the bound for tips that cannot spread along y: they reduce the effect of free ends."""
     ends, (force, approach, share) = free_ends(design), ALONG_PART
@@ -256,12 +277,13 @@ def _spanned(design: Design, ridges: int) -> float:
 
 def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:
     """Return the bounds of the effects that a model leaves out of its answer at `force` N; a disc has no free
-    ends."""
+    ends, and those of pins' base are in the reduced model's error."""
+    pins = skin_of(design).family == "pin"
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
         FINITE_STRAIN: lambda: finite_strain(design, answer, force),
-        FRICTION: lambda: friction(design, answer.touching),
+        FRICTION: lambda: friction_of_pins(design, force) if pins else friction(design, answer.touching),
         ALONG: lambda: friction_along(design),
     }
-    has_ends = not design.skin.round
+    has_ends = not (design.skin.round or pins)
     return tuple(bounds[effect]() for effect in effects if has_ends or effect not in (FREE_ENDS, ALONG))

@@ -6,8 +6,9 @@ semi-smooth Newton method; the derivative on a disc's edge is that of Hueeber, S
 Sci. Comput. 30 (2008) 572, as in disc_friction.py, of which the normal side is linear.
 
 Beside a tip's own compliance stand that of its contact, Mindlin's of a circle that sticks, (2 - nu) / (8 G a)
-(Johnson, Contact Mechanics, 1985, eq. 7.42), and what its normal force adds as it bends: a column's lowering
-by sway, 6/5 of d^2 / 2h, less the rise of a ball that rolls, R theta^2 / 2.
+(Johnson, Contact Mechanics, 1985, eq. 7.42), and what its normal force adds as it bends, to first order: a
+column's lowering by sway, 6/5 of d^2 / 2h, less the rise of a ball that rolls, R theta^2 / 2, and less what
+the strain stiffens.
 """
 
 from __future__ import annotations
