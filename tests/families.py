@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import skincad
+from skincad.inputs.catalog import read_table, template_names
 from skincad.inputs.design import Design
 
 _SKIN = {"thickness": 4.0, "width": 20.0, "length": 20.0}
@@ -48,3 +49,6 @@ def flat() -> Design:
 
 
 OF_FAMILIES = {"pillars": pillars, "dome": dome, "round-nibs": round_nibs, "rings": rings, "flat": flat}
+
+
+RIDGED = [name for name in template_names() if "ridge" in read_table(name, "designs")]

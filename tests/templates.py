@@ -1,4 +1,4 @@
-"""The templates for tests of seconds: those that are another size of a kind of mold are among the slow."""
+"""The templates with ridges for tests of seconds: those that are another size of a kind of mold are slow."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from collections.abc import Sequence
 import pytest
 
 import skincad
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
+from tests.families import RIDGED
 
 # as yamada-2002, by edm; lab-bench and home-printer as plain-ridges, by sla
 OTHER_SIZES = {"home-printer", "fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
-KINDS = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in template_names()
-]
+KINDS = [pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in RIDGED]
 
 # combs by the machine that prints the rest, which does not hold their notches
 ONE_PRINTER = {

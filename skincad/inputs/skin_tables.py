@@ -8,15 +8,24 @@ from __future__ import annotations
 
 from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
 from skincad.inputs.silicone import Law, Modulus
 
 
+def _a_length(schema: dict[str, Any]) -> None:
+    """A round skin needs no length, in the JSON schema."""
+    schema["required"].remove("length")
+    a_round = {"properties": {"outline": {"const": "round"}}, "required": ["outline"]}
+    schema["anyOf"] = [{"required": ["length"]}, a_round]
+
+
 class Base(Table):
     """The body of the pad."""
+
+    model_config = ConfigDict(json_schema_extra=_a_length)
 
     curvature_radius: float = quantity(
         "mm", "radius of the base circle, on which the ridges stand", ge=1.0, le=1e8

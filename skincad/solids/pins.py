@@ -40,7 +40,7 @@ def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
             TurnedBody(_loop(p.feature, 0.0), (p.foot[0], p.foot[1], level), (0.0, 0.0, 1.0), flush=True)
             for p in skin.placed
         )
-    foot = skin.profile.feet[0].x
+    foot = np.array([p.feature.feet[0].x for p in skin.placed])
     filled, deepest = _filled(design.skin, skin, foot)
     deep = deepest + SUNK
     buried = math.pi * foot**2 * deep - filled
@@ -113,16 +113,16 @@ def _loop(feature: Feature, deep: float) -> Loop:
     return (*half, *lines)
 
 
-def _filled(base: Base, skin: Skin, foot: float) -> tuple[Array, float]:
+def _filled(base: Base, skin: Skin, foot: Array) -> tuple[Array, float]:
     """What the base falls away under each pin's foot, `(n,)` mm3, and how far at most, mm: the way along the
     pin's axis from the foot's plane to the base, summed over the foot."""
     nodes, weights = _RINGS
-    t, weight = foot * (nodes + 1) / 2, weights / 2 * foot
+    share = np.append((nodes + 1) / 2, 1.0)  # of the foot; the rim counts for the depth alone
     turn = 2 * math.pi * np.arange(_TURNS) / _TURNS
-    t = np.append(t, foot)  # the rim counts for the depth alone
     frames = np.stack([TurnedBody((), p.foot, p.axis).frame() for p in skin.placed])
-    disk = np.stack([np.outer(t, np.cos(turn)), np.outer(t, np.sin(turn)), np.zeros((len(t), _TURNS))], -1)
-    plane = np.einsum("rti,pji->prtj", disk, frames) + np.array([p.foot for p in skin.placed])[:, None, None]
+    round_foot = np.cos(turn), np.sin(turn), 0.0 * turn
+    disk = np.einsum("p,r,it->prti", foot, share, np.array(round_foot))
+    plane = np.einsum("prti,pji->prtj", disk, frames) + np.array([p.foot for p in skin.placed])[:, None, None]
     axis = np.array([p.axis for p in skin.placed])[:, None, None]
     down = np.zeros(plane.shape[:3])
     for _ in range(_STEPS):
@@ -131,7 +131,7 @@ def _filled(base: Base, skin: Skin, foot: float) -> tuple[Array, float]:
         if np.abs(step).max() < _STILL:
             break
     mean = down[:, :-1].mean(axis=2)
-    return 2 * math.pi * mean @ (weight * t[:-1]), float(down.max())
+    return 2 * math.pi * foot**2 * (mean @ (weights / 2 * share[:-1])), float(down.max())
 
 
 def _over(base: Base, points: Array) -> Array:

@@ -17,6 +17,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.fits import DESIGNS, FITS, NUMBERS, shape_of, unlike
 from skincad.mechanics.models.table import MODELS
+from tests.families import RIDGED
 from tests.mechanics.designs import reference
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -35,7 +36,7 @@ def hull(designs: Iterable[Design]) -> dict[str, tuple[float, float]]:
 
 
 def of_templates() -> Iterable[Design]:
-    return map(skincad.load, skincad.template_names())
+    return map(skincad.load, RIDGED)
 
 
 def of_verdicts() -> Iterable[Design]:
@@ -66,7 +67,7 @@ def test_every_models_errors_have_designs() -> None:
 
 
 def test_templates_and_their_neighbours_are_like_what_was_seen() -> None:
-    assert not any(unlike(skincad.load(t), model=m) for t in skincad.template_names() for m in MODELS)
+    assert not any(unlike(skincad.load(t), model=m) for t in RIDGED for m in MODELS)
 
 
 def test_a_verdict_on_an_unlike_design_says_so() -> None:

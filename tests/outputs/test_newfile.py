@@ -23,7 +23,7 @@ from skincad.inputs.silicone import silicones
 from skincad.outputs.tomls import commented_toml, schema_of, write_new
 from skincad.scenes.scene import Scene, load_scene
 from tests.conftest import run_skincad
-from tests.families import OF_FAMILIES
+from tests.families import OF_FAMILIES, RIDGED
 from tests.refusals import refused
 
 
@@ -33,7 +33,8 @@ def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, nam
     assert skincad.load(path) == skincad.load(name).with_(name="mine")
     text = path.read_text()
     assert text.startswith(f"#:schema ./{schema.name}\n")
-    for key in ("curvature_radius", "tip_fillet", "d33", "clearance", "tilt", "radius"):
+    ridged = ("tip_fillet", "d33") if name in RIDGED else ()
+    for key in ("curvature_radius", "clearance", "tilt", "radius", *ridged):
         line = next(i for i, row in enumerate(text.splitlines()) if row.lstrip("# ").startswith(f"{key} ="))
         assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
 

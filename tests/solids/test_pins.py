@@ -38,9 +38,9 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
     assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["pillars", "dome"])
-def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> None:
-    design = families.OF_FAMILIES[name]()
+@pytest.mark.parametrize(("name", "levelling"), [("pillars", None), ("dome", None), ("dome", 0.7)])
+def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: float | None) -> None:
+    design = families.OF_FAMILIES[name]().with_(pin={"levelling": levelling})
     for part in (skin_part(design), cast_skin(design)):
         shape = solid(part)  # which checks its volume against the formula to 1e-9
         assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9)
