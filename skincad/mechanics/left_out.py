@@ -48,6 +48,7 @@ from statistics import median
 import numpy as np
 
 from skincad.base.arrays import Array
+from skincad.base.machine import one_blas_thread
 from skincad.base.result import Record, item, record
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -213,24 +214,21 @@ def friction(design: Design, carrying: int) -> LeftOut:
     )
 
 
-def friction_of_pins(design: Design, force: float) -> LeftOut:
-    """Return the bound for pins under a frictionless plate at `force` N: the change to the reduced model
-    whose tips stick to the plate, and FAINT for what neighbours push tips aside.
+def friction_of_pins(design: Design, answer: Answer, force: float) -> LeftOut:
+    """Return the bound for pins under a frictionless plate at `force` N: by how much tips that stick to it
+    would bear more at the same approach, and FAINT for what neighbours push tips aside.
 
     A point contact of incompressible silicone feels no friction as it is pressed: Johnson, Contact Mechanics,
     1985, sec. 5.4.
     """
-    from skincad.mechanics.models.reduced import all_touch_force, pin_model, pressed
+    from skincad.mechanics.models.reduced import at_approach, pin_model
 
-    models = pin_model(design), pin_model(design, stuck=True)
-    first, stuck = map(all_touch_force, models)
-    (shares, approach), (others, lower) = (pressed(model, force) for model in models)
-    return LeftOut(
-        effect=FRICTION,
-        threshold=FAINT + (abs(stuck / first - 1) if first else 0.0),
-        approach=FAINT + abs(lower / approach - 1),
-        share=FAINT + float(abs(others - shares).max() / shares.mean()),
-    )
+    with one_blas_thread():
+        stuck = at_approach(pin_model(design, stuck=True), answer.approach.value or 0.0)[0]
+    more, mean = float(stuck.sum()) / force - 1, force / stuck.size
+    shares = np.array([share.value for share in answer.ridge_force])
+    moved = float(np.abs(stuck / (1 + more) - shares).max()) / mean
+    return LeftOut(effect=FRICTION, threshold=FAINT + more, approach=FAINT + more, share=FAINT + moved)
 
 
 def friction_along(design: Design) -> LeftOut:
@@ -282,7 +280,9 @@ def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: fl
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
         FINITE_STRAIN: lambda: finite_strain(design, answer, force),
-        FRICTION: lambda: friction_of_pins(design, force) if pins else friction(design, answer.touching),
+        FRICTION: lambda: (
+            friction_of_pins(design, answer, force) if pins else friction(design, answer.touching)
+        ),
         ALONG: lambda: friction_along(design),
     }
     has_ends = not (design.skin.round or pins)

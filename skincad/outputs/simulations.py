@@ -254,7 +254,8 @@ def _lead_lines(simulation: Simulation) -> list[str]:
                 rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
         return rows + [f"  error          {words(r)}" for r in errors]
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
-    rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
+    family = skin_of(simulation.scene.design).family
+    rows = [f"  lead           from a {family}'s slip to that of all: {family} {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
         rows.append(f"  error          the largest is {words(worst)}")

@@ -393,11 +393,13 @@ def _check_family(scene: Scene) -> None:
     """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
     family = skin_of(scene.design).family
     if family != "pin":
-        raise InputError("skin", f"must have ridges or pins to be pulled, not {family}s", scene.design.name)
+        remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
+        raise InputError(
+            "skin", f"needs ridges or pins, and {scene.design.name} has [{family}]", remedy=remedy
+        )
     for name in scene.effects:
         if name not in ("friction", LAW):
-            rule = "does not work with pins, which know friction and small strain alone"
-            raise InputError(f"effects.{name}", rule, remedy=f"leave out effects.{name}")
+            raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
     for term in scene.terms:
         cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone
         if cone and (cone.breakpoints or cone.kinetic != cone.static):
@@ -405,9 +407,9 @@ def _check_family(scene: Scene) -> None:
             raise InputError("effects.friction", rule, remedy="give coefficient alone")
     asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
     asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
-    for key, given in asked.items():
-        if given:
-            raise InputError(key, "has no meaning for pins", remedy=f"leave out {key}")
+    for key, is_set in asked.items():
+        if is_set:
+            raise InputError(key, "is not simulated of pins", remedy="leave it out")
 
 
 def _check_terms(scene: Scene) -> None:

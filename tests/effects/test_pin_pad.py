@@ -115,11 +115,15 @@ def test_a_gone_pull_leaves_no_more_than_friction_bears() -> None:
 @pytest.mark.parametrize(
     ("effects", "changes", "words"),
     [
-        ({"inertia": {}}, {}, "effects.inertia: does not work with pins"),
-        ({"finite_strain": {}}, {}, "effects.finite_strain: does not work with pins"),
+        ({"inertia": {}}, {}, "effects.inertia: is not simulated of pins; leave it out"),
+        ({"finite_strain": {}}, {}, "effects.finite_strain: is not simulated of pins"),
         ({"friction": {"coefficient": 0.5, "kinetic": 0.4}}, {}, "effects.friction: must be Coulomb's"),
-        ({}, {"readout": {"steps": [3]}}, "readout.steps: has no meaning for pins"),
-        ({}, {"history": {"rotation_deg": [0.0, 1.0, 1.0]}}, "history.rotation_deg: has no meaning for pins"),
+        ({}, {"readout": {"steps": [3]}}, "readout.steps: is not simulated of pins"),
+        (
+            {},
+            {"history": {"rotation_deg": [0.0, 1.0, 1.0]}},
+            "history.rotation_deg: is not simulated of pins",
+        ),
     ],
 )
 def test_refusals(effects: dict[str, Any], changes: dict[str, Any], words: str) -> None:
