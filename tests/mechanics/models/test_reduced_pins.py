@@ -58,6 +58,22 @@ def test_the_tips_compliance_is_that_of_pressing() -> None:
     assert np.linalg.eigvalsh(whole)[0] > 0
 
 
+def test_a_row_of_pins_moves_the_base_as_a_ridge() -> None:
+    """The sum of a row's pins along y, by their distance, is what a line of the same force does in plane
+    strain. 6 % of the effect one thickness away: the cell ends six thicknesses away."""
+    thick, width, step = 3.0, 1.0, 0.75
+    ridge = {"count": 9, "pitch": thick, "height": 1.0, "root_width": width, "tip_width": 0.8, "crown": 0.05}
+    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}, "contact": {"force": 1.0}}
+    skin = {"curvature_radius": 1e8, "thickness": thick, "width": 40.0, "length": 60.0}
+    ridges = skincad.Design(name="ridges", skin=skin, ridge=ridge, **rest)
+    plane = reduced.feature_model(ridges, 1.0, {}, ends=False).coupling.toarray()[4, 5:8] * 60.0
+    slim = {"root_diameter": width, "tip_diameter": 0.8, "crown": 0.05, "height": 1.0, "heights": None}
+    cell = pin_cell(lone(pillars().with_(pin={**slim, "root_fillet": None}), 1.0, thick))
+    along = step * np.arange(-80, 81)
+    row = [cell.sinking(np.hypot(thick * k, along), width / 2).sum() * step for k in (1, 2, 3)]
+    assert row == pytest.approx(plane, abs=0.06 * abs(plane[0]))
+
+
 @pytest.mark.slow
 def test_friction_of_pins_lies_between_tips_that_slide_and_stick() -> None:
     """Upright pins feel none along y or x; on a dome slim pins that lean would slide."""
