@@ -132,7 +132,7 @@ def test_refusals(effects: dict[str, Any], changes: dict[str, Any], words: str) 
 
 
 def test_a_map_of_pins_is_drawn() -> None:
-    result = skincad.simulate(scene(nine(), 30))
+    result = skincad.simulate(scene(nine(), 10))
     drawings = result.figures()
     assert list(drawings) == ["signals.png"]
     figure = drawings["signals.png"]
