@@ -1,8 +1,8 @@
 """A skin of pins in CalculiX: its solid in gmsh's tetrahedra of ten nodes, pressed by a rigid flat plate that
-is driven to one approach after another.
+is driven to one approach after another, and may then be pulled along x against friction.
 
-Small strain, penalty contact without friction, and sides that are free. Both programs are processes of their
-own, as in calculix.py. Of a skin that two planes mirror only a quarter is meshed.
+Small strain unless asked, penalty contact, and sides that are free. Both programs are processes of their own,
+as in calculix.py. Of a skin that two planes mirror only a quarter is meshed, and pulled a half.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ NEAR = 0.7  # of a pin's height, above which its faces may
 FACES = (0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)  # corners of CalculiX's S1 to S4
 TETRAHEDRON = 11  # gmsh's number of one of ten nodes
 PLATE = 0.5  # mm, its thickness
+COARSER = 3.0  # edges of elements in the base, of those at the tips
 EDGE = 1e-6  # mm, from a plane, on which a node is
 
 
@@ -44,33 +45,41 @@ class Tetrahedra:
 
 
 def press(
-    design: Design, size: float, approaches: Sequence[float]
+    design: Design,
+    size: float,
+    approaches: Sequence[float],
+    pulls: Sequence[float] = (),
+    friction: float = 0.0,
+    large: bool = False,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the pins' forces, N, and how far their tips go up, mm, both `(approaches, pins)`, at approaches
-    in mm; `size` mm is the edge of elements at the tips, and twice that elsewhere. Raises RuntimeError where
-    a program fails."""
+    """Return the pins' forces along x and z `(approaches and pulls, pins, 2)`, N, and how far their tips go
+    up `(approaches and pulls, pins)`, mm, at approaches in mm and then travels in mm; neo-Hookean where
+    strains are `large`. `size` mm is the edge of elements at the tips, and COARSER times that elsewhere.
+    Raises RuntimeError where a program fails."""
     skin = skin_of(design)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        quarter = _is_mirrored(design)
-        mesh = tetrahedra(design, size, folder, quarter)
-        deck = _deck(design, mesh, approaches, quarter)
+        planes = 0 if not _is_mirrored(design) else 1 if pulls else 2
+        mesh = tetrahedra(design, size, folder, planes)
+        drives = [(0.0, -approach) for approach in approaches] + [(x, -approaches[-1]) for x in pulls]
+        deck = _deck(design, mesh, drives, planes, friction, large)
         (folder / "pins.inp").write_text("\n".join(deck))
         run_program(["ccx", "-i", "pins"], folder)
         number = r"([-+.\dE]+)"
         printed = (folder / "pins.dat").read_text()
     up = re.findall(rf"surface force .*\n\n +{number} +{number} +{number}", printed)
-    forces = np.array([-float(row[2]) for row in up]).reshape(len(approaches), -1)
+    forces = np.array([(float(x), -float(z)) for x, _, z in up]).reshape(len(drives), -1, 2)
     tables = re.findall(r"for set APEX.*\n\n((?: .*\n)+)", printed)
     moved = [{int(n): float(z) for n, _, _, z in map(str.split, table.splitlines())} for table in tables]
     rises = np.array([[table[n] for n in apexes(design, mesh)] for table in moved])
-    if not quarter:
+    if not planes:
         return forces, rises
     foot = np.array([placed.foot[:2] for placed in skin.placed])
     inside = np.array([foot[i - 1] for i in mesh.faces])
-    whole = 2.0 ** (np.abs(inside) < EDGE).sum(axis=1)
-    like = np.linalg.norm(np.abs(foot)[:, None] - inside[None], axis=2).argmin(axis=1)
-    return np.asarray((forces * whole)[:, like]), rises[:, like]
+    whole = 2.0 ** (np.abs(inside[:, -planes:]) < EDGE).sum(axis=1)
+    folded = np.where(np.arange(2) >= 2 - planes, np.abs(foot), foot)
+    like = np.linalg.norm(folded[:, None] - inside[None], axis=2).argmin(axis=1)
+    return np.asarray((forces * whole[:, None])[:, like]), rises[:, like]
 
 
 def _is_mirrored(design: Design) -> bool:
@@ -83,13 +92,13 @@ def _is_mirrored(design: Design) -> bool:
     return all(rows(tips * sign) == rows(tips) for sign in ((-1, 1, 1), (1, -1, 1)))
 
 
-def tetrahedra(design: Design, size: float, folder: Path, quarter: bool) -> Tetrahedra:
-    """Return gmsh's mesh of the skin's solid, or of its quarter at positive x and y."""
+def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrahedra:
+    """Return gmsh's mesh of the skin's solid, its half at positive y, or its quarter at positive x too."""
     import cadquery as cq
 
     shape = unchecked_solid(skin_part(design))
     cq.exporters.export(cq.Workplane(shape), str(folder / "skin.step"))
-    (folder / "pins.geo").write_text("\n".join(_geometry(design, size, quarter)))
+    (folder / "pins.geo").write_text("\n".join(_geometry(design, size, planes)))
     run_program(["gmsh", "-3", "-order", "2", "-format", "msh22", "-nt", "1", "pins.geo"], folder)
     text = (folder / "pins.msh").read_text()
 
@@ -106,12 +115,13 @@ def tetrahedra(design: Design, size: float, folder: Path, quarter: bool) -> Tetr
     return Tetrahedra(nodes, elements, _tips(design, nodes, elements))
 
 
-def _geometry(design: Design, size: float, quarter: bool) -> Iterator[str]:
+def _geometry(design: Design, size: float, planes: int) -> Iterator[str]:
     skin = design.skin
     yield 'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "MM";'
     yield 's() = ShapeFromFile("skin.step");'
-    if quarter:
-        yield f"Box(1000) = {{0, 0, -1, {skin.width}, {skin.width + skin.length}, {skin.thickness + 50}}};"
+    if planes:
+        low = -skin.width if planes == 1 else 0.0
+        yield f"Box(1000) = {{{low}, 0, -1, {skin.width - low}, {skin.length}, {skin.thickness + 50}}};"
         yield "q() = BooleanIntersection{ Volume{s()}; Delete; }{ Volume{1000}; Delete; };"
         yield "Physical Volume(1) = {q()};"
     else:
@@ -120,9 +130,9 @@ def _geometry(design: Design, size: float, quarter: bool) -> Iterator[str]:
         x, y, z = placed.tip
         yield f"Field[{i}] = Ball; Field[{i}].XCenter = {x!r}; Field[{i}].YCenter = {y!r};"
         wide = skin_of(design).profile.tip_width / 2
-        centre = f"Field[{i}].ZCenter = {z!r}; Field[{i}].Radius = {wide!r};"
-        yield f"{centre} Field[{i}].Thickness = {2 * wide!r};"
-        yield f"Field[{i}].VIn = {size!r}; Field[{i}].VOut = {2 * size!r};"
+        yield f"Field[{i}].ZCenter = {z!r}; Field[{i}].Radius = {wide!r};"
+        yield f"Field[{i}].Thickness = {2 * wide!r};"
+        yield f"Field[{i}].VIn = {size!r}; Field[{i}].VOut = {COARSER * size!r};"
     many = len(skin_of(design).placed)
     yield f"Field[{many + 1}] = Min; Field[{many + 1}].FieldsList = {{1:{many}}};"
     yield f"Background Field = {many + 1};"
@@ -164,7 +174,14 @@ def apexes(design: Design, mesh: Tetrahedra) -> list[int]:
     return [int(np.linalg.norm(mesh.nodes - tip, axis=1).argmin()) + 1 for tip in tips]
 
 
-def _deck(design: Design, mesh: Tetrahedra, approaches: Sequence[float], quarter: bool) -> Iterator[str]:
+def _deck(
+    design: Design,
+    mesh: Tetrahedra,
+    drives: Sequence[tuple[float, float]],
+    planes: int,
+    friction: float,
+    large: bool,
+) -> Iterator[str]:
     material, nodes = silicone(design), mesh.nodes
     count, top = len(nodes), float(pin_tops(design).max())
     low, high = nodes[:, :2].min(axis=0) - 1.0, nodes[:, :2].max(axis=0) + 1.0
@@ -184,24 +201,32 @@ def _deck(design: Design, mesh: Tetrahedra, approaches: Sequence[float], quarter
     back = np.flatnonzero(nodes[:, 2] < EDGE) + 1
     yield from ["*NSET, NSET=back", *map(str, back), "*NSET, NSET=plate"]
     yield from map(str, range(count + 1, count + 9))
-    if quarter:
-        for axis in (0, 1):
-            on = np.setdiff1d(np.flatnonzero(np.abs(nodes[:, axis]) < EDGE) + 1, back)
-            yield from [f"*NSET, NSET=cut{axis + 1}", *map(str, on)]
-    yield f"*MATERIAL, NAME=silicone\n*ELASTIC\n{material.young_modulus.value!r}, {material.poisson_ratio!r}"
+    cut = range(2 - planes, 2)
+    for axis in cut:
+        on = np.setdiff1d(np.flatnonzero(np.abs(nodes[:, axis]) < EDGE) + 1, back)
+        yield from [f"*NSET, NSET=cut{axis + 1}", *map(str, on)]
+    young, poisson = material.young_modulus.value, material.poisson_ratio
+    yield "*MATERIAL, NAME=silicone"
+    if large:
+        yield f"*HYPERELASTIC, NEO HOOKE\n{young / 4 / (1 + poisson)!r}, {6 * (1 - 2 * poisson) / young!r}"
+    else:
+        yield f"*ELASTIC\n{young!r}, {poisson!r}"
     yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3"
     yield "*SOLID SECTION, ELSET=skin, MATERIAL=silicone\n*SOLID SECTION, ELSET=plate, MATERIAL=steel"
     yield f"*SURFACE, NAME=under\n{last}, S1"
     yield f"*SURFACE INTERACTION, NAME=smooth\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY:f}"
+    if friction:
+        yield f"*FRICTION\n{friction!r}, {PENALTY!r}"
     for pin, faces in mesh.faces.items():
         yield f"*SURFACE, NAME=pin{pin}"
         yield from (f"{element}, S{face}" for element, face in faces)
         yield f"*CONTACT PAIR, INTERACTION=smooth, TYPE=SURFACE TO SURFACE\npin{pin}, under"
     yield from ["*NSET, NSET=apex", *map(str, apexes(design, mesh))]
-    cuts = "\ncut1, 1, 1\ncut2, 2, 2" if quarter else ""
+    cuts = "".join(f"\ncut{axis + 1}, {axis + 1}, {axis + 1}" for axis in cut)
     yield f"*BOUNDARY\nback, 1, 3\nplate, 1, 2{cuts}"
-    for approach in approaches:
-        yield f"*STEP, INC=1000\n*STATIC\n1., 1.\n*BOUNDARY\nplate, 3, 3, {-approach!r}"
+    step = f"*STEP, INC=1000{', NLGEOM' * large}\n*STATIC\n1., 1.\n*BOUNDARY"
+    for x, z in drives:
+        yield f"{step}\nplate, 1, 1, {x!r}\nplate, 3, 3, {z!r}"
         for pin in mesh.faces:
             yield f"*CONTACT PRINT, SLAVE=pin{pin}, MASTER=under, FREQUENCY=1000\nCF"
         yield "*NODE PRINT, NSET=apex, FREQUENCY=1000\nU\n*END STEP\n"

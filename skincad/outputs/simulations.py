@@ -45,7 +45,6 @@ ADDING = {  # how to add an effect, where one setting won't do
     "inertia": "add [effects.inertia] and plate.mass to the scene",
     "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
 }
-MAX_NAMED = 12  # features that are named one by one
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 
@@ -84,28 +83,22 @@ def _run(simulation: Simulation) -> str:
 
 def _answer(simulation: Simulation) -> str:
     """When the skin slips, after why the run ended early where it did."""
-    march, gross, name = simulation.march, simulation.gross_slip_step, _feature(simulation)
+    family = skin_of(simulation.scene.design).family
+    march, gross = simulation.march, simulation.gross_slip_step
     steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
     begin = f"STOPPED {_end(simulation)}; " if march.stopped and march.stopped != GROSS_SLIP else ""
     if not steps:
-        return f"{begin}no {name} slips for good"
+        return f"{begin}no {family} slips for good"
     step = min(steps.values())
     first = [str(ridge) for ridge in steps if steps[ridge] == step]
-    who = f"{name} {first[0]}" if len(first) == 1 else f"{name}s {', '.join(first[:-1])} and {first[-1]}"
-    if len(first) > MAX_NAMED:
-        who = f"{len(first)} {name}s, {first[0]} among them,"
+    who = f"{family} {first[0]}" if len(first) == 1 else f"{family}s {', '.join(first[:-1])} and {first[-1]}"
     if gross is not None:
         early = f"; {who} for good from step {step} on" if step < gross else ""
         return f"{begin}the whole skin slips from step {gross} on{early}"
     if len(steps) == len(first):
         return f"{begin}{who} slip{'s' * (len(first) == 1)} from step {step} until the end"
-    count = f"{len(steps)} of {len(simulation.slip_steps)} {name}s"
+    count = f"{len(steps)} of {len(simulation.slip_steps)} {family}s"
     return f"{begin}{count} slip until the end; {who} first, from step {step} on"
-
-
-def _feature(simulation: Simulation) -> str:
-    """What slips: a ridge, or a pin."""
-    return skin_of(simulation.scene.design).family
 
 
 def _no_warning(simulation: Simulation) -> list[str]:
@@ -135,6 +128,8 @@ def next_step(simulation: Simulation) -> str:
     march, scene = simulation.march, simulation.scene
     if march.interrupted:
         return ""
+    if _draws_pins(simulation):
+        return f"{PICTURE} shows which pin slips when."
     if march.failed:
         steps = 2 * scene.history.steps
         return f"`skincad simulate {{scene}} --set history.steps={steps}`: smaller steps may help."
@@ -145,8 +140,7 @@ def next_step(simulation: Simulation) -> str:
         return f"{how}; leaving it out may change signals by {missing.change:.0%}."
     if "piezo" not in scene.effects and scene.design.film:
         return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
-    pins = _feature(simulation) == "pin"
-    return f"{PICTURE} shows {'which pin slips when' if pins else 'the signals of each monitored ridge'}."
+    return f"{PICTURE} shows the signals of each monitored ridge."
 
 
 def details(simulation: Simulation) -> list[str]:
@@ -171,6 +165,7 @@ def _end(simulation: Simulation) -> str:
 
 def _slips(simulation: Simulation) -> str:
     """From which step each ridge slips until the end."""
+    family = skin_of(simulation.scene.design).family
     steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
     starts = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
@@ -179,13 +174,7 @@ def _slips(simulation: Simulation) -> str:
     touching = set(simulation.march.ridge[simulation.march.readings[-1].touches].tolist())
     clear = [str(ridge) for ridge in range(1, len(simulation.slip_steps) + 1) if ridge not in touching]
     clearance = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
-    if len(steps) > MAX_NAMED:
-        low, high = min(steps, key=lambda one: steps[one]), max(steps, key=lambda one: steps[one])
-        half = sorted(steps.values())[(len(steps) - 1) // 2]
-        ends = f"{low} from step {steps[low]}", f"{high} from step {steps[high]}"
-        starts = f"{ends[0]}, half of them from step {half}, {ends[1]}"
-    name = _feature(simulation)
-    return f"{name} {starts}{end}{clearance}" if steps else f"no {name} slips for good{clearance}"
+    return f"{family} {starts}{end}{clearance}" if steps else f"no {family} slips for good{clearance}"
 
 
 def _slip_error(simulation: Simulation) -> list[str]:
@@ -250,7 +239,6 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     """Leads and errors by ridge, each on its line; of more than MOST_LINES ridges in one."""
     leads = {ridge: lead for ridge, lead in simulation.lead.items() if lead.value is not None}
     errors = {r: error for r, error in simulation.stress_errors.items() if error.mesh is not None}
-    name = _feature(simulation)
 
     def words(ridge: int) -> str:
         """How wrong a ridge's stress may be, and what that is made of."""
@@ -260,16 +248,14 @@ def _lead_lines(simulation: Simulation) -> list[str]:
     if max(len(leads), len(errors)) <= MAX_RIDGE_LINES:
         rows = []
         for r, ahead in leads.items():
-            rows.append(f"  lead           {name} {r} slips {ahead} before all {name}s do")
+            rows.append(f"  lead           ridge {r} slips {ahead} before all ridges do")
             error = simulation.slip_errors.leads[r - 1]
             if error.total is not None:
                 rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
         return rows + [f"  error          {words(r)}" for r in errors]
-    if len(leads) > MAX_NAMED:
-        most = max(leads, key=lambda one: leads[one].value or 0.0)
-        leads = {most: leads[most]}
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
-    rows = [f"  lead           from a {name}'s slip to that of all: {name} {by_ridge}"] * bool(leads)
+    family = skin_of(simulation.scene.design).family
+    rows = [f"  lead           from a {family}'s slip to that of all: {family} {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
         rows.append(f"  error          the largest is {words(worst)}")
@@ -297,15 +283,20 @@ def ridge_name(ridge: int | str) -> str:
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure
+    from skincad.outputs.figures.scenes import pin_slip_figure, recording, recording_figure, scene_figure
     from skincad.outputs.figures.stress import section_figure
 
-    drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
+    figure = pin_slip_figure if _draws_pins(simulation) else scene_figure
+    drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(figure, simulation)}
     if record := recording(simulation):
         drawings[RECORDING] = partial(recording_figure, simulation, record)
     return drawings | {
         _section_name(s): partial(section_figure, _moment(simulation, s)) for s in _section_steps(simulation)
     }
+
+
+def _draws_pins(simulation: Simulation) -> bool:
+    return skin_of(simulation.scene.design).family == "pin"
 
 
 def files(simulation: Simulation) -> dict[str, Writer]:

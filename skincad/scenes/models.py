@@ -83,9 +83,9 @@ def coarse_steps(steps: int, points: Index) -> Index:
 
 @dataclass(frozen=True, eq=False)
 class MarchSetup:
-    """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
-    is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
-    scene's own."""
+    """What a scene's marches share: the piece that is meshed, None of pins, which have no section; who is
+    told, whether a march that Ctrl-C ends is wanted (`partial`), the meshes made so far by fineness, and the
+    model's name where it is not the scene's own."""
 
     scene: Scene
     piece: PadPiece | None
@@ -105,7 +105,7 @@ def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
 
 def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
     """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that;
-    None of pins, which are springs."""
+    None of pins."""
     if skin_of(scene.design).family == "pin":
         return None
     from skincad.mechanics.film.stick import piece_of
@@ -135,16 +135,24 @@ def march_on(
     again: bool = False,
 ) -> March:
     """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level `following`
-    and of a march with fewer steps, where it is marched `again`."""
+    and of a march with fewer steps, where it is marched `again`. Pins have no mesh: the first level takes
+    their contacts as softest, the others as stiffest."""
     model = f"{on.model.replace('_', ' ')}, " if on.model else ""
     stage, scene, tick = f"{model}fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]
     with resource_guard(f"the mesh of {stage}"):
-        mesh = meshed_pad(on.piece, level, on.meshes) if on.piece else None
-        marks.append(perf_counter())
-        pad = _marched_pad(on, mesh, level)
+        if on.piece is None:
+            from skincad.effects.pin_pad import SLIDING, STICKING, pin_pad
+
+            marks.append(perf_counter())
+            pad: MarchedPad = pin_pad(scene.design, SLIDING if level == LEVELS[0] else STICKING)
+        else:
+            mesh = meshed_pad(on.piece, level, on.meshes)
+            marks.append(perf_counter())
+            films = bool(scene.readout.ridges)
+            pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     count = history.step_count
@@ -164,24 +172,6 @@ def march_on(
         march_result = march(pad, times, drives, scene.terms, told, keep, mass, ends, on.partial)
     seconds |= {**stages, "march": march_result.seconds}
     return march_result
-
-
-def _marched_pad(on: MarchSetup, mesh: object, level: Level) -> MarchedPad:
-    """The pad that a march advances: its law's, or pins as springs."""
-    scene = on.scene
-    if on.piece is not None:
-        return scene.law.marched(on.piece, mesh, level.order, bool(scene.readout.ridges), scene.terms)
-    from skincad.effects.small_strain import condensed
-    from skincad.mechanics.models.pin_springs import pin_springs
-
-    return condensed(pin_springs(scene.design, max(scene.history.normal_force_N)))
-
-
-def march_springs(on: MarchSetup, seconds: dict[str, float]) -> RefinedRun:
-    """March pins, of which there is no mesh; with fewer steps again, to tell the steps' error."""
-    march = march_on(LEVELS[0], on, seconds)
-    coarse = None if march.failed or march.interrupted else march_coarse_steps(on, march, seconds)
-    return RefinedRun(march, None, [], ComparisonRuns(before=march, every=march, coarse=coarse))
 
 
 def march_coarse_steps(
@@ -237,14 +227,15 @@ MATTERS = 0.1  # relative; a larger change is warned of
 def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
     constants were fitted to is like this one, an estimate is not calibrated."""
-    history = scene.history
+    history, path = scene.history, path_of(march)
     if skin_of(scene.design).family == "pin":
-        return []
+        from skincad.effects.pin_pad import left_out
+
+        return left_out(scene.design, path)
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
-    times, path = tuple(history.time_s), path_of(march)
-    outline = SceneOutline(scene.design, times, loads, path, driven, _friction(scene))
+    outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, _friction(scene))
     unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
     found = {name: entry for name in unnamed if (entry := effect(name).left_out(outline))}
     entries = [
@@ -303,7 +294,7 @@ def refine(
     on: MarchSetup, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
 ) -> RefinedRun:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
-    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
+    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges) or on.piece is None
     last: dict[str, float] = {}
     refined = [ComparisonRuns()]
 
@@ -352,7 +343,7 @@ def refine(
     elif ended is not None:
         words = str(ended) if isinstance(ended, _StoppedError) else f"a finer mesh is refused ({ended})"
         short.append(f"{words}; the results are those of the mesh before")
-    if films:
+    if films and on.piece is not None:
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)
@@ -405,7 +396,7 @@ def chosen_steps(march: March) -> list[int] | None:
 
 def drifted(on: MarchSetup, march: March) -> dict[int, float]:
     """Return the largest drift of each monitored ridge's difference, MPa; nothing without chosen steps."""
-    if on.piece is None or march.readings[-1].drift is None:
+    if march.readings[-1].drift is None or on.piece is None:
         return {}
     place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
     films = np.array([reading.drift.films for reading in march.readings if reading.drift])

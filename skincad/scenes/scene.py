@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
+from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Step, Term
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive
@@ -362,7 +362,8 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
-    _check_family(scene)
+    if skin.family != "ridge":
+        _check_family(scene)
     _check_law(scene)
     _check_terms(scene)
     _check_force(scene)
@@ -388,27 +389,27 @@ def _check(scene: Scene) -> None:
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
 
 
-SPRINGS = "friction", LAW  # the effects that pins as springs know
-
-
 def _check_family(scene: Scene) -> None:
-    """Raise InputError for a skin that no scene takes, and for what pins as springs don't know."""
-    skin = skin_of(scene.design)
-    if skin.family not in ("ridge", "pin"):
+    """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
+    family = skin_of(scene.design).family
+    if family != "pin":
         remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
-        raise InputError("skin", f"needs ridges or pins, and {skin.name} has [{skin.family}]", remedy=remedy)
-    if skin.family == "ridge":
-        return
+        raise InputError(
+            "skin", f"needs ridges or pins, and {scene.design.name} has [{family}]", remedy=remedy
+        )
     for name in scene.effects:
-        if name not in SPRINGS:
+        if name not in ("friction", LAW):
             raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
-    if any(scene.history.rotation_deg or []):
-        raise InputError("history.rotation_deg", "is not simulated of pins", remedy="leave it out")
-    for key in ("steps", "frames"):
-        if getattr(scene.readout, key):
-            raise InputError(
-                f"readout.{key}", "draws a section's stress, which pins have none of", remedy="leave it out"
-            )
+    for term in scene.terms:
+        cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone
+        if cone and (cone.breakpoints or cone.kinetic != cone.static):
+            rule = "must be Coulomb's with one coefficient for pins"
+            raise InputError("effects.friction", rule, remedy="give coefficient alone")
+    asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
+    asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
+    for key, is_set in asked.items():
+        if is_set:
+            raise InputError(key, "is not simulated of pins", remedy="leave it out")
 
 
 def _check_terms(scene: Scene) -> None:

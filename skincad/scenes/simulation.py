@@ -19,7 +19,6 @@ from skincad.base.result import Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
-from skincad.mechanics.models.reduced import PIN_ERRORS
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.detector import report
 from skincad.scenes.errors import (
@@ -47,7 +46,6 @@ from skincad.scenes.models import (
     further,
     left_out_effects,
     march_on,
-    march_springs,
     model_of,
     piece_for,
     refine,
@@ -270,7 +268,7 @@ class Simulation(Result):
 
     @property
     def _timed(self) -> Sequence[int]:
-        """The features whose leads are asked: the monitored ridges, or all pins."""
+        """The features whose leads are reported: the monitored ridges, or all pins."""
         skin = skin_of(self.scene.design)
         return range(1, skin.count + 1) if skin.family == "pin" else self.scene.readout.ridges
 
@@ -391,8 +389,8 @@ def marched(
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
-    refined_run = march_springs(on, seconds) if on.piece is None else refine(on, tol, budget, began, seconds)
-    if on.piece and further_models and tol is not None:
+    refined_run = refine(on, tol, budget, began, seconds)
+    if further_models and tol is not None:
         on, refined_run = further(on, refined_run, tol, budget, began, seconds)
     return SceneRun(on, refined_run, {"total": perf_counter() - began, **seconds})
 
@@ -426,9 +424,6 @@ def friction_cone(scene: Scene) -> FrictionCoefficients:
     return next((share.cone for share in shares if share.cone), FrictionCoefficients(1.0, 1.0))
 
 
-SPRINGS = "pins are springs of small strain; {:.0%} of what each bears is in the errors of its slip for that"
-
-
 def _change(left_out: list[LeftOutEffect]) -> float:
     """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
     return math.fsum(entry.change for entry in left_out)
@@ -441,9 +436,7 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     slips = slips_of(march.readings, march.ridge, skin_of(scene.design).count)
     left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
-    change = _change(left_out) if on.piece else PIN_ERRORS.share
-    if on.piece is None:
-        notes = [*notes, SPRINGS.format(change)]
+    change = _change(left_out)
     stressed = stress_errors(
         raw,
         refined_run.error,
@@ -459,7 +452,8 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     normal, tangential, area = np.moveaxis(march.loads, 1, 0)
     path = RidgePath(normal, tangential, area, slips.slipping)
-    notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
+    if on.piece is not None:
+        notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)
     return Simulation(
         scene=scene,

@@ -106,10 +106,16 @@ AUTO = (
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 # Models of `auto` that are for some designs only
 AUTO_IF: dict[str, Callable[[Design], bool]] = {
-    "reduced": lambda design: skin_of(design).count > MANY or skin_of(design).family == "pin",
+    "reduced": lambda design: skin_of(design).count > MANY or _is_pins(design),
     "finite-strain": lambda design: design.skin.round,
     "solid": lambda design: design.skin.curvature_radius_y is not None,
 }
+
+
+def _is_pins(design: Design) -> bool:
+    """Whether a design has pins that no section through the middle shows."""
+    skin = skin_of(design)
+    return skin.family == "pin" and (skin.count > 1 or not design.skin.round)
 
 
 def model_named(name: str) -> ContactModel:
@@ -141,7 +147,7 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         takes = [family for family in model.families if model.turns or family not in ("ring", "pin")]
         disc = "" if model.turns else " on a rectangular skin"
         yield f"{skin.family}: is not judged by the {name} model, which takes {' or '.join(takes)}{disc}"
-    if skin.family == "pin" and name != "reduced" and (skin.count > 1 or not design.skin.round):
+    if name != "reduced" and _is_pins(design):
         yield f"pin: must be one, on a round skin, for the {name} model"
     if shape != "flat" and (design.skin.round or not model.shaped_plates):
         yield f"contact.plate.shape: must be 'flat' for {_of(name, design)}"

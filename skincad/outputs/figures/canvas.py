@@ -47,11 +47,11 @@ from matplotlib import colormaps, rc_context, rcParamsDefault  # noqa: E402
 from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
-from matplotlib.collections import PatchCollection, PolyCollection  # noqa: E402
+from matplotlib.collections import EllipseCollection, PolyCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.patches import Circle, Patch  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
@@ -91,7 +91,7 @@ __all__ = [
     "TITLE",
     "VERMILION",
     "Axes",
-    "Circle",
+    "EllipseCollection",
     "Figure",
     "Line2D",
     "ListedColormap",
@@ -101,7 +101,6 @@ __all__ = [
     "NullFormatter",
     "NullLocator",
     "Patch",
-    "PatchCollection",
     "Picture",
     "PolyCollection",
     "ScalarMappable",

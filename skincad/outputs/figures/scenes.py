@@ -28,12 +28,11 @@ from skincad.outputs.figures.canvas import (
     THIN,
     VERMILION,
     Axes,
-    Circle,
+    EllipseCollection,
     Line2D,
     ListedColormap,
     MaxNLocator,
     Patch,
-    PatchCollection,
     Picture,
     colormaps,
     legend,
@@ -55,19 +54,18 @@ SLIPS: dict[str, Any] = {"linewidth": THIN, "linestyle": (0, (5, 3))}
 PHASES = {"$P_A$": PHASE_A, "$P_B$": PHASE_B}
 MIN_SAMPLES = 50  # samples that are worth a picture
 PAPERS_RIDGE = 3
+MAX_NUMBERS = 49  # pins that have their number in them
 ROOM_ABOVE, ROOM_BELOW = 0.14, 0.4  # of the curves' height, for what is written beside them
 UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 def scene_figure(simulation: Simulation) -> Picture:
     """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13) of each
-    monitored ridge in its own panel, slip by ridge; of pins a map of when each slips.
+    monitored ridge in its own panel, slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
     ridge begins to slip for good.
     """
-    if skin_of(simulation.scene.design).family == "pin":
-        return _pins_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     rows = 2 + len(SIGNALS) * bool(groups)
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
@@ -102,40 +100,40 @@ def scene_figure(simulation: Simulation) -> Picture:
     return figure
 
 
-def _pins_figure(simulation: Simulation) -> Picture:
-    """Forces by step, and above them a map of the pins, each coloured by the step from which it slips."""
-    placed = skin_of(simulation.scene.design).placed
-    x, y = (np.array([pin.tip[axis] for pin in placed]) for axis in (0, 1))
+def pin_slip_figure(simulation: Simulation) -> Picture:
+    """Return a figure of pins: forces by step, and a map of the tips from above, coloured by the step from
+    which each slips for good; those that never do are left white."""
+    skin = skin_of(simulation.scene.design)
+    tips = np.array([placed.tip for placed in skin.placed])
     steps = np.array([np.nan if step is None else step for step in simulation.slip_steps], dtype=float)
-    last = simulation.march.readings[-1].touches
-    with sheet((6.4, 7.6), 255) as figure:
-        pins, forces = figure.subplots(2, 1, height_ratios=[2.6, 1.0])
-        wide = skin_of(simulation.scene.design).profile.tip_width / 2
-        where = ~np.isnan(steps)
-        circles = PatchCollection(
-            [Circle(at, wide) for at in zip(x[where], y[where], strict=True)], cmap=MAP, edgecolor=GREY
-        )
-        circles.set_array(steps[where])
-        pins.add_collection(circles)
-        for at, touches in zip(zip(x[~where], y[~where], strict=True), last[~where], strict=True):
-            pins.add_patch(Circle(at, wide, facecolor=STICK if touches else OPEN, edgecolor=GREY))
-        pins.set_aspect("equal")
-        pins.autoscale_view()
-        pins.set_xlabel("x, mm; the plate is pulled to +x")
-        pins.set_ylabel("y, mm")
-        pins.grid(visible=False)
-        if where.any():
-            figure.colorbar(circles, ax=pins, label="slips from step")
-        names = [(STICK, "sticks at the end")] * bool((~where & last).any())
-        names += [(OPEN, "clear at the end")] * bool((~where & ~last).any())
-        if names:
-            legend(pins, handles=[Patch(facecolor=c, edgecolor=GREY, label=name) for c, name in names])
+    with sheet((WIDTH, PANEL + WIDTH / 2), 255) as figure:
+        grid = figure.add_gridspec(2, 1, height_ratios=(PANEL, WIDTH / 2))
+        forces, plan = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
         forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
         forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
-        forces.set_xlabel("step")
-        forces.set_ylabel("force, N")
+        forces.set(xlabel="step", ylabel="force, N", xlim=(-0.5, simulation.march.time.size - 0.5))
         legend(forces, 2)
-        figure.suptitle(f"{simulation.scene.name}: when each pin slips")
+        circles = EllipseCollection(
+            *(np.full(skin.count, size) for size in (skin.profile.tip_width, skin.profile.tip_width, 0.0)),
+            units="xy",
+            offsets=tips[:, :2],
+            offset_transform=plan.transData,
+            edgecolor=GREY,
+            cmap=colormaps[MAP],
+        )
+        circles.set_array(np.ma.masked_invalid(steps))
+        plan.add_collection(circles)
+        for number, (x, y, _) in enumerate(tips.tolist() if skin.count <= MAX_NUMBERS else (), 1):
+            dark = steps[number - 1] > np.nan_to_num(steps).mean()
+            colour = "white" if dark else BLACK
+            plan.annotate(str(number), (x, y), ha="center", va="center", fontsize=NOTE, color=colour)
+        across, along = skin.base.width / 2, skin.base.length / 2
+        plan.set(aspect="equal", xlim=(-across, across), ylim=(-along, along))
+        plan.set(xlabel="x, mm; the plate is pulled to +x", ylabel="y, mm")
+        plan.grid(visible=False)
+        if np.isfinite(steps).any():
+            figure.colorbar(circles, ax=plan, label="slips for good from step")
+        figure.suptitle(simulation.scene.name)
     return figure
 
 

@@ -183,10 +183,15 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
 
 def _of_pins(design: Design, verdict: ContactCheck) -> Springs:
     """The springs of pins: of the reduced model, each pin's own at the force that it bears."""
-    from skincad.mechanics.models.pin_springs import pin_springs
+    from skincad.mechanics.models.reduced import pin_model, pressed
 
-    pad, count = pin_springs(design, verdict.force), skin_of(design).count
-    return Springs(gap=pad.gap, flexibility=pad.compliance[count:, count:], coupled=True, verdict=verdict)
+    model = pin_model(design)
+    forces, approach = pressed(model, verdict.force)
+    least = np.maximum(forces, LEAST_SHARE * verdict.force / forces.size)
+    own = np.interp(least, model.force, model.indentation)
+    own = np.where(forces == least, approach - model.gap - model.coupling @ forces, own)
+    flexibility = model.coupling.toarray() + np.diag(own / least)
+    return Springs(gap=model.gap, flexibility=flexibility, coupled=True, verdict=verdict)
 
 
 def _secant(model: RidgeModel, forces: Array) -> Array:
