@@ -14,8 +14,8 @@ from skincad.scenes.simulation import Simulation, simulate
 from skincad.shape.skin import skin_of
 from tests import families
 
-FRICTION = 0.8
-PRESS, PULL = 0.15, 1.2  # N, of friction's limit where it is 1
+FRICTION = 0.5
+PRESS, PULL = 0.25, 1.2  # N, of friction's limit where it is 1
 STEPS = 400
 
 
