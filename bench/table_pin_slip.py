@@ -6,7 +6,11 @@ the pins: where a cut runs through a tip CalculiX may lose its contact.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
 
 import skincad
 from bench import calculix_pins
@@ -40,18 +44,27 @@ def six() -> Design:
     )
 
 
-def main() -> None:
-    """Print each pin's pull, mN, by CalculiX and by skincad, at each travel of the plate."""
-    design, began = six(), perf_counter()
-    theirs, _ = calculix_pins.press(design, SIZE, [DOWN / 2, DOWN], PULLS, FRICTION, large=True)
-    force = float(theirs[1, :, 1].sum())
-    print(f"{perf_counter() - began:.0f} s; normal force {force:.4f} N")
-    tips = pin_pad(design).tips
-    state = advance(tips, unloaded(tips), Drive(force, travel=0.0), FRICTION)
-    for travel, row in zip(PULLS, theirs[2:], strict=True):
+def compared(pulls: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pins' pulls and normal forces `(travels, pins, 2)`, N, by CalculiX and by skincad, at the
+    plate's travels, mm, under the normal force that CalculiX has when it is down."""
+    design = six()
+    theirs, _ = calculix_pins.press(design, SIZE, [DOWN / 2, DOWN], pulls, FRICTION, large=True)
+    force, tips = float(theirs[1, :, 1].sum()), pin_pad(design).tips
+    state, ours = advance(tips, unloaded(tips), Drive(force, travel=0.0), FRICTION), []
+    for travel in pulls:
         state = advance(tips, state, Drive(force, travel=travel), FRICTION)
-        for name, pulls in (("CalculiX", row[:, 0]), ("skincad", state.tangential)):
-            print(f"{travel:4} mm {name:9}", *(f"{1e3 * pull:7.2f}" for pull in pulls[:3]))
+        ours.append(np.stack([state.tangential, state.normal], axis=1))
+    return theirs[2:], np.array(ours)
+
+
+def main() -> None:
+    """Print the pulls, mN, of one row's pins by CalculiX and by skincad."""
+    began = perf_counter()
+    both = compared(PULLS)
+    print(f"{perf_counter() - began:.0f} s")
+    for travel, *rows in zip(PULLS, *both, strict=True):
+        for name, row in zip(("CalculiX", "skincad"), rows, strict=True):
+            print(f"{travel:4} mm {name:9}", *(f"{1e3 * pull:7.2f}" for pull in row[:3, 0]))
 
 
 if __name__ == "__main__":
