@@ -153,3 +153,16 @@ def test_calculix_agrees_with_the_axisymmetric_pin() -> None:
     force = float(forces[0, 0, 1])
     ours = skincad.check(design, force=force, model="linear").approach
     assert ours.value == pytest.approx(0.12, rel=0.03)
+
+
+@pytest.mark.slow
+def test_tips_feel_each_other_alike_along_x_and_y() -> None:
+    """Nine pins turned by a right angle are the same nine."""
+    design = pillars()
+    whole = reduced.tip_compliance(design, reduced.pin_cells(design))
+    n = len(whole) // 3
+    turned = [3 * (i % 3) + 2 - i // 3 for i in range(n)]  # column and row of pin i, a quarter further
+    by_x, by_y = whole[:n, :n], whole[n : 2 * n, n : 2 * n]
+    # 10 % of the largest between two pins: the 24 points of a root don't turn with it
+    largest = np.abs(by_x - np.diag(np.diag(by_x))).max()
+    assert np.abs(by_y[np.ix_(turned, turned)] - by_x).max() <= 0.1 * largest
