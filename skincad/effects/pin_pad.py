@@ -3,15 +3,15 @@
 Range: small strain, quasi-static, Coulomb's friction with one coefficient; a tip sways by less than SWAYS of
 its pin's height. A tip is one point: parts of its contact slip before all of it does, which makes Mindlin's
 compliance up to half larger. What that changes is the error that a mesh has elsewhere. References: pins that
-don't feel each other, in closed form, and a solid pin in three dimensions (tests/effects/test_pin_pad.py).
+don't feel each other, in closed form, and solid pins in three dimensions (tests/effects/test_pin_pad.py).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -97,6 +97,12 @@ class PinPad:
 
 def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     """Return a design's pins to be marched; `creep` as in `Tips`. Raises InputError for too many."""
+    pad = _sticking(design)
+    return replace(pad, tips=replace(pad.tips, creep=creep))
+
+
+@lru_cache(maxsize=2)
+def _sticking(design: Design) -> PinPad:
     skin, n = skin_of(design), skin_of(design).count
     if n > MOST:
         raise InputError(
@@ -119,7 +125,6 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
             soften=by_force * (SWAY / height - ball * (turn / by_force) ** 2)
             - FIRMER / limits(design).squeeze,
             pressed=partial(reduced.pressed, model),
-            creep=creep,
         ),
         height=height,
         area=np.full(n, math.pi * skin.profile.tip_width**2 / 4),
