@@ -189,7 +189,7 @@ def _films(job: Job) -> tuple[float, float]:
 def inspection_lines(inspected: Inspection) -> list[str]:
     """Return the form as Markdown."""
     if inspected.skin.symmetry == "extruded":
-        crests = _in_a_row(inspected.crests)
+        crests = _in_a_row(inspected.crests, inspected.skin.family)
     else:
         crests = _by_place(inspected.crests, inspected.skin)
     rows = [
@@ -212,11 +212,11 @@ def inspection_lines(inspected: Inspection) -> list[str]:
     ]
 
 
-def _in_a_row(crests: Crests) -> list[str]:
+def _in_a_row(crests: Crests, family: str) -> list[str]:
     """The table of ridges' crests, and how they are judged beside their line."""
     limits = [f"±{limit:.3f}" for limit in crests.beside] or ["-"] * len(crests.heights)
     return [
-        "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
+        f"| {family} | comes out at, mm | measured, mm | more than that | beside the line | limit |",
         "|---|---|---|---|---|---|",
         *(
             f"| {ridge} | {height:.3f} | | | | {limit} |"

@@ -243,7 +243,7 @@ def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
     family, numbers, found = skin_of(design).family, shape_of(design), {}
     fits = [fit for fit in FITS if fit.family == family]
     if family != "ridge" and not any(model in fit.models for fit in fits):
-        return f"a {family}"
+        return f"it has [{family}]"
     for fit in fits:
         if model in fit.models or (effect and effect == fit.effect):
             for key, (low, high) in fit.ranges.items():

@@ -125,7 +125,7 @@ def _no_scene(design: Design, source: str) -> str:
 def _head(build: Build, make_command: str) -> str:
     """Name, passed or failed, and verdict."""
     passed = passes(build.check, build.findings, strict=False)
-    verdict = checks.verdict(build.check) if build.check else checks.UNCHECKED
+    verdict = checks.verdict(build.check) if build.check else f"Not checked {checks.whether(build)}."
     undecided = build.check is None or build.check.verdict == "undecided"
     sound = all(finding.severity != "error" for finding in build.findings)
     outcome = "open" if undecided and sound else "passed" if passed else "failed"
@@ -173,7 +173,9 @@ def _verdict_sections(build: Build, check: ContactCheck | None, command: str, so
         titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
         again = command_line(f"skincad check {source}", "It is given by")
         sections = [
-            heading(title, key) + paragraph(f"{checks.UNCHECKED} This part needs a verdict.") + again
+            heading(title, key)
+            + paragraph(f"Not checked {checks.whether(build)}. This part needs a verdict.")
+            + again
             for key, title in titles
         ]
         return [*sections, sensitivity_section(build, None, source)]
@@ -254,7 +256,10 @@ def _files(files: dict[str, str]) -> str:
 
 def verdict_section(check: ContactCheck, command: str) -> str:
     """Return what the verdict rests on."""
-    rows = [("all ridges touch from", str(check.all_touch_force)), ("asked force", f"{check.force:g} N")]
+    rows = [
+        (f"all {check.family}s touch from", str(check.all_touch_force)),
+        ("asked force", f"{check.force:g} N"),
+    ]
     if check.margin is not None:
         rows.append(("margin to the worst case", f"{check.margin:.2f} N"))
     rows += [("approach", str(check.approach)), ("plate", check.plate)]
@@ -286,7 +291,9 @@ def _budget(check: ContactCheck) -> str:
 def forces_figure(check: ContactCheck, command: str) -> str:
     """Return the force on each ridge."""
     address = data_url(svg(ridge_force_figure(check)), SVG)
-    return figure(address, f"Force on each ridge at {check.force:g} N, by the {check.model} model.", command)
+    return figure(
+        address, f"Force on each {check.family} at {check.force:g} N, by the {check.model} model.", command
+    )
 
 
 def models_section(build: Build, check: ContactCheck, command: str) -> str:
@@ -328,7 +335,7 @@ def yield_section(build: Build, check: ContactCheck, command: str) -> str:
     part_yield, spread = check.manufacture, spread_of(build.design)
     head = heading("Yield", "yield")
     if part_yield is None or part_yield.passing.value is None:
-        why = "There is none: it needs a verdict by a meshed model on more than one ridge."
+        why = "There is none: it needs a verdict by a meshed model on more than one feature."
         return head + paragraph(why) + command_line(command)
     low, now, high = spread.modulus
     rows = [
@@ -340,7 +347,7 @@ def yield_section(build: Build, check: ContactCheck, command: str) -> str:
     ]
     crests = "".join(
         table(
-            ("ridge", *(str(first + i) for i in range(1, len(slopes) + 1))),
+            (check.family, *(str(first + i) for i in range(1, len(slopes) + 1))),
             [("N for 0.01 mm lower", *(f"{slope / 100:+.2g}" for slope in slopes))],
             "small",
         )
@@ -358,7 +365,7 @@ def sensitivity_section(build: Build, check: ContactCheck | None, source: str) -
     changes = sensitivities(build.design, force or closed_form)
     head = heading("What moves the force", "sensitivities")
     if not changes:
-        return head + paragraph("Nothing does: all ridges touch from the first contact on.")
+        return head + paragraph("Nothing does: all of it touches from the first contact on.")
     rows = [(change.key, change.now, change.unit, str(change.change)) for change in changes]
     by = "the verdict's force" if force else "the closed form's force, as there is no verdict"
     words = (

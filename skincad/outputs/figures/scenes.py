@@ -124,7 +124,7 @@ def pin_slip_figure(simulation: Simulation) -> Picture:
         circles.set_array(np.ma.masked_invalid(steps))
         plan.add_collection(circles)
         for number, (x, y, _) in enumerate(tips.tolist() if skin.count <= MAX_NUMBERS else (), 1):
-            dark = steps[number - 1] > np.nanmean(steps)
+            dark = steps[number - 1] > np.nan_to_num(steps).mean()
             colour = "white" if dark else BLACK
             plan.annotate(str(number), (x, y), ha="center", va="center", fontsize=NOTE, color=colour)
         across, along = skin.base.width / 2, skin.base.length / 2
