@@ -76,7 +76,10 @@ class PinPad:
             if sways.max() > SWAYS:
                 pin, most = int(sways.argmax()) + 1, f"{SWAYS:.0%} of its height"
                 raise ContactError(f"pin {pin} sways by more than {most}: the model's range ends there")
-            lifted = np.hypot(after.tangential, after.sideways) * self.lever > after.normal * self.kern
+            lifted = (
+                np.hypot(after.tangential, after.sideways) * self.lever
+                > np.maximum(after.normal, 0.0) * self.kern
+            )
             if lifted.any():
                 pin = int(lifted.argmax()) + 1
                 raise ContactError(f"pin {pin}'s flat tip lifts at one side: the model's range ends there")
