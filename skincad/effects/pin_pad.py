@@ -1,17 +1,18 @@
 """Pins in a scene: the reduced model of pins with friction at each tip (mechanics/contact/tips.py).
 
 Range: small strain, quasi-static, Coulomb's friction with one coefficient; a tip sways by less than SWAYS of
-its pin's height. A tip is one point: parts of its contact slip before all of it does, which makes Mindlin's
-compliance up to half larger. What that changes is the error that a mesh has elsewhere. References: pins that
-don't feel each other, in closed form, and a solid pin in three dimensions (tests/effects/test_pin_pad.py).
+its pin's height, and a flat one is pressed all over. A tip is one point: parts of its contact slip before all
+of it does, which makes Mindlin's compliance up to half larger. What that changes is the error that a mesh has
+elsewhere. References: pins that don't feel each other, in closed form, and solid pins in three dimensions
+(tests/effects/test_pin_pad.py, bench/table_pin_slip.py).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -43,10 +44,12 @@ DEEPEST = 4  # halvings of a step
 
 @dataclass(frozen=True, eq=False)
 class PinPad:
-    """Pins to be marched; its states are `TipState`. `height` `(n,)` mm."""
+    """Pins to be marched; its states are `TipState`. `height` `(n,)` mm; a pull times its `lever` `(n,)` mm
+    is the moment on a flat tip, 0 of others; `area` `(n,)` mm2 of the tips."""
 
     tips: Tips
     height: Array
+    lever: Array
     area: Array
 
     @property
@@ -73,9 +76,21 @@ class PinPad:
             if sways.max() > SWAYS:
                 pin, most = int(sways.argmax()) + 1, f"{SWAYS:.0%} of its height"
                 raise ContactError(f"pin {pin} sways by more than {most}: the model's range ends there")
+            lifted = (
+                np.hypot(after.tangential, after.sideways) * self.lever
+                > np.maximum(after.normal, 0.0) * self.kern
+            )
+            if lifted.any():
+                pin = int(lifted.argmax()) + 1
+                raise ContactError(f"pin {pin}'s flat tip lifts at one side: the model's range ends there")
             return after
 
         return in_halves(solved, state, step.before, step.after, joined, DEEPEST)
+
+    @property
+    def kern(self) -> float:
+        """How far from the middle of a flat tip a force may act that presses all of it, mm."""
+        return math.sqrt(float(self.area[0]) / math.pi) / 4
 
     def sways(self, pull: Array, normal: Array) -> Array:
         """Return how far tips go under pulls and normal forces `(..., n)` N, of the pins' heights."""
@@ -97,6 +112,12 @@ class PinPad:
 
 def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     """Return a design's pins to be marched; `creep` as in `Tips`. Raises InputError for too many."""
+    pad = _sticking(design)
+    return replace(pad, tips=replace(pad.tips, creep=creep))
+
+
+@lru_cache(maxsize=2)
+def _sticking(design: Design) -> PinPad:
     skin, n = skin_of(design), skin_of(design).count
     if n > MOST:
         raise InputError(
@@ -107,8 +128,8 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     pressed = np.arange(2 * n, 3 * n)
     compliance[pressed, pressed] -= cells.stiffest.axial
     young, poisson = silicone(design).young_modulus.value, silicone(design).poisson_ratio
-    radius, by_force, turn = crown_radius(design), cells.across[:, 0, 0], cells.across[:, 0, 1]
-    ball = radius if math.isfinite(radius) else 0.0
+    radius, across = crown_radius(design), cells.across
+    flat, turn = not math.isfinite(radius), across[:, 0, 1] / across[:, 0, 0]
     return PinPad(
         tips=Tips(
             gap=model.gap,
@@ -116,12 +137,12 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
             compliance=compliance,
             wide=float(np.cbrt(0.75 * radius * (1 - poisson**2) / young)),
             shear=(2 - poisson) * (1 + poisson) / (4 * young),
-            soften=by_force * (SWAY / height - ball * (turn / by_force) ** 2)
+            soften=compliance.diagonal()[:n] * (SWAY / height - (0.0 if flat else radius) * turn**2)
             - FIRMER / limits(design).squeeze,
             pressed=partial(reduced.pressed, model),
-            creep=creep,
         ),
         height=height,
+        lever=np.abs(across[:, 0, 1] / across[:, 1, 1]) if flat else np.zeros(n),
         area=np.full(n, math.pi * skin.profile.tip_width**2 / 4),
     )
 

@@ -131,6 +131,17 @@ def test_refusals(effects: dict[str, Any], changes: dict[str, Any], words: str) 
         scene(nine(), **effects).with_(**changes)
 
 
+def test_flat_tips_are_pulled_until_they_lift() -> None:
+    """A flat pin whose tip does not turn is a beam guided at both ends: its moment is half of what the pull
+    has at its foot, so it lifts at a pull of a quarter of the tip's radius by half of the height."""
+    flat = {"crown": 0.0, "tip_diameter": 2.0, "root_diameter": 2.0, "heights": None, "height": 3.0}
+    friction = {"coefficient": 0.9}
+    result = skincad.simulate(scene(nine(**flat)).with_(effects={"friction": friction}))
+    assert "flat tip lifts" in result.march.stopped
+    share = result.tangential_force[-1] / FORCE
+    assert share == pytest.approx(0.25 / 1.5, rel=0.15)  # the base gives way to the foot's moment
+
+
 def test_a_map_of_pins_is_drawn() -> None:
     result = skincad.simulate(scene(nine(), 10))
     drawings = result.figures()

@@ -14,7 +14,7 @@ from skincad.scenes.simulation import Simulation, simulate
 from skincad.shape.skin import skin_of
 from tests import families
 
-FRICTION = 0.5
+FRICTION = 0.3
 PRESS, PULL = 0.25, 1.2  # N, of friction's limit where it is 1
 STEPS = 400
 
@@ -35,9 +35,14 @@ def pulled(design: skincad.Design, **changes: Any) -> Scene:
     return Scene(**{**tables, **changes})
 
 
+def pillars() -> skincad.Design:
+    """Pillars of nearly one height: the middle one of the family's would nearly tip over."""
+    return families.pillars().with_(pin={"heights": [6.0, 5.9]})
+
+
 @cache
 def run(name: str) -> Simulation:
-    return simulate(pulled(families.OF_FAMILIES[name]()))
+    return simulate(pulled(pillars() if name == "pillars" else families.OF_FAMILIES[name]()))
 
 
 def test_short_pillars_slip_before_the_high_one() -> None:
@@ -60,6 +65,6 @@ def test_pins_mirrored_in_y_slip_alike_and_work_is_accounted_for() -> None:
 
 def test_what_it_bears_when_pressed_is_the_checks() -> None:
     """The springs are those of the reduced model at that force, within what friction at the tips changes."""
-    design = families.pillars().with_(contact={"force": PRESS})
+    design = pillars().with_(contact={"force": PRESS})
     shares = [float(share) for share in skincad.check(design, model="reduced").ridge_force]
     assert run("pillars").march.loads[STEPS // 2, 0] == pytest.approx(shares, rel=1e-3)
