@@ -232,7 +232,7 @@ def _without_pins(shape: _Shape, other: _Shape) -> _Shape:
 
 def _turned_cuts(part: Part) -> dict[TurnedBody, TurnedBody]:
     """The turned cuts of a part, by what they are without their role."""
-    return {replace(cut, role=None): cut for cut in part.cuts if isinstance(cut, TurnedBody)}
+    return {cut.piece_of or replace(cut, role=None): cut for cut in part.cuts if isinstance(cut, TurnedBody)}
 
 
 def _pressed(shape: _Shape, other: _Shape) -> _Shape:

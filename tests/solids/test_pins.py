@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -150,6 +151,31 @@ def test_printed_pins_end_at_layers() -> None:
     assert max(map(abs, off)) < 1.5 * layer  # a hole ends at the first layer whose middle it is in
 
 
-def test_split_auto_is_of_ridges() -> None:
+@pytest.mark.parametrize("pin", [{}, {"heights": [4.0, 3.6]}])
+def test_a_plate_of_through_holes_lies_on_a_base_of_cups(pin: dict[str, list[float]]) -> None:
+    design = families.pillars().with_(pin=pin, mold={"split": "tips"})
+    closed, block = mold(design), mold(design.with_(mold={"split": "none"}))
+    plate, base = closed.first(PartRole.CAVITY), closed.first(PartRole.BASE)
+    pieces = [cut.volume for part in (plate, base) for cut in part.cuts if cut.role is CutRole.FEATURE]
+    whole = [cut.volume for cut in block.first(PartRole.CAVITY).cuts if cut.role is CutRole.FEATURE]
+    # a split loop's moments add up but for rounding
+    assert math.fsum(pieces) == pytest.approx(math.fsum(whole), rel=1e-12)
+    for part in (plate, base):
+        shape = solid(part)  # which checks its volume against the formula to 1e-9
+        assert manifold(part, 4e-4).volume() == pytest.approx(part.volume, abs=4e-4 * shape.Area())
+    assert manifold(plate, 4e-3).genus() - manifold(replace(plate, cuts=plate.cuts[:-9]), 4e-3).genus() == 9
+    assert not interference(closed, 5e-3)
+    base_off, skin_out = closed.opening[-2:]
+    assert base.name in base_off.parts
+    assert base_off.travel < 0 < skin_out.travel
+
+
+def test_split_auto_is_of_ridges_and_of_holes_that_a_tool_makes() -> None:
     with pytest.raises(skincad.InputError, match="split: must be 'none' here"):
-        mold(families.pillars().with_(mold={"split": "auto"}))
+        mold(families.flat().with_(mold={"split": "auto"}))
+    for process, split in (("sla", False), ("cnc", True)):
+        closed = mold(families.pillars().with_(mold={"split": "auto", "process": process}))
+        assert bool(closed.of(PartRole.BASE)) == split
+    for pins in (families.dome(), families.pillars().with_(skin={"curvature_radius": 60.0})):
+        with pytest.raises(skincad.InputError, match="split: needs pins on a flat base"):
+            mold(pins.with_(mold={"split": "tips"}))
