@@ -83,8 +83,8 @@ def write_3mf(
         corners = np.asarray(mesh.vertices) + np.array([0.0, 0.0 if placed else along - low[1], 0.0])
         along += high[1] - low[1] + 5.0
         shape.SetGeometry(
-            [lib3mf.Position(tuple(row)) for row in corners.tolist()],
-            [lib3mf.Triangle(tuple(row)) for row in np.asarray(mesh.faces).tolist()],
+            (lib3mf.Position * len(corners)).from_buffer_copy(corners.astype("<f4").tobytes()),
+            (lib3mf.Triangle * len(mesh.faces)).from_buffer_copy(mesh.faces.astype("<u4").tobytes()),
         )
         rgb = [round(255 * c) for c in colour]
         paint = palette.AddMaterial(name, library.RGBAToColor(*rgb, 255))
