@@ -289,7 +289,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
         _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
-        _pin_table(job, part),
+        _pin_table(job, part, seen),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
     (_, near), (_, far) = seen[ABOVE].box()
@@ -304,7 +304,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         document="part drawing",
         design=display_name(job.design),
         revision=job.design.revision,
-        what=part.role.what,
+        what=part.what,
         views=seen,
         captions={view.name: view.words for view in views(part)},
         holes=holes,
@@ -326,7 +326,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
     )
 
 
-def _pin_table(job: Job, part: Part) -> DrawingTable:
+def _pin_table(job: Job, part: Part, seen: dict[str, Projection]) -> DrawingTable:
     """The holes of pins or their tips' cups, as one pattern, a row a size; each place is in the STEP file."""
     skin, table = job.cast_skin, job.cast.features
     holes = [cut for cut in part.cuts if isinstance(cut, TurnedBody) and cut.role is CutRole.FEATURE]
@@ -354,11 +354,12 @@ def _pin_table(job: Job, part: Part) -> DrawingTable:
         "hex": "hexagonal, rows along x",
         "polar": "rings of 6, 12, 18, ...",
     }[table.pattern]
-    place = "at the smallest x, next to end b"
+    x, y = (of(v) for of, v in zip(_coordinates(seen, ABOVE, part), holes[0].origin, strict=False))
+    place = f"at x {number(x)}, y {number(y)}, next to end b"
     if table.pattern == "polar":
-        place = "in the middle, rings from +x towards end a"
+        place = f"at x {number(x)}, y {number(y)}, rings from +x towards end a"
     lean = max(abs(placed.lean) for placed in skin.placed)
-    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}°" if lean > LEVEL else ""
+    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}" if lean > LEVEL else ""
     title = f"{kind} of {skin.count} pins: {pattern}, pitch {number(table.pitch)}{leaning}; pin 1 {place}"
     ends = ("Ø above", "Ø below") if through else ("Ø mouth" if cups else "Ø root", "Ø tip")
     return DrawingTable(title, ("count", "pins", *ends, "crown", "depth on axis"), tuple(rows))

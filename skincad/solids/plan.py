@@ -417,6 +417,14 @@ class Part:
         return self.role.made
 
     @property
+    def what(self) -> str:
+        """What it is, in words."""
+        plate = self.role is PartRole.CAVITY and any(
+            isinstance(cut, TurnedBody) and cut.piece_of for cut in self.cuts
+        )
+        return "plate of through holes, on the base" if plate else self.role.what
+
+    @property
     def colour(self) -> tuple[float, float, float]:
         """Red, green and blue, 0 to 1."""
         return self.role.colour

@@ -191,4 +191,7 @@ def test_plate_and_base_are_drawn_and_cast_from() -> None:
     # the middle pin is 0.5 mm higher, and its cup as much deeper than a crown of 1.5
     assert [float(row[-1]) for row in tables[1].rows] == pytest.approx([1.5 * scale, 2.0 * scale], abs=1e-3)
     assert [float(row[-1]) for row in tables[0].rows] == pytest.approx([4.0 * scale], abs=1e-3)
+    half = (plate.body.outline[0].start.x, plate.body.high)  # type: ignore[union-attr]
+    x, y = half[0] - 5.0 * scale, half[1] + 5.0 * scale  # pin 1, from the left and lower edge of the top view
+    assert f"pin 1 at x {x:.3f}, y {y:.3f}" in tables[0].title
     assert not {f.rule for f in design_findings(job)} & {"tool depth"}
