@@ -69,6 +69,7 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 }
 STUDIES: Kind = "studies"
 HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
+FIRST = {"ridge": HOME, "pin": "designs/pillars-9", "ring": "designs/rings-5", "flat": "designs/flat-magnet"}
 LISTS = {
     "designs": "design",
     "scenes": "scene",
@@ -119,6 +120,13 @@ def write_with_schema(
         second.write_text(text(link), encoding="utf-8")
         _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
     return [path, schema]
+
+
+def first_of(family: str) -> str:
+    """Return the template that a new file of a family starts from; raises InputError for an unknown one."""
+    if family not in FIRST:
+        raise InputError("family", "no such family", family, did_you_mean(family, FIRST))
+    return FIRST[family]
 
 
 def check_new(path: Path) -> tuple[Path, str]:

@@ -63,7 +63,8 @@ def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
 
 def _head(wish: WishResult) -> list[str]:
     skin, design = wish.design.skin, wish.design
-    size = f"{skin.width:g} x {skin.length:g} mm, all ridges touch at {design.contact.force:g} N"
+    touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
+    size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
     return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}"]
 
 
