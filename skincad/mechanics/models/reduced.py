@@ -33,7 +33,7 @@ from skincad.inputs.feature_tables import places
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
-from skincad.mechanics.models.pin_cell import PinCell, crown_radius, disc, lone, pin_cell
+from skincad.mechanics.models.pin_cell import PinCell, crown_radius, disc, lone, pin_cell, pin_curve
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of
 
@@ -204,11 +204,11 @@ def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
         )
     entries = np.concatenate([values, values, alone - stiffest.axial])
     index = np.concatenate([first, second, everyone]), np.concatenate([second, first, everyone])
-    tops = pin_tops(design)
+    tops, (force, indentation) = pin_tops(design), pin_curve(stiffest.design)
     return FeatureModel(
         gap=tops.max() - tops,
-        force=stiffest.force,
-        indentation=stiffest.indentation,
+        force=force,
+        indentation=indentation,
         coupling=sparse.csr_matrix((entries, index), shape=(skin.count, skin.count)),
     )
 
