@@ -87,7 +87,7 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.catalog import display_name
 from skincad.inputs.skin_tables import Film
-from skincad.solids.cavity import split_ridges
+from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
 from skincad.solids.layout import end_angle
@@ -209,7 +209,12 @@ class Facts:
     @property
     def blind(self) -> bool:
         """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""
-        return self.job.skin.symmetry == "revolved"
+        return self.job.skin.symmetry == "revolved" and not self.tips
+
+    @property
+    def tips(self) -> bool:
+        """Whether a base of cups closes pins' through holes."""
+        return parts_at_tips(self.job.cast)
 
     @property
     def cores(self) -> int:

@@ -164,7 +164,8 @@ def _leaves_freely(job: Job, key: str, value: float) -> bool:
 
 def undercut_findings(job: Job) -> list[Finding]:
     """Return a finding for every feature that is squeezed on its way out; an error beyond what is safe. One
-    whose groove is split leaves freely. Pins that are squeezed alike make one finding."""
+    whose groove is split leaves freely. Pins make one finding, of the one that is squeezed most, and one of
+    those that are beyond what is safe."""
     limit, free = safe_strain(job.design), split_ridges(job.design)
     caught = {
         r: undercut for r, undercut in job.skin.undercuts.items() if undercut.width > 0 and r not in free
@@ -177,12 +178,12 @@ def undercut_findings(job: Job) -> list[Finding]:
     )
     cure = _cure(job)
     alike: dict[object, list[int]] = {}
-    for number, undercut in caught.items():  # pins as far out as others are squeezed alike
-        same = f"{undercut.width:.4f} {undercut.strain:.5f}" if job.skin.symmetry == "revolved" else number
-        alike.setdefault(same, []).append(number)
+    pins = job.skin.symmetry == "revolved"
+    for number in sorted(caught, key=lambda n: -caught[n].strain) if pins else caught:
+        alike.setdefault(caught[number].strain > limit if pins else number, []).append(number)
     findings = []
     for first, *others in alike.values():
-        undercut, more = caught[first], f" and {len(others)} more" if others else ""
+        undercut, more = caught[first], f" and {len(others)} more, less" if others else ""
         findings.append(
             (error if undercut.strain > limit else note)(
                 "undercut",

@@ -35,6 +35,7 @@ from skincad.fabrication.rules import (
 )
 from skincad.inputs.process import Process
 from skincad.shape.curves import Loop, Segment, polygon
+from skincad.solids.cavity import parts_at_tips
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import mold
 from skincad.solids.pins import hole_block
@@ -334,7 +335,9 @@ def _reach(case: Case) -> Iterator[Finding]:
 def _deepest_holes(case: Case) -> list[Loop]:
     """The blocks of the pins' holes that a tool reaches least: the deepest one, and the most leaning one."""
     skin = case.job.skin
-    if skin.symmetry != "revolved":
+    cup = next((s for s in skin.profile.outline if s.kind == "crown"), None)
+    through = cup and case.job.closed.of(PartRole.BASE) and cup.radius >= case.process.reach
+    if skin.symmetry != "revolved" or through:  # of a hole that goes through, the cup alone has a bottom
         return []
     worst = (
         max(skin.placed, key=lambda p: p.feature.height),
@@ -395,7 +398,8 @@ def _depth(case: Case) -> Iterator[Finding]:
     cavity = case.part.role in CAVITIES
     for groove in grooves(case):
         depth = groove.height if cavity else case.job.design.mold.end_plate
-        fits = min(groove.width, 2 * case.job.skin.profile.tip_fillet) if cavity else groove.width
+        bottom = cavity and not parts_at_tips(case.job.design)
+        fits = min(groove.width, 2 * case.job.skin.profile.tip_fillet) if bottom else groove.width
         tool = max(fits, least)
         if most and groove.width >= least and depth > most * tool:
             remedy = f"a depth of at most {most * tool:g} mm"

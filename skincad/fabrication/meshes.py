@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -140,10 +141,16 @@ def _revolved(body: RevolvedBody, tolerance: float) -> Manifold:
 
 
 def _turned(body: TurnedBody, tolerance: float) -> Manifold:
-    """Join copies of the loop all round; its points on the axis are one each. As in `_revolved` the loop and
-    the turn have half of the tolerance each; half of that at a curved face, whose error adds."""
-    half = tolerance / (4 if body.buried else 2)
-    flat = curves.polygon(body.outline, half)
+    """As in `_revolved` the loop and the turn have half of the tolerance each; half of that at a curved face,
+    whose error adds."""
+    points, faces = _whole_turn(body.outline, tolerance / (4 if body.buried else 2))
+    return Manifold(Mesh64(np.ascontiguousarray(body.placed(points)), faces))
+
+
+@lru_cache(maxsize=16)
+def _whole_turn(outline: curves.Loop, half: float) -> tuple[Array, NDArray[np.uint64]]:
+    """Corners `(n, 3)` mm and faces of copies of a loop all round; its points on the axis are one each."""
+    flat = curves.polygon(outline, half)
     steps = max(12, turn_steps(2 * math.pi, float(flat[:, 0].max()), half))
     angles = 2 * math.pi * np.arange(steps) / steps
     t, n = np.repeat(flat[:, :1], steps, 1), np.repeat(flat[:, 1:], steps, 1)
@@ -155,8 +162,7 @@ def _turned(body: TurnedBody, tolerance: float) -> Manifold:
     faces = np.vstack([np.stack([a, d, c], 1), np.stack([a, c, b], 1)])
     sound = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     used, faces = np.unique(faces[sound], return_inverse=True)
-    corners = np.ascontiguousarray(body.placed(points[used]))
-    return Manifold(Mesh64(corners, np.ascontiguousarray(faces.reshape(-1, 3).astype(np.uint64))))
+    return points[used], np.ascontiguousarray(faces.reshape(-1, 3).astype(np.uint64))
 
 
 def _strips(body: Prism | RevolvedBody, tolerance: float, steps: int) -> tuple[Array, NDArray[np.uint64]]:

@@ -45,7 +45,7 @@ from skincad.inputs.process import Process
 from skincad.shape.skin import Skin
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism, TurnedBody
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
@@ -289,7 +289,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
         _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
-        _pin_table(job, part),
+        _pin_table(job, part, seen),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
     (_, near), (_, far) = seen[ABOVE].box()
@@ -304,7 +304,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         document="part drawing",
         design=display_name(job.design),
         revision=job.design.revision,
-        what=part.role.what,
+        what=part.what,
         views=seen,
         captions={view.name: view.words for view in views(part)},
         holes=holes,
@@ -326,37 +326,43 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
     )
 
 
-def _pin_table(job: Job, part: Part) -> DrawingTable:
-    """The blind holes of pins as one pattern, a row a depth; each place is in the STEP file."""
+def _pin_table(job: Job, part: Part, seen: dict[str, Projection]) -> DrawingTable:
+    """The holes of pins or their tips' cups, as one pattern, a row a size; each place is in the STEP file."""
     skin, table = job.cast_skin, job.cast.features
-    if not isinstance(table, Pin) or part.role not in CAVITIES:
+    holes = [cut for cut in part.cuts if isinstance(cut, TurnedBody) and cut.role is CutRole.FEATURE]
+    if not isinstance(table, Pin) or not holes:
         return DrawingTable("", (), ())
-    depths: dict[str, list[int]] = {}
-    for placed in skin.placed:
-        depths.setdefault(f"{placed.feature.height:.3f}", []).append(placed.number)
-    rows = [
-        (
-            f"{len(numbers)}",
-            _numbers(numbers) if len(depths) > 1 else "all",
-            number(table.root_diameter),
-            number(table.tip_diameter),
-            number(table.crown),
-            depth,
+    through, cups = bool(holes[0].piece_of) and part.role is PartRole.CAVITY, part.role is PartRole.BASE
+    sizes: dict[tuple[str, ...], list[int]] = {}
+    first = holes[:: job.design.mold.cavities]  # a gang has each hole once for each skin
+    for placed, hole in zip(skin.placed, first, strict=True):
+        deep = placed.feature.height if hole.piece_of is None else max(s.end.z for s in hole.outline)
+        edge = (
+            2 * max(s.start.x for s in hole.outline if s.start.z == deep) if through else table.tip_diameter
         )
-        for depth, numbers in [*depths.items()][:MOST_ROWS]
+        wide = 2 * hole.outline[0].start.x if cups else table.root_diameter
+        crown = "-" if through else number(table.crown)
+        size = number(wide), number(edge), crown, f"{deep:.3f}"
+        sizes.setdefault(size, []).append(placed.number)
+    rows = [
+        (f"{len(numbers)}", _numbers(numbers) if len(sizes) > 1 else "all", *size)
+        for size, numbers in [*sizes.items()][:MOST_ROWS]
     ]
-    size = {
+    kind = "Through holes" if through else "Cups for the tips" if cups else "Blind holes"
+    pattern = {
         "square": f"square, {table.columns} x {table.rows}" if table.columns else "square",
         "hex": "hexagonal, rows along x",
         "polar": "rings of 6, 12, 18, ...",
     }[table.pattern]
-    first = "at the smallest x, next to end b"
+    x, y = (of(v) for of, v in zip(_coordinates(seen, ABOVE, part), holes[0].origin, strict=False))
+    place = f"at x {number(x)}, y {number(y)}, next to end b"
     if table.pattern == "polar":
-        first = "in the middle, rings from +x towards end a"
+        place = f"at x {number(x)}, y {number(y)}, rings from +x towards end a"
     lean = max(abs(placed.lean) for placed in skin.placed)
-    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}°" if lean > LEVEL else ""
-    title = f"Blind holes of {skin.count} pins: {size}, pitch {number(table.pitch)}{leaning}; pin 1 {first}"
-    return DrawingTable(title, ("count", "pins", "Ø root", "Ø tip", "crown", "depth on axis"), tuple(rows))
+    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}" if lean > LEVEL else ""
+    title = f"{kind} of {skin.count} pins: {pattern}, pitch {number(table.pitch)}{leaning}; pin 1 {place}"
+    ends = ("Ø above", "Ø below") if through else ("Ø mouth" if cups else "Ø root", "Ø tip")
+    return DrawingTable(title, ("count", "pins", *ends, "crown", "depth on axis"), tuple(rows))
 
 
 def _numbers(numbers: list[int]) -> str:

@@ -72,7 +72,7 @@ def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
         if part.made == "made":
             size = " x ".join(f"{side:.2f}" for side in extent(part))
             volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
-            details = material_words(job, part), volume, part.role.what
+            details = material_words(job, part), volume, part.what
             cells = [""] * len(ESTIMATED)
             if (took := estimates.get(part.name)) is not None:
                 numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]

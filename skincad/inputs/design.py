@@ -68,18 +68,21 @@ class Design(Document):
         default=None, description="a lab's own grippers, [grippers.my-finger] as in a grippers.toml"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _one_family(cls, data: Any) -> Any:
+        named = [key for key in FAMILY_TABLES if isinstance(data, dict) and data.get(key) is not None]
+        if len(named) > 1:
+            tables = " and ".join(f"[{key}]" for key in named)
+            words = f"are two families of features; a skin has one: {tables}"
+            raise InputError(named[-1], words, remedy="drop one of the two tables")
+        return data
+
     @model_validator(mode="after")
     def _rules(self) -> Self:
-        named = [key for key in FAMILY_TABLES if getattr(self, key) is not None]
-        if len(named) != 1:
-            tables = " and ".join(f"[{key}]" for key in named)
-            words = f"are two families of features; a skin has one: {tables}" if named else "is missing"
-            remedy = (
-                "drop one of the two tables"
-                if named
-                else "give ridge a value, or [pin], [ring] or [flat] one"
-            )
-            raise InputError(named[-1] if named else "ridge", words, remedy=remedy)
+        if all(getattr(self, key) is None for key in FAMILY_TABLES):
+            remedy = "give ridge a value, or [pin], [ring] or [flat] one"
+            raise InputError("ridge", "is missing", remedy=remedy)
         skin, slot, film, mold = self.skin, self.slot, self.film, self.mold
         checks = (
             guards.processes(mold, self.printer or {}),

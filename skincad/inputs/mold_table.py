@@ -86,9 +86,10 @@ class Mold(Table):
         le=12,
         json_schema_extra={"unit": "1"},
     )
-    split: Literal["none", "auto"] = Field(
+    split: Literal["none", "auto", "tips"] = Field(
         default="none",
-        description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled",
+        description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled, "
+        "or at pins' tips where a tool makes their holes; tips: a plate of through holes on a base of cups",
     )
     shrinkage: float | None = quantity(
         "1",

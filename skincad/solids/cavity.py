@@ -21,7 +21,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import Section, skin_of
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.fasteners import blind_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
@@ -34,7 +34,8 @@ from skincad.solids.layout import (
     block_process,
     cover_pins,
 )
-from skincad.solids.pins import cast, pins
+from skincad.solids.pins import cast, flank_end, on_plane, pins
+from skincad.solids.pins import parted as parted_pin
 from skincad.solids.plan import (
     Body,
     Bore,
@@ -43,6 +44,7 @@ from skincad.solids.plan import (
     Part,
     PartRole,
     Prism,
+    TurnedBody,
     box,
     drilled,
     moved,
@@ -90,7 +92,7 @@ def parted(outline: Loop, ridges: list[int]) -> Loop:
 
 def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[int]) -> list[Part]:
     """Return base, outer pieces and the pieces between, from left to right. `shape` is parted at `ridges`."""
-    level, half = _base_level(place), place.end
+    level, half = base_level(design, shape, place), place.end
     chunks, summits = _chunks(shape.outline, ridges)
     feet = [_foot(design, ridge, s, level) for ridge, s in zip(reversed(ridges), summits, strict=True)]
     most = place.outer - BOLT_RADIUS - EDGE
@@ -113,9 +115,24 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
     first, *between, last = (Prism(outline, "y", -half, half) for outline in reversed(outlines))
     return [
         _base(design, place, level),
-        Part("cavity-left", PartRole.LEFT, first, _wall_cuts(design, place, -1)),
+        Part("cavity-left", PartRole.LEFT, first, _wall_cuts(design, place, level, -1)),
         *(Part(f"cavity-{i}", PartRole.BETWEEN, body) for i, body in enumerate(between, 1)),
-        Part("cavity-right", PartRole.RIGHT, last, _wall_cuts(design, place, 1)),
+        Part("cavity-right", PartRole.RIGHT, last, _wall_cuts(design, place, level, 1)),
+    ]
+
+
+def cavity_plate(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return a base with the pins' tips as cups, and the plate on it, whose holes go through."""
+    level = base_level(design, shape, place)
+    whole = cavity(design, shape, place._replace(bottom=level))
+    pieces = [
+        parted_pin(cut, flank_end(pins(design, shape))) for cut in whole.cuts if isinstance(cut, TurnedBody)
+    ]
+    base = _base(design, place, level)
+    walls = (*_wall_cuts(design, place, level, -1), *_wall_cuts(design, place, level, 1))
+    return [
+        replace(base, cuts=(*base.cuts, *(cup for _, cup in pieces))),
+        replace(whole, name="cavity-plate", cuts=(*walls, *(hole for hole, _ in pieces))),
     ]
 
 
@@ -129,9 +146,9 @@ def headings(design: Design, ridges: list[int]) -> list[Heading]:
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
 
 
-def base_dowels(design: Design, place: Layout) -> list[Part]:
-    """Return the pins pressed into a split cavity's base, on which its outer pieces slide."""
-    length, level = on_grid(2 * BASE_PIN - design.mold.clearance), _base_level(place)
+def base_dowels(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return the pins pressed into a split cavity's base, on which its outer pieces or its plate slide."""
+    length, level = on_grid(2 * BASE_PIN - design.mold.clearance), base_level(design, shape, place)
     places = zip(("right", "left"), cover_pins(place), strict=True)
     return [
         pin(PartRole.BASE_PIN, f"pin-base-{side}", (x, y, level - BASE_PIN), length)
@@ -151,8 +168,8 @@ def _base(design: Design, place: Layout, level: float) -> Part:
     return Part("cavity-base", PartRole.BASE, body, cuts)
 
 
-def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
-    level, slide = _base_level(place), block_fits(design).slide
+def _wall_cuts(design: Design, place: Layout, level: float, side: int) -> tuple[Body, ...]:
+    slide = block_fits(design).slide
     bolts, pins = ([p for p in places if p[0] * side > 0] for places in (place.bolts, cover_pins(place)))
     lanes = tuple(x for x in place.lanes if x * side > 0)
     return (
@@ -163,7 +180,11 @@ def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     )
 
 
-def _base_level(place: Layout) -> float:
+def base_level(design: Design, shape: Section, place: Layout) -> float:
+    """Return the height of a split cavity's base, mm: where the flanks of the shortest pins end, or over the
+    lower bolts."""
+    if cast_pins := pins(design, shape):
+        return -(cast_pins[0].origin[2] + flank_end(cast_pins))
     return on_grid(place.comb_bolt + BOLT_RADIUS + EDGE)
 
 
@@ -228,6 +249,15 @@ SAFE_SHARE = 0.2  # assumption: a cast edge has nicks, from which it tears long 
 def safe_strain(design: Design) -> float:
     """Return the nominal squeeze that the silicone takes: its stretch is `SAFE_SHARE` of that at break."""
     return 1 - 1 / (1 + SAFE_SHARE * silicone(design).elongation_at_break)
+
+
+def parts_at_tips(design: Design) -> bool:
+    """Whether the cavity of pins is a plate of through holes on a base of cups: with split = "tips", or
+    "auto" where a tool makes the holes, and they stand on a plane."""
+    if design.mold.split == "none" or skin_of(design).symmetry != "revolved":
+        return False
+    plane = on_plane(design, section(design)) and not design.skin.round and design.mold.cavities == 1
+    return design.mold.split == "tips" or (plane and block_process(design).layer == 0)
 
 
 def split_ridges(design: Design) -> list[int]:

@@ -32,6 +32,7 @@ from skincad.shape.curves import Point, loop
 from skincad.shape.skin import Section, summit
 from skincad.solids.fasteners import TAP_RADIUS, blind_depth, insert_radius, least_thickness
 from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.pins import flank_end, pins
 from skincad.solids.plan import CutRole, Prism
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
@@ -248,6 +249,9 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     split, lowest = -split_height(design, shape)[1], on_grid(-summit(design))
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
     need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
+    if split_cavity and (holes := pins(design, shape)):
+        plate = BASE_PIN + EDGE + PIN_DEPTH - (holes[0].origin[2] + flank_end(holes))
+        need, what = max((need, what), (plate, "the pins in the wall of a plate of through holes"))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
     straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
     top = (

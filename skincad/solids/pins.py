@@ -8,6 +8,7 @@ under its foot; the part of the cylinder inside the base doesn't count.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -20,7 +21,7 @@ from skincad.inputs.skin_tables import Base
 from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.feature import Feature, Placed
 from skincad.shape.skin import Section, Skin, skin_of, upright
-from skincad.solids.plan import Bore, CutRole, TurnedBody
+from skincad.solids.plan import Bore, CutRole, TurnedBody, shifted
 from skincad.solids.shrinkage import on_grid
 
 SUNK = 0.2  # mm, by which a pin's cylinder goes at least into a curved base
@@ -34,10 +35,10 @@ def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
     if skin.symmetry != "revolved":
         return ()
     base = next(s for s in shape.outline if s.kind == "base")
-    if base.bulge == 0.0 and design.skin.curvature_radius_y is None:
+    if on_plane(design, shape):
         level = base.start.z
         return tuple(
-            TurnedBody(_loop(p.feature, 0.0), (p.foot[0], p.foot[1], level), (0.0, 0.0, 1.0), flush=True)
+            TurnedBody(_loop(p.feature, 0.0), (p.foot[0], p.foot[1], level), (0.0, 0.0, 1.0))
             for p in skin.placed
         )
     foot = np.array([p.feature.feet[0].x for p in skin.placed])
@@ -47,6 +48,42 @@ def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
     return tuple(
         TurnedBody(_loop(p.feature, deep), p.foot, p.axis, float(b))
         for p, b in zip(skin.placed, buried, strict=True)
+    )
+
+
+def on_plane(design: Design, shape: Section) -> bool:
+    """Whether the base, whose section is `shape`, is plane."""
+    flat = all(s.bulge == 0.0 for s in shape.outline if s.kind == "base")
+    return flat and design.skin.curvature_radius_y is None
+
+
+def flank_end(pins: Iterable[TurnedBody]) -> float:
+    """Return how far the flank of the shortest pin reaches along its axis, mm."""
+    return min(max(s.end.z for s in pin.outline if s.bulge == 0.0 and s.end.x > 0.0) for pin in pins)
+
+
+def parted(pin: TurnedBody, level: float) -> tuple[TurnedBody, TurnedBody]:
+    """Return what of a pin on a plane base lies up to `level` mm on its axis, on its flank, and what beyond,
+    the latter from that plane on."""
+    i = next(i for i, s in enumerate(pin.outline) if s.end.z >= level)
+    flank = pin.outline[i]
+    share = (level - flank.start.z) / (flank.end.z - flank.start.z)
+    edge, middle = Point(flank.start.x + share * (flank.end.x - flank.start.x), level), Point(0.0, level)
+    down, foot = pin.outline[-2:]
+    below = (
+        *pin.outline[:i],
+        replace(flank, end=edge),
+        Segment(edge, middle),
+        Segment(middle, down.end),
+        foot,
+    )
+    rest = () if flank.end.z == level else (replace(flank, start=edge),)
+    tip = (*rest, *pin.outline[i + 1 : -2], Segment(down.start, middle), Segment(middle, edge))
+    (x, y, z), up = pin.origin, pin.direction[2]
+    whole = replace(pin, role=None)
+    return (
+        replace(pin, outline=below, piece_of=whole),
+        replace(pin, outline=shifted(tip, 0.0, -level), origin=(x, y, z + up * level), piece_of=whole),
     )
 
 

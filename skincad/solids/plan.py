@@ -324,15 +324,15 @@ class TurnedBody:
     `direction`: t is the distance from the axis, n the height along it. A solid one closes along t = 0.
 
     `buried` mm3 of it don't count: what lies in the body that it is added to, or in what is cut besides it.
-    A `flush` one counts from n = 0 on, where it stands on a plane face of its part.
+    A cut may be a `piece_of` one that another part has the rest of.
     """
 
     outline: Loop
     origin: Vector
     direction: Vector
     buried: float = 0.0
-    flush: bool = False
     role: CutRole | None = None  # where it is a cut
+    piece_of: TurnedBody | None = None
     axis: ClassVar[Literal["full"]] = "full"
 
     @property
@@ -415,6 +415,14 @@ class Part:
     def made(self) -> MadeBy:
         """How one comes by it."""
         return self.role.made
+
+    @property
+    def what(self) -> str:
+        """What it is, in words."""
+        plate = self.role is PartRole.CAVITY and any(
+            isinstance(cut, TurnedBody) and cut.piece_of for cut in self.cuts
+        )
+        return "plate of through holes, on the base" if plate else self.role.what
 
     @property
     def colour(self) -> tuple[float, float, float]:

@@ -96,7 +96,8 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, for a bare
     prism moved across its own axis, and for what turns about z and moves along it; elsewhere cuts are left
     out, so the swept part is never too small. Of a body that turns about x and is moved up, what counts is
-    its silhouette along x. What is added to a skin follows it out of its cavity, and is left out.
+    its silhouette along x. A drafted cup stays free on the way along its axis. What is added to a skin
+    follows it out of its cavity, and is left out.
     """
     body = part.body
     if isinstance(body, RotatedBody):
@@ -116,7 +117,8 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
         raise ValueError(f"{part.name}: {rule}")
     way = heading[0] * travel, heading[1] * travel
     shadow = _shadow(corners(flat, flat.outline, tolerance), way)
-    return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=(), adds=())
+    cups = tuple(cut for cut in part.cuts if axis == "z" and _frees(cut, travel))
+    return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=cups, adds=())
 
 
 def _as_prism(body: Body, tolerance: float) -> Prism | None:
@@ -139,6 +141,16 @@ def _through(cut: Body, body: Body) -> bool:
     if cut.axis != body.axis or (isinstance(cut, Bore) and cut.end_radius):
         return False
     return _ends(cut) == _ends(body)
+
+
+def _frees(cut: Body, travel: float) -> bool:
+    """Whether a cut is a cup along z, nowhere wider than nearer its mouth, that moves off by `travel` mm."""
+    return (
+        isinstance(cut, TurnedBody)
+        and travel * cut.direction[2] > 0
+        and cut.direction[:2] == (0.0, 0.0)
+        and all(s.end.x <= s.start.x for s in cut.outline if s.end.z > s.start.z)
+    )
 
 
 def _ends(body: Body) -> tuple[float, float]:

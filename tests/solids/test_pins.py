@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -12,6 +13,7 @@ from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
+from skincad.fabrication.part_drawing import part_drawing
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
@@ -130,12 +132,12 @@ def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
     assert not {"tool reach", "tool depth"} & printed.keys()
 
 
-def test_leaning_pins_are_squeezed_alike_round_a_dome() -> None:
+def test_one_finding_tells_of_all_leaning_pins_of_a_dome() -> None:
     pin = {"root_diameter": 0.7, "tip_diameter": 0.65, "rings": 6, "pitch": 1.2}
     design = families.dome().with_(pin=pin)
     findings = [f for f in design_findings(Job(design)) if f.rule == "undercut"]
     undercuts = [u for u in skin_of(design).undercuts.values() if u.width > 0]
-    assert 0 < len(findings) < len(undercuts)
+    assert [f"and {len(undercuts) - 1} more" in f.where for f in findings] == [True]
     assert max(f.measured for f in findings) == max(u.strain for u in undercuts)
     assert all(" at x " in f.where for f in findings)
 
@@ -150,6 +152,46 @@ def test_printed_pins_end_at_layers() -> None:
     assert max(map(abs, off)) < 1.5 * layer  # a hole ends at the first layer whose middle it is in
 
 
-def test_split_auto_is_of_ridges() -> None:
+@pytest.mark.parametrize("pin", [{}, {"heights": [4.0, 3.6]}])
+def test_a_plate_of_through_holes_lies_on_a_base_of_cups(pin: dict[str, list[float]]) -> None:
+    design = families.pillars().with_(pin=pin, mold={"split": "tips"})
+    closed, block = mold(design), mold(design.with_(mold={"split": "none"}))
+    plate, base = closed.first(PartRole.CAVITY), closed.first(PartRole.BASE)
+    pieces = [cut.volume for part in (plate, base) for cut in part.cuts if cut.role is CutRole.FEATURE]
+    whole = [cut.volume for cut in block.first(PartRole.CAVITY).cuts if cut.role is CutRole.FEATURE]
+    # a split loop's moments add up but for rounding
+    assert math.fsum(pieces) == pytest.approx(math.fsum(whole), rel=1e-12)
+    for part in (plate, base):
+        shape = solid(part)  # which checks its volume against the formula to 1e-9
+        assert manifold(part, 4e-4).volume() == pytest.approx(part.volume, abs=4e-4 * shape.Area())
+    assert manifold(plate, 4e-3).genus() - manifold(replace(plate, cuts=plate.cuts[:-9]), 4e-3).genus() == 9
+    assert not interference(closed, 5e-3)
+    base_off, skin_out = closed.opening[-2:]
+    assert base.name in base_off.parts
+    assert base_off.travel < 0 < skin_out.travel
+
+
+def test_split_auto_is_of_ridges_and_of_holes_that_a_tool_makes() -> None:
     with pytest.raises(skincad.InputError, match="split: must be 'none' here"):
-        mold(families.pillars().with_(mold={"split": "auto"}))
+        mold(families.flat().with_(mold={"split": "auto"}))
+    for process, split in (("sla", False), ("cnc", True)):
+        closed = mold(families.pillars().with_(mold={"split": "auto", "process": process}))
+        assert bool(closed.of(PartRole.BASE)) == split
+    for pins in (families.dome(), families.pillars().with_(skin={"curvature_radius": 60.0})):
+        with pytest.raises(skincad.InputError, match="split: needs pins on a flat base"):
+            mold(pins.with_(mold={"split": "tips"}))
+
+
+def test_plate_and_base_are_drawn_and_cast_from() -> None:
+    job = Job(families.pillars().with_(mold={"split": "auto", "process": "cnc"}))
+    plate, base = job.closed.first(PartRole.CAVITY), job.closed.first(PartRole.BASE)
+    tables = [part_drawing(job, part, solid(part), None).tables[-1] for part in (plate, base)]
+    assert [t.title.partition(" of ")[0] for t in tables] == ["Through holes", "Cups for the tips"]
+    scale = 1 / (1 - job.shrinkage)
+    # the middle pin is 0.5 mm higher, and its cup as much deeper than a crown of 1.5
+    assert [float(row[-1]) for row in tables[1].rows] == pytest.approx([1.5 * scale, 2.0 * scale], abs=1e-3)
+    assert [float(row[-1]) for row in tables[0].rows] == pytest.approx([4.0 * scale], abs=1e-3)
+    half = (plate.body.outline[0].start.x, plate.body.high)  # type: ignore[union-attr]
+    x, y = half[0] - 5.0 * scale, half[1] + 5.0 * scale  # pin 1, from the left and lower edge of the top view
+    assert f"pin 1 at x {x:.3f}, y {y:.3f}" in tables[0].title
+    assert not {f.rule for f in design_findings(job)} & {"tool depth"}

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import trimesh
@@ -22,8 +23,8 @@ from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import PVDF_DENSITY
-from skincad.shape.curves import Loop, Segment
-from skincad.shape.skin import section, skin_of
+from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.pins import pins
@@ -109,6 +110,14 @@ def ridge_loop(design: Design, ridge: int) -> Loop:
     return _closed(s for s in section(design).outline if s.feature == ridge)
 
 
+def _slab(shape: Section) -> Loop:
+    """The face of a skin without features, with a tenth of what is under its edges."""
+    face = tuple(s for s in shape.outline if s.feature == 1)
+    right, left = face[0].start, face[-1].end
+    corners = [left, Point(left.x, 0.9 * left.z), Point(right.x, 0.9 * right.z), right]
+    return (*face, *(Segment(a, b) for a, b in pairwise(corners)))
+
+
 def _closed(outline: Iterable[Segment]) -> Loop:
     segments = tuple(outline)
     return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
@@ -128,6 +137,8 @@ def ridge_parts(design: Design) -> list[Part]:
     elif skin.symmetry == "concentric":
         middle, up = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
         bodies = [TurnedBody(_closed(placed.outline), middle, up) for placed in skin.placed]
+    elif skin.symmetry == "none":
+        bodies = [along_skin(design, _slab(section(design)), ())]
     else:
         bodies = [along_skin(design, ridge_loop(design, i), ()) for i in range(1, skin.count + 1)]
     return [Part(f"{skin.family}-{i}", PartRole.SKIN, body) for i, body in enumerate(bodies, 1)]

@@ -179,7 +179,8 @@ def _filling(links: Links) -> Iterator[str]:
 def _ridges(design: Design, links: Links) -> Iterator[str]:
     skin = skin_of(design)
     along = skin.pitch if skin.symmetry == "revolved" else design.skin.length
-    size = np.array([skin.pitch, along, max(skin.heights)]) * M
+    across = skin.pitch if skin.symmetry in ("extruded", "revolved") else design.skin.width
+    size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
     for i, (weight, pose) in enumerate(zip(links.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
         name = f"{skin.family}-{i}"
