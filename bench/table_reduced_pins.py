@@ -2,14 +2,14 @@
 
 `python -m bench.table_reduced_pins [first] [end] [ratio]`: about half a minute a design. Nine or twenty-five
 graded pins on flat, bent and doubly curved bases; Poisson's ratio 0.49 in both, or another: CalculiX has no
-hybrid elements.
+hybrid elements. `python -m bench.table_reduced_pins times`: seconds of a check by the number of pins.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -82,8 +82,31 @@ def compared(design: Design) -> tuple[float, float, float, float]:
     return theirs, first / theirs - 1, approach / end - 1, off
 
 
+def many(count: int) -> Design:
+    """Return rows of as many fine pins on a slightly curved base, lower outwards."""
+    width = count + 1.0
+    skin = {"thickness": 5.0, "width": width, "length": width}
+    pin = {"pattern": "square", "columns": count, "rows": count, "pitch": 1.0, "crown": 0.08}
+    pin |= {"heights": [0.5 - 0.002 * ring for ring in range((count + 1) // 2)]}
+    return skincad.Design(
+        name=f"pins-{count**2}",
+        skin={**skin, "curvature_radius": 200.0, "curvature_radius_y": 300.0},
+        pin={**pin, "root_diameter": 0.7, "tip_diameter": 0.5},
+        material={"name": "dragon-skin-20"},
+        mold={"process": "sla"},
+        contact={"force": 10.0},
+    )
+
+
 def main() -> None:
     """Print a line a design."""
+    if sys.argv[1:] == ["times"]:
+        for count in (22, 44):
+            began, cpu = perf_counter(), process_time()
+            result = skincad.check(many(count))
+            spent = f"{perf_counter() - began:.1f} s, {process_time() - cpu:.1f} s of processors"
+            print(f"{result.name}: {spent}; all touch at {result.all_touch_force}", flush=True)
+        return
     first, end = (int(word) for word in (sys.argv[1:3] or ("0", "16")))
     ratio = float(sys.argv[3]) if len(sys.argv) > 3 else 0.49
     print(f"{'':20}{'all touch at, N':>17}{'off':>8}{'approach':>10}{'share':>8}{'s':>6}")

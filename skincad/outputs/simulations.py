@@ -128,7 +128,7 @@ def next_step(simulation: Simulation) -> str:
     march, scene = simulation.march, simulation.scene
     if march.interrupted:
         return ""
-    if _draws_pins(simulation):
+    if skin_of(scene.design).family == "pin":
         return f"{PICTURE} shows which pin slips when."
     if march.failed:
         steps = 2 * scene.history.steps
@@ -283,20 +283,15 @@ def ridge_name(ridge: int | str) -> str:
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.outputs.figures.scenes import pin_slip_figure, recording, recording_figure, scene_figure
+    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure
     from skincad.outputs.figures.stress import section_figure
 
-    figure = pin_slip_figure if _draws_pins(simulation) else scene_figure
-    drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(figure, simulation)}
+    drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
     if record := recording(simulation):
         drawings[RECORDING] = partial(recording_figure, simulation, record)
     return drawings | {
         _section_name(s): partial(section_figure, _moment(simulation, s)) for s in _section_steps(simulation)
     }
-
-
-def _draws_pins(simulation: Simulation) -> bool:
-    return skin_of(simulation.scene.design).family == "pin"
 
 
 def files(simulation: Simulation) -> dict[str, Writer]:

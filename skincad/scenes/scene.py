@@ -209,6 +209,7 @@ class Readout(Table):
 
 
 LAW = "small_strain"  # of a scene that names none
+PIN_EFFECTS = "friction", LAW  # what is simulated of pins
 LONGEST = 4096  # letters of a path
 
 
@@ -398,7 +399,7 @@ def _check_family(scene: Scene) -> None:
             "skin", f"needs ridges or pins, and {scene.design.name} has [{family}]", remedy=remedy
         )
     for name in scene.effects:
-        if name not in ("friction", LAW):
+        if name not in PIN_EFFECTS:
             raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
     for term in scene.terms:
         cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone

@@ -43,7 +43,7 @@ SINKING, TURNING = 16 / (3 * math.pi**2), 0.864594
 
 @dataclass(frozen=True)
 class PinCell:
-    """`force` `(t,)` N against `indentation` `(t,)` mm of a tip pressed along its axis.
+    """The cell of a `design` of one pin.
 
     `axial` mm/N and `across` `(2, 2)` are what pin and base give way beside the contact's half-space: along
     the axis; across it, by force and by moment (mm/N, 1/N, 1/(N mm)), where a positive moment lifts the side
@@ -53,8 +53,7 @@ class PinCell:
     moment.
     """
 
-    force: Array
-    indentation: Array
+    design: Design
     axial: float
     across: Array
     radius: Array
@@ -103,10 +102,8 @@ def lone(design: Design, height: float, thickness: float) -> Design:
 @lru_cache(maxsize=64)
 def pin_cell(cell: Design) -> PinCell:
     """Return the cell of a design of one pin, see `lone`, in small strain."""
-    shape, pad = skin_of(cell).profile, pad_of(cell)
-    tip = shape.tip_width / 2
-    loaded = LOADED * tip if shape.crown else tip
-    meshed = plane_piece(replace(pad, focus=loaded if shape.crown else 0.0), FINENESS)
+    shape, (meshed, loaded) = skin_of(cell).profile, _meshed(cell)
+    pad = meshed.whole
     modulus = pad.young_modulus / (1 - pad.poisson_ratio**2)
     with one_blas_thread():
         axial, across, radius, by_push, by_pull = _compliances(meshed, cell, loaded)
@@ -114,8 +111,14 @@ def pin_cell(cell: Design) -> PinCell:
         tangential = (2 - pad.poisson_ratio) / (2 * (1 - pad.poisson_ratio))
         axial -= SINKING / (modulus * loaded)
         across = across - np.diag([tangential * SINKING / loaded, TURNING / loaded**3]) / modulus
-    force, indentation = _curve(meshed, cell)
-    return PinCell(force, indentation, axial, across, radius, by_push, by_pull)
+    return PinCell(cell, axial, across, radius, by_push, by_pull)
+
+
+def _meshed(cell: Design) -> tuple[PadMesh, float]:
+    """The cell's mesh, fine within the radius of its tip, mm, over which loads are spread."""
+    shape = skin_of(cell).profile
+    loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
+    return plane_piece(replace(pad_of(cell), focus=loaded if shape.crown else 0.0), FINENESS), loaded
 
 
 def crown_radius(design: Design) -> float:
@@ -130,10 +133,12 @@ def hertz(force: Array, radius: float, modulus: float) -> Array:
     return np.cbrt(9 * force**2 / (16 * radius * modulus**2))
 
 
-def _curve(meshed: PadMesh, cell: Design) -> tuple[Array, Array]:
-    """Force and indentation of the pin pressed along its axis: below what the mesh resolves Hertz's and the
-    compliance of pin and base."""
-    pad, shape = meshed.whole, skin_of(cell).profile
+@lru_cache(maxsize=64)
+def pin_curve(cell: Design) -> tuple[Array, Array]:
+    """Return force, N, and indentation, mm, `(t,)` of a cell's tip pressed along its axis: below what the
+    mesh resolves Hertz's and the compliance of pin and base."""
+    meshed, shape = _meshed(cell)[0], skin_of(cell).profile
+    pad = meshed.whole
     modulus, tip = pad.young_modulus / (1 - pad.poisson_ratio**2), shape.tip_width / 2
     if not shape.crown:
         end = pad.young_modulus * math.pi * tip**2

@@ -64,8 +64,10 @@ def scene_figure(simulation: Simulation) -> Picture:
     monitored ridge in its own panel, slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
-    ridge begins to slip for good.
+    ridge begins to slip for good. Of pins, a map (`_pin_figure`).
     """
+    if skin_of(simulation.scene.design).family == "pin":
+        return _pin_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     rows = 2 + len(SIGNALS) * bool(groups)
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
@@ -100,8 +102,8 @@ def scene_figure(simulation: Simulation) -> Picture:
     return figure
 
 
-def pin_slip_figure(simulation: Simulation) -> Picture:
-    """Return a figure of pins: forces by step, and a map of the tips from above, coloured by the step from
+def _pin_figure(simulation: Simulation) -> Picture:
+    """A figure of pins: forces by step, and a map of the tips from above, coloured by the step from
     which each slips for good; those that never do are left white."""
     skin = skin_of(simulation.scene.design)
     tips = np.array([placed.tip for placed in skin.placed])

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import spatial
 
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import places
@@ -28,15 +27,15 @@ def place(design: Design) -> tuple[Placed, ...]:
     shape."""
     features = profiles(design, "revolved")
     where = places(design.skin, design.features)
-    tree = spatial.cKDTree(np.array([(at.u, at.v) for at in where]))
-    near = tree.query_ball_point(tree.data, NEIGHBOURS * design.spacing)
+    plan = np.array([complex(at.u, at.v) for at in where])
+    near = [np.flatnonzero(np.abs(plan - at) <= NEIGHBOURS * design.spacing).tolist() for at in plan]
     return tuple(
         _placed(
             design.skin,
             feature,
             number,
             (at.u, at.v),
-            tuple(n + 1 for n in sorted(near[number - 1]) if n != number - 1),
+            tuple(n + 1 for n in near[number - 1] if n != number - 1),
         )
         for number, (feature, at) in enumerate(zip(features, where, strict=True), 1)
     )
