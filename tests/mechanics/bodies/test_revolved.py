@@ -18,6 +18,7 @@ from skincad.laws.ogden import Ogden
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import half_of, plane_piece
 from skincad.mechanics.bodies.solid_law import excess_density
+from skincad.mechanics.left_out import finite_strain as finite_strain_bound
 from skincad.mechanics.models import finite_strain, linear
 from skincad.mechanics.problem import Pad, Request, focused, pad_of, pin_cell
 from skincad.shape.curves import Point, Segment
@@ -47,20 +48,39 @@ def ball(ratio: float, **of_material: float) -> Design:
     )
 
 
+@pytest.mark.parametrize("model", ["linear", "finite-strain"])
 @pytest.mark.parametrize("ratio", [0.3, INCOMPRESSIBLE])
-def test_a_ball_touches_as_hertz_says(ratio: float) -> None:
+def test_a_ball_touches_as_hertz_says(ratio: float, model: str) -> None:
     """Johnson, Contact Mechanics, eq. (4.22) to (4.24). The base of 50 mm gives 1 % of the approach, and the
-    pressure 2e-3 of its peak at the middle, where a force is shared by few points."""
+    pressure 2e-3 of its peak at the middle, where a force is shared by few points. Strain, half / radius, is
+    0.008."""
     radius, half, stiffness = 60.0, 0.5, MODULUS / (1 - ratio**2)
     force, peak = 4 * stiffness * half**3 / (3 * radius), 2 * stiffness * half / (math.pi * radius)
     pad = focused(pad_of(ball(ratio)), force)
-    answer, best = linear.refine(pad, Request(force), linear.level, "linear")
+    solve = linear.level if model == "linear" else finite_strain.Levels()
+    answer, best = linear.refine(pad, Request(force), solve, model)
     assert answer.approach.value == pytest.approx(half**2 / radius, rel=0.015)
     edge = best.x[best.pressure > 0].max()
     assert edge == pytest.approx(half, rel=0.01)  # between two points
     inside = best.x < 0.9 * half
     wanted = peak * np.sqrt(1 - (best.x[inside] / half) ** 2)
     assert best.pressure[inside] == pytest.approx(wanted, abs=0.01 * peak)
+
+
+def test_a_face_is_pressed_far_beyond_small_strain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 8 N flat-magnet's clamped corners fold without the small-strain law there; what it changes is within
+    the error, and what small strain leaves out within its bound."""
+    design = skincad.load("flat-magnet")
+    pad, small = pad_of(design), linear.answer(design, Request(8.0))
+    answer = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    change = abs((answer.value or 0.0) / (small.approach.value or 0.0) - 1)
+    assert 0.1 < change < finite_strain_bound(design, small, 8.0).approach
+    monkeypatch.setattr(plane_body, "FACE_EDGE", 2 * plane_body.FACE_EDGE)
+    wider = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    assert abs((wider.value or 0.0) - (answer.value or 0.0)) < (answer.error or 0.0)
+    monkeypatch.setattr(plane_body, "FACE_EDGE", plane_body.CLAMPED_EDGE)
+    with pytest.raises(InputError, match="inside out"):
+        finite_strain.solve(focused(pad, 8.0), Request(8.0))
 
 
 @pytest.mark.parametrize("height", [1.0, 2.0])
