@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
+from typing import Literal
 
 import ngsolve as ng
 import numpy as np
@@ -18,6 +20,7 @@ from skincad.laws.ogden import Ogden
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import half_of, plane_piece
 from skincad.mechanics.bodies.solid_law import excess_density
+from skincad.mechanics.left_out import POCKETS, left_out
 from skincad.mechanics.left_out import finite_strain as finite_strain_bound
 from skincad.mechanics.models import finite_strain, linear
 from skincad.mechanics.problem import Pad, Request, focused, pad_of, pin_cell
@@ -198,3 +201,44 @@ FORCE = 3.0
 @cache
 def pressed(large: bool) -> linear.PlaneSolution:
     return (finite_strain.Levels() if large else linear.level)(plane_piece(pad_of(rings())), 3, FORCE)
+
+
+def pocketed(pad: Pad, diameter: float, depth: float, kind: Literal["side", "back"]) -> Pad:
+    """A section that turns with a pocket in the middle of its back: empty, or filled by something rigid."""
+    (back,) = (s for s in pad.section.outline if s.kind == "back")
+    to, half = math.copysign(1.0, back.end.x - back.start.x), diameter / 2
+    corners = [
+        back.start,
+        Point(-to * half, 0.0),
+        Point(-to * half, depth),
+        Point(to * half, depth),
+        Point(to * half, 0.0),
+        back.end,
+    ]
+    kinds: list[Literal["side", "back"]] = ["back", kind, kind, kind, "back"]
+    edges = [
+        replace(back, start=a, end=b, kind=k) for (a, b), k in zip(pairwise(corners), kinds, strict=True)
+    ]
+    outline = [e for s in pad.section.outline for e in (edges if s is back else [s])]
+    return replace(pad, section=Section(tuple(outline)))
+
+
+@pytest.mark.parametrize("kind", ["side", "back"])
+@pytest.mark.parametrize("family", ["pin", "flat"])
+def test_a_pocket_changes_the_approach_within_its_bound(family: str, kind: Literal["side", "back"]) -> None:
+    pocket = {"diameter": 1.6, "depth": 3.5}
+    table: dict[str, object] = {"pitch": 9.0, "columns": 1, "rows": 1, "pocket": pocket}
+    if family == "pin":
+        table |= {"height": 3.0, "root_diameter": 3.4, "tip_diameter": 3.0, "crown": 0.5}
+    radius = 60.0 if family == "flat" else 1e8
+    skin = {"outline": "round", "curvature_radius": radius, "thickness": 5.0, "width": 20.0}
+    material = {"young_modulus": 0.3, "poisson_ratio": 0.49}
+    rest = {"material": material, "mold": {"process": "sla"}, "contact": {"force": 0.5}}
+    design = skincad.Design(name="pocket", skin=skin, **{family: table}, **rest)
+    pad = focused(pad_of(design), 0.5)
+    whole = linear.solve(pad, Request(0.5))
+    (bound,) = left_out((POCKETS,), design, whole, 0.5)
+    change = linear.solve(pocketed(pad, 1.6, 3.5, kind), Request(0.5)).approach.value or 0.0
+    change = change / (whole.approach.value or 1.0) - 1
+    assert (change > 0) == (kind == "side")  # empty is softer
+    assert 0.01 < abs(change) < bound.approach
