@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.fabrication.drawn_features import (
@@ -68,6 +68,7 @@ NUT = "N"
 LEANING = "leaning from upright, positive with the mouth to the right"
 MOST_RUNS = 6  # of a hole's numbers in a row
 LEVEL = 1e-6  # rad, by which a pin of a flat skin leans
+MOST_HIDDEN = 64  # pins' holes drawn as hidden lines; more are a blur, which the view from above tells apart
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
@@ -277,9 +278,14 @@ class PartDrawing(Titled):
 
 def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
     """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
-    from skincad.solids.occ import projection
+    from skincad.solids.occ import projection, solid
 
-    seen = {view.name: projection(shape, view.of_solid) for view in views(part)}
+    rest = [cut for cut in part.cuts if cut.role is not CutRole.FEATURE]
+    many = len(part.cuts) - len(rest) > MOST_HIDDEN
+    plain = solid(replace(part, cuts=tuple(rest))) if many else shape
+    seen = {
+        view.name: projection(shape if view.name == ABOVE else plain, view.of_solid) for view in views(part)
+    }
     holes, nuts = tuple(hole_groups(job, part, shape)), pockets(part)
     cut, carved = slits(job, part), grooves_of(job, part)
     datum = datums(part)

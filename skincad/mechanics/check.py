@@ -20,10 +20,11 @@ from skincad.base.errors import (
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, about
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat, Pin
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.fits import unlike
-from skincad.mechanics.left_out import LeftOut, left_out
+from skincad.mechanics.left_out import POCKETS, LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
     AUTO_IF,
@@ -277,6 +278,8 @@ class ModelSelection:
     def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
         effects = (*left_out_by(name, self.design), *self.friction.left_out(name))
+        table = self.design.features
+        effects += (POCKETS,) if isinstance(table, Pin | Flat) and table.pocket else ()
         bounds = left_out(effects, self.design, answer, self.force)
         return (*bounds, *self.friction.unknown.get(name, ()))
 

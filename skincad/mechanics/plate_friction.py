@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING
 
 from skincad.base.errors import ExhaustedError, InputError, resource_guard
 from skincad.inputs.design import Design
-from skincad.mechanics.left_out import ALONG, FINITE_STRAIN, FREE_ENDS, FRICTION, LeftOut, finite_strain
+from skincad.mechanics.left_out import (
+    ALONG,
+    FINITE_STRAIN,
+    FREE_ENDS,
+    FRICTION,
+    POCKETS,
+    LeftOut,
+    finite_strain,
+)
 from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import Answer, ContactError, focused
 
@@ -55,7 +63,9 @@ class PlateFriction:
     def lasting_error(self, model: str, bounds: tuple[LeftOut, ...], of: str = "threshold") -> float:
         """The relative error of the all-touch force, or `of` another number, that no model after this one
         removes."""
-        lasting = [float(getattr(bound, of)) for bound in bounds if bound.effect in (FRICTION, ALONG)]
+        lasting = [
+            float(getattr(bound, of)) for bound in bounds if bound.effect in (FRICTION, ALONG, POCKETS)
+        ]
         return math.fsum(lasting) if self.complete(model) else 0.0
 
     def applied_to(self, model: str, answer: Answer, available: float | None, price: float) -> Answer:

@@ -134,6 +134,11 @@ class Pad:
         return {name: self.law for name in moduli if moduli[name] == moduli["skin"]}
 
     @property
+    def face(self) -> bool:
+        """Whether the base itself meets the plate."""
+        return any(s.kind == "base" and s.touches for s in self.section.outline)
+
+    @property
     def ridges(self) -> tuple[int, ...]:
         """Numbers of the ridges that can touch, ascending."""
         numbers = {s.feature for s in self.section.outline if s.touches}

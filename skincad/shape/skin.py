@@ -18,7 +18,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Base, Slot
-from skincad.shape.curves import Loop, Point, Segment, area, moments, polygon
+from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
 from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
 
@@ -271,6 +271,16 @@ def pictured_section(design: Design, tolerance: float) -> Array:
         body = body.union(shapely.Polygon(pin))
     points: Array = shapely.get_coordinates(body.exterior)[:-1]
     return points
+
+
+DRAWN = 1e-4  # mm, of pins' arcs in a drawing as chords
+
+
+def drawn_section(design: Design) -> Section:
+    """Return the section as drawings have it: that of the plane y = 0, or of the row of pins next to it."""
+    if skin_of(design).symmetry != "revolved":
+        return section(design)
+    return Section(loop([Point(x, z) for x, z in pictured_section(design, DRAWN).tolist()], "side"))
 
 
 def _outline(skin: Skin) -> Iterator[Segment]:

@@ -11,9 +11,8 @@ import skincad
 from skincad.fabrication.printing import print_plates
 from tests.conftest import Made
 from tests.consumers import Job, prusaslicer
-from tests.families import rings
 
-LONGER = ["lab-bench", "nozzle-04", "gang", "rings"]  # than seconds
+LONGER = ["lab-bench", "nozzle-04", "gang", "rings-5", "pillars-9"]  # than seconds
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
 
 
@@ -41,7 +40,7 @@ def test_every_plate_is_sliced_and_lies_on_its_bed(name: str, tmp_path: Path) ->
     """Without rearranging: where the file has them, with the settings that the order tells."""
     design = skincad.load("plain-ridges", ["mold.cavities=3"] if name == "gang" else [])
     if name not in ("gang", "plain-ridges"):
-        design = rings() if name == "rings" else skincad.load(name)
+        design = skincad.load(name)
     result = skincad.make(design, preview=True)
     skincad.write(result, tmp_path / "out", formats="3mf")
     plates = print_plates(result.built().job)

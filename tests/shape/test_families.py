@@ -12,7 +12,7 @@ import skincad
 from skincad.inputs.feature_tables import places
 from skincad.shape.curves import area, moments
 from skincad.shape.families import FAMILIES
-from skincad.shape.skin import Skin, section, skin_of
+from skincad.shape.skin import Skin, drawn_section, section, skin_of
 from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
 from tests.refusals import refused, refused_by
 
@@ -199,3 +199,12 @@ def test_a_setting_replaces_what_cannot_stand_beside_it(tmp_path: Path) -> None:
         skincad.load(path, ["pin.margin=0.5", "pin.height=4.0"]).with_(pin={"columns": 3, "rows": 3}).count
         == 9
     )
+
+
+def test_a_drawn_section_shows_a_row_of_pins() -> None:
+    design = pillars()
+    drawn, plane = drawn_section(design), section(design)
+    assert drawn.top == pytest.approx(design.skin.thickness + 6.0, abs=1e-4)  # chords' error
+    assert drawn.area - plane.area > 2 * 3.0 * 4.0  # of three pins 3 mm wide and 5.5 to 6 mm high
+    ridges = skincad.load("plain-ridges")
+    assert drawn_section(ridges) == section(ridges)

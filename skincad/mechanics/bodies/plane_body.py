@@ -140,7 +140,7 @@ def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Funct
     return of.positive(difference - NEAR, far, near) - 2
 
 
-CLAMPED_EDGE = 0.005  # of the height, see `body`
+CLAMPED_EDGE, FACE_EDGE = 0.005, 0.05  # of the height, of features and of a bare face: see `body`
 NONE = np.empty(0, dtype=np.int64)
 SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
 
@@ -260,6 +260,7 @@ def body(
     materials: Mapping[str, tuple[float, float]],
     laws: Mapping[str, Rubber] = NO_LAWS,
     revolved: bool = False,
+    face: bool = False,
 ) -> NeoHookeBody:
     """Return the body of a mesh, in plane strain or `revolved` about x = 0; `materials` maps a domain to
     (Young's modulus, Poisson's ratio).
@@ -268,12 +269,13 @@ def body(
 
     At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
     enough for elements that turn inside out there. Triangles within CLAMPED_EDGE of the height from such
-    an end keep the small-strain law instead; finite_strain.py has what that changes.
+    an end keep the small-strain law instead; finite_strain.py has what that changes. A bare `face` is pressed
+    as far as its back is wide, so strain is large there too: FACE_EDGE.
     """
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
-    gradient, edges = ng.Grad(u), _clamped_edges(mesh, CLAMPED_EDGE)
+    gradient, edges = ng.Grad(u), _clamped_edges(mesh, FACE_EDGE if face else CLAMPED_EDGE)
     if revolved:
         gradient = fe.in_space(gradient, u)
     # A factor with a derivative, 0: times an energy that is not a number it leaves no number in the residual

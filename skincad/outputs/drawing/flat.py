@@ -31,8 +31,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, write_dxf
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear
-from skincad.shape.curves import Loop, Point, loop
-from skincad.shape.skin import pictured_section, section, skin_of, summit
+from skincad.shape.curves import Loop, Point
+from skincad.shape.skin import drawn_section, skin_of, summit
 from skincad.solids.inserts import PITCH
 from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 
 
 SIZE = 2.0  # mm of paper, height of capitals
-CHORD = 1e-4  # mm, of arcs where pins are drawn
 SECTION_WIDTH = 110.0  # mm of paper
 ROOM_BESIDE, ROOM_OVER = 10.0, 14.0  # mm of paper, beside and over a section
 NOTES_Z, SEAL_NOTES_GAP = -14.0, 6.0  # mm of paper: notes' first line, below z = 0, and below a seal
@@ -64,7 +63,7 @@ def section_margin(design: Design) -> tuple[float, float]:
 def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
     """Return the section's dimensions, within its margin, and their paper's scale: width and thickness,
     height to the crest, pitch, and a ridge's height, root and tip before fillets."""
-    skin, scale, top = design.skin, SECTION_WIDTH / design.skin.width, summit(design)
+    skin, scale, top = design.skin, SECTION_WIDTH / design.skin.width, drawn_section(design).top
     half = skin.width / 2
 
     def on_paper(x: float, z: float) -> Place:
@@ -195,11 +194,8 @@ def _extent(outline: Loop) -> tuple[float, float, float, float]:
 def write_section_dxf(design: Design, path: Path) -> None:
     """Write the skin's own section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS,
     DIMENSIONS, and TEXT, which says that a mold is not cut by it."""
-    shape = section(design)
-    outline = shape.outline
-    if skin_of(design).symmetry == "revolved":  # pins are not in the section
-        outline = loop([Point(float(x), float(z)) for x, z in pictured_section(design, CHORD)])
-    rows = [("OUTLINE", outline), *(("SLOTS", s.loop()) for s in shape.slots)]
+    shape = drawn_section(design)
+    rows = [("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)]
     dimensions, scale = section_dimensions(design)
     notes = section_notes(design)
     write_dxf(
@@ -307,17 +303,14 @@ def section_html(design: Design) -> str:
 
 
 def _section_svg(design: Design) -> str:
-    shape, skin = section(design), skin_of(design)
-    half, top, (margin, over) = design.skin.width / 2, summit(design), section_margin(design)
+    shape = drawn_section(design)
+    half, top, (margin, over) = design.skin.width / 2, shape.top, section_margin(design)
     box = (-half - margin, -top - over, 2 * (half + margin), top + over + margin)
     curves = [
         f'  <path class="{name}" d="{_svg_path(outline)}"/>'
         for name, outline in [("outline", shape.outline), *(("slot", s.loop()) for s in shape.slots)]
     ]
-    if skin.symmetry == "revolved":  # pins are not in the section
-        rows = " ".join(f"{x:.9g} {-z:.9g}" for x, z in pictured_section(design, CHORD))
-        curves = [f'  <polygon class="outline" points="{rows}"/>']
-    style = "path,polygon{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
+    style = "path{stroke:#333;stroke-width:.02}.outline{fill:#eebfa6}.slot{fill:#fff}"
     return _svg(box, style, [*curves, _dimensions(*section_dimensions(design))])
 
 

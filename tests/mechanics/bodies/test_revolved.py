@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
+from typing import Literal
 
 import ngsolve as ng
 import numpy as np
@@ -18,6 +20,8 @@ from skincad.laws.ogden import Ogden
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.mesh import half_of, plane_piece
 from skincad.mechanics.bodies.solid_law import excess_density
+from skincad.mechanics.left_out import POCKETS, left_out
+from skincad.mechanics.left_out import finite_strain as finite_strain_bound
 from skincad.mechanics.models import finite_strain, linear
 from skincad.mechanics.problem import Pad, Request, focused, pad_of, pin_cell
 from skincad.shape.curves import Point, Segment
@@ -47,20 +51,39 @@ def ball(ratio: float, **of_material: float) -> Design:
     )
 
 
+@pytest.mark.parametrize("model", ["linear", "finite-strain"])
 @pytest.mark.parametrize("ratio", [0.3, INCOMPRESSIBLE])
-def test_a_ball_touches_as_hertz_says(ratio: float) -> None:
+def test_a_ball_touches_as_hertz_says(ratio: float, model: str) -> None:
     """Johnson, Contact Mechanics, eq. (4.22) to (4.24). The base of 50 mm gives 1 % of the approach, and the
-    pressure 2e-3 of its peak at the middle, where a force is shared by few points."""
+    pressure 2e-3 of its peak at the middle, where a force is shared by few points. Strain, half / radius, is
+    0.008."""
     radius, half, stiffness = 60.0, 0.5, MODULUS / (1 - ratio**2)
     force, peak = 4 * stiffness * half**3 / (3 * radius), 2 * stiffness * half / (math.pi * radius)
     pad = focused(pad_of(ball(ratio)), force)
-    answer, best = linear.refine(pad, Request(force), linear.level, "linear")
+    solve = linear.level if model == "linear" else finite_strain.Levels()
+    answer, best = linear.refine(pad, Request(force), solve, model)
     assert answer.approach.value == pytest.approx(half**2 / radius, rel=0.015)
     edge = best.x[best.pressure > 0].max()
     assert edge == pytest.approx(half, rel=0.01)  # between two points
     inside = best.x < 0.9 * half
     wanted = peak * np.sqrt(1 - (best.x[inside] / half) ** 2)
     assert best.pressure[inside] == pytest.approx(wanted, abs=0.01 * peak)
+
+
+def test_a_face_is_pressed_far_beyond_small_strain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 8 N flat-magnet's clamped corners fold without the small-strain law there; what it changes is within
+    the error, and what small strain leaves out within its bound."""
+    design = skincad.load("flat-magnet")
+    pad, small = pad_of(design), linear.answer(design, Request(8.0))
+    answer = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    change = abs((answer.value or 0.0) / (small.approach.value or 0.0) - 1)
+    assert 0.1 < change < finite_strain_bound(design, small, 8.0).approach
+    monkeypatch.setattr(plane_body, "FACE_EDGE", 2 * plane_body.FACE_EDGE)
+    wider = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    assert abs((wider.value or 0.0) - (answer.value or 0.0)) < (answer.error or 0.0)
+    monkeypatch.setattr(plane_body, "FACE_EDGE", plane_body.CLAMPED_EDGE)
+    with pytest.raises(InputError, match="inside out"):
+        finite_strain.solve(focused(pad, 8.0), Request(8.0))
 
 
 @pytest.mark.parametrize("height", [1.0, 2.0])
@@ -178,3 +201,44 @@ FORCE = 3.0
 @cache
 def pressed(large: bool) -> linear.PlaneSolution:
     return (finite_strain.Levels() if large else linear.level)(plane_piece(pad_of(rings())), 3, FORCE)
+
+
+def pocketed(pad: Pad, diameter: float, depth: float, kind: Literal["side", "back"]) -> Pad:
+    """A section that turns with a pocket in the middle of its back: empty, or filled by something rigid."""
+    (back,) = (s for s in pad.section.outline if s.kind == "back")
+    to, half = math.copysign(1.0, back.end.x - back.start.x), diameter / 2
+    corners = [
+        back.start,
+        Point(-to * half, 0.0),
+        Point(-to * half, depth),
+        Point(to * half, depth),
+        Point(to * half, 0.0),
+        back.end,
+    ]
+    kinds: list[Literal["side", "back"]] = ["back", kind, kind, kind, "back"]
+    edges = [
+        replace(back, start=a, end=b, kind=k) for (a, b), k in zip(pairwise(corners), kinds, strict=True)
+    ]
+    outline = [e for s in pad.section.outline for e in (edges if s is back else [s])]
+    return replace(pad, section=Section(tuple(outline)))
+
+
+@pytest.mark.parametrize("kind", ["side", "back"])
+@pytest.mark.parametrize("family", ["pin", "flat"])
+def test_a_pocket_changes_the_approach_within_its_bound(family: str, kind: Literal["side", "back"]) -> None:
+    pocket = {"diameter": 1.6, "depth": 3.5}
+    table: dict[str, object] = {"pitch": 9.0, "columns": 1, "rows": 1, "pocket": pocket}
+    if family == "pin":
+        table |= {"height": 3.0, "root_diameter": 3.4, "tip_diameter": 3.0, "crown": 0.5}
+    radius = 60.0 if family == "flat" else 1e8
+    skin = {"outline": "round", "curvature_radius": radius, "thickness": 5.0, "width": 20.0}
+    material = {"young_modulus": 0.3, "poisson_ratio": 0.49}
+    rest = {"material": material, "mold": {"process": "sla"}, "contact": {"force": 0.5}}
+    design = skincad.Design(name="pocket", skin=skin, **{family: table}, **rest)
+    pad = focused(pad_of(design), 0.5)
+    whole = linear.solve(pad, Request(0.5))
+    (bound,) = left_out((POCKETS,), design, whole, 0.5)
+    change = linear.solve(pocketed(pad, 1.6, 3.5, kind), Request(0.5)).approach.value or 0.0
+    change = change / (whole.approach.value or 1.0) - 1
+    assert (change > 0) == (kind == "side")  # empty is softer
+    assert 0.01 < abs(change) < bound.approach
