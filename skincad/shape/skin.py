@@ -269,7 +269,7 @@ def pictured_section(design: Design, tolerance: float) -> Array:
         buried = [at(left.x, -0.1 * skin.base.thickness), at(right.x, -0.1 * skin.base.thickness)]
         pin = [*polygon(tuple(placed.outline), tolerance), at(*left), *buried]
         body = body.union(shapely.Polygon(pin))
-    points: Array = shapely.get_coordinates(body.exterior)[:-1]
+    points: Array = shapely.get_coordinates(shapely.orient_polygons(body).exterior)[:-1]
     return points
 
 
