@@ -13,6 +13,7 @@ layer whose middle is the first to find it wider, by the print mesh's own chords
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -129,7 +130,7 @@ def _uncertain_remarks(job: Job) -> tuple[str, ...]:
     if not which:
         return ()
     return (
-        f"Crests {', '.join(map(str, which))} may come out a layer of {layer:g} mm lower or higher than "
+        f"Crests {listed_crests(which)} may come out a layer of {layer:g} mm lower or higher than "
         "that: a layer's middle is where their groove, or the ledge, ends.",
     )
 
@@ -220,6 +221,15 @@ def printed_crests(job: Job) -> tuple[float, ...] | None:
         return job.skin.crests
     block = _block(job)
     return block and _heights(block)
+
+
+MOST_LISTED = 64  # crests by number, assumption: nobody reads more
+
+
+def listed_crests(which: Sequence[int]) -> str:
+    """Return crests by number, of very many the first."""
+    shown = which if len(which) <= MOST_LISTED else which[:6]
+    return ", ".join(map(str, shown)) + (f" and {len(which) - 6} more" if shown is not which else "")
 
 
 def uncertain_ridges(job: Job) -> tuple[int, ...]:

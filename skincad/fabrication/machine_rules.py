@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
-from skincad.fabrication.crests import snapping_remarks, uncertain_ridges
+from skincad.fabrication.crests import listed_crests, snapping_remarks, uncertain_ridges
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import (
     FINER_COMBS,
@@ -180,7 +180,7 @@ def crest_findings(job: Job) -> Iterator[Finding]:
     which, layer = uncertain_ridges(job), job.cavity_process.layer
     if which and layer > CREST_TOLERANCE:
         remedy = "; ".join(snapping_remarks(job)) or "another mold.floor"
-        where = f"crest {', '.join(map(str, which))} may come out a layer lower or higher than the sheet says"
+        where = f"crest {listed_crests(which)} may come out a layer lower or higher than the sheet says"
         yield note("crest layer", where, layer, CREST_TOLERANCE, "mm", remedy)
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.fabrication.crests import printed_crests
+from skincad.fabrication.crests import listed_crests, printed_crests
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.measures import interference
@@ -195,3 +195,8 @@ def test_plate_and_base_are_drawn_and_cast_from() -> None:
     x, y = half[0] - 5.0 * scale, half[1] + 5.0 * scale  # pin 1, from the left and lower edge of the top view
     assert f"pin 1 at x {x:.3f}, y {y:.3f}" in tables[0].title
     assert not {f.rule for f in design_findings(job)} & {"tool depth"}
+
+
+def test_hundreds_of_crests_are_not_listed_one_by_one() -> None:
+    assert listed_crests(range(1, 65)).endswith(", 64")
+    assert listed_crests(range(1, 390)) == "1, 2, 3, 4, 5, 6 and 383 more"
