@@ -52,6 +52,7 @@ def test_short_pillars_slip_before_the_high_one() -> None:
     assert np.delete(steps, 4).max() < steps[4] - 5
 
 
+@pytest.mark.slow
 def test_pins_mirrored_in_y_slip_alike_and_work_is_accounted_for() -> None:
     for name in ("pillars", "dome"):
         result = run(name)

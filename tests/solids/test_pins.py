@@ -22,6 +22,8 @@ from skincad.solids.plan import CutRole, PartRole
 from skincad.solids.skin import cast_skin, skin_part
 from tests import families
 
+SLOW = pytest.mark.slow
+
 
 def one_pin(radius: float, along: float | None = None) -> Design:
     """A cylindrical pin with a hemisphere, alone in the middle of a skin."""
@@ -40,7 +42,10 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
     assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
 
 
-@pytest.mark.parametrize(("name", "levelling"), [("pillars", None), ("dome", None), ("dome", 0.7)])
+@pytest.mark.parametrize(
+    ("name", "levelling"),
+    [("pillars", None), pytest.param("dome", None, marks=SLOW), pytest.param("dome", 0.7, marks=SLOW)],
+)
 def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: float | None) -> None:
     design = families.OF_FAMILIES[name]().with_(pin={"levelling": levelling})
     for part in (skin_part(design), cast_skin(design)):
@@ -60,7 +65,7 @@ def test_pins_lie_in_the_mold_turned_about_x() -> None:
         assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
 
 
-@pytest.mark.parametrize("name", ["pillars", "dome"])
+@pytest.mark.parametrize("name", ["pillars", pytest.param("dome", marks=pytest.mark.slow)])
 def test_cavity_less_its_skin_is_empty(name: str) -> None:
     closed = mold(families.OF_FAMILIES[name]())
     skin, cavity = closed.first(PartRole.SKIN), closed.first(PartRole.CAVITY)

@@ -70,6 +70,7 @@ def test_a_ball_touches_as_hertz_says(ratio: float, model: str) -> None:
     assert best.pressure[inside] == pytest.approx(wanted, abs=0.01 * peak)
 
 
+@pytest.mark.slow
 def test_a_face_is_pressed_far_beyond_small_strain(monkeypatch: pytest.MonkeyPatch) -> None:
     """At 8 N flat-magnet's clamped corners fold without the small-strain law there; what it changes is within
     the error, and what small strain leaves out within its bound."""
