@@ -17,6 +17,7 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Pin
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
@@ -257,7 +258,7 @@ def cell_section(
 
 def pictured_section(design: Design, tolerance: float) -> Array:
     """Return what a picture shows as the section, `(n, 2)` mm of x and z, arcs within `tolerance` mm: the
-    outline, with the pins of the row next to the middle."""
+    outline, with the pins of the row next to the middle and their pockets."""
     skin, outline = skin_of(design), polygon(section(design).outline, tolerance)
     if skin.symmetry != "revolved":
         return outline
@@ -269,6 +270,10 @@ def pictured_section(design: Design, tolerance: float) -> Array:
         buried = [at(left.x, -0.1 * skin.base.thickness), at(right.x, -0.1 * skin.base.thickness)]
         pin = [*polygon(tuple(placed.outline), tolerance), at(*left), *buried]
         body = body.union(shapely.Polygon(pin))
+    if pocket := design.of(Pin).pocket:
+        half = pocket.diameter / 2
+        for x in (placed.tip[0] + pocket.offset for placed in row):
+            body = body.difference(shapely.box(x - half, -1.0, x + half, pocket.depth))
     points: Array = shapely.get_coordinates(shapely.orient_polygons(body).exterior)[:-1]
     return points
 
