@@ -1,4 +1,5 @@
-"""A pad's section in CalculiX: quads from gmsh, CPE8R, penalty contact with a rigid flat plate.
+"""A pad's section in CalculiX: quads from gmsh, CPE8R, or CAX8R of one that turns, penalty contact with a
+rigid flat plate.
 
 Both are processes of their own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary folder
 and on one processor. The plate hangs on a spring too soft to carry a force, so that the load is a force.
@@ -14,6 +15,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,8 @@ PENALTY = 3e3  # MPa/mm; 0.15 MPa sink in by 5e-5 mm, 3e-4 of the approach; 1e4 
 SOFT = 1e-6  # N/mm a mm of length, holds the plate while it is clear
 FIRST = 1 / 16  # of the approach in one increment; of 1/8 and 1/4 half were cut and repeated
 UNBALANCED = 1e-3  # of the force, what the contact forces may miss of it
+TURN = 180  # wedges of 2 degrees, of which CalculiX prints one's contact force
+PLATE_PARTS, NEAR_AXIS = 40, 1e-3  # a turned plate's elements, and mm from the axis to the first
 PLATE = 0.5  # mm, height of the plate's only element
 LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
 BACK, CUT = 10_000, 10_001  # numbers of curves, beyond any ridge's
@@ -158,27 +162,37 @@ def _read_mesh(text: str) -> Quads:
     return Quads(nodes, elements, back, np.setdiff1d(cut, back), faces)
 
 
+def _quad(left: float, right: float, low: float, high: float) -> list[tuple[float, float]]:
+    """The corners of a rectangle, then the middles of its sides."""
+    x, z = (left + right) / 2, (low + high) / 2
+    corners = [(left, low), (right, low), (right, high), (left, high)]
+    return [*corners, (x, low), (right, z), (x, high), (left, z)]
+
+
 def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[str]:
-    """Lines of CalculiX's input for a slice 1 mm long; with a `start`, mm, the law and large strains."""
-    finite = start is not None
+    """Lines of CalculiX's input for a slice 1 mm long, or for the whole turn; with a `start`, mm, the law and
+    large strains."""
+    finite, kind = start is not None, "CAX8R" if pad.revolved else "CPE8R"
     count, left, right = len(mesh.nodes), mesh.nodes[:, 0].min() - 1, mesh.nodes[:, 0].max() + 1
+    left = max(left, NEAR_AXIS) if pad.revolved else left
     top, high = pad.top, pad.top + PLATE
-    middle, half = (left + right) / 2, (top + high) / 2
-    plate = [(left, top), (right, top), (right, high), (left, high)]
-    plate += [(middle, top), (right, half), (middle, high), (left, half)]
+    parts = PLATE_PARTS if pad.revolved else 1
+    edges = pairwise(np.linspace(left, right, parts + 1).tolist())
+    plate = [place for a, b in edges for place in _quad(a, b, top, high)]
     yield "*NODE, NSET=all"
     for i, (x, z) in enumerate([*mesh.nodes.tolist(), *plate], 1):
         yield f"{i}, {x:.12g}, {z:.12g}, 0."
-    yield "*ELEMENT, TYPE=CPE8R, ELSET=skin"
+    yield f"*ELEMENT, TYPE={kind}, ELSET=skin"
     for i, quad in enumerate(mesh.elements + 1, 1):
         yield ", ".join(str(n) for n in (i, *quad.tolist()))
     last = len(mesh.elements) + 1
-    yield "*ELEMENT, TYPE=CPE8R, ELSET=plate"
-    yield ", ".join(str(n) for n in (last, *range(count + 1, count + 9)))
+    yield f"*ELEMENT, TYPE={kind}, ELSET=plate"
+    for i in range(parts):
+        yield ", ".join(str(n) for n in (last + i, *range(count + 8 * i + 1, count + 8 * i + 9)))
     # rigid: its nodes sink together (*RIGID BODY does not go with the conditions of plane strain)
-    reference, others = count + 1, range(count + 2, count + 9)
+    reference, others = count + 1, range(count + 2, count + 8 * parts + 1)
     yield from (f"*EQUATION\n2\n{n}, 2, 1., {reference}, 2, -1." for n in others)
-    yield f"*ELEMENT, TYPE=SPRING1, ELSET=soft\n{last + 1}, {reference}\n*SPRING, ELSET=soft\n2\n{SOFT:f}"
+    yield f"*ELEMENT, TYPE=SPRING1, ELSET=soft\n{last + parts}, {reference}\n*SPRING, ELSET=soft\n2\n{SOFT:f}"
     yield "*NSET, NSET=plate\n" + "\n".join(str(n) for n in (reference, *others))
     for name, nodes in (("back", mesh.back), ("cut", mesh.cut)):
         yield from [f"*NSET, NSET={name}", *(f"{n + 1}" for n in nodes)] if nodes.size else ()
@@ -194,7 +208,7 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
         yield f"*ELASTIC\n{pad.young_modulus!r}, {pad.poisson_ratio!r}"
     yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3"
     yield "*SOLID SECTION, ELSET=skin, MATERIAL=silicone\n1.\n*SOLID SECTION, ELSET=plate, MATERIAL=steel\n1."
-    yield f"*SURFACE, NAME=under\n{last}, S1"
+    yield "*SURFACE, NAME=under\n" + "\n".join(f"{last + i}, S1" for i in range(parts))
     yield f"*SURFACE INTERACTION, NAME=smooth\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY:f}"
     for ridge, faces in sorted(mesh.faces.items()):
         yield f"*SURFACE, NAME=ridge{ridge}"
@@ -209,7 +223,7 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
         yield f"*BOUNDARY\n{reference}, 2, 2, {-start!r}\n*END STEP"
         step = f"{step}, NLGEOM, AMPLITUDE=STEP"
     yield f"{step}\n*STATIC\n1., 1.\n*BOUNDARY, OP=NEW\n{held}"
-    yield f"*CLOAD\n{reference}, 2, {-force / pad.length!r}"
+    yield f"*CLOAD\n{reference}, 2, {-force / (1.0 if pad.revolved else pad.length)!r}"
     yield "*NODE PRINT, NSET=reference, FREQUENCY=1000\nU"
     for ridge in sorted(mesh.faces):
         yield f"*CONTACT PRINT, SLAVE=ridge{ridge}, MASTER=under, FREQUENCY=1000\nCF"
@@ -230,7 +244,7 @@ def press(
     pad: Pad, fineness: float, force: float, start: float | None = None, *, whole: bool = True
 ) -> PressedPad:
     """Return CalculiX's contact of the pad with the plate at `force` N; of all of it, or of its half with the
-    cut held sideways.
+    cut held sideways, as always of a section that turns.
 
     Small strain, or by the pad's law, neo-Hooke's or Ogden's, where `start` is given: an approach near the
     answer, mm, from where it changes from a driven plate to a loaded one. Raises RuntimeError when a
@@ -238,21 +252,23 @@ def press(
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        whole = whole and not pad.revolved
         piece = pad if whole else half_of(pad)
         if piece is None:
             raise ValueError("the pad is not its own mirror image")
-        borne = force if whole else force / 2
+        borne = force if whole or pad.revolved else force / 2
+        length = TURN if pad.revolved else pad.length
         mesh = quads(piece, default_sizes(pad, fineness), folder)
         (folder / "pad.inp").write_text("\n".join(_deck(piece, mesh, borne, start)))
         before = _children()
         run_program(["ccx", "-i", "pad"], folder)
         seconds = _children() - before
         shares, approach = read((folder / "pad.dat").read_text(), len(mesh.faces))
-    if abs(shares.sum() * pad.length / borne - 1) > UNBALANCED:
-        raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * pad.length:.4g} N of {borne:g} N")
-    if not whole:
+    if abs(shares.sum() * length / borne - 1) > UNBALANCED:
+        raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * length:.4g} N of {borne:g} N")
+    if not (whole or pad.revolved):
         shares = on_whole(pad, piece, 2 * shares)
-    return PressedPad(shares * pad.length, approach, 2 * len(mesh.nodes), seconds)
+    return PressedPad(shares * length, approach, 2 * len(mesh.nodes), seconds)
 
 
 def read(printed: str, ridges: int) -> tuple[NDArray[np.float64], float]:

@@ -18,9 +18,11 @@ from PIL import Image
 import skincad
 from skincad.inputs.catalog import template_names
 from skincad.outputs.gallery import forces, page
+from skincad.studies.query import first_able
 
 ROOT = Path(__file__).parent.parent
 FILE = ROOT / "templates" / "gallery.toml"
+MODELS = "corrected-finite-strain", "finite-strain", "reduced"  # the first that takes the design
 WIDTH, COLOURS = 900, 96  # pixels of a picture, and its palette
 HEAD = "# All-touch forces of the shipped designs, by revision: python -m bench.gallery writes them\n\n"
 
@@ -31,7 +33,7 @@ def main(pictures: bool) -> None:
     for name in template_names("designs"):
         design, known = skincad.load_design(name), forces().get(name, {})
         if known.get("revision") != design.revision:
-            verdict = skincad.check(design, model="corrected-finite-strain")
+            verdict = skincad.check(design, model=first_able(MODELS, design))
             force = verdict.all_touch_force
             known = {"revision": design.revision, "model": verdict.model}
             if force.value is not None and force.error is not None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import skincad
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from tests.bent_skin import bent
+from tests.families import RIDGED
 
 PLAIN = {"mold": {"carrier": "plain"}}  # no holes, where half of them would be in the way
 IN_LINE = {"thread": "M2", "pattern": "rectangle", "pitch_x": 8.0}
@@ -25,7 +25,7 @@ MOUNTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "yamada-2002-tilted": ({"thread": "M2.5", "pattern": "rectangle", "pitch_x": 9.0, "pin": 1.0}, {}),
     "bent": ({"thread": "M2", "pattern": "rectangle", "pitch_x": 8.0, "fiducials": 3}, {}),
 }
-NAMES = (*template_names(), "bent")
+NAMES = (*RIDGED, "bent")
 
 
 def mounted_design(name: str) -> Design:

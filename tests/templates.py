@@ -1,4 +1,4 @@
-"""The templates for tests of seconds: those that are another size of a kind of mold are among the slow."""
+"""The templates with ridges for tests of seconds: those that are another size of a kind of mold are slow."""
 
 from __future__ import annotations
 
@@ -9,11 +9,15 @@ import pytest
 import skincad
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
+from tests.families import RIDGED
 
 # as yamada-2002, by edm; lab-bench and home-printer as plain-ridges, by sla
 OTHER_SIZES = {"home-printer", "fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
-KINDS = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in template_names()
+MANY_PINS = {"nibs-fine", "pins-dome"}  # whose solids take seconds
+KINDS = [pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in RIDGED]
+SHIPPED = [
+    pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES | MANY_PINS else [])
+    for name in template_names()
 ]
 
 # combs by the machine that prints the rest, which does not hold their notches

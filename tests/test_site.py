@@ -12,7 +12,7 @@ from mkdocs.config import load_config
 import skincad
 from bench.docs_reference import RESULTS
 from skincad.cli.app import app
-from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat, Pin, Pocket, Ridge, Ring
 from tests.outputs.browser import shown
 
 ROOT = Path(__file__).parent.parent
@@ -83,7 +83,9 @@ def test_reference_has_every_command_option_name_and_key(site: Path) -> None:
         assert option in pages["cli"]
     for name in skincad.__all__:
         assert f"skincad.{name}" in pages["python"], name
-    for key in (*Design.model_fields["ridge"].annotation.model_fields, "effects.piezo", "pixel"):
+    tables = (Ridge, Ring, Pin, Flat, Pocket)
+    keys = {key for table in tables for key in table.model_fields}
+    for key in (*keys, "effects.piezo", "pixel"):
         assert key in pages["toml"], key
     for command in RESULTS:
         assert f"skincad {command}" in pages["json"]

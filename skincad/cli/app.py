@@ -23,7 +23,7 @@ from skincad.cli.sweep import sweep
 from skincad.cli.templates import templates
 from skincad.cli.watch import watch
 
-HELP = "Artificial robot skin with ridges: its solids and mold, files to make them, and what it will feel."
+HELP = "Artificial robot skin: its solids and mold, files to make them, and what it will feel."
 COMMANDS = (
     templates, new, make, watch, coupon, package, check, circuit, simulate, accuracy, fit_material,
     solve, sweep, optimise, live,

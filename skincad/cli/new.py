@@ -60,10 +60,11 @@ def new(
         ),
     ] = None,
     size: Annotated[
-        str | None, _wish("--size", "WxL", "The pad, across and along its ridges: 24x30, in mm, or 2.4x3cm.")
+        str | None,
+        _wish("--size", "WxL", "The pad, across and along its ridges: 24x30, in mm, or 2.4x3cm."),
     ] = None,
     touch: Annotated[
-        str | None, _wish("--touch", "N", "The force at which all ridges are to touch: 1N or 500mN.")
+        str | None, _wish("--touch", "N", "The force at which all features are to touch: 1N or 500mN.")
     ] = None,
     silicone: Annotated[
         str | None, _wish("--silicone", "NAME", "Cast in this silicone.", "silicones")
@@ -75,6 +76,9 @@ def new(
     film: Annotated[
         str | None, _wish("--film", "NAME", "Slots for this film, as pvdf-28um, or none.")
     ] = None,
+    family: Annotated[
+        str | None, _wish("--family", "NAME", "What stands on the skin: ridge, pin, ring or flat.")
+    ] = None,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
@@ -85,11 +89,11 @@ def new(
 
     With any of --size, --touch, --silicone, --process, --gripper and --film it chooses a castable pad that
     meets them, checks it, and says what it chose and why. What is not given is chosen too. That takes about
-    30 s. In a terminal without options it asks.
+    30 s. In a terminal without options it asks. --family alone copies a template of that family.
 
     An editor that knows the schema completes and checks the file.
     """
-    from skincad.outputs.tomls import HOME, check_new, write_new
+    from skincad.outputs.tomls import HOME, check_new, first_of, write_new
 
     check_new(file)
     wish = {
@@ -102,8 +106,16 @@ def new(
     }
     given = {key: value for key, value in wish.items() if value is not None}
     own = {"printer": printer, "silicones": silicones, "grippers": grippers}
+    if family is not None and template is not None:
+        raise InputError("family", "does not go with a template", family, "leave one of them out")
     if given and template is not None:
         raise InputError("template", "does not go with a wish", template, f"leave out --{next(iter(given))}")
+    if family == "pin" and film not in (None, "none"):
+        raise InputError("film", "needs ridges, and pins have none", film, "leave it out")
+    if not given and family is not None:
+        template = first_of(family)
+    elif family is not None:
+        given["family"] = family
     if not given and template is None and not as_json and _at_a_terminal():
         given = _asked()
     if not given:

@@ -67,7 +67,7 @@ class FiniteStrain(Law):
         pad, unit = piece.pad, piece.unit
         curved = elements.curved(mesh, order)
         with one_blas_thread():
-            body = plane_body.body(curved, order, pad.materials, pad.laws)
+            body = plane_body.body(curved, order, pad.materials, pad.laws, face=pad.face)
             whole = frictional_pad_of(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
         strips = (
             strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)

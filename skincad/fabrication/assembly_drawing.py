@@ -24,8 +24,9 @@ CHORD = 5e-3  # mm, of arcs in the section: a tenth of a line's width at 10:1
 ASIDE = 1e-3  # mm, by which the cut lies beside the middle, where meshes may have edges
 LEAST_AREA = 0.05  # mm2; what is smaller is no face to be hatched or named
 BESIDE = {"screw", "stud", "nut", "washer", "threaded insert", "dowel pin", "clamp"}
-BESIDE |= {"seal", "shim", "film strip"}  # of what is bought: not the bench's consumables
+BESIDE |= {"seal", "shim", "film strip", "core pin"}  # of what is bought: not the bench's consumables
 _HARDWARE = {PartRole.SEAL: "seal", PartRole.SHIM: "shim", PartRole.STRIP: "film strip"}
+_HARDWARE |= {PartRole.CORE_PIN: "core pin"}
 
 
 class CutFace(NamedTuple):
@@ -48,13 +49,14 @@ class Balloon(NamedTuple):
 @dataclass(frozen=True, kw_only=True)
 class AssemblyDrawing(Titled):
     """The closed mold: the section's faces, y to the right and z up; the view from above, x to the right and
-    y up, and its balloons; where the section is cut, x."""
+    y up, and its balloons; where the section is cut, x, and whether a gate lies there."""
 
     faces: tuple[CutFace, ...]
     plan: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
     balloons: tuple[Balloon, ...]
     cut_at: float
+    gate: bool
 
 
 def assembly_drawing(job: Job) -> AssemblyDrawing:
@@ -89,6 +91,7 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
         hidden=hidden,
         balloons=tuple(_balloons(job, in_it)),
         cut_at=cut_at,
+        gate=job.gate is not None,
     )
 
 
@@ -118,7 +121,7 @@ def _from_above(job: Job) -> tuple[tuple[Stroke, ...], tuple[Stroke, ...]]:
     """Outlines and bores of the cover, and what stands out under it; the bolts along y as hidden lines."""
     closed, seen = job.closed, list[Stroke]()
     cover = closed.first(PartRole.COVER)
-    blocks = [closed.of(*CAVITIES)[0], *closed.of(*END_PLATES), cover]
+    blocks = [closed.of(PartRole.BLOCK, *CAVITIES)[0], *closed.of(*END_PLATES), cover]
     boxes = [manifold(part, CHORD).bounding_box() for part in blocks]
     for low_x, low_y, _, high_x, high_y, _ in boxes:
         corners = (low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y), (low_x, low_y)

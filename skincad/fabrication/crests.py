@@ -13,6 +13,7 @@ layer whose middle is the first to find it wider, by the print mesh's own chords
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -23,8 +24,10 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import print_chord
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
-from skincad.shape.skin import section
-from skincad.solids.plan import PartRole, Prism, corners
+from skincad.shape.curves import polygon
+from skincad.shape.skin import summit
+from skincad.solids.pins import hole_block
+from skincad.solids.plan import PartRole, Prism, TurnedBody, corners
 from skincad.solids.shrinkage import scaled_for_shrinkage
 
 # assumption: of good parts, by all rows together; the rest of 1 % is for what is not normal
@@ -38,6 +41,7 @@ READINGS_NEAR_EDGE = 64  # of each crest in all, near the verdict's edge: so tha
 EDGE_DEVIATIONS = 2.5
 SHRINKAGE_SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
 LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
+MOST_LISTED = 64  # features that a sheet lists one by one
 NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
 SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
@@ -126,7 +130,7 @@ def _uncertain_remarks(job: Job) -> tuple[str, ...]:
     if not which:
         return ()
     return (
-        f"Crests {', '.join(map(str, which))} may come out a layer of {layer:g} mm lower or higher than "
+        f"Crests {listed_crests(which)} may come out a layer of {layer:g} mm lower or higher than "
         "that: a layer's middle is where their groove, or the ledge, ends.",
     )
 
@@ -159,11 +163,12 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
     skin = job.skin
     if skin.count == 1:
-        return "One ridge touches in any case: its height changes no verdict."
+        alone = "Its face" if skin.symmetry == "none" else f"One {skin.family}"
+        return f"{alone} touches in any case: its height changes no verdict."
     if not allowed_drops:
         return (
             "The check leaves no margin or was not asked: the limits say what the process does, not whether "
-            "all ridges touch."
+            f"all {skin.family}s touch."
         )
     drops = [meant - out for meant, out in zip(skin.crests, crests.heights, strict=True)]
     which = min(range(len(drops)), key=lambda i: allowed_drops[i] - drops[i])
@@ -192,16 +197,15 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
 
 
 class _Block(NamedTuple):
-    """A printed cavity in its section's plane, mm: outline `(n, 2)`, its foot and top, a layer's height, how
-    much larger than the skin it is, and of each groove its place across, its bottom's height, and how far a
-    layer's middle may be from that for all that one knows."""
+    """A printed cavity in its section's plane, mm: its foot and top, a layer's height, how much larger than
+    the skin it is, and of each groove its place across, its bottom's height, how far a layer's middle may be
+    from that for all that one knows, and an outline `(n, 2)` that has it."""
 
-    outline: Array
     foot: float
     top: float
     layer: float
     grown: float
-    grooves: tuple[tuple[float, float, float], ...]
+    grooves: tuple[tuple[float, float, float, Array], ...]
 
 
 def printed_crests(job: Job) -> tuple[float, ...] | None:
@@ -217,6 +221,15 @@ def printed_crests(job: Job) -> tuple[float, ...] | None:
         return job.skin.crests
     block = _block(job)
     return block and _heights(block)
+
+
+MOST_LISTED = 64  # crests by number, assumption: nobody reads more
+
+
+def listed_crests(which: Sequence[int]) -> str:
+    """Return crests by number, of very many the first."""
+    shown = which if len(which) <= MOST_LISTED else which[:6]
+    return ", ".join(map(str, shown)) + (f" and {len(which) - 6} more" if shown is not which else "")
 
 
 def uncertain_ridges(job: Job) -> tuple[int, ...]:
@@ -244,7 +257,7 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     """
     skin = job.skin
     block, crests = _block(job), printed_crests(job)
-    if block is None or crests is None:
+    if block is None or crests is None or skin.count > MOST_LISTED or skin.symmetry == "none":
         return None
     off = max(abs(out - high) for out, high in zip(crests, skin.crests, strict=True))
     heights = []
@@ -255,8 +268,8 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     if min(heights) <= 0 or (off < NEGLIGIBLE_CHANGE and not uncertain_ridges(job)):
         return None
     cast = scaled_for_shrinkage(with_heights(job.design, heights))
-    top = section(cast).top
-    least = -block.foot - job.cast_section.top
+    top = summit(cast)
+    least = -block.foot - summit(job.cast)
     return tuple(heights), round(
         block.layer * math.ceil((top + least) / block.layer - NEGLIGIBLE_CHANGE) - top, 4
     )
@@ -269,7 +282,7 @@ def snapping_remarks(job: Job) -> tuple[str, ...]:
     heights, floor = snapped
     keys = " and ".join(height_keys(job.design))
     return (
-        f"With `mold.floor = {floor:g}` and `ridge.heights = {list(heights)}`"
+        f"With `mold.floor = {floor:g}` and `{job.skin.family}.heights = {list(heights)}`"
         f"{f' in the place of {keys}' if keys else ''} each crest is at a layer's end: then section, check "
         "and mold are of what comes out.",
     )
@@ -280,24 +293,31 @@ def _block(job: Job) -> _Block | None:
     process = job.cavity_process
     blocks, skin = job.closed.of(PartRole.CAVITY), job.closed.first(PartRole.SKIN).body
     body = blocks[0].body if len(blocks) == 1 else None
+    if isinstance(skin, TurnedBody) and body is not None and blocks[0].straight:
+        body = blocks[0].straight.body
     flat = process.layer and process.orientation != "end"
-    if not (flat and isinstance(body, Prism) and isinstance(skin, Prism)) or body.grid:
+    if not (flat and isinstance(body, Prism) and isinstance(skin, Prism | TurnedBody)) or body.grid:
         return None
     grown = 1 / (1 - job.shrinkage)
     outline = corners(body, body.outline, print_chord(job.design))
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
-    middle = (min(sides) + max(sides)) / 2
+    middle = (min(sides) + max(sides)) / 2 if isinstance(skin, Prism) else 0.0
     pixel = process.pixel if process.tool == "screen" else 0.0
+    pins = job.skin.symmetry == "revolved"
     grooves = tuple(
         (
-            middle + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
+            (0.0 if pins else middle)
+            + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
             -high * grown,
             LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
+            polygon(hole_block(job.skin.placed[ridge - 1]), print_chord(job.design)) * grown
+            if pins
+            else outline,
         )
         for ridge, high in enumerate(job.skin.crests, 1)
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
-    return _Block(outline, foot, top, process.layer, grown, grooves)
+    return _Block(foot, top, process.layer, grown, grooves)
 
 
 def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[float, ...] | None:
@@ -306,10 +326,10 @@ def _heights(block: _Block, at_ledge: int = 0, in_grooves: int = 0) -> tuple[flo
     layer = block.layer
     ledge = layer * math.ceil(-(block.foot + at_ledge * LEVEL_BAND) / layer - 0.5)
     heights = []
-    for x, depth, band in block.grooves:
+    for x, depth, band, outline in block.grooves:
         foot = block.foot + in_grooves * band
         layers = math.ceil((depth - foot) / layer - 0.5)
-        while _open(block.outline, x, foot + (layers + 0.5) * layer) <= SLICE_CLOSING:
+        while _open(outline, x, foot + (layers + 0.5) * layer) <= SLICE_CLOSING:
             layers += 1
             if foot + (layers + 0.5) * layer > block.top:
                 return None

@@ -36,6 +36,7 @@ from skincad.solids.plan import (
     PartRole,
     Prism,
     RotatedBody,
+    TurnedBody,
     Vector,
     unturned,
 )
@@ -362,9 +363,13 @@ def datums(part: Part) -> tuple[Datum, ...]:
         faces = (
             (FRONT, "bottom", "lower face"),
             (FRONT, side, upright),
-            (ABOVE, "bottom", "lower edge of the face at end a" if part.straight else "face at end a"),
+            (ABOVE, "bottom", "lower edge of the face at end a" if _slanted(part) else "face at end a"),
         )
     return tuple(Datum(letter, *face) for letter, face in zip("ABC", faces, strict=True))
+
+
+def _slanted(part: Part) -> bool:
+    return isinstance(part.body, Prism) and part.body.grid is not None
 
 
 def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
@@ -376,9 +381,13 @@ def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
     level = sorted({s.start.x for s in straight.body.outline if abs(s.start.z) < SEAT_TOLERANCE})
     if len(level) < 4:
         return ()
-    wide = Length(FRONT, "u", level[0], level[3], "seat")
+    across = (
+        " Ø" if any(isinstance(cut, TurnedBody) and cut.role is CutRole.TROUGH for cut in part.cuts) else ""
+    )
+    wide = Length(FRONT, "u", level[0], level[3], f"seat{across}")
     depth = Length(FRONT, "v", 0.0, top, "seat")
-    return wide, Length(FRONT, "u", level[1], level[2], "skin"), depth
+    skin = Length(FRONT, "u", level[1], level[2], f"skin{across}")
+    return (wide, skin, depth) if top > 0 else (skin,)  # a disc's ledge is its top
 
 
 def pockets(part: Part) -> tuple[NutPocket, ...]:
@@ -443,6 +452,8 @@ def grooves_of(job: Job, part: Part) -> tuple[Groove, ...]:
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
     cast, rows, shift = job.cast_skin, [], job.place.centres[0]
+    if cast.symmetry == "none":
+        return ()
     cut = {s.feature for s in body.outline if s.feature is not None}
     for placed in cast.placed:
         if placed.number in cut:

@@ -87,11 +87,11 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.catalog import display_name
 from skincad.inputs.skin_tables import Film
-from skincad.solids.cavity import split_ridges
+from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
 from skincad.solids.layout import end_angle
-from skincad.solids.plan import CutRole, Part, PartRole, bores
+from skincad.solids.plan import END_PLATES, Bore, CutRole, Part, PartRole, bores
 
 RIVET_STRAIN = 0.5  # assumption: of a rivet's neck under the test, well below what breaks silicone
 BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed back
@@ -192,6 +192,53 @@ class Facts:
         return self.job.skin.slot is not None
 
     @property
+    def family(self) -> str:
+        """The family of the skin's features."""
+        return self.job.skin.family
+
+    @cached_property
+    def ends(self) -> bool:
+        """Whether end plates close the cavity."""
+        return bool(self.job.closed.of(*END_PLATES))
+
+    @cached_property
+    def disc(self) -> bool:
+        """Whether the cavity is a disc in a block."""
+        return bool(self.job.closed.of(PartRole.BLOCK))
+
+    @property
+    def blind(self) -> bool:
+        """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""
+        return self.job.skin.symmetry == "revolved" and not self.tips
+
+    @property
+    def tips(self) -> bool:
+        """Whether a base of cups closes pins' through holes."""
+        return parts_at_tips(self.job.cast)
+
+    @property
+    def cores(self) -> int:
+        """How many core pins keep pockets free."""
+        return len(self.job.closed.of(PartRole.CORE_PIN))
+
+    @property
+    def core_diameter(self) -> float:
+        """Their diameter, mm."""
+        return 2 * self._core.radius
+
+    @property
+    def core_depth(self) -> float:
+        """How far they stand out of the carrier, mm."""
+        return -self._core.start[2]
+
+    @property
+    def _core(self) -> Bore:
+        body = self.job.closed.first(PartRole.CORE_PIN).body
+        if not isinstance(body, Bore):
+            raise ValueError("a core pin is a rod")
+        return body
+
+    @property
     def by_shim(self) -> bool:
         """Whether slots are kept free by shims, if there are slots."""
         return self.job.design.mold.method == "shim"
@@ -289,8 +336,8 @@ class Facts:
     @property
     def printed(self) -> list[str]:
         """Which parts of the mold are printed, by what they are called."""
-        job = self.job
-        made = {"cavity": job.cavity_process, "end plates": job.end_process, "cover": job.lid_process}
+        job, ends = self.job, {"end plates": self.job.end_process} if self.ends else {}
+        made = {"cavity": job.cavity_process, **ends, "cover": job.lid_process}
         return [name for name, process in made.items() if process.layer]
 
     @property
@@ -398,7 +445,8 @@ class Facts:
             area = math.fsum(math.pi * bore.radius**2 for bore in necks)
             return area * self.job.silicone.young_modulus.value * RIVET_STRAIN
         skin = self.job.design.skin
-        return BOND_SHARE * BOND_STRENGTH * skin.width * skin.length * self.job.design.mold.cavities
+        bond = BOND_SHARE * BOND_STRENGTH * self.job.design.mold.cavities
+        return bond * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
 
     @property
     def pull_off_g(self) -> float:

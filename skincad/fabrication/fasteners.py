@@ -49,6 +49,8 @@ _FOR = {
     CutRole.FIDUCIAL: "fiducial for a camera",
     CutRole.RESERVOIR: "riser cup",
     CutRole.BLEED: "bleed",
+    CutRole.EJECT: "to push the cavity out",
+    CutRole.CORE: "core pin, pushed in by hand; ream",
 }
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: ISO 8734, nominal lengths of parallel pins of 2 mm
@@ -173,21 +175,23 @@ class Screws(NamedTuple):
 
 def cover_screws(job: Job) -> Screws | None:
     """Return the cover's screws; None where clamps hold it."""
-    cover, blocks = job.closed.first(PartRole.COVER), job.closed.of(*CAVITIES)
+    cover, blocks = job.closed.first(PartRole.COVER), job.closed.of(PartRole.BLOCK, *CAVITIES)
     screws = bores(cover, CutRole.COVER_BOLT)
     if not screws:
         return None
     passed = max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
     thread_length = max(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     split = bool(job.closed.of(PartRole.BASE))
-    long, washers = screw_for(screws[0].length + passed, thread_length, job.cavity_process, bottomed=split)
+    long, washers = screw_for(screws[0].length + passed, thread_length, job.block_process, bottomed=split)
     studs = long > LENGTHS[-1]
     return Screws(len(screws), long + (NUT if studs else 0.0), washers, len(screws) if studs else 0)
 
 
 def end_screws(job: Job) -> Screws:
     """Return the end plates' screws: along y through both plates, or, of a doubly curved mold, into each of
-    the cavity's ends."""
+    the cavity's ends; no pieces where there are no end plates."""
+    if not job.closed.of(*END_PLATES):
+        return Screws(0, 0.0)
     if job.bent:
         count = sum(len(bores(plate, CutRole.END_BOLT)) for plate in job.closed.of(*END_PLATES))
         threads = bores(job.closed.first(PartRole.CAVITY), CutRole.END_THREAD)

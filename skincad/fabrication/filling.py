@@ -1,7 +1,8 @@
 """How a mold fills: the void that silicone fills, its levels, and the air that stays.
 
-Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces. In
-a doubly curved mold the skin and what touches its back are curved; volumes hold there as well.
+Everything that silicone can reach in the closed mold: disjoint prisms and bores that touch on plane faces,
+and a round skin. In a doubly curved mold the skin and what touches its back are curved; volumes hold there as
+well.
 
 The seats (carrier on ledge, cover on carrier) and the shims' slits in the end plates count as tight.
 
@@ -40,12 +41,24 @@ from skincad.shape.curves import polygon
 from skincad.solids.bent import gap_beside
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import END_PLATES, Body, Bore, CutRole, PartRole, Prism, Vector, bores
+from skincad.solids.plan import (
+    END_PLATES,
+    Body,
+    Bore,
+    CutRole,
+    PartRole,
+    Prism,
+    TurnedBody,
+    Vector,
+    bores,
+    turn_steps,
+)
 
 Points = Array
 TOUCH = 1e-9  # mm and mm2; faces within it are on one plane, and less of a common area is none
 LEVEL = 1e-9  # mm; air less than this above its way out is rounding
 CHORD = 1e-3  # mm, of arcs; a tenth of it changes no pocket of a template by 0.001 mm3
+TURN_CHORD = 0.02  # mm, of a round skin's turn: its highest places are exact, what lies between is 0.2 % off
 # mm3, assumption: a bubble of 0.27 mm across, two walls between film and flank; less is let go
 LEAST_POCKET = 0.01
 BUBBLE_SHARE = 0.25  # assumption: share of the skin's thickness that a bubble in its body may be across
@@ -121,8 +134,8 @@ def perforated(closed: ClosedMold) -> bool:
 
 def _gap(design: Design, carrier: Body) -> list[Prism]:
     gap = design.mold.clearance
-    if gap == 0.0 or not isinstance(carrier, Prism):
-        return []
+    if gap == 0.0 or design.skin.round or not isinstance(carrier, Prism):
+        return []  # a round carrier lies on its ledge all round
     if carrier.axis == "x":
         return gap_beside(carrier, gap)
     corners = np.array([s.start for s in carrier.outline])
@@ -179,7 +192,8 @@ def vertical(tilt: float) -> Points:
 def cells(space: Void, tolerance: float) -> Cells:
     """Return the void's convex cells, arcs as chords within `tolerance` mm.
 
-    Spaces must be disjoint and touch on faces across y or z; prisms offer their caps and level sides.
+    Spaces must be disjoint and touch on faces across y or z; prisms offer their caps and level sides, what
+    turns its level faces.
     Raises RefusedError when a prism's section can't be cut into triangles.
     """
     corners: list[Points] = []
@@ -190,9 +204,14 @@ def cells(space: Void, tolerance: float) -> Cells:
     outlets: list[tuple[int, Points]] = []
     for index, part in enumerate(space.spaces):
         first = len(corners)
-        if not isinstance(part.body, Prism | Bore):
-            raise RefusedError(f"{part.name}: how it fills is known of prisms and bores alone")
-        pieces = _prism(part.body, tolerance) if isinstance(part.body, Prism) else _bore(part.body, tolerance)
+        if isinstance(part.body, TurnedBody):
+            pieces = _turned(part.body, tolerance)
+        elif isinstance(part.body, Prism):
+            pieces = _prism(part.body, tolerance)
+        elif isinstance(part.body, Bore):
+            pieces = _bore(part.body, tolerance)
+        else:
+            raise RefusedError(f"{part.name}: how it fills is known of prisms, bores and round skins alone")
         corners += pieces.corners
         owner += [index] * len(pieces.corners)
         links += [(first + a, first + b) for a, b in pieces.pairs]
@@ -318,6 +337,46 @@ def _prism(prism: Prism, tolerance: float) -> _CellMesh:
     return pieces
 
 
+def _turned(body: TurnedBody, tolerance: float) -> _CellMesh:
+    """Cut what turns into wedges, a triangle of its loop from one angle to the next, each with plane faces:
+    joined along the edges that triangles share, and round the turn. The highest of a level face lies at a
+    quarter turn, so it is exact."""
+    flat = curves.polygon(body.outline, tolerance)
+    reach = float(flat[:, 0].max())
+    count = 4 * math.ceil(turn_steps(2 * math.pi, reach, TURN_CHORD) / 4)
+    angles = 2 * math.pi * np.arange(count) / count
+    t, n = flat.T
+    rings = [body.placed(np.column_stack([t * c, t * s, n])) for c, s in zip(*_around(angles), strict=True)]
+    triangles = np.asarray(triangulate([flat])).tolist()
+    owner = {edge: i for i, corners in enumerate(triangles) for edge in _edges(corners)}
+    pieces = _CellMesh([], [], [], [])
+    for step, low in enumerate(rings):
+        high = rings[(step + 1) % count]
+        first, after = step * len(triangles), (step + 1) % count * len(triangles)
+        for i, triangle in enumerate(triangles):
+            pieces.corners.append(np.vstack([low[triangle], high[triangle]]))
+            pieces.pairs.append((first + i, after + i))
+            pieces.passages.append(high[triangle])
+            for one, other in _edges(triangle):
+                side = np.array([low[one], low[other], high[other], high[one]])
+                neighbour = owner.get((other, one))
+                if neighbour is None and abs(n[one] - n[other]) < TOUCH:
+                    pieces.faces.append(_Face(first + i, 2, 1 if t[one] > t[other] else -1, side))
+                elif neighbour is not None and neighbour > i:
+                    pieces.pairs.append((first + i, first + neighbour))
+                    pieces.passages.append(side)
+    return pieces
+
+
+def _edges(corners: list[int]) -> list[tuple[int, int]]:
+    return list(pairwise([*corners, corners[0]]))
+
+
+def _around(angles: Array) -> tuple[list[float], list[float]]:
+    """Cosines and sines of even angles, exact at the quarters."""
+    return np.cos(angles).round(15).tolist(), np.sin(angles).round(15).tolist()
+
+
 def _lifted(points: Points, third: int, level: float) -> Points:
     return np.insert(points, third, level, axis=1)
 
@@ -358,7 +417,7 @@ def _contacts(faces: list[_Face]) -> Iterator[tuple[int, int, Points]]:
 
 
 @dataclass(frozen=True)
-class Pocket:
+class AirPocket:
     """Air that no way leads out of: what it lies under, its highest place (mm, mold's frame), its volume in
     mm3 and its height in mm along the vertical."""
 
@@ -384,7 +443,7 @@ class _Filling(NamedTuple):
     tilted: bool
 
 
-def pockets(job: Job, tilt: float | None = None) -> tuple[Pocket, ...]:
+def pockets(job: Job, tilt: float | None = None) -> tuple[AirPocket, ...]:
     """Return the air pockets of at least `LEAST_POCKET` mm3, the largest first.
 
     End b is up by `tilt` deg, by the design's own tilt if not given.
@@ -459,14 +518,14 @@ def _level(design: Design) -> list[Finding]:
     return [note("trapped air", where, tilt, least, "deg", remedy)]
 
 
-def _grouped_findings(design: Design, air: Iterable[Pocket], remedy: str) -> list[Finding]:
-    kinds: dict[tuple[str, str], list[Pocket]] = defaultdict(list)
+def _grouped_findings(design: Design, air: Iterable[AirPocket], remedy: str) -> list[Finding]:
+    kinds: dict[tuple[str, str], list[AirPocket]] = defaultdict(list)
     for pocket in air:
         kinds[pocket.harm, pocket.alike].append(pocket)
     return [_finding(design, group, remedy) for group in kinds.values()]
 
 
-def _finding(design: Design, group: list[Pocket], remedy: str) -> Finding:
+def _finding(design: Design, group: list[AirPocket], remedy: str) -> Finding:
     largest, volume = group[0], math.fsum(pocket.volume for pocket in group)
     body = math.pi / 6 * (BUBBLE_SHARE * design.skin.thickness) ** 3
     limit = LEAST_POCKET if largest.harm == "relief" else body
@@ -483,15 +542,16 @@ def _fillings(job: Job) -> list[_Filling]:
     spaces = [(void(job), True)]
     if job.gate is None:
         spaces.append((open_trough(closed), False))
-    surfaces = _surfaces(closed)
+    surfaces = _surfaces(closed, job.skin.family)
     return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in spaces]
 
 
-def _surfaces(closed: ClosedMold) -> list[_Surface]:
+def _surfaces(closed: ClosedMold, family: str) -> list[_Surface]:
     """The surfaces that bound the skin in its section, by name. The skin is a prism, so x and z identify the
-    surface of a point. Where several meet, the first counts: shim or strip, ridge, carrier, the rest."""
+    surface of a point, or turns, so z and the distance from the axis do. Where several meet, the first
+    counts: shim or strip, feature, carrier, the rest."""
     body = closed.first(PartRole.SKIN).body
-    if not isinstance(body, Prism):
+    if not isinstance(body, Prism | TurnedBody):
         return []
     surfaces = []
     for part in closed.of(PartRole.SHIM, PartRole.STRIP):
@@ -500,16 +560,17 @@ def _surfaces(closed: ClosedMold) -> list[_Surface]:
             surfaces.append(
                 _Surface(part.name, f"{part.role.label} of ridge {part.body.outline[0].feature}", True, edge)
             )
-    segments = [*body.outline, *(s for hole in body.holes for s in hole)]
+    holes = body.holes if isinstance(body, Prism) else ()
+    segments = [*body.outline, *(s for hole in holes for s in hole)]
     for segment in sorted(segments, key=lambda s: (s.feature is None, s.kind != "back")):
         along = segment.points(np.linspace(0, 1, segment.pieces(CHORD) + 1))
         name = {"back": "carrier", "side": "side of the cavity", "base": "valley"}.get(segment.kind)
-        name = name or f"{segment.kind.replace('_', ' ')} of ridge {segment.feature}"
+        name = name or f"{segment.kind.replace('_', ' ')} of {family} {segment.feature}"
         surfaces.append(_Surface(name, segment.kind, segment.feature is not None, shapely.LineString(along)))
     return surfaces
 
 
-def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
+def _pockets(fillings: list[_Filling], tilt: float) -> list[AirPocket]:
     pockets = []
     for filling in fillings:
         ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if part.beside is PartRole.COVER)
@@ -518,18 +579,19 @@ def _pockets(fillings: list[_Filling], tilt: float) -> list[Pocket]:
     return sorted((p for p in pockets if p.volume >= LEAST_POCKET), key=lambda p: (-p.volume, p.place))
 
 
-def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> Pocket:
+def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> AirPocket:
     """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
     partition, spaces = filling.cells, filling.space.spaces
     skin = [c for c in air.cells if spaces[partition.space[c]].beside is PartRole.SKIN]
     if not skin:
         first = min(air.cells, key=lambda c: -float((partition.corners[c] @ up).max()))
         space = spaces[partition.space[first]]
-        return Pocket(space.where, space.name, air.highest, air.volume, air.height, "riser")
+        return AirPocket(space.where, space.name, air.highest, air.volume, air.height, "riser")
     corners = np.unique(np.vstack([partition.corners[c] for c in skin]), axis=0)
     heights = corners @ up
     touched = [(p, h) for p, h in zip(corners, heights, strict=True) if h > air.level]
-    points = shapely.points([(p[0], p[2]) for p, _ in touched])
+    turns = any(isinstance(space.body, TurnedBody) for space in spaces)
+    points = shapely.points([(math.hypot(p[0], p[1]) if turns else p[0], p[2]) for p, _ in touched])
     names = [[s for s in filling.surfaces if s.edge.distance(point) < SURFACE_TOLERANCE] for point in points]
     top = int(np.argmax([h for _, h in touched]))
     place = touched[top][0]
@@ -539,4 +601,4 @@ def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> Pocket:
     relief = any(s.relief for surfaces in names for s in surfaces)
     x, y, z = (float(v) for v in place)
     harm: Literal["relief", "body"] = "relief" if relief else "body"
-    return Pocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)
+    return AirPocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)

@@ -16,6 +16,7 @@ from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_R
 from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
 from skincad.fabrication.strips import shim_findings
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat
 from skincad.inputs.gripper import gripper_named
 from skincad.inputs.material import foreign_modulus
 from skincad.shape.skin import VISIBLE, skin_of
@@ -128,12 +129,19 @@ def freeing_widths(job: Job) -> tuple[float | None, float | None]:
     root = ridge.root_width
     for _ in range(_ROUNDS):
         root = ridge.tip_width + draft(root)
-    changes = {"root_width": root, "tip_width": ridge.root_width - draft(ridge.root_width)}
+    root_key, tip_key = _width_keys(job)
+    changes = {root_key: root, tip_key: ridge.root_width - draft(ridge.root_width)}
     widths = []
     for key, value in changes.items():
-        size = math.ceil(value * 1000) / 1000 if key == "root_width" else math.floor(value * 1000) / 1000
+        size = math.ceil(value * 1000) / 1000 if key == root_key else math.floor(value * 1000) / 1000
         widths.append(size if size > 0 and _leaves_freely(job, key, size) else None)
     return widths[0], widths[1]
+
+
+def _width_keys(job: Job) -> tuple[str, str]:
+    """The family's keys of a feature's widths at root and tip."""
+    table = job.design.features
+    return ("", "") if isinstance(table, Flat) else table.widths
 
 
 def least_drafted_ridge(job: Job) -> int:
@@ -148,14 +156,16 @@ def least_drafted_ridge(job: Job) -> int:
 
 def _leaves_freely(job: Job, key: str, value: float) -> bool:
     try:
-        return not any(u.width for u in skin_of(job.design.with_(ridge={key: value})).undercuts.values())
+        changed = job.design.with_(**{job.skin.family: {key: value}})
+        return not any(u.width for u in skin_of(changed).undercuts.values())
     except InputError:
         return False
 
 
 def undercut_findings(job: Job) -> list[Finding]:
-    """Return a finding for every ridge that is squeezed on its way out; an error beyond what is safe. One
-    whose groove is split leaves freely."""
+    """Return a finding for every feature that is squeezed on its way out; an error beyond what is safe. One
+    whose groove is split leaves freely. Pins make one finding, of the one that is squeezed most, and one of
+    those that are beyond what is safe."""
     limit, free = safe_strain(job.design), split_ridges(job.design)
     caught = {
         r: undercut for r, undercut in job.skin.undercuts.items() if undercut.width > 0 and r not in free
@@ -167,29 +177,38 @@ def undercut_findings(job: Job) -> list[Finding]:
         f"{SAFE_SHARE:g} of {material.name}'s {100 * material.elongation_at_break:.0f} % elongation at break"
     )
     cure = _cure(job)
-    return [
-        (error if undercut.strain > limit else note)(
-            "undercut",
-            f"ridge {ridge}, {undercut.width:.4f} mm wide",
-            undercut.strain,
-            limit,
-            "squeezed",
-            f"{cure} (limit: {breaks})",
+    alike: dict[object, list[int]] = {}
+    pins = job.skin.symmetry == "revolved"
+    for number in sorted(caught, key=lambda n: -caught[n].strain) if pins else caught:
+        alike.setdefault(caught[number].strain > limit if pins else number, []).append(number)
+    findings = []
+    for first, *others in alike.values():
+        undercut, more = caught[first], f" and {len(others)} more, less" if others else ""
+        findings.append(
+            (error if undercut.strain > limit else note)(
+                "undercut",
+                f"{job.skin.named(first)}{more}, {undercut.width:.4f} mm wide",
+                undercut.strain,
+                limit,
+                "squeezed",
+                f"{cure} (limit: {breaks})",
+            )
         )
-        for ridge, undercut in caught.items()
-    ]
+    return findings
 
 
 def _cure(job: Job) -> str:
     root, tip = freeing_widths(job)
+    ridges, name = job.skin.symmetry == "extruded", job.skin.family
+    root_key, tip_key = _width_keys(job)
     ways = [
-        *([f"root_width of {root:g} mm"] if root else []),
-        *([f"tip_width of {tip:g} mm"] if tip else []),
-        'a split cavity (mold.split = "auto")' if job.design.mold.split == "none" else "",
-        "a larger curvature_radius, or fewer ridges",
+        *([f"{root_key} of {root:g} mm"] if root else []),
+        *([f"{tip_key} of {tip:g} mm"] if tip else []),
+        'a split cavity (mold.split = "auto")' if job.design.mold.split == "none" and ridges else "",
+        f"a larger curvature_radius, or fewer {name}s",
     ]
     worst = least_drafted_ridge(job)
-    freed = "the outermost ridge" if worst in (1, job.skin.count) else f"ridge {worst}"
+    freed = f"the outermost {name}" if ridges and worst in (1, job.skin.count) else f"{name} {worst}"
     return ", or ".join(way for way in ways if way) + f" frees {freed}"
 
 

@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
+
 from skincad.fabrication.crests import (
     GAUGE_SIGMA,
+    MOST_LISTED,
     SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
@@ -26,7 +29,8 @@ from skincad.fabrication.patterns import strip_patterns
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
-from skincad.shape.curves import area, length
+from skincad.shape.curves import area, length, polygon, right_half
+from skincad.shape.skin import Skin
 from skincad.solids.plan import Bore, CutRole, PartRole, bores
 
 MICROSCOPE = 0.005  # mm, assumption: standard deviation of a crest's place along x
@@ -53,11 +57,12 @@ class Measure:
 
 
 class Inspection(NamedTuple):
-    """What is measured: crests one by one, all else, and what is said of the limits."""
+    """What is measured: crests one by one, all else, what is said of the limits, and of which skin."""
 
     crests: Crests
     measures: tuple[Measure, ...]
     said: tuple[str, ...]
+    skin: Skin
 
 
 def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 0.0) -> Inspection:
@@ -69,9 +74,9 @@ def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 
     crests = crest_limits(job)
     said = [*layer_remarks(job, crests), *thickness_remarks(job, crests)]
     said.append(verdict_remark(job, crests, allowed_drops, margin))
-    if not job.bent and job.skin.count > 1:
+    if not job.bent and job.skin.count > 1 and job.skin.symmetry == "extruded":
         said.append(MEASURED_NOTE)
-    return Inspection(crests, tuple(_measures(job, crests)), tuple(said))
+    return Inspection(crests, tuple(_measures(job, crests)), tuple(said), job.skin)
 
 
 def _measures(job: Job, crests: Crests) -> list[Measure]:
@@ -81,15 +86,22 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
     if base.curvature_radius_y is not None:
         place = "the back, in the middle of its length"
-    what, how = f"mean crest over {place}", "mean of the third column: the thickness"
+    what, how = f"mean crest over {place}", "mean of the crests as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
-    if skin.count > 1:
+    if skin.count > 1 and skin.symmetry == "extruded":
         spans = skin.count - 1
         how = f"the line's rise from crest 1 to crest {skin.count}"
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
         how = f"microscope, from crest 1 to crest {skin.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
+    if base.round:
+        near = 2 * walls_close(job, body)
+        how = "callipers, lightly, twice square to each other"
+        rows.append(
+            _size("diameter of the back", base.width - near, 2 * body.tolerance, CALLIPERS, crests, how)
+        )
+        return [*rows, _mass(job, crests)]
     what, end_to_end = _length(job.design)
     how = "callipers, lightly"
     near = walls_close(job, body)
@@ -103,7 +115,7 @@ def _length(design: Design) -> tuple[str, float]:
     """What is measured of the length, and its value: with a second curvature a chord."""
     radius, skin = design.skin.curvature_radius_y, design.skin
     if radius is None:
-        return "length along the ridges", skin.length
+        return "length along the ridges" if design.ridge else "length along y", skin.length
     return "length of the back, straight from end to end", 2 * (radius - skin.thickness) * math.sin(
         skin.length / 2 / radius
     )
@@ -139,10 +151,17 @@ def _extra_volume(job: Job) -> float:
 
     Where walls come nearer by w, so does the ledge, on which the back lies: of the section w times (the cast
     outline less its width) goes, for floors rise with the ledge; the cavity's ends, between which the plates
-    lie, stand 2 w further apart. An offset of all crests deepens all of it.
+    lie, stand 2 w further apart. An offset of all crests deepens all of it. Of a round skin w times (the face
+    that turns less its back) goes.
     """
     near = walls_close(job, job.cavity_process)
     skin, shape = job.design.skin, job.section
+    if skin.round:
+        points = polygon(right_half(shape.outline), MICROSCOPE)
+        steps = np.roll(points, -1, axis=0) - points
+        face = math.pi * float(np.hypot(*steps.T) @ (points[:, 0] + np.roll(points[:, 0], -1)))
+        back = math.pi / 4 * skin.width**2  # is in the turned face as well
+        return offset_of(job) * back - near * (face - 2 * back)
     less = near * (length(shape.outline) - 2 * skin.width) - offset_of(job) * skin.width
     drawn = area(shape.outline)
     return (drawn - less) * (skin.length + 2 * near) - drawn * skin.length
@@ -169,11 +188,10 @@ def _films(job: Job) -> tuple[float, float]:
 
 def inspection_lines(inspected: Inspection) -> list[str]:
     """Return the form as Markdown."""
-    limits = [f"±{limit:.3f}" for limit in inspected.crests.beside] or ["-"] * len(inspected.crests.heights)
-    crests = [
-        f"| {ridge} | {height:.3f} | | | | {limit} |"
-        for ridge, (height, limit) in enumerate(zip(inspected.crests.heights, limits, strict=True), 1)
-    ]
+    if inspected.skin.symmetry == "extruded":
+        crests = _in_a_row(inspected.crests, inspected.skin.family)
+    else:
+        crests = _by_place(inspected.crests, inspected.skin)
     rows = [
         f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | | {m.unit} | {m.how} |"
         for m in inspected.measures
@@ -185,16 +203,52 @@ def inspection_lines(inspected: Inspection) -> list[str]:
         "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
         f"that repeats to {GAUGE_SIGMA:g} mm; a dial gauge does it if it presses all crests alike.",
         "",
-        "| ridge | comes out at, mm | measured, mm | more than that | beside the line | limit |",
-        "|---|---|---|---|---|---|",
         *crests,
-        "",
-        *_by_hand(len(inspected.crests.heights)),
         "| what | nominal | limits | measured | unit | with |",
         "|---|---|---|---|---|---|",
         *rows,
         "",
         *(line for remark in inspected.said for line in (remark, "")),
+    ]
+
+
+def _in_a_row(crests: Crests, family: str) -> list[str]:
+    """The table of ridges' crests, and how they are judged beside their line."""
+    limits = [f"±{limit:.3f}" for limit in crests.beside] or ["-"] * len(crests.heights)
+    return [
+        f"| {family} | comes out at, mm | measured, mm | more than that | beside the line | limit |",
+        "|---|---|---|---|---|---|",
+        *(
+            f"| {ridge} | {height:.3f} | | | | {limit} |"
+            for ridge, (height, limit) in enumerate(zip(crests.heights, limits, strict=True), 1)
+        ),
+        "",
+        *_by_hand(len(crests.heights)),
+    ]
+
+
+def _by_place(crests: Crests, skin: Skin) -> list[str]:
+    """The table of features' crests by their places on the skin; of many, of those alike together. The limit
+    is against the others of a height, less the plane through all crests."""
+    limit = f"±{crests.deviations * math.hypot(crests.sigma, GAUGE_SIGMA):.3f}"
+    alike: dict[object, list[int]] = {}
+    for i, height in enumerate(crests.heights):
+        alike.setdefault(i if skin.count <= MOST_LISTED else f"{height:.3f}", []).append(i)
+    rows = []
+    for members in alike.values():
+        place = skin.placed[members[0]]
+        at = f"{place.tip[0]:.3f} | {place.tip[1]:.3f}" if len(members) == 1 else " | "
+        who = f"{members[0] + 1}" if len(members) == 1 else f"{len(members)} from {members[0] + 1} on"
+        rows.append(f"| {who} | {at} | {crests.heights[members[0]]:.3f} | | {limit} |")
+    both = "Of a ring measure both ends of the diameter along x: their mean counts. "
+    start = both if skin.symmetry == "concentric" else ""
+    return [
+        f"{start}x and y count from the skin's middle, seen with {skin.turned_down} up, end b towards -y.",
+        "",
+        f"| {skin.family} | x, mm | y, mm | comes out at, mm | measured, mm | limit |",
+        "|---|---|---|---|---|---|",
+        *rows,
+        "",
     ]
 
 

@@ -17,7 +17,7 @@ from skincad.solids.ends import gate
 from skincad.solids.inserts import lead_length
 from skincad.solids.layout import Fits, Layout, fits, is_clamped, layout
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import CAVITIES, END_PLATES, Part
+from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
 
@@ -123,6 +123,11 @@ class Job:
         return self.processes[self.design.mold.process]
 
     @property
+    def block_process(self) -> Process:
+        """The process of what the cover is screwed to: the cavity, or the block that it lies in."""
+        return self.processes[self.design.mold.block_process or self.design.mold.process]
+
+    @property
     def end_process(self) -> Process:
         """The process of the end plates."""
         return self.processes[self.design.mold.end_plate_process or self.design.mold.process]
@@ -137,6 +142,8 @@ class Job:
         choice = self.design.mold
         if part.role in CAVITIES:
             return choice.process
+        if part.role is PartRole.BLOCK:
+            return choice.block_process or choice.process
         if part.role in END_PLATES:
             return choice.end_plate_process or choice.process
         return choice.lid_process or choice.process

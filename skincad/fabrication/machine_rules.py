@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
-from skincad.fabrication.crests import snapping_remarks, uncertain_ridges
+from skincad.fabrication.crests import listed_crests, snapping_remarks, uncertain_ridges
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import (
     FINER_COMBS,
@@ -35,16 +35,18 @@ from skincad.fabrication.rules import (
 )
 from skincad.inputs.process import Process
 from skincad.shape.curves import Loop, Segment, polygon
+from skincad.solids.cavity import parts_at_tips
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import mold
+from skincad.solids.pins import hole_block
 from skincad.solids.plan import (
     CAVITIES,
     END_PLATES,
+    Body,
     Bore,
     Part,
     PartRole,
     Prism,
-    RevolvedBody,
     plain,
     unturned,
 )
@@ -160,7 +162,7 @@ def _overhang(case: Case) -> Iterator[Finding]:
     end = on_end(part, process)
     upright = "y" if end else "z"
 
-    def closes(cut: Prism | RevolvedBody | Bore) -> bool:
+    def closes(cut: Body) -> bool:
         return isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge
 
     cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))
@@ -178,7 +180,7 @@ def crest_findings(job: Job) -> Iterator[Finding]:
     which, layer = uncertain_ridges(job), job.cavity_process.layer
     if which and layer > CREST_TOLERANCE:
         remedy = "; ".join(snapping_remarks(job)) or "another mold.floor"
-        where = f"crest {', '.join(map(str, which))} may come out a layer lower or higher than the sheet says"
+        where = f"crest {listed_crests(which)} may come out a layer lower or higher than the sheet says"
         yield note("crest layer", where, layer, CREST_TOLERANCE, "mm", remedy)
 
 
@@ -313,11 +315,35 @@ def _reach(case: Case) -> Iterator[Finding]:
     reach, body = case.process.reach, case.along.body
     if not reach or not isinstance(body, Prism) or body.axis != "y":
         return
-    milled_down = case.part.role in CAVITIES and case.process.tool == "mill"
+    milled_down = case.part.role in CAVITIES and case.process.tool in ("mill", "lathe")
     left = left_standing(body.outline, reach, from_above=milled_down)
     depths = sorted(zip(left, range(len(left)), body.outline, strict=True), reverse=True)
-    yield from _in_grooves(case, [(depth, s) for depth, _, s in depths if s.feature is not None])
-    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None])
+    holes = _deepest_holes(case) if case.part.role in CAVITIES and case.process.tool == "mill" else []
+    in_holes = [
+        (depth, s)
+        for hole in holes
+        for depth, s in zip(left_standing(hole, reach, from_above=True), hole, strict=True)
+        if s.feature is not None
+    ]
+    in_holes.sort(key=lambda row: -row[0])
+    bare = case.job.skin.symmetry == "none"  # the face is the feature, and no groove
+    grooved = [(depth, s) for depth, _, s in depths if s.feature is not None and not bare]
+    yield from _in_grooves(case, [*in_holes, *grooved])
+    yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None or bare])
+
+
+def _deepest_holes(case: Case) -> list[Loop]:
+    """The blocks of the pins' holes that a tool reaches least: the deepest one, and the most leaning one."""
+    skin = case.job.skin
+    cup = next((s for s in skin.profile.outline if s.kind == "crown"), None)
+    through = cup and case.job.closed.of(PartRole.BASE) and cup.radius >= case.process.reach
+    if skin.symmetry != "revolved" or through:  # of a hole that goes through, the cup alone has a bottom
+        return []
+    worst = (
+        max(skin.placed, key=lambda p: p.feature.height),
+        max(skin.placed, key=lambda p: round(abs(p.lean), 9)),
+    )
+    return [hole_block(placed) for placed in dict.fromkeys(worst)]
 
 
 def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Finding]:
@@ -327,11 +353,13 @@ def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Fin
     depth, worst = over[0]
     count = len({s.feature for _, s in over})
     others = f" and {count - 1} more" if count > 1 else ""
-    place = f"{worst.kind.replace('_', ' ')} of ridge {worst.feature}{others}"
-    reach, ridge = case.process.reach, case.job.skin.profile
+    skin = case.job.skin
+    place = f"{worst.kind.replace('_', ' ')} of {skin.named(worst.feature or 1)}{others}"
+    reach, ridge = case.process.reach, skin.profile
+    tip_key = "tip_diameter" if skin.symmetry == "revolved" else "tip_width"
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
-        remedy = f"a tip_width above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
+        remedy = f"a {tip_key} above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
     elif ridge.tip_fillet >= reach:
         remedy = "no undercut, which a tool from above can't cut"
     yield case.breaks("tool reach", place, depth, case.process.tolerance, "mm left", remedy)
@@ -370,7 +398,8 @@ def _depth(case: Case) -> Iterator[Finding]:
     cavity = case.part.role in CAVITIES
     for groove in grooves(case):
         depth = groove.height if cavity else case.job.design.mold.end_plate
-        fits = min(groove.width, 2 * case.job.skin.profile.tip_fillet) if cavity else groove.width
+        bottom = cavity and not parts_at_tips(case.job.design)
+        fits = min(groove.width, 2 * case.job.skin.profile.tip_fillet) if bottom else groove.width
         tool = max(fits, least)
         if most and groove.width >= least and depth > most * tool:
             remedy = f"a depth of at most {most * tool:g} mm"
@@ -378,11 +407,27 @@ def _depth(case: Case) -> Iterator[Finding]:
 
 
 def _straight_cut(case: Case) -> Iterator[Finding]:
-    """A wire is straight: it cuts no trough that is bent along it."""
-    if case.process.tool == "wire" and case.part.straight:
+    """A wire is straight: it cuts no trough that is bent along it, or turns. A lathe turns a round cavity."""
+    disc = case.part.role is PartRole.CAVITY and case.job.closed.of(PartRole.BLOCK)
+    if case.process.tool == "lathe" and (not disc or case.job.skin.symmetry == "revolved"):
+        remedy = (
+            "mill or print it: the cavity of a round skin without pins is turned, with a mold.block_process"
+        )
+        yield error(
+            "tool reach", f"{case.part.role.label}, by a lathe, which does not make it", 1.0, 0.0, "", remedy
+        )
+    if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
+        where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
+        yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)
+    elif case.process.tool == "wire" and case.part.straight:
         angle = math.degrees(2 * end_angle(case.job.design))
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)
+    skin = case.job.skin
+    if case.process.tool == "wire" and case.part.role in CAVITIES and skin.symmetry == "revolved":
+        where = f"{case.part.role.label}, blind holes of {skin.counted}, by {case.name}"
+        remedy = "mill, sink-erode or print it: a wire goes through"
+        yield error("tool reach", where, float(skin.count), 0.0, "holes", remedy)
 
 
 TOOL_RULES: tuple[Rule, ...] = (_reach, _depth, _straight_cut)

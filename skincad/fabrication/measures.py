@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 import pymeshlab
@@ -25,18 +25,21 @@ from skincad.solids.plan import (
     PINS,
     Body,
     Bore,
+    CutRole,
     ExtendedCut,
     Part,
     PartRole,
     Prism,
     RevolvedBody,
     RotatedBody,
+    TurnedBody,
     bores,
 )
 from skincad.solids.skin import Way, swept
 
 SAMPLES = 10_000  # points on each mesh, besides all corners and edges; seeded by the library
 CROSSING_TOLERANCE = 1e-9  # mm, by which faces may cross: corners of 0.1 m are rounded to some 1e-14 mm
+SAME = 1e-6  # mm, of outlines: a thousandth of what a print mesh may be off
 LEAST_COMMON_VOLUME = 1e-9  # mm3; a common volume below this is rounding of touching faces
 
 
@@ -51,11 +54,14 @@ class MeshMeasure:
 
 
 def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
-    """Measure a part's print mesh against one `FINER` times finer; that one's own error is added."""
+    """Measure a part's print mesh against one `FINER` times finer; that one's own error is added. Pins that
+    are alike but for their place have meshes that are, so the distance is measured at one of them."""
     frames = [_with_flat_ends(part.body, mesh)]
     if isinstance(part.body, Prism) and part.body.grid:
         frames.append(mesh)  # the library takes other coplanar faces for crossings in each; real ones in both
-    meshes = _mesh_set(mesh, mesh_of(part, tolerance / FINER))
+    alike = _one_of_each(part)
+    coarse = mesh if alike is part else mesh_of(alike, tolerance)
+    meshes = _mesh_set(coarse, mesh_of(alike, tolerance / FINER))
     ways = [
         meshes.get_hausdorff_distance(
             sampledmesh=a, targetmesh=b, samplenum=SAMPLES, samplevert=True, sampleedge=True
@@ -68,6 +74,16 @@ def measure(part: Part, mesh: trimesh.Trimesh, tolerance: float) -> MeshMeasure:
         volume=float(mesh.volume),
         deviation=max(ways) + tolerance / FINER,
     )
+
+
+def _one_of_each(part: Part) -> Part:
+    """A part with one of its turned bodies of each outline, to `SAME` mm."""
+    bodies = [body for body in (*part.adds, *part.cuts) if isinstance(body, TurnedBody)]
+    first = {*{tuple(round(v / SAME) for s in b.outline for v in s.start): b for b in bodies}.values()}
+    if len(first) == len(bodies):
+        return part
+    cuts = tuple(cut for cut in part.cuts if not isinstance(cut, TurnedBody) or cut in first)
+    return replace(part, adds=tuple(body for body in part.adds if body in first), cuts=cuts)
 
 
 def _crossing(mesh: trimesh.Trimesh) -> Mask:
@@ -158,7 +174,7 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     from the same exact section, so touching faces share none. `tolerance` (mm) must be well below the
     clearances.
     """
-    shapes = {part.name: _Shape(part, manifold(part, tolerance), tolerance) for part in assembled.parts}
+    shapes = {part.name: _Shape(part, tolerance) for part in assembled.parts}
     names = list(shapes)
     findings = [
         _finding(f"{a} in {b}, closed", volume)
@@ -172,7 +188,7 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
             name, way = shape.part.name, swept(shape.part, step.axis, step.travel, tolerance)
             # the skin bends, and the strips in it: the undercut rule judges it
             free = PartRole.CAVITY if shape.part.role in (PartRole.SKIN, PartRole.STRIP) else None
-            path = _Shape(way, manifold(way, tolerance), tolerance)
+            path = _Shape(way, tolerance)
             others = [other for other in shapes.values() if other.part.role is not free]
             for other, volume in _shared(path, others):
                 where = f"{name} against {other}, opening along {_way(step.axis)}"
@@ -180,12 +196,54 @@ def interference(assembled: ClosedMold, tolerance: float) -> list[Finding]:
     return findings
 
 
-class _Shape(NamedTuple):
-    """A part, its mesh, and the tolerance of its chords in mm."""
+@dataclass(frozen=True)
+class _Shape:
+    """A part, the tolerance of its chords in mm, and its mesh, made when it is needed."""
 
     part: Part
-    mesh: Manifold
     tolerance: float
+
+    @cached_property
+    def mesh(self) -> Manifold:
+        """Its mesh, mm."""
+        return manifold(self.part, self.tolerance)
+
+    @cached_property
+    def filled(self) -> _Shape:
+        """The shape with its pins' holes filled, which has all volume of it."""
+        cuts = tuple(cut for cut in self.part.cuts if cut.role is not CutRole.FEATURE)
+        whole = len(cuts) == len(self.part.cuts)
+        return self if whole else _Shape(replace(self.part, cuts=cuts), self.tolerance)
+
+    @cached_property
+    def bare(self) -> _Shape:
+        """The shape without what is added to it."""
+        return _Shape(replace(self.part, adds=()), self.tolerance) if self.part.adds else self
+
+    @cached_property
+    def box(self) -> _Box:
+        """Lowest and highest coordinates, `(3,)` mm, in which it lies."""
+        low, high = _box_of(self.part.adds)
+        box = np.array(self.bare.filled.mesh.bounding_box())
+        return np.minimum(low, box[:3]), np.maximum(high, box[3:])
+
+
+_Box = tuple[Array, Array]
+
+
+def _box_of(bodies: tuple[TurnedBody, ...]) -> _Box:
+    """A box round turned bodies, `(3,)` mm each; of none it holds nothing."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for body in bodies:
+        wide = max(s.start.x for s in body.outline) + max(abs(s.bulge) * s.chord for s in body.outline)
+        for s in body.outline:
+            middle = np.array(body.origin) + s.start.z * np.array(body.direction)
+            low, high = np.minimum(low, middle - wide), np.maximum(high, middle + wide)
+    return low, high
+
+
+def _apart(a: _Box, b: _Box) -> bool:
+    return bool(np.any(a[0] >= b[1]) or np.any(b[0] >= a[1]))
 
 
 def _shared(shape: _Shape, others: list[_Shape]) -> list[tuple[str, float]]:
@@ -199,9 +257,10 @@ def _way(axis: Way) -> str:
 
 
 def _common(a: _Shape, b: _Shape) -> float:
-    low, high = a.mesh.bounding_box(), b.mesh.bounding_box()
-    if any(low[i] >= high[i + 3] or high[i] >= low[i + 3] for i in range(3)):
+    if _apart(a.box, b.box):
         return 0.0
+    a, b = _without_pins(a, b), _without_pins(b, a)
+    a, b = _near(a, b), _near(b, a)
     one, other = a.part, b.part
     if (
         isinstance(one.body, RevolvedBody)
@@ -211,7 +270,34 @@ def _common(a: _Shape, b: _Shape) -> float:
         return _turned_alike(one.body, other.body, a.tolerance / 2)
     if any(_lies_in(p, q, a.tolerance / 2) for p, q in ((one, other), (other, one))):
         return 0.0
+    if (a.filled, b.filled) != (a, b) and _common(a.filled, b.filled) <= LEAST_COMMON_VOLUME:
+        return 0.0
     return float((_pressed(a, b).mesh ^ _pressed(b, a).mesh).volume())
+
+
+def _near(shape: _Shape, other: _Shape) -> _Shape:
+    """A shape with what of its pins may meet another one."""
+    adds = tuple(body for body in shape.part.adds if not _apart(_box_of((body,)), other.box))
+    return shape if adds == shape.part.adds else _Shape(replace(shape.part, adds=adds), shape.tolerance)
+
+
+def _without_pins(shape: _Shape, other: _Shape) -> _Shape:
+    """A shape without what is added to it where the other one has the very same bodies as cuts, or without
+    these cuts: what of it lies there shares nothing, and meshes that touch everywhere take minutes."""
+    adds, cuts = frozenset(shape.part.adds), _turned_cuts(other.part)
+    if adds and adds <= cuts.keys():
+        return shape.bare
+    if other.part.adds and (own := _turned_cuts(shape.part)).keys() >= frozenset(other.part.adds):
+        filled = {own[body] for body in other.part.adds}
+        part = replace(shape.part, cuts=tuple(cut for cut in shape.part.cuts if cut not in filled))
+    else:
+        return shape
+    return _Shape(part, shape.tolerance)
+
+
+def _turned_cuts(part: Part) -> dict[TurnedBody, TurnedBody]:
+    """The turned cuts of a part, by what they are without their role."""
+    return {cut.piece_of or replace(cut, role=None): cut for cut in part.cuts if isinstance(cut, TurnedBody)}
 
 
 def _pressed(shape: _Shape, other: _Shape) -> _Shape:
@@ -228,7 +314,7 @@ def _pressed(shape: _Shape, other: _Shape) -> _Shape:
     else:
         return shape
     part = replace(shape.part, body=slim)
-    return _Shape(part, manifold(part, shape.tolerance), shape.tolerance)
+    return _Shape(part, shape.tolerance)
 
 
 def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:
@@ -244,22 +330,29 @@ def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:
 def _lies_in(inner: Part, outer: Part, tolerance: float) -> bool:
     """Whether a turned part lies all in one turned cut of another one, as a skin in its trough: meshes that
     touch everywhere take the boolean a hundred times longer."""
-    body = inner.body
-    if not isinstance(body, RevolvedBody):
+    body, cuts = inner.body, [cut.built if isinstance(cut, ExtendedCut) else cut for cut in outer.cuts]
+    if not isinstance(body, RevolvedBody | TurnedBody) or inner.adds:
         return False
-    cuts = [cut.built for cut in outer.cuts if isinstance(cut, ExtendedCut)]
     return any(
-        cut.low <= body.low
-        and body.high <= cut.high
+        _turn(cut, body)
         and _region(body, tolerance).difference(_region(cut, tolerance)).area * body.volume
         <= LEAST_COMMON_VOLUME
         for cut in cuts
-        if isinstance(cut, RevolvedBody)
+        if isinstance(cut, RevolvedBody | TurnedBody)
     )
 
 
-def _region(body: RevolvedBody, tolerance: float) -> shapely.Polygon:
-    return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in body.holes])
+def _turn(outer: RevolvedBody | TurnedBody, inner: RevolvedBody | TurnedBody) -> bool:
+    """Whether one body turns about the axis of another one, as far at least."""
+    if isinstance(outer, TurnedBody) or isinstance(inner, TurnedBody):
+        axes = [(b.origin, b.direction) if isinstance(b, TurnedBody) else None for b in (outer, inner)]
+        return axes[0] == axes[1]
+    return outer.low <= inner.low and inner.high <= outer.high
+
+
+def _region(body: RevolvedBody | TurnedBody, tolerance: float) -> shapely.Polygon:
+    holes = body.holes if isinstance(body, RevolvedBody) else ()
+    return shapely.Polygon(polygon(body.outline, tolerance), [polygon(h, tolerance) for h in holes])
 
 
 def _finding(where: str, volume: float) -> Finding:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -25,6 +27,7 @@ from skincad.solids.plan import (
     Prism,
     RevolvedBody,
     RotatedBody,
+    TurnedBody,
     corners,
     turn_steps,
     unturned,
@@ -39,7 +42,7 @@ PART_GAP = 5.0  # mm, assumption: between parts on a plate
 def asked_chord(design: Design) -> float:
     """Return how far print meshes of a design's mold may leave the true surface, mm: the finest process's."""
     known, choice = processes(design.printer), design.mold
-    makers = {choice.process, choice.end_plate_process, choice.lid_process}
+    makers = {choice.process, choice.end_plate_process, choice.block_process, choice.lid_process}
     return min(known[name].chord for name in makers if name)
 
 
@@ -54,6 +57,8 @@ def manifold(part: Part, tolerance: float) -> Manifold:
         return _placed(manifold(unturned(part), tolerance), part.body)
     cuts = [_body(cut, tolerance) for cut in part.cuts]
     body = _body(part.body, tolerance)
+    if part.adds:
+        body = Manifold.batch_boolean([body, *(_body(one, tolerance) for one in part.adds)], OpType.Add)
     return body - Manifold.batch_boolean(cuts, OpType.Add) if cuts else body  # cuts may touch on a face
 
 
@@ -104,6 +109,8 @@ def _body(body: Body, tolerance: float) -> Manifold:
         return _placed(_body(body.body, tolerance), body)
     if isinstance(body, Bore):
         return _bore(body, tolerance)
+    if isinstance(body, TurnedBody):
+        return _turned(body, tolerance)
     return _prism(body, tolerance) if isinstance(body, Prism) else _revolved(body, tolerance)
 
 
@@ -131,6 +138,31 @@ def _revolved(body: RevolvedBody, tolerance: float) -> Manifold:
     flat, faces = _strips(body, half, len(angles) - 1)
     points = np.vstack([body.placed(flat, angle) for angle in angles])
     return Manifold(Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(faces[:, ::-1])))
+
+
+def _turned(body: TurnedBody, tolerance: float) -> Manifold:
+    """As in `_revolved` the loop and the turn have half of the tolerance each; half of that at a curved face,
+    whose error adds."""
+    points, faces = _whole_turn(body.outline, tolerance / (4 if body.buried else 2))
+    return Manifold(Mesh64(np.ascontiguousarray(body.placed(points)), faces))
+
+
+@lru_cache(maxsize=16)
+def _whole_turn(outline: curves.Loop, half: float) -> tuple[Array, NDArray[np.uint64]]:
+    """Corners `(n, 3)` mm and faces of copies of a loop all round; its points on the axis are one each."""
+    flat = curves.polygon(outline, half)
+    steps = max(12, turn_steps(2 * math.pi, float(flat[:, 0].max()), half))
+    angles = 2 * math.pi * np.arange(steps) / steps
+    t, n = np.repeat(flat[:, :1], steps, 1), np.repeat(flat[:, 1:], steps, 1)
+    points = np.stack([t * np.cos(angles), t * np.sin(angles), n], 2).reshape(-1, 3)
+    here = np.arange(len(points)).reshape(-1, steps)
+    here[flat[:, 0] == 0.0] = here[flat[:, 0] == 0.0, :1]
+    onward = np.roll(here, -1, 0)
+    a, b, c, d = (k.ravel() for k in (here, onward, np.roll(onward, -1, 1), np.roll(here, -1, 1)))
+    faces = np.vstack([np.stack([a, d, c], 1), np.stack([a, c, b], 1)])
+    sound = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    used, faces = np.unique(faces[sound], return_inverse=True)
+    return points[used], np.ascontiguousarray(faces.reshape(-1, 3).astype(np.uint64))
 
 
 def _strips(body: Prism | RevolvedBody, tolerance: float, steps: int) -> tuple[Array, NDArray[np.uint64]]:

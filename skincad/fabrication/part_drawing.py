@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.fabrication.drawn_features import (
@@ -39,18 +39,20 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
 from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
+from skincad.inputs.feature_tables import Pin
 from skincad.inputs.mold_table import Mount
 from skincad.inputs.process import Process
+from skincad.shape.skin import Skin
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism
+from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism, TurnedBody
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
-CUTTERS = {"wire": "Wire", "mill": "Ball-end mill"}
+CUTTERS = {"wire": "Wire", "mill": "Ball-end mill", "lathe": "Turning tool, its nose"}
 GENERAL_RA = 1.6  # µm, source: what shops keep without a surcharge on milled and wire-cut faces
 ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.COMB: "inner face, lower face, slits and the edge under the keeper",
@@ -60,10 +62,13 @@ ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.COVER: "lower face",
     PartRole.BASE: "upper face",
 }
-_TOOLS = {"mill": ", milled", "wire": ", wire erosion"}
+_TOOLS = {"mill": ", milled", "lathe": ", turned", "wire": ", wire erosion"}
 Coordinate = Callable[[float], float]
 NUT = "N"
 LEANING = "leaning from upright, positive with the mouth to the right"
+MOST_RUNS = 6  # of a hole's numbers in a row
+LEVEL = 1e-6  # rad, by which a pin of a flat skin leans
+MOST_HIDDEN = 64  # pins' holes drawn as hidden lines; more are a blur, which the view from above tells apart
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
@@ -158,9 +163,8 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
         drawn, by = job.design.mold.clearance, job.cavity_process
         gap = drawn - walls_close(job, by) - walls_close(job, job.process(part))
         out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
-        rows.append(
-            f"Length and width: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows."
-        )
+        sizes = "Diameter" if job.design.skin.round else "Length and width"
+        rows.append(f"{sizes}: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows.")
     if part.role is PartRole.CARRIER and job.design.mounting and job.design.mounting.thread:
         metric = METRIC[job.design.mounting.thread]
         off = (metric.clearance - metric.diameter) / 4
@@ -182,6 +186,8 @@ def _accurate(job: Job, part: Part) -> str:
     """Which faces the process's own tolerance is for; all others have the general one."""
     process = job.process(part)
     faces = ACCURATE.get(part.role, "seat, trough, grooves, both ends and the top")
+    if not job.closed.of(*END_PLATES):
+        faces = faces.replace("length and width", "diameter").replace(", both ends", "")
     smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""
     lapped = " once lapped" if process.layer else ""
     return (
@@ -212,10 +218,13 @@ def _crests(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     if judged.drops:
         least = min(judged.drops)
         which = judged.drops.index(least) + 1
-        word = "any depth does" if math.isinf(least) else f"ridge {which} allows least, {least:.4f}"
+        word = (
+            "any depth does" if math.isinf(least) else f"{job.skin.family} {which} allows least, {least:.4f}"
+        )
         rows.append(
             "Grooves: the tolerance in the table is for one groove alone; a shallower one uses up the "
-            f"check's margin, and a ridge stays off the plate; {word}. The process's sigma is {sigma}."
+            f"check's margin, and a {job.skin.family} stays off the plate; {word}. The process's sigma is "
+            f"{sigma}."
         )
     else:
         rows.append(
@@ -269,9 +278,14 @@ class PartDrawing(Titled):
 
 def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
     """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
-    from skincad.solids.occ import projection
+    from skincad.solids.occ import projection, solid
 
-    seen = {view.name: projection(shape, view.of_solid) for view in views(part)}
+    rest = [cut for cut in part.cuts if cut.role is not CutRole.FEATURE]
+    many = len(part.cuts) - len(rest) > MOST_HIDDEN
+    plain = solid(replace(part, cuts=tuple(rest))) if many else shape
+    seen = {
+        view.name: projection(shape if view.name == ABOVE else plain, view.of_solid) for view in views(part)
+    }
     holes, nuts = tuple(hole_groups(job, part, shape)), pockets(part)
     cut, carved = slits(job, part), grooves_of(job, part)
     datum = datums(part)
@@ -280,7 +294,8 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _places(holes, nuts, seen, part),
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
-        _groove_table(carved, seen, part, judged.drops if judged else ()),
+        _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
+        _pin_table(job, part, seen),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
     (_, near), (_, far) = seen[ABOVE].box()
@@ -295,7 +310,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         document="part drawing",
         design=display_name(job.design),
         revision=job.design.revision,
-        what=part.role.what,
+        what=part.what,
         views=seen,
         captions={view.name: view.words for view in views(part)},
         holes=holes,
@@ -315,6 +330,57 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         surface=surface_words(job, part),
         cut_from_solid=not job.process(part).layer,
     )
+
+
+def _pin_table(job: Job, part: Part, seen: dict[str, Projection]) -> DrawingTable:
+    """The holes of pins or their tips' cups, as one pattern, a row a size; each place is in the STEP file."""
+    skin, table = job.cast_skin, job.cast.features
+    holes = [cut for cut in part.cuts if isinstance(cut, TurnedBody) and cut.role is CutRole.FEATURE]
+    if not isinstance(table, Pin) or not holes:
+        return DrawingTable("", (), ())
+    through, cups = bool(holes[0].piece_of) and part.role is PartRole.CAVITY, part.role is PartRole.BASE
+    sizes: dict[tuple[str, ...], list[int]] = {}
+    first = holes[:: job.design.mold.cavities]  # a gang has each hole once for each skin
+    for placed, hole in zip(skin.placed, first, strict=True):
+        deep = placed.feature.height if hole.piece_of is None else max(s.end.z for s in hole.outline)
+        edge = (
+            2 * max(s.start.x for s in hole.outline if s.start.z == deep) if through else table.tip_diameter
+        )
+        wide = 2 * hole.outline[0].start.x if cups else table.root_diameter
+        crown = "-" if through else number(table.crown)
+        size = number(wide), number(edge), crown, f"{deep:.3f}"
+        sizes.setdefault(size, []).append(placed.number)
+    rows = [
+        (f"{len(numbers)}", _numbers(numbers) if len(sizes) > 1 else "all", *size)
+        for size, numbers in [*sizes.items()][:MOST_ROWS]
+    ]
+    kind = "Through holes" if through else "Cups for the tips" if cups else "Blind holes"
+    pattern = {
+        "square": f"square, {table.columns} x {table.rows}" if table.columns else "square",
+        "hex": "hexagonal, rows along x",
+        "polar": "rings of 6, 12, 18, ...",
+    }[table.pattern]
+    x, y = (of(v) for of, v in zip(_coordinates(seen, ABOVE, part), holes[0].origin, strict=False))
+    place = f"at x {number(x)}, y {number(y)}, next to end b"
+    if table.pattern == "polar":
+        place = f"at x {number(x)}, y {number(y)}, rings from +x towards end a"
+    lean = max(abs(placed.lean) for placed in skin.placed)
+    leaning = f" along the base, leaning up to {_degrees(math.degrees(lean))}" if lean > LEVEL else ""
+    title = f"{kind} of {skin.count} pins: {pattern}, pitch {number(table.pitch)}{leaning}; pin 1 {place}"
+    ends = ("Ø above", "Ø below") if through else ("Ø mouth" if cups else "Ø root", "Ø tip")
+    return DrawingTable(title, ("count", "pins", *ends, "crown", "depth on axis"), tuple(rows))
+
+
+def _numbers(numbers: list[int]) -> str:
+    """Numbers with runs drawn together, as "1-4, 6"; of many runs the first."""
+    runs: list[list[int]] = []
+    for n in numbers:
+        if runs and runs[-1][-1] == n - 1:
+            runs[-1] = [runs[-1][0], n]
+        else:
+            runs.append([n, n])
+    words = [f"{a}" if a == b else f"{a}-{b}" for a, b in runs]
+    return ", ".join(words[:MOST_RUNS]) + (", ..." if len(words) > MOST_RUNS else "")
 
 
 def _gang_words(job: Job, part: Part) -> str:
@@ -405,16 +471,22 @@ def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> DrawingTa
 
 
 def _groove_table(
-    carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
+    skin: Skin, carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> DrawingTable:
     x_of, _ = _coordinates(seen, FRONT, part)
-    rows: list[tuple[str, ...]] = []
+    rings, middle, rows = skin.symmetry == "concentric", x_of(0.0), list[tuple[str, ...]]()
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = str(groove.ridge), number(x_of(x)), number(-z), _degrees(groove.lean)
+        row = (
+            str(groove.ridge),
+            number(x_of(x) - (middle if rings else 0.0)),
+            number(-z),
+            _degrees(groove.lean),
+        )
         allowed = drops[groove.ridge - 1] if drops else None
         rows.append(
             row if allowed is None else (*row, "free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
         )
-    heads = ("ridge", "x", "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
-    return DrawingTable(f"Grooves of the ridges: deepest point; {LEANING}", heads, tuple(rows))
+    across = "radius" if rings else "x"
+    heads = (skin.family, across, "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
+    return DrawingTable(f"Grooves of the {skin.family}s: deepest point; {LEANING}", heads, tuple(rows))

@@ -19,7 +19,7 @@ from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import METRIC, insert_outer, pin_depth
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import SQUEEZED_SHARE
-from skincad.solids.plan import PartRole, Prism
+from skincad.solids.plan import Bore, PartRole, Prism
 
 HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
 ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
@@ -72,7 +72,7 @@ def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
         if part.made == "made":
             size = " x ".join(f"{side:.2f}" for side in extent(part))
             volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
-            details = material_words(job, part), volume, part.role.what
+            details = material_words(job, part), volume, part.what
             cells = [""] * len(ESTIMATED)
             if (took := estimates.get(part.name)) is not None:
                 numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]
@@ -88,13 +88,13 @@ def _bought_items(job: Job) -> Iterator[Item]:
     lid, ends = cover_screws(job), end_screws(job)
     bent = job.bent
     for screws, place in ((ends, "end plates"), (lid, "cover")):
-        if screws is not None:
+        if screws is not None and screws.pieces:
             yield from _screws(screws, place)
     if lid is None:
         yield _item(2, "clamp", "", "steel", "cover, held down on the cavity")
-    if job.cavity_process.thread != "tapped":
+    if job.block_process.thread != "tapped":
         inserts = (lid.pieces if lid else 0) + (ends.pieces if bent else 0)
-        metric, how = METRIC["M3"], job.cavity_process.thread
+        metric, how = METRIC["M3"], job.block_process.thread
         size = f"M3 x {metric.insert:g}, outer diameter {insert_outer('M3', how):g}, {how}"
         yield _item(inserts, "threaded insert", size, "brass", "printed parts")
     yield from _mount(job)
@@ -111,6 +111,11 @@ def _bought_items(job: Job) -> Iterator[Item]:
     if shims and slot is not None:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         yield _item(shims, "shim", size, SHIM_STEEL, "slots", SHIM_TOLERANCE, shim_edges(job))
+    cores = job.closed.of(PartRole.CORE_PIN)
+    if cores and isinstance(rod := cores[0].body, Bore):
+        size = f"rod {2 * rod.radius:g} x {rod.length:.2f}, ground, its lower end cut square"
+        what = "reamed holes of the carrier; they keep the pockets free"
+        yield _item(len(cores), "core pin", size, "steel", what)
     material = job.silicone
     yield Item(
         quantity=f"{batch(job):.4g}",

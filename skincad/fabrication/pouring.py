@@ -81,7 +81,8 @@ class Filling:
 def filling(job: Job) -> Filling:
     """Return how long filling takes, and how hard it is."""
     level, groove = front_time(job), groove_time(job)
-    brushed = groove / LAG > max(level, 60 * MOST_MINUTES)
+    blind = job.skin.symmetry == "revolved"  # a pin's hole keeps its air under a rising front
+    brushed = blind or groove / LAG > max(level, 60 * MOST_MINUTES)
     seconds = max(level, 0.0 if brushed else groove / LAG, job.design.mold.fill_time)
     if job.gate is None:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)

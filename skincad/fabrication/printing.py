@@ -74,7 +74,7 @@ def print_settings(process: Process, supports: bool) -> str:
 def lapping_words(job: Job) -> str:
     """Return how printed joint faces are made flat; "" where none is printed."""
     faces = {
-        "both ends and the top of the cavity": CAVITIES,
+        f"{'both ends and ' if job.closed.of(*END_PLATES) else ''}the top of the cavity": CAVITIES,
         "the end plates' inner faces": END_PLATES,
         "the carrier's lower face": {PartRole.CARRIER},
     }

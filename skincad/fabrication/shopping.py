@@ -22,7 +22,7 @@ from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_c
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PIN_RADIUS, PITCH
-from skincad.solids.layout import SQUEEZED_SHARE, fits
+from skincad.solids.layout import SQUEEZED_SHARE, block_fits
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism
 
@@ -153,19 +153,22 @@ def to_buy(job: Job) -> list[str]:
 
 def _bolts(job: Job) -> list[str]:
     """What holds the mold together, as the parts have it."""
-    holes, process = fits(job.design, job.design.mold.process), job.cavity_process
+    holes = block_fits(job.design)
     hold = f"{holes.insert} inserts in holes of {2 * holes.thread:g} mm" if holes.insert else "tapped holes"
     upper = "two clamps that hold the cover down on the cavity"
     if (lid := cover_screws(job)) is not None:
         kind = "studs, DIN 976, with a nut each" if lid.rod else "screws, ISO 4762"
         upper = f"M3 {kind}: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
         upper += _under_heads(lid.washers)
-    tightest = min(map(torque, (process, job.end_process, job.lid_process)))
+    makers = {job.maker(part): job.process(part) for part in job.closed.parts if part.made == "made"}
+    tightest = min(map(torque, makers.values()))
     tight = (
         f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "
         f"presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa (metal)"
     )
     ends = end_screws(job)
+    if not ends.pieces:
+        return [upper, tight]
     if job.bent:
         return [_bent_screws(ends, hold), upper, tight]
     sunk = sum(cut.role is CutRole.NUT for p in job.closed.of(*END_PLATES) if p.end == "b" for cut in p.cuts)
@@ -183,7 +186,7 @@ def _seal(closed: ClosedMold) -> list[str]:
     highs = [s.body.high - s.body.low for s in closed.of(PartRole.SEAL) if isinstance(s.body, Prism)]
     return [
         f"closed-cell EVA foam, a sheet of {high / SQUEEZED_SHARE:.3g} mm, cut by drawings/seal.dxf to "
-        "carrier and end plates "
+        f"carrier{' and end plates' if closed.of(*END_PLATES) else ''} "
         f"with the cover's holes over them; the closed cover squeezes it to {high:.3g} mm, so it follows "
         "what these stand higher or lower by their processes' tolerances"
         for high in highs
@@ -192,14 +195,14 @@ def _seal(closed: ClosedMold) -> list[str]:
 
 def _reamed(job: Job) -> str:
     """How pin holes are finished."""
-    printed = [
-        name for name, part in (("cavity", job.cavity_process), ("cover", job.lid_process)) if part.layer
-    ]
+    block = "block" if job.closed.of(PartRole.BLOCK) else "cavity"
+    printed = [name for name, part in ((block, job.block_process), ("cover", job.lid_process)) if part.layer]
     if not printed:
         return "their holes come reamed from the shop"
+    ends = "the end plates and " if job.closed.of(*END_PLATES) else ""
     return (
         f"ream the holes of the printed {listed(printed)} that they are pressed into to {2 * PIN_RADIUS:g} "
-        "mm (H7); in the end plates and the cavity's top they slide"
+        f"mm (H7); in {ends}the {block}'s top they slide"
     )
 
 

@@ -19,6 +19,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import MOST_PARTS, tables_of, text_of
 from skincad.base.tables import Document, no_entry
 from skincad.inputs.design import Design, drop_dependents, drop_replaced, renamed_material
+from skincad.inputs.feature_tables import FAMILY_TABLES
 from skincad.inputs.gripper import Gripper
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import templates_folder
@@ -47,7 +48,7 @@ _DECIMAL = re.compile(
 )
 # the tables that only files of a kind have, by which one that was given to another's command is known
 _MARKS: dict[Kind, set[str]] = {
-    "designs": {"ridge", "slot", "material", "mold", "contact"},
+    "designs": {*FAMILY_TABLES, "slot", "material", "mold", "contact"},
     "scenes": {"history", "effects", "readout"},
     "circuits": {"amplifier", "motional", "cable", "sweep"},
     "studies": {"vary", "objectives", "constraints"},
@@ -241,8 +242,8 @@ def overridden(data: dict[str, Any], settings: list[str] | tuple[str, ...]) -> d
                 drop_dependents(result, name)
                 continue
             table[keys[-1]] = _toml_value(value.strip())
-            if keys[:-1] == ["ridge"]:
-                drop_replaced(result, {keys[-1]})
+            if len(keys) == 2 and keys[0] in FAMILY_TABLES:  # table and key
+                drop_replaced(result, keys[0], {keys[-1]})
     renamed_material(result, {key.removeprefix("material.") for key in named if key.startswith("material.")})
     return result
 

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Literal, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
-from skincad.base.errors import together
+from skincad.base.errors import InputError, together
 from skincad.base.result import output_named
 from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
+from skincad.inputs.feature_tables import (
+    FAMILY_TABLES,
+    Features,
+    Flat,
+    Pin,
+    Ridge,
+    Ring,
+    count_of,
+    heights,
+    lean,
+)
 from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process
@@ -19,13 +31,9 @@ from skincad.inputs.skin_tables import (
     OF_A_SILICONE,
     Base,
     Contact,
-    Features,
     Film,
     Material,
-    Ridge,
     Slot,
-    heights,
-    lean,
 )
 
 _Table = TypeVar("_Table", bound=Table)
@@ -37,8 +45,13 @@ class Design(Document):
     Lengths are mm, forces N, stresses MPa. Raises InputError for the rules that are broken.
     """
 
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [key]} for key in FAMILY_TABLES]})
+
     skin: Base
-    ridge: Ridge
+    ridge: Ridge | None = None
+    pin: Pin | None = None
+    ring: Ring | None = None
+    flat: Flat | None = None
     slot: Slot | None = None
     film: Film | None = None
     material: Material
@@ -55,16 +68,30 @@ class Design(Document):
         default=None, description="a lab's own grippers, [grippers.my-finger] as in a grippers.toml"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _one_family(cls, data: Any) -> Any:
+        named = [key for key in FAMILY_TABLES if isinstance(data, dict) and data.get(key) is not None]
+        if len(named) > 1:
+            tables = " and ".join(f"[{key}]" for key in named)
+            words = f"are two families of features; a skin has one: {tables}"
+            raise InputError(named[-1], words, remedy="drop one of the two tables")
+        return data
+
     @model_validator(mode="after")
     def _rules(self) -> Self:
-        skin, ridge, slot, film, mold = self.skin, self.ridge, self.slot, self.film, self.mold
+        if all(getattr(self, key) is None for key in FAMILY_TABLES):
+            remedy = "give ridge a value, or [pin], [ring] or [flat] one"
+            raise InputError("ridge", "is missing", remedy=remedy)
+        skin, slot, film, mold = self.skin, self.slot, self.film, self.mold
         checks = (
             guards.processes(mold, self.printer or {}),
             guards.silicones(self.material, self.silicones or {}),
             guards.grippers(mold, self.mount, self.grippers or {}),
             guards.features_on_skin(skin, self.features),
             guards.revolved(skin),
-            guards.profile(ridge),
+            guards.family(skin, self.features, slot),
+            guards.profile(self.features),
             guards.strips(skin, slot, film, mold),
             guards.bond(self.contact, film),
         )
@@ -91,7 +118,25 @@ class Design(Document):
     @property
     def features(self) -> Features:
         """The table of the family of features that stand on the skin."""
-        return self.ridge
+        table: Features = getattr(self, next(key for key in FAMILY_TABLES if getattr(self, key) is not None))
+        return table
+
+    def of(self, family: type[_Table]) -> _Table:
+        """Return the table of its features where they are of this family; ValueError elsewhere."""
+        if not isinstance(self.features, family):
+            raise ValueError(f"{self.name} has no {family.__name__}s")
+        return self.features
+
+    @property
+    def count(self) -> int:
+        """How many features there are; a flat skin counts as one."""
+        return count_of(self.skin, self.features)
+
+    @property
+    def spacing(self) -> float:
+        """The pitch of the features, mm; of a flat skin a length of its size."""
+        table = self.features
+        return math.sqrt(self.skin.width * self.skin.length) if isinstance(table, Flat) else table.spacing
 
     @property
     def film_state(self) -> Literal["bonded", "loose", "ignored"]:
@@ -106,14 +151,14 @@ class Design(Document):
         cast_in = self.mold.method == "cast-in" and self.film
         return cast_in.thickness if cast_in else self.slot.thickness
 
-    def lean(self, ridge: int) -> float:
-        """Return the angle in rad between ridge's axis and z; ridges count from 1 at the smallest x."""
-        return lean(self.skin, self.features, ridge)
+    def lean(self, number: int) -> float:
+        """Return the angle in rad between a feature's axis and z in the section's plane, numbers from 1."""
+        return lean(self.skin, self.features, number)
 
     @property
     def heights(self) -> tuple[float, ...]:
-        """Height of each ridge, base circle to the crown's summit, mm, ridge 1 first."""
-        return heights(self.skin, self.ridge)
+        """Height of each feature, base to summit, mm, feature 1 first."""
+        return heights(self.skin, self.features)
 
     @property
     def uneven(self) -> bool:
@@ -126,8 +171,10 @@ class Design(Document):
             drop_dependents(data, key)
         if key == "material" and isinstance(change, dict) and change.get("name") is not None:
             renamed_material(data, set(change))
-        if key == "ridge" and isinstance(change, dict):
-            drop_replaced(data, {name for name, value in change.items() if value is not None})
+        if key == "skin" and isinstance(change, dict):
+            drop_length(data["skin"], set(change))
+        if key in FAMILY_TABLES and isinstance(change, dict):
+            drop_replaced(data, key, {name for name, value in change.items() if value is not None})
 
 
 def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
@@ -135,6 +182,12 @@ def renamed_material(data: dict[str, Any], changed: set[str]) -> None:
     if "name" in changed and isinstance(data.get("material"), dict):
         dropped = {*OF_A_SILICONE} - changed
         data["material"] = {key: value for key, value in data["material"].items() if key not in dropped}
+
+
+def drop_length(skin: dict[str, Any], changed: set[str]) -> None:
+    """Drop, in place, the length of a round skin whose width was set again: it follows."""
+    if skin.get("outline") == "round" and "width" in changed and "length" not in changed:
+        skin.pop("length", None)
 
 
 def drop_dependents(data: dict[str, Any], dropped: str) -> None:
@@ -146,26 +199,36 @@ def drop_dependents(data: dict[str, Any], dropped: str) -> None:
         data["contact"] = {key: value for key, value in contact.items() if key != "film"}
 
 
-_REPLACED_KEYS = {"height": ("heights",), "heights": ("height", "levelling")}
+_REPLACED_KEYS = {
+    "height": ("heights",),
+    "heights": ("height", "levelling"),
+    "margin": ("columns", "rows", "rings"),
+    **dict.fromkeys(("columns", "rows", "rings"), ("margin",)),
+}
 
 
-def drop_replaced(data: dict[str, Any], changed: set[str]) -> None:
-    """Drop, in place, the keys of `[ridge]` that newly set keys replace: one height for all, or one a ridge.
+def drop_replaced(data: dict[str, Any], family: str, changed: set[str]) -> None:
+    """Drop, in place, the keys of a family's table that newly set keys replace: one height for all, or one a
+    feature; a number of pins, or a margin.
 
     Keys that are set together stay, and are refused.
     """
     replaced = {old for new in changed for old in _REPLACED_KEYS.get(new, ())} - changed
-    if replaced and isinstance(data.get("ridge"), dict):
-        data["ridge"] = {key: value for key, value in data["ridge"].items() if key not in replaced}
+    if replaced and isinstance(data.get(family), dict):
+        data[family] = {key: value for key, value in data[family].items() if key not in replaced}
 
 
 def scaled_skin(design: Design, by: float) -> Design:
     """Return the design with every length of its skin and features, and its slots' place, times a factor.
 
-    Slots and films keep their sizes. It may pass a key's limit by that factor, so it isn't checked.
+    Slots and films keep their sizes, pockets their diameter: what keeps them free is bought. It may pass a
+    key's limit by that factor, so it isn't checked.
     """
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
     features = {design.features.family: _scaled(design.features, by)}
+    if isinstance(table := features[design.features.family], Pin | Flat) and table.pocket is not None:
+        pocket = _scaled(table.pocket, by, ("depth", "offset"))
+        features = {table.family: table.model_copy(update={"pocket": pocket})}
     tables = {"skin": _scaled(design.skin, by), **features, "slot": slot}
     return design.model_copy(update=tables)
 
@@ -179,7 +242,7 @@ def with_heights(design: Design, heights: Sequence[float]) -> Design:
 
 def height_keys(design: Design) -> list[str]:
     """Return the family's keys that give all features their height, none where each has its own."""
-    return [key for key in ("height", "levelling") if getattr(design.features, key) is not None]
+    return [key for key in ("height", "levelling") if getattr(design.features, key, None) is not None]
 
 
 def _scaled(table: _Table, by: float, keys: tuple[str, ...] = ()) -> _Table:

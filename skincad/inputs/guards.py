@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 from skincad.base.errors import InputError, refusals
+from skincad.inputs.feature_tables import Features, Flat, Pin, Pocket, Ring, half_arcs, places
 from skincad.inputs.gripper import Gripper, check_grippers, gripper_named
 from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process, check_named, check_own
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Base, Contact, Features, Film, Material, Ridge, Slot, lean
+from skincad.inputs.skin_tables import Base, Contact, Film, Material, Slot
 
 MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -23,7 +24,7 @@ CORE_SHARE = 0.2  # assumption: least radius of a revolved skin's back, of curva
 def processes(mold: Mold, own: Mapping[str, Process]) -> Iterator[InputError]:
     """Yield what a workshop's own processes lack, and names of the mold's that nobody knows."""
     yield from refusals(lambda: check_own(own))
-    for key in ("process", "end_plate_process", "lid_process"):
+    for key in ("process", "end_plate_process", "block_process", "lid_process"):
         yield from refusals(partial(check_named, f"mold.{key}", getattr(mold, key), own))
 
 
@@ -76,8 +77,31 @@ def features_on_skin(skin: Base, features: Features) -> Iterator[InputError]:
             f"falls by {sag:.4g} mm)",
             skin.thickness,
         )
+    if isinstance(features, Flat):
+        return
+    if isinstance(features, Pin):
+        yield from _pins_on_skin(skin, features)
+        return
     half_root = features.root_width / 2 + features.root_fillet
-    reach = abs(lean(skin, features, 1)) + half_root / skin.curvature_radius
+    furthest = max(abs(at.u) for at in places(skin, features))
+    reach = (furthest + half_root) / skin.curvature_radius
+    if isinstance(features, Ring):
+        if reach >= side:
+            most = max(
+                0,
+                math.floor(
+                    (side * skin.curvature_radius - half_root - features.first_radius) / features.spacing
+                )
+                + 1,
+            )
+            rule = f"at most {most} rings of this pitch and root fit on skin.width"
+            yield InputError("ring.count", rule, features.count, "take fewer rings, or a larger skin")
+        if half_root > features.first_radius:
+            rule = f"must be at least {half_root:.4g} mm, or ring 1 closes over its middle"
+            yield InputError(
+                "ring.radius", rule, features.first_radius, "enlarge it, or narrow ring.root_width"
+            )
+        return
     if reach >= side:
         more = (
             2 * (side * skin.curvature_radius - half_root) / features.spacing
@@ -91,6 +115,107 @@ def features_on_skin(skin: Base, features: Features) -> Iterator[InputError]:
             if most
             else "take a wider skin or a smaller root",
         )
+
+
+def _pins_on_skin(skin: Base, pin: Pin) -> Iterator[InputError]:
+    """Yield pins that leave the base or cover each other's feet, and heights for another number of them."""
+    try:
+        where = places(skin, pin)
+    except InputError as broken:
+        yield broken
+        return
+    half_u, half_v = half_arcs(skin)
+    most_u, most_v = (max(abs(at[axis]) for at in where) + pin.foot for axis in (0, 1))
+    far = max(math.hypot(at.u, at.v) for at in where) + pin.foot
+    over = far - half_u if skin.round else max(most_u - half_u, most_v - half_v)
+    if over > _EDGE:
+        remedy = "take fewer pins, a smaller pin.pitch or a larger skin"
+        yield InputError("pin.pitch", f"puts pins {over:.4g} mm over the skin's edge", pin.pitch, remedy)
+    if pin.pitch < 2 * pin.foot:
+        rule = f"must be at least {2 * pin.foot:.4g} mm, or neighbours' feet overlap"
+        yield InputError(
+            "pin.pitch", rule, pin.pitch, "enlarge it, or take thinner pins or smaller root fillets"
+        )
+    shells = max(at.shell for at in where) + 1
+    if pin.heights is not None and len(pin.heights) not in (len(where), shells):
+        rule = f"must be {len(where)} values, one a pin, or {shells}, one a ring of pins from inside out"
+        yield InputError("pin.heights", rule, len(pin.heights), "give as many, or pin.height for all")
+
+
+_EDGE = 1e-9  # mm, by which a pin's foot may stand over the edge: rounding
+
+
+def family(skin: Base, features: Features, slot: Slot | None) -> Iterator[InputError]:
+    """Yield what a skin of this family can't be: slots without ridges, rings on no disc, a pocket that leaves
+    no wall."""
+    name = features.family
+    if slot is not None and name != "ridge":
+        yield InputError("slot", f"needs ridges, and [{name}] has none", remedy="drop [slot] and [film]")
+    if isinstance(features, Ring) and not skin.round:
+        yield InputError(
+            "skin.outline", "must be 'round' for rings", skin.outline, 'give skin.outline = "round"'
+        )
+    if skin.round:
+        if name == "ridge":
+            remedy = 'take outline = "rectangle", or [ring]'
+            yield InputError("skin.outline", "must be 'rectangle' for ridges", skin.outline, remedy)
+        if skin.length != skin.width:
+            rule = f"must be skin.width, {skin.width:g} mm, of a round skin"
+            yield InputError("skin.length", rule, skin.length, "leave it out")
+        if skin.curvature_radius_y is not None:
+            rule = "must not be given for a round skin, which curvature_radius curves all round"
+            yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave it out")
+    pocket = features.pocket if isinstance(features, Pin | Flat) else None
+    if pocket is not None and skin.curvature_radius_y is not None:
+        rule = "must not be given with skin.curvature_radius_y, which bends the back that pockets start from"
+        yield InputError(f"{name}.pocket", rule, remedy="leave one of them out")
+    elif pocket is not None:
+        yield from _pockets(skin, features, pocket)
+
+
+LEAST_POCKET_WALL = 0.3  # mm, assumption: silicone over or beside a pocket that a magnet does not tear
+
+
+def _pockets(skin: Base, features: Features, pocket: Pocket) -> Iterator[InputError]:
+    """Yield pockets that come too near to the face or to each other, or leave the base."""
+    where, key = places(skin, features), f"{features.family}.pocket"
+    half_u, half_v = half_arcs(skin)
+    radius, height = pocket.diameter / 2, 0.0
+    if isinstance(features, Pin):
+        height = min(features.heights or (features.height or 0.0,))
+        if radius + abs(pocket.offset) + LEAST_POCKET_WALL > features.tip_diameter / 2:
+            height = 0.0  # wider than the pin: it must end below the base
+    low = max(_sink(skin, at.u, at.v, radius + abs(pocket.offset)) for at in where)
+    most = skin.thickness - low + height - LEAST_POCKET_WALL
+    if pocket.depth > most:
+        rule = f"must be at most {max(most, 0.0):.4g} mm, to stay {LEAST_POCKET_WALL:g} mm below the face"
+        remedy = "make it shallower or narrower, or the skin thicker"
+        yield InputError(f"{key}.depth", rule, pocket.depth, remedy)
+    spacing = (
+        features.spacing
+        if isinstance(features, Pin)
+        else features.pitch
+        if isinstance(features, Flat)
+        else None
+    )
+    if len(where) > 1 and spacing is not None and spacing < pocket.diameter + LEAST_POCKET_WALL:
+        rule = f"must be at most {spacing - LEAST_POCKET_WALL:.4g} mm, or the wall to the next is too thin"
+        yield InputError(f"{key}.diameter", rule, pocket.diameter, "make it narrower, or the pitch larger")
+    over = (
+        max(abs(at.u) for at in where) + abs(pocket.offset) + radius - half_u,
+        max(abs(at.v) for at in where) + radius - half_v,
+    )
+    if max(over) > -LEAST_POCKET_WALL:
+        rule = f"must leave {LEAST_POCKET_WALL:g} mm to the skin's edge"
+        yield InputError(f"{key}.diameter", rule, pocket.diameter, "make it narrower, or the skin larger")
+
+
+def _sink(skin: Base, u: float, v: float, reach: float) -> float:
+    """By how much the base lies lower than in the skin's middle, mm, `reach` mm further out than (u, v)."""
+    radius, along = skin.curvature_radius, skin.curvature_radius_y
+    outer = math.hypot(abs(u), abs(v)) if skin.round else abs(u)
+    fall = 2 * radius * math.sin((outer + reach) / radius / 2) ** 2
+    return fall + (0.0 if along is None else 2 * along * math.sin((abs(v) + reach) / along / 2) ** 2)
 
 
 def revolved(skin: Base) -> Iterator[InputError]:
@@ -116,29 +241,30 @@ def revolved(skin: Base) -> Iterator[InputError]:
         )
 
 
-def profile(ridge: Ridge) -> Iterator[InputError]:
-    """Yield widths, fillets and a crown that make no ridge."""
-    if ridge.root_width >= ridge.spacing:
+def profile(features: Features) -> Iterator[InputError]:
+    """Yield widths, fillets and a crown that make no feature."""
+    if isinstance(features, Flat):
+        return
+    name, (root_key, tip_key) = features.family, features.widths
+    root, tip = features.root_width, features.tip_width
+    if root >= features.spacing:
         yield InputError(
-            "ridge.root_width", f"must be less than {ridge.spacing:g} mm (ridge.pitch)", ridge.root_width
+            f"{name}.{root_key}", f"must be less than {features.spacing:g} mm ({name}.pitch)", root
         )
-    if ridge.tip_width > ridge.root_width:
-        yield InputError(
-            "ridge.tip_width",
-            f"must be at most {ridge.root_width:g} mm (ridge.root_width), or the ridge hooks in its mold",
-            ridge.tip_width,
-        )
-    for key, radius in (("tip_fillet", ridge.tip_fillet), ("root_fillet", ridge.root_fillet)):
+    if tip > root:
+        rule = f"must be at most {root:g} mm ({name}.{root_key}), or the {name} hooks in its mold"
+        yield InputError(f"{name}.{tip_key}", rule, tip)
+    for key, radius in (("tip_fillet", features.tip_fillet), ("root_fillet", features.root_fillet)):
         if 0 < radius < SMALLEST_FILLET:
-            yield InputError(f"ridge.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
-    heights = ridge.heights or (ridge.height or 0.0,)  # levelling makes none lower
-    limit = min(*heights, ridge.tip_width / 2)
-    if ridge.crown >= limit:
-        lowest = f" of ridge {heights.index(limit) + 1}" if limit in heights and limit < max(heights) else ""
+            yield InputError(f"{name}.{key}", f"must be 0 or at least {SMALLEST_FILLET:g} mm", radius)
+    heights = features.heights or (features.height or 0.0,)  # levelling makes none lower
+    limit = min(*heights, tip / 2)
+    if features.crown >= limit and not (name == "pin" and features.crown == tip / 2 < min(heights)):
+        lowest = f" of {name} {heights.index(limit) + 1}" if limit in heights and limit < max(heights) else ""
         yield InputError(
-            "ridge.crown",
-            f"must be less than {limit:g} mm (the smaller of height{lowest} and half tip_width)",
-            ridge.crown,
+            f"{name}.crown",
+            f"must be less than {limit:g} mm (the smaller of height{lowest} and half {tip_key})",
+            features.crown,
         )
 
 

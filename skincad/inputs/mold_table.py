@@ -32,6 +32,12 @@ class Mold(Table):
         description="how the end plates are made, if not as the cavity",
         json_schema_extra=_A_PROCESS,
     )
+    block_process: str | None = Field(
+        default=None,
+        description="of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
+        "to be turned or printed finer; block and cavity are one piece if not given",
+        json_schema_extra=_A_PROCESS,
+    )
     lid_process: str | None = Field(
         default=None,
         description="how carrier and cover are made, if not as the cavity",
@@ -80,9 +86,10 @@ class Mold(Table):
         le=12,
         json_schema_extra={"unit": "1"},
     )
-    split: Literal["none", "auto"] = Field(
+    split: Literal["none", "auto", "tips"] = Field(
         default="none",
-        description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled",
+        description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled, "
+        "or at pins' tips where a tool makes their holes; tips: a plate of through holes on a base of cups",
     )
     shrinkage: float | None = quantity(
         "1",

@@ -43,12 +43,14 @@ class Process(SparseTable):
         le=0.2,
         default=0.0,
     )
-    tool: Literal["none", "mill", "wire", "screen"] = Field(
+    tool: Literal["none", "mill", "lathe", "wire", "screen"] = Field(
         default="none",
-        description="what shapes: a mill, which comes from above, a wire, which is straight, a screen, whose "
-        "pixels are whole, or none",
+        description="what shapes: a mill or a lathe, which come from above, a wire, which is straight, "
+        "a screen, whose pixels are whole, or none",
     )
-    tool_radius: float = quantity("mm", "of a ball-end mill or a wire", ge=0.0, le=100.0, default=0.0)
+    tool_radius: float = quantity(
+        "mm", "of a ball-end mill, a turning tool's nose or a wire", ge=0.0, le=100.0, default=0.0
+    )
     spark_gap: float = quantity("mm", "between wire and work", ge=0.0, le=10.0, default=0.0)
     groove_ratio: float = quantity(
         "1", "deepest groove by the tool's diameter", ge=0.0, le=1000.0, default=0.0

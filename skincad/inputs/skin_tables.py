@@ -1,4 +1,4 @@
-"""The tables of a design that say what is cast and pressed: skin, ridges, slots, films, silicone, plate.
+"""The tables of a design that say what is cast and pressed: skin, slots, films, silicone, plate.
 
 The frame and each length are defined in docs/understand/geometry.md: x across the ridges, y along them,
 z out of the skin, flat back at z = 0.
@@ -6,19 +6,26 @@ z out of the skin, flat back at z = 0.
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, Literal, Self
 
-from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
 from skincad.inputs.silicone import Law, Modulus
 
 
+def _a_length(schema: dict[str, Any]) -> None:
+    """A round skin needs no length, in the JSON schema."""
+    schema["required"].remove("length")
+    a_round = {"properties": {"outline": {"const": "round"}}, "required": ["outline"]}
+    schema["anyOf"] = [{"required": ["length"]}, a_round]
+
+
 class Base(Table):
     """The body of the pad."""
+
+    model_config = ConfigDict(json_schema_extra=_a_length)
 
     curvature_radius: float = quantity(
         "mm", "radius of the base circle, on which the ridges stand", ge=1.0, le=1e8
@@ -27,7 +34,14 @@ class Base(Table):
         "mm", "flat back to base circle in the middle, without the ridge", ge=0.2, le=100.0
     )
     width: float = quantity("mm", "across the back, what callipers read along x", ge=0.5, le=1000.0)
-    length: float = quantity("mm", "along the ridges (y)", ge=0.5, le=1000.0)
+    length: float = quantity(
+        "mm", "along the ridges (y); of a round skin its diameter, as width, if not given", ge=0.5, le=1000.0
+    )
+    outline: Literal["rectangle", "round"] | None = Field(
+        default=None,
+        description="round: the section turns about its middle, and the skin is a disc of diameter width; "
+        "rectangle if not given",
+    )
     curvature_radius_y: float | None = quantity(
         "mm",
         "second curvature: the whole section, its back too, turns about an axis along x, this far below the "
@@ -36,6 +50,24 @@ class Base(Table):
         le=1e8,
         default=None,
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _disc(cls, data: Any) -> Any:
+        """The length of a round skin that is given its width alone."""
+        if isinstance(data, dict) and data.get("outline") == "round" and "width" in data:
+            return {"length": data["width"], **data}
+        return data
+
+    @property
+    def round(self) -> bool:
+        """Whether it is a disc, a solid of revolution about z."""
+        return self.outline == "round"
+
+    @property
+    def across(self) -> str:
+        """Its width and length, or its diameter, mm, as words."""
+        return f"Ø{self.width:g}" if self.round else f"{self.width:g} x {self.length:g}"
 
 
 class Slot(Table):
@@ -191,124 +223,3 @@ class Contact(Table):
         default=None,
     )
     plate: Plate = Plate()
-
-
-HIGHEST = 50.0  # mm, of a ridge
-
-
-def _each_ridge(entries: Any) -> Any:
-    """Check a list of heights, so that what is wrong with one names its ridge and not its place."""
-    if isinstance(entries, list | tuple):
-        for number, value in enumerate(entries, 1):
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= HIGHEST:
-                raise InputError("", f"ridge {number} must be above 0 and at most {HIGHEST:g} mm high", value)
-    return entries
-
-
-Heights = Annotated[tuple[float, ...], Field(strict=False), BeforeValidator(_each_ridge)]
-
-
-class Ridge(Table):
-    """The ridges, alike but for their heights, each on its own normal of the base circle."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "oneOf": [{"required": ["height"]}, {"required": ["heights"]}],
-            "anyOf": [{"required": ["pitch"]}, {"properties": {"count": {"const": 1}}}],
-        }
-    )
-
-    family: ClassVar[str] = "ridge"  # its key in a design and in FAMILIES
-
-    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
-    pitch: float | None = quantity(
-        "mm",
-        "axis to axis along the base circle; of one ridge not needed",
-        gt=0.0,
-        le=100.0,
-        default=None,
-    )
-    height: float | None = quantity(
-        "mm", "base circle to the crown's summit, of every ridge", gt=0.0, le=HIGHEST, default=None
-    )
-    heights: Heights | None = Field(
-        default=None,
-        description="the same of each ridge, the one at the smallest x first, in the place of height",
-        json_schema_extra={
-            "unit": "mm",
-            "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
-        },
-    )
-    levelling: float | None = quantity(
-        "1",
-        "by what part of its crest's drop below the highest a ridge is higher than height: 0 alike, "
-        "1 all crests level; 0 if not given",
-        ge=0.0,
-        le=1.0,
-        default=None,
-    )
-    root_width: float = quantity("mm", "flank to flank on the base circle, before fillets", gt=0.0, le=100.0)
-    tip_width: float = quantity("mm", "chord of the crown, before fillets", gt=0.0, le=100.0)
-    crown: float = quantity("mm", "rise of the tip's arc in its middle above its edges", ge=0.0, le=10.0)
-    tip_fillet: float = quantity("mm", "radius between flank and crown", ge=0.0, le=20.0, default=0.0)
-    root_fillet: float = quantity("mm", "radius between flank and base circle", ge=0.0, le=20.0, default=0.0)
-
-    @property
-    def spacing(self) -> float:
-        """The pitch, mm; of one ridge that is given none, twice its root with both fillets.
-
-        There it is no distance, but a length for what scales with ridges, as the mesh files' chords.
-        """
-        return 2 * (self.root_width + 2 * self.root_fillet) if self.pitch is None else self.pitch
-
-    @model_validator(mode="after")
-    def _pitched(self) -> Self:
-        if self.pitch is None and self.count > 1:
-            raise InputError(
-                "pitch", "is missing", remedy="give ridge.pitch a value; only one ridge needs none"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> Self:
-        if self.heights is None:
-            if self.height is None:
-                raise InputError(
-                    "height", "is missing", remedy="give ridge.height a value, or ridge.heights one a ridge"
-                )
-            return self
-        for key in ("height", "levelling"):
-            if (beside := getattr(self, key)) is not None:
-                raise InputError(
-                    key, "must not be given beside ridge.heights", beside, "leave one of them out"
-                )
-        if len(self.heights) != self.count:
-            rule = f"must be {self.count} values, one a ridge (ridge.count)"
-            raise InputError("heights", rule, len(self.heights), "give as many, or ridge.height for all")
-        return self
-
-
-Features = Ridge  # the table of a family; with several families one of theirs
-
-
-def lean(skin: Base, features: Features, number: int) -> float:
-    """Return the angle in rad between a feature's axis and z; features count from 1 at the smallest x."""
-    return (number - (features.count + 1) / 2) * features.spacing / skin.curvature_radius
-
-
-@lru_cache(maxsize=32)
-def heights(skin: Base, ridge: Ridge) -> tuple[float, ...]:
-    """Return each ridge's height in mm, base circle to summit, ridge 1 first.
-
-    Levelled ones are higher than `height` by a part of what brings their summit to the highest one's z:
-    T - 2 R s + h (1 - 2 s) with s = sin^2(lean / 2), written so that mirrored ridges are alike to the last
-    digit and a flat skin loses none.
-    """
-    if ridge.heights is not None:
-        return ridge.heights
-    height = ridge.height or 0.0  # given where heights are not
-    if not ridge.levelling:
-        return (height,) * ridge.count
-    fall = [math.sin(lean(skin, ridge, i) / 2) ** 2 for i in range(1, ridge.count + 1)]
-    far = 2 * (skin.curvature_radius + height) * ridge.levelling
-    return tuple(height + far * (s - min(fall)) / (1 - 2 * s) for s in fall)

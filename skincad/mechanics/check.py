@@ -20,16 +20,18 @@ from skincad.base.errors import (
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, about
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat, Pin
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.fits import unlike
-from skincad.mechanics.left_out import LeftOut, left_out
+from skincad.mechanics.left_out import POCKETS, LeftOut, left_out
 from skincad.mechanics.models.table import (
     AUTO,
     AUTO_IF,
     MODELS,
     expected_seconds,
     is_small_strain,
+    left_out_by,
     load,
     model_named,
     prerequisites,
@@ -48,6 +50,7 @@ from skincad.mechanics.problem import (
     no_yield,
 )
 from skincad.mechanics.validity import (
+    areas,
     exceeds_small_strain,
     limits,
     material_warnings,
@@ -167,7 +170,8 @@ class ModelSelection:
 
     def request(self, tol: float | None, budget: float | None) -> Request:
         """Return what a model is asked."""
-        drops, limit = self.crest_offsets, limits(self.design).largest
+        drops, at = self.crest_offsets, areas(self.design)
+        limit = limits(self.design).largest * (max(at) / at[0])
         return Request(self.force, tol, budget, drops, ridge_model=not drops, ridge_limit=limit)
 
     def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
@@ -260,7 +264,7 @@ class ModelSelection:
         """
         plain = [name for name in ("reduced", "linear", "solid") if name in self.models]
         first = self.models.index(plain[0]) if plain else 0
-        if tol is None or self.crest_offsets:
+        if tol is None or self.crest_offsets or self.models[0] != "winkler":
             return first
         rough = run("winkler", self.design, Request(self.force), {}, None)
         for i, name in enumerate(self.models):
@@ -273,7 +277,9 @@ class ModelSelection:
 
     def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
-        effects = (*MODELS[name].leaves_out, *self.friction.left_out(name))
+        effects = (*left_out_by(name, self.design), *self.friction.left_out(name))
+        table = self.design.features
+        effects += (POCKETS,) if isinstance(table, Pin | Flat) and table.pocket else ()
         bounds = left_out(effects, self.design, answer, self.force)
         return (*bounds, *self.friction.unknown.get(name, ()))
 
@@ -298,9 +304,12 @@ class ModelSelection:
         """Whether more than SHARP of the all-touch force is an error that the next model does not have."""
         if check.next_model is None:
             return False
-        left, later = MODELS[check.model].leaves_out, MODELS[check.next_model.model].leaves_out
+        left, later = (left_out_by(name, self.design) for name in (check.model, check.next_model.model))
         if len(later) >= len(left):
             return False
+        if check.family == "flat":  # of which the approach is asked
+            lasting = self.friction.lasting_error(check.model, check.left_out, "approach")
+            return (check.approach.error or 0.0) / (check.approach.value or 1.0) - lasting > SHARP
         return relative_error(check, self._lasting(check) * (check.all_touch_force.value or 0.0)) > SHARP
 
     def _lasting(self, check: ContactCheck) -> float:
@@ -390,6 +399,7 @@ class ModelSelection:
         return ContactCheck(
             name=design.name,
             force=force,
+            family=skin_of(design).family,
             ridges=skin_of(design).count,
             touching=answer.touching,
             all_touch_force=answer.all_touch_force,
@@ -407,6 +417,7 @@ class ModelSelection:
             out_of_range=beyond_reason,
             tipping=tipping(design, answer),
             friction=design.contact.friction,
+            contact_width=answer.contact_width,
         )
 
     def _fault(self, name: str, answer: Answer) -> str:
@@ -444,12 +455,12 @@ class ModelSelection:
 
     def _next(self, name: str) -> NextModel | None:
         """The next model that neglects less, and its predicted seconds."""
-        current, order = MODELS[name], list(MODELS)
+        current, order = left_out_by(name, self.design), list(MODELS)
         better = [
             other
             for other in self.models
             if order.index(other) > order.index(name)
-            and (name == "winkler" or len(MODELS[other].leaves_out) <= len(current.leaves_out))
+            and (name == "winkler" or len(left_out_by(other, self.design)) <= len(current))
         ]
         if not better:
             return None

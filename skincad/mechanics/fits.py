@@ -54,13 +54,15 @@ class Designs:
 @dataclass(frozen=True)
 class Fit:
     """Numbers `where` (module and names), what they are, and the sets of designs behind them. `models` are
-    those whose verdict's error they are part of; `effect` is the one whose estimate they scale."""
+    those whose verdict's error they are part of; `effect` is the one whose estimate they scale. All designs
+    are of one `family`."""
 
     where: str
     what: str
     designs: tuple[str, ...]
     models: tuple[str, ...] = ()
     effect: str = ""
+    family: str = "ridge"
 
     @property
     def values(self) -> dict[str, Any]:
@@ -104,6 +106,10 @@ DESIGNS = {
     "scenes": Designs(
         "bench.random_scenes, seeds 0 to 59",
         _ranges((3, 9), (0.509, 1.38), (1.509, 4.994), (0.883, 11.974), (0.017, 1.25), (0.499, 0.499)),
+    ),
+    "pins": Designs(
+        "bench.table_reduced_pins, seeds 0 to 11 and 100 to 111, six with 0.499",
+        _ranges((9, 25), (0.5159, 1.587), (0.425, 1.29), (2.413, 7.238), (0.0, 0.3723), (0.49, 0.499)),
     ),
 }
 SEEN = "templates", "variants", "campaign"
@@ -163,6 +169,13 @@ FITS = (
         "mechanics.models.reduced:ERRORS",
         "errors of one force a feature against the full model",
         ("many",),
+    ),
+    Fit(
+        "mechanics.models.reduced:PIN_ERRORS",
+        "errors of one force a pin against CalculiX",
+        ("pins",),
+        ("reduced",),
+        family="pin",
     ),
     Fit(
         "mechanics.models.friction:BASE_ERRORS ERRORS_BY_CHANGE PLANE_PART",
@@ -227,11 +240,15 @@ FITS = (
 
 def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
     """Return in which numbers the design is unlike all that a model's or an effect's fits saw, or ""."""
-    numbers, found = shape_of(design), {}
-    for fit in FITS:
+    family, numbers, found = skin_of(design).family, shape_of(design), {}
+    fits = [fit for fit in FITS if fit.family == family]
+    if family != "ridge" and not any(model in fit.models for fit in fits):
+        return f"it has [{family}]"
+    for fit in fits:
         if model in fit.models or (effect and effect == fit.effect):
             for key, (low, high) in fit.ranges.items():
                 margin = ROUNDING * abs(high)
                 if not low - margin <= numbers[key] <= high + margin:
-                    found[key] = f"{NUMBERS[key]} {numbers[key]:.5g} (seen: {low:.5g} to {high:.5g})"
+                    name = f"{family}s" if key == "ridges" else NUMBERS[key]
+                    found[key] = f"{name} {numbers[key]:.5g} (seen: {low:.5g} to {high:.5g})"
     return ", ".join(found.values())

@@ -249,7 +249,7 @@ def _share_bound(passing: Mask, wrong: float) -> float:
 def _nominal(threshold: float, force: float) -> str:
     return (
         f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
-        "or higher ridges"
+        "or higher features"
     )
 
 

@@ -15,9 +15,17 @@ from typing import TYPE_CHECKING
 
 from skincad.base.errors import ExhaustedError, InputError, resource_guard
 from skincad.inputs.design import Design
-from skincad.mechanics.left_out import ALONG, FINITE_STRAIN, FREE_ENDS, FRICTION, LeftOut, finite_strain
+from skincad.mechanics.left_out import (
+    ALONG,
+    FINITE_STRAIN,
+    FREE_ENDS,
+    FRICTION,
+    POCKETS,
+    LeftOut,
+    finite_strain,
+)
 from skincad.mechanics.models.table import MODELS
-from skincad.mechanics.problem import Answer, ContactError
+from skincad.mechanics.problem import Answer, ContactError, focused
 
 if TYPE_CHECKING:
     from skincad.mechanics.models.friction import TwoPresses
@@ -41,17 +49,24 @@ class PlateFriction:
 
         Friction along y matters where ends are free, unless bonded strips hold the ridges.
         """
-        ends, pressed = has_ends(model), MODELS[model].meshed
+        ends, pressed = self.complete(model), MODELS[model].meshed
         if self.coefficient == 0.0 or (pressed and ends in self.solved):
             return ()
         if pressed and ends not in self.failed:  # it will be pressed, if the coefficient is known or ends are
             return () if self.coefficient is not None else (FRICTION,)
-        return (FRICTION, ALONG) if ends and self.design.film_state != "bonded" else (FRICTION,)
+        return (FRICTION, ALONG) if has_ends(model) and self.design.film_state != "bonded" else (FRICTION,)
 
-    def lasting_error(self, model: str, bounds: tuple[LeftOut, ...]) -> float:
-        """The relative error of the all-touch force that no model after this one removes."""
-        lasting = [bound.threshold for bound in bounds if bound.effect in (FRICTION, ALONG)]
-        return math.fsum(lasting) if has_ends(model) else 0.0
+    def complete(self, model: str) -> bool:
+        """Whether no better model has other ends: with free ends, or of a disc, which has none."""
+        return has_ends(model) or (MODELS[model].meshed and self.design.skin.round)
+
+    def lasting_error(self, model: str, bounds: tuple[LeftOut, ...], of: str = "threshold") -> float:
+        """The relative error of the all-touch force, or `of` another number, that no model after this one
+        removes."""
+        lasting = [
+            float(getattr(bound, of)) for bound in bounds if bound.effect in (FRICTION, ALONG, POCKETS)
+        ]
+        return math.fsum(lasting) if self.complete(model) else 0.0
 
     def applied_to(self, model: str, answer: Answer, available: float | None, price: float) -> Answer:
         """Return a model's answer with friction, unless the model has no mesh to press.
@@ -59,7 +74,7 @@ class PlateFriction:
         If friction cannot be computed, or its `price`, s, exceeds the `available` time, a warning says so and
         its bound stays.
         """
-        ends = has_ends(model)
+        ends = self.complete(model)
         if self.coefficient == 0.0 or not MODELS[model].meshed or not (ends or self.coefficient):
             return answer
         if ends not in self.solved and ends not in self.failed:
@@ -84,11 +99,12 @@ class PlateFriction:
         from skincad.mechanics.models.corrected import plain_pad
         from skincad.mechanics.models.friction import FULL, solve, solve_solid
 
-        began, press = perf_counter(), solve_solid if ends else solve
+        began, press = perf_counter(), solve_solid if ends and not self.design.skin.round else solve
         coefficient = FULL if self.coefficient is None else self.coefficient
         try:
             with resource_guard("the press with friction"):
-                self.solved[ends] = press(plain_pad(self.design), coefficient, self.force, self.crest_offsets)
+                pad = focused(plain_pad(self.design), self.force)
+                self.solved[ends] = press(pad, coefficient, self.force, self.crest_offsets)
         except (ContactError, ExhaustedError, InputError) as failure:
             self.failed[ends] = str(failure)
         self.seconds += perf_counter() - began

@@ -17,7 +17,7 @@ from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import Section, section
+from skincad.shape.skin import Section, cell_section, section, skin_of
 
 
 def rise(plate: Plate, x: Array) -> Array:
@@ -90,7 +90,9 @@ class Bend:
 
 @dataclass(frozen=True)
 class Pad:
-    """An elastic section of `length` mm along y, clamped at its `back` segments.
+    """An elastic section of `length` mm along y, clamped at its `back` segments. One that is `revolved` is
+    the whole of a skin's section through its axis x = 0, whose half at x >= 0 is turned about it; its length
+    does not count, and a ring crosses it twice. Within `focus` mm of x = 0 the mesh resolves a contact.
 
     Segments that touch may meet the plate. `strips` are loops filled with the film's material
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
@@ -113,6 +115,8 @@ class Pad:
     ends: tuple[tuple[float, ...], ...] = ()
     law: Rubber | None = None
     bend: Bend | None = None
+    revolved: bool = False
+    focus: float = 0.0
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
@@ -128,6 +132,11 @@ class Pad:
             return {}
         moduli = self.materials
         return {name: self.law for name in moduli if moduli[name] == moduli["skin"]}
+
+    @property
+    def face(self) -> bool:
+        """Whether the base itself meets the plate."""
+        return any(s.kind == "base" and s.touches for s in self.section.outline)
 
     @property
     def ridges(self) -> tuple[int, ...]:
@@ -242,7 +251,8 @@ class Answer:
 
     `residual` is the largest relative violation of contact and equilibrium, 0 for a closed form. `fault`
     names an undetected contact of the skin with itself or the plate, "" if there is none. `own_seconds` is
-    the model's own time, without the models that it builds on. `deformed` is the section under the force.
+    the model's own time, without the models that it builds on. `deformed` is the section under the force,
+    `contact_width` mm that of the contact of a skin without features.
     """
 
     touching: int
@@ -257,6 +267,7 @@ class Answer:
     ridge_model: RidgeModel | None = None
     self_contact: SelfContact | None = None
     own_seconds: float = 0.0
+    contact_width: Estimate | None = None
     deformed: tuple[DeformedPiece, ...] = field(default=(), compare=False, repr=False)
 
     def consistent(self, force: float) -> Answer:
@@ -298,13 +309,25 @@ class Answer:
             all_touch_force=wider(first, (first.value or 0.0) * threshold),
             approach=wider(down, abs(down.value or 0.0) * approach),
             ridge_force=tuple(wider(ridge, share) for ridge in self.ridge_force),
+            contact_width=self.contact_width
+            and wider(self.contact_width, (self.contact_width.value or 0.0) * approach / 2),
         )
 
 
-def pad_of(design: Design) -> Pad:
-    """Return the pad of a design that is straight along y, its slots filled as `film_state` says.
+def wider_by(width: Estimate, approach: float) -> Estimate:
+    """Return a contact's width where the approach changes by a factor: as its root, in Hertz' contact and on
+    a thin bonded layer (Johnson, Contact Mechanics, 1985, eq. 4.22 and sec. 5.8). Half of the width's change
+    is taken as its error."""
+    value, root = width.value or 0.0, math.sqrt(approach)
+    return Estimate(value * root, math.hypot((width.error or 0.0) * root, value * (root - 1) / 2), width.unit)
 
-    Raises InputError for a skin that is curved along y too.
+
+def pad_of(design: Design) -> Pad:
+    """Return the pad of a design whose section is swept straight along y, its slots filled as `film_state`
+    says, or of one that turns about its middle: rings, a round flat skin, or one pin on a round skin.
+
+    Raises InputError for a skin that is curved along y too, and for pins of which there are more or whose
+    base is no disc.
     """
     radius = design.skin.curvature_radius_y
     if radius is not None:
@@ -313,8 +336,40 @@ def pad_of(design: Design) -> Pad:
     return solid_pad_of(design)
 
 
+def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: float = math.inf) -> Pad:
+    """Return the pad of one pin alone, upright in the middle of a disc of base of a `radius` mm whose rim is
+    free: its section turns about its axis. The base is flat unless it has a `curvature_radius` mm. Pockets
+    are silicone.
+
+    Valid under a flat plate that is square to the pin's axis.
+    """
+    material = silicone(design)
+    return Pad(
+        section=cell_section(design, radius, number, curvature_radius),
+        length=2 * radius,
+        young_modulus=material.young_modulus.value,
+        poisson_ratio=material.poisson_ratio,
+        plate=design.contact.plate,
+        density=material.density,
+        law=material.law,
+        revolved=True,
+    )
+
+
 def solid_pad_of(design: Design) -> Pad:
-    """Return the pad of a design, straight along y or not."""
+    """Return the pad of a design, straight along y or not; a round skin's section turns.
+
+    Raises InputError for pins, as `pad_of`.
+    """
+    skin = skin_of(design)
+    if skin.symmetry == "revolved":
+        if skin.count > 1:
+            raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
+        if not design.skin.round:
+            remedy = 'give skin.outline = "round"'
+            rule = "must be 'round' round a single pin"
+            raise InputError("skin.outline", rule, design.skin.outline, remedy)
+        return pin_cell(design, design.skin.width / 2, curvature_radius=design.skin.curvature_radius)
     radius = design.skin.curvature_radius_y
     shape, material, film = section(design), silicone(design), design.film
     state = design.film_state
@@ -334,7 +389,23 @@ def solid_pad_of(design: Design) -> Pad:
         film_density=PVDF_DENSITY if strips else 0.0,
         law=material.law,
         bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
+        revolved=design.skin.round,
     )
+
+
+FOCUS = 1.5  # half-widths of the contact by Hertz, which a thin base makes narrower
+
+
+def focused(pad: Pad, force: float) -> Pad:
+    """Return a pad with its `focus` at `force` N, where it touches with one arc over x = 0: by Hertz
+    (Johnson, Contact Mechanics, 1985, eq. 4.22 and 4.43)."""
+    middle = [s for s in pad.section.outline if s.touches and s.end.x < 0 < s.start.x and s.bulge]
+    if len(pad.ridges) > 1 or not middle or not (pad.revolved or middle[0].kind == "base"):
+        return pad
+    radius, stiffness = middle[0].radius, pad.young_modulus / (1 - pad.poisson_ratio**2)
+    line = math.sqrt(4 * force * radius / (math.pi * pad.length * stiffness))
+    half = math.cbrt(3 * force * radius / (4 * stiffness)) if pad.revolved else line
+    return replace(pad, focus=FOCUS * half)
 
 
 def one_ridge(pad: Pad) -> Pad:

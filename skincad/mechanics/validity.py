@@ -18,6 +18,7 @@ LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which 
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is meant
 TIPPING_WARNING = 0.5  # of the force at which a ridge tips over; beyond it a better model is needed
 SHEAR_FACTOR = 5 / 6  # of a rectangular section's area, Timoshenko's
+ROUND_SHEAR_FACTOR = 0.9  # of a round one's
 
 
 class Shares(Protocol):
@@ -32,17 +33,19 @@ class Shares(Protocol):
 
 @dataclass(frozen=True)
 class Limits:
-    """Where a model's range ends: `height` mm of the skin with its ridges, by which it would be pressed flat.
+    """Where a model's range ends: `height` mm of the skin with its features, by which it would be pressed
+    flat.
 
-    `squeeze` and `shear` N are the forces on a ridge along its axis and across it at a nominal strain of 1
-    (the tensor component, half the angle), over its mean width and its length; `buckling` N is the force at
-    which it tips over. All three are infinite for a model of large strain.
+    `squeeze` and `shear` N are the forces on a feature, ring 1 of rings, along its axis and across it at a
+    nominal strain of 1 (the tensor component, half the angle), over its section halfway up; `buckling` N is
+    the force at which it tips over. All three are infinite for a model of large strain, and of a flat skin.
     """
 
     height: float
     squeeze: float = math.inf
     shear: float = math.inf
     buckling: float = math.inf
+    family: str = "ridge"
 
     @property
     def largest(self) -> float:
@@ -57,24 +60,48 @@ class Limits:
         """Return why the skin is pressed flat at this approach, mm, or ""."""
         if approach < self.height:
             return ""
-        return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of skin and ridges"
+        both = "skin" if self.family == "flat" else f"skin and {self.family}s"
+        return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of {both}"
 
     def overload_reason(self, normal: float, tangential: float = 0.0) -> str:
-        """Return why the plate's largest forces on a ridge, N, exceed small strain, or ""."""
-        strain = self.strain(normal, tangential)
+        """Return why the plate's largest forces on a feature, N, exceed small strain, or ""."""
+        strain, of = self.strain(normal, tangential), self.family
         if strain > LARGEST_STRAIN:
-            return f"the ridges' nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
+            return f"the {of}s' nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
         if normal > self.buckling:
-            return f"a ridge tips over at {self.buckling:.3g} N and would carry {normal:.3g} N"
+            return f"a {of} tips over at {self.buckling:.3g} N and would carry {normal:.3g} N"
         return ""
 
 
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
     modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
-    area = mean_width(design) * design.skin.length
+    family = skin_of(design).family
+    if family == "flat":
+        return Limits(height(design), family=family)
+    area = areas(design)[0]
     shear = modulus[0] / (1 + modulus[1]) * area
-    return Limits(height(design), plane_modulus(design) * area, shear, buckling_force(design))
+    squeeze = column_modulus(design) * area
+    return Limits(height(design), squeeze, shear, buckling_force(design), family)
+
+
+def areas(design: Design) -> tuple[float, ...]:
+    """Return each feature's area halfway up, mm2: a ring's along its crest line; a flat skin's face."""
+    skin, width = skin_of(design), mean_width(design)
+    if skin.symmetry == "revolved":
+        return (math.pi * width**2 / 4,) * skin.count
+    if skin.symmetry == "concentric":
+        return tuple(2 * math.pi * placed.summit.x * width for placed in skin.placed)
+    if design.skin.round:
+        return (math.pi * width**2 / 4,)
+    return (width * design.skin.length,) * skin.count
+
+
+def column_modulus(design: Design) -> float:
+    """Return the modulus of a feature as a column, MPa: a pin's E, as its sides are free all round; else
+    E / (1 - nu^2)."""
+    revolved = skin_of(design).symmetry == "revolved"
+    return silicone(design).young_modulus.value if revolved else plane_modulus(design)
 
 
 def height(design: Design) -> float:
@@ -104,13 +131,16 @@ def plane_modulus(design: Design) -> float:
 
 
 def ridge_strain(design: Design, answer: Shares) -> float:
-    """Return the nominal strain of the most loaded ridge: force over E' times its mean width and length."""
+    """Return the nominal strain of the most strained feature: its force over its modulus as a column and its
+    area halfway up; of a flat skin the approach over its thickness."""
+    if skin_of(design).family == "flat":
+        return (answer.approach.value or 0.0) / height(design)
     return limits(design).strain(_largest(design, answer))
 
 
 def tipping(design: Design, answer: Shares) -> float:
-    """Return the most loaded ridge's force over the force at which it tips over."""
-    return _largest(design, answer) / buckling_force(design)
+    """Return the most loaded feature's force over the force at which it tips over; 0 of a flat skin."""
+    return _largest(design, answer) / limits(design).buckling
 
 
 def exceeds_small_strain(design: Design, answer: Shares) -> bool:
@@ -119,11 +149,13 @@ def exceeds_small_strain(design: Design, answer: Shares) -> bool:
 
 
 def _largest(design: Design, answer: Shares) -> float:
-    """The most loaded ridge's force, N; of a skin curved along y what it were with the middle's force per
-    length all along."""
-    return max(force.value or 0.0 for force in answer.ridge_force) * peak(
-        design, answer.approach.value or 0.0
-    )
+    """The most loaded feature's force, N, of rings scaled to ring 1's area; of a skin curved along y what it
+    were with the middle's force per length all along."""
+    forces = [force.value or 0.0 for force in answer.ridge_force]
+    if skin_of(design).symmetry == "concentric":
+        at = areas(design)
+        forces = [force * (at[0] / area) for force, area in zip(forces, at, strict=True)]
+    return max(forces) * peak(design, answer.approach.value or 0.0)
 
 
 def peak(design: Design, approach: float) -> float:
@@ -133,31 +165,41 @@ def peak(design: Design, approach: float) -> float:
     0.
     """
     radius, half = design.skin.curvature_radius_y, design.skin.length / 2
-    if radius is None or approach <= 0.0:
+    if radius is None or approach <= 0.0 or skin_of(design).symmetry != "extruded":
         return 1.0
     touches = math.sqrt(2 * radius * approach)
     return 1.5 * half / touches if touches < half else approach / (approach - half**2 / (6 * radius))
 
 
 def buckling_force(design: Design) -> float:
-    """Return the force, N, at which a ridge, the highest of unlike ones, tips over under a plate: a column
+    """Return the force, N, at which a feature, the highest of unlike ones, tips over under a plate: a column
     that shears, clamped at its root, its tip held upright by the plate and free to slide along it.
 
     G A / 2 (sqrt(1 + 4 P / (G A)) - 1), with P = pi^2 E' I / h^2, I = L w^3 / 12, A = 5/6 L w and w the mean
-    width: Haringx, Philips Res. Rep. 3 (1948) 401. Plane finite strain finds single ridges, 1.0 to 2.7 widths
+    width: Haringx, Philips Res. Rep. 3 (1948) 401. Of a pin E, I = A w^2 / 16 and 9/10 A (Timoshenko,
+    Strength of Materials, 1955, vol. 1, sec. 39). Of ring 1, which its turn stiffens, as of a straight ridge
+    of its length. Plane finite strain finds single ridges, 1.0 to 2.7 widths
     high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to 1.22 for
     the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
     material, width = silicone(design), mean_width(design)
-    inertia = design.skin.length * width**3 / 12
-    bending = math.pi**2 * plane_modulus(design) * inertia / max(skin_of(design).heights) ** 2
+    length = areas(design)[0] / width if skin_of(design).symmetry == "concentric" else design.skin.length
+    inertia, factor = length * width**3 / 12, SHEAR_FACTOR
+    if skin_of(design).symmetry == "revolved":
+        length, inertia, factor = math.pi * width / 4, math.pi * width**4 / 64, ROUND_SHEAR_FACTOR
+    bending = math.pi**2 * column_modulus(design) * inertia / max(skin_of(design).heights) ** 2
     shear_modulus = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
-    shear = SHEAR_FACTOR * shear_modulus * design.skin.length * width
+    shear = factor * shear_modulus * length * width
     return shear / 2 * (math.sqrt(1 + 4 * bending / shear) - 1)
 
 
 def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
-    """Why the verdict lies beyond the model's range, or "": judged where all ridges begin to touch."""
+    """Why the verdict lies beyond the model's range, or "": judged where all features begin to touch; of a
+    flat skin, of which the approach is asked, at the force."""
+    if skin_of(design).family == "flat":
+        strain = ridge_strain(design, answer)
+        words = f"the skin's nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
+        return words if strain > LARGEST_STRAIN else ""
     threshold = answer.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
     return limits(design).overload_reason(_largest(design, answer) * at)
@@ -165,11 +207,12 @@ def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
 
 def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:
     """Return warnings where the nominal strain is no small one, and where a ridge nearly tips over."""
-    strain, part = ridge_strain(design, answer), tipping(design, answer)
+    strain, part, of = ridge_strain(design, answer), tipping(design, answer), skin_of(design).family
+    of = "skin" if of == "flat" else of
     notes = {
-        f"nominal ridge strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})": strain
+        f"nominal {of} strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})": strain
         > SMALL_STRAIN,
-        f"the most loaded ridge bears {part:.0%} of the force at which it tips over": part > TIPPING_WARNING,
+        f"the most loaded {of} bears {part:.0%} of the force at which it tips over": part > TIPPING_WARNING,
     }
     return tuple(words for words, wrong in notes.items() if wrong)
 

@@ -69,6 +69,7 @@ class ContactCheck(Result):
     force: float = item("N", "the plate's force")
     plate: str = item(meaning="the plate's shape", default="flat")
     friction: float | None = item(meaning="the plate's coefficient; null: not known", default=None)
+    family: str = "ridge"  # of what touches
     ridges: int = item(meaning="how many there are")
     touching: int = item(meaning="how many carry load")
     all_touch_force: Estimate = item("N", "all ridges touch from this force on")
@@ -94,6 +95,7 @@ class ContactCheck(Result):
     search_cut_short: bool = False  # whether that search took cheaper models to end in time
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
+    contact_width: Estimate | None = None  # mm, of a flat skin's face
     deformed: tuple[DeformedPiece, ...] = field(
         default=(), compare=False
     )  # by the linear model, if it solved
@@ -165,6 +167,10 @@ class ContactCheck(Result):
     @reported(meaning="share of parts in which all ridges touch, and what it depends on", inline=True)
     def _yield(self) -> Yield | dict[str, None]:
         return self.manufacture or {"yield": None, "yield_interval": None}
+
+    @reported(meaning="of a flat skin how wide its face touches", inline=True)
+    def _face(self) -> dict[str, Estimate]:
+        return {} if self.contact_width is None else {"contact_width_mm": self.contact_width}
 
     @reported(meaning="what lets it pass", key="changes")
     def _changes(self) -> tuple[Change, ...]:

@@ -213,12 +213,16 @@ def casting_calculations(job: Job) -> list[Calculation]:
 def _cavity(job: Job) -> Calculation:
     skin, cavity = job.skin_part.volume, job.closed.first(PartRole.SKIN).volume
     slots = math.fsum(area(slot.loop()) for slot in job.section.slots) * job.design.skin.length
+    pockets = math.fsum(cut.volume for cut in job.skin_part.cuts)
     quantities = [
         Quantity("V", "skin as designed", MM3 * skin, "cm³"),
         Quantity("s", "linear shrinkage", job.shrinkage, "1"),
     ]
     if slots:
         quantities.append(Quantity("V_s", "slots in it, which shims keep as they are", MM3 * slots, "cm³"))
+    if pockets:  # their depth follows the shrinkage, as a slot's length does
+        slots, words = pockets, "pockets in it, which core pins keep as wide as they are"
+        quantities.append(Quantity("V_s", words, MM3 * slots, "cm³"))
     return Calculation(
         "Cavity that cures to the skin",
         Quantity("V_c", "skin in the mold", MM3 * cavity, "cm³"),

@@ -16,6 +16,7 @@ from skincad.mechanics.verdict import NO_MODEL, ContactCheck
 from skincad.outputs.delivery import Presentation, picture
 
 if TYPE_CHECKING:
+    from skincad.fabrication.making import Build
     from skincad.mechanics.film.stress import FilmStresses
     from skincad.outputs.figures.canvas import Picture
 
@@ -29,20 +30,21 @@ BLOCKS = "▁▂▃▄▅▆▇█"  # a ridge's force, in full eighths of the l
 CLEAR = "·"  # a ridge without load
 BARS_SIZE = (460, 110)  # pixels of a notebook's bars
 GREEN, AMBER, RED, BLUE, INK = "#009e73", "#e69f00", "#c24e00", "#0072b2", "#222222"
-UNCHECKED = "Not checked whether all ridges touch."  # for a job without a check
 
 
 def verdict(check: ContactCheck) -> str:
     """Return the contact verdict in one sentence, with its error."""
     needed, plate = _shown(check.all_touch_force), f"a {check.plate} plate at {check.force:g} N"
-    every = "both ridges" if check.ridges == 2 else f"all {check.ridges} ridges"
+    of = check.family
+    every = f"both {of}s" if check.ridges == 2 else f"all {check.ridges} {of}s"
     if check.out_of_range:
         return f"UNDECIDED: {check.out_of_range}."
     if check.ridges == 1:
-        return f"Passes: the one ridge touches a {check.plate} plate at any force."
+        one = "face" if of == "flat" else f"one {of}"
+        return f"Passes: the {one} touches a {check.plate} plate at any force."
     if check.passed:
         return f"Passes: {every} touch {plate}; they already do at {needed}."
-    some = f"{check.touching} of {check.ridges} ridges touch {plate}"
+    some = f"{check.touching} of {check.ridges} {of}s touch {plate}"
     if check.verdict == "fails":
         need = (
             "the force that all need is beyond the model's range"
@@ -77,17 +79,26 @@ def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
 
 def lines(check: ContactCheck) -> list[str]:
     """Return the verdict, its margin and error, the forces as bars, and what to know of them."""
-    return [*answer_lines(check), f"  ridge forces   {force_bars(check)}", *notes(check)]
+    forces = "" if check.family == "flat" else f"  {f'{check.family} forces':15}{force_bars(check)}"
+    return [*answer_lines(check), *([forces] if forces else []), *notes(check)]
 
 
 def answer_lines(check: ContactCheck) -> list[str]:
     """Return the verdict, and its margin and error where it has any."""
-    return [verdict(check), *_margin_lines(check)]
+    width = check.contact_width
+    lines = [] if width is None else [f"  approach       {check.approach}, the contact {width} wide"]
+    return [verdict(check), *lines, *_margin_lines(check)]
 
 
 def notes(check: ContactCheck) -> list[str]:
     """Return what to know of the verdict; none is hidden, as each may change its meaning."""
     return [f"  note           {warning}" for warning in check.warnings]
+
+
+def whether(build: Build | None) -> str:
+    """Return what a check tells of a design, as words."""
+    family = build.design.features.family if build else "ridge"
+    return "how the face touches" if family == "flat" else f"whether all {family}s touch"
 
 
 def force_bars(check: ContactCheck) -> str:
@@ -96,7 +107,7 @@ def force_bars(check: ContactCheck) -> str:
     shared = math.ceil(len(values) / MOST_BARS)
     groups = [values[i : i + shared] for i in range(0, len(values), shared)]
     bars = "".join(_block(group, max(values)) for group in groups)
-    each = f", {shared} ridges a bar" if shared > 1 else ""
+    each = f", {shared} {check.family}s a bar" if shared > 1 else ""
     return f"{bars}  {_ends(check)}{each}"
 
 
@@ -147,8 +158,9 @@ def details(check: ContactCheck) -> list[str]:
 def number_lines(check: ContactCheck) -> list[str]:
     """Return the numbers that need no advice."""
     error = max((share.error or 0.0) for share in check.ridge_force)
+    values = [share.value or 0.0 for share in check.ridge_force]
     return [
-        f"  each ridge     {_shares([share.value or 0.0 for share in check.ridge_force])} (± {error:.1g}) N",
+        f"  {f'each {check.family}':15}{_shares(values)} (± {error:.1g}) N",
         f"  approach       {_shown(check.approach)}",
         *_model_lines(check),
         *_manufacture_lines(check),
@@ -293,13 +305,13 @@ def _bars_svg(check: ContactCheck) -> str:
         left, up = ridge * step, high * (1 - value / top)
         low, far = (high * (1 - max(end, 0.0) / top) for end in (value - error, value + error))
         shapes.append(
-            f"<g><title>ridge {ridge + 1}: {escape(str(share))}</title>"
+            f"<g><title>{check.family} {ridge + 1}: {escape(str(share))}</title>"
             f"<rect x='{left + 0.1 * step:.2f}' y='{up:.2f}' width='{0.8 * step:.2f}' "
             f"height='{high - up:.2f}' fill='{BLUE}'/>"
             f"<path d='M{left + step / 2:.2f} {low:.2f}V{far:.2f}' stroke='{INK}'/></g>"
         )
     axis = f"<path d='M0 {high}H{wide}' stroke='{INK}'/>"
-    label = f"force on ridges 1 to {check.ridges}: {_ends(check)}"
+    label = f"force on {check.family}s 1 to {check.ridges}: {_ends(check)}"
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' width='{wide}' viewBox='0 -2 {wide} {high + 20}' "
         f"role='img'>{''.join(shapes)}{axis}"

@@ -15,6 +15,7 @@ from skincad.inputs.catalog import load_design, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.inputs.shipped import templates_folder
 from skincad.shape.skin import skin_of
+from skincad.solids.pins import pocket_of
 
 HEADS = ("ridges", "size, mm", "detail", "mold by", "silicone", "all touch")
 
@@ -32,7 +33,9 @@ def purpose(name: str) -> str:
 
 def smallest_detail(design: Design) -> tuple[float, str]:
     """Return the narrowest groove, tooth or slot of a mold, mm, and which it is."""
-    skin = skin_of(design)
+    skin, pocket = skin_of(design), pocket_of(design)
+    if skin.symmetry == "none":
+        return (pocket.diameter, "pocket") if pocket else (skin.base.width, "skin")
     details = [skin.groove(), *([tooth] if (tooth := skin.tooth()) else [])]
     widths = [(detail.width, detail.where) for detail in details]
     if design.core_thickness:
@@ -58,7 +61,9 @@ def _entry(design: Design) -> dict[str, Any]:
     return {
         "about": purpose(design.name),
         "family": design.features.family,
-        "count": design.features.count,
+        "count": design.count,
+        "features": skin_of(design).counted,
+        "size": design.skin.across,
         "size_mm": [design.skin.width, design.skin.length],
         "smallest_detail_mm": detail,
         "smallest_detail": where,
@@ -72,12 +77,11 @@ def _entry(design: Design) -> dict[str, Any]:
 
 def cells(entry: dict[str, Any]) -> tuple[str, ...]:
     """Return the cells of a row, in the order of HEADS."""
-    width, length = entry["size_mm"]
     made = dict.fromkeys((entry["process"], entry["end_plate_process"]))
     force = entry["all_touch_force_N"]["value"]
     return (
-        f"{entry['count']} {entry['family']}s",
-        f"{width:g} x {length:g}",
+        entry["features"],
+        entry["size"],
         f"{entry['smallest_detail_mm']:.3g}",
         "+".join(made),
         str(entry["silicone"]),
@@ -91,7 +95,8 @@ def page() -> str:
     for name, entry in entries().items():
         ridges, size, detail, made, silicone, _ = cells(entry)
         force = force_of(load_design(name))
-        touch = f"All touch from {force} on; the design is for {entry['force_N']:g} N."
+        begin = f"All touch from {force} on" if entry["count"] > 1 else "It touches from the first contact on"
+        touch = f"{begin}; the design is for {entry['force_N']:g} N."
         facts = f"{ridges} on {size} mm, smallest detail {detail} mm ({entry['smallest_detail']})"
         rows += [
             f"## {name}",

@@ -59,7 +59,7 @@ BuildWriter = Callable[[Build, Path], None]
 def lines(result: MakeResult) -> list[str]:
     """Return the verdict with its margin, and the findings: each error in full, else the gravest warning."""
     check, shown = result.check, _shown_findings(result)
-    unchecked = PREVIEW_NOTE if result.preview else checks.UNCHECKED
+    unchecked = PREVIEW_NOTE if result.preview else f"Not checked {checks.whether(result.build)}."
     left = [finding for finding in result.findings if finding not in shown]
     kind = "note" if all(finding.severity == "note" for finding in left) else "finding"
     count = f"{len(left)}{' more' * bool(shown)} {kind}{'s' * (len(left) != 1)}"
@@ -86,7 +86,7 @@ def next_step(result: MakeResult) -> str:
     if result.preview:
         return "`skincad make {design}` checks it and writes all files."
     if result.check is None:
-        return "`skincad check {design}` says whether all ridges touch."
+        return f"`skincad check {{design}}` says {checks.whether(result.build)}."
     if not result.check.passed:
         return checks.next_step(result.check)
     return "cast it: casting-sheet.html says what to buy and what to do."
@@ -265,7 +265,7 @@ def _crests(build: Build) -> CrestAllowance | None:
 
 def _verdict(build: Build) -> str:
     """The verdict in words, or that the design was not checked."""
-    return checks.verdict(build.check) if build.check else checks.UNCHECKED
+    return checks.verdict(build.check) if build.check else f"Not checked {checks.whether(build)}."
 
 
 def _report(build: Build) -> str:

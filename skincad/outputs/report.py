@@ -40,6 +40,7 @@ from skincad.outputs.pages import (
     ridge_table,
     table,
 )
+from skincad.scenes.scene import PIN_EFFECTS
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
 def suggested_scene(design: Design) -> str | None:
     """Return the name of a scene that this skin can take, with signals in volts if there is one."""
     skin = skin_of(design)
-    names = template_names("scenes")
+    names = template_names("scenes") if skin.family in ("ridge", "pin") else []
     for wanted in ("piezo", "film", "friction"):
         for name in names:
             data = read_table(name, "scenes")
@@ -105,6 +106,7 @@ def suggested_scene(design: Design) -> str | None:
             if (
                 wanted in effects
                 and films_suffice
+                and (skin.family == "pin") == (set(effects) <= set(PIN_EFFECTS))
                 and max(ridges, default=0) <= skin.count
                 and force <= skin.count * limits(design).largest
             ):
@@ -125,7 +127,7 @@ def _no_scene(design: Design, source: str) -> str:
 def _head(build: Build, make_command: str) -> str:
     """Name, passed or failed, and verdict."""
     passed = passes(build.check, build.findings, strict=False)
-    verdict = checks.verdict(build.check) if build.check else checks.UNCHECKED
+    verdict = checks.verdict(build.check) if build.check else f"Not checked {checks.whether(build)}."
     undecided = build.check is None or build.check.verdict == "undecided"
     sound = all(finding.severity != "error" for finding in build.findings)
     outcome = "open" if undecided and sound else "passed" if passed else "failed"
@@ -173,7 +175,9 @@ def _verdict_sections(build: Build, check: ContactCheck | None, command: str, so
         titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
         again = command_line(f"skincad check {source}", "It is given by")
         sections = [
-            heading(title, key) + paragraph(f"{checks.UNCHECKED} This part needs a verdict.") + again
+            heading(title, key)
+            + paragraph(f"Not checked {checks.whether(build)}. This part needs a verdict.")
+            + again
             for key, title in titles
         ]
         return [*sections, sensitivity_section(build, None, source)]
@@ -215,7 +219,8 @@ def _calculations(build: Build, make_command: str) -> str:
     """The closed forms: the foundation's verdict, casting, films."""
     check = build.check
     share = max((force.value or 0.0 for force in check.ridge_force), default=0.0) if check else None
-    contact = contact_calculations(build.design, share or None)
+    bars = skin_of(build.design).symmetry == "extruded"  # whose springs in a row the closed forms are
+    contact = contact_calculations(build.design, share or None) if bars else []
     ridges = {
         quantity.symbol: quantity
         for step in contact
@@ -228,7 +233,7 @@ def _calculations(build: Build, make_command: str) -> str:
     )
     parts = [
         heading("Calculation", "calculation"),
-        paragraph(words),
+        paragraph(words) if contact else "",
         *(calculation(step) for step in contact),
         ridge_table(list(ridges.values())) if ridges else "",
         "<h3>Casting</h3>\n",
@@ -253,7 +258,10 @@ def _files(files: dict[str, str]) -> str:
 
 def verdict_section(check: ContactCheck, command: str) -> str:
     """Return what the verdict rests on."""
-    rows = [("all ridges touch from", str(check.all_touch_force)), ("asked force", f"{check.force:g} N")]
+    rows = [
+        (f"all {check.family}s touch from", str(check.all_touch_force)),
+        ("asked force", f"{check.force:g} N"),
+    ]
     if check.margin is not None:
         rows.append(("margin to the worst case", f"{check.margin:.2f} N"))
     rows += [("approach", str(check.approach)), ("plate", check.plate)]
@@ -285,7 +293,9 @@ def _budget(check: ContactCheck) -> str:
 def forces_figure(check: ContactCheck, command: str) -> str:
     """Return the force on each ridge."""
     address = data_url(svg(ridge_force_figure(check)), SVG)
-    return figure(address, f"Force on each ridge at {check.force:g} N, by the {check.model} model.", command)
+    return figure(
+        address, f"Force on each {check.family} at {check.force:g} N, by the {check.model} model.", command
+    )
 
 
 def models_section(build: Build, check: ContactCheck, command: str) -> str:
@@ -327,7 +337,7 @@ def yield_section(build: Build, check: ContactCheck, command: str) -> str:
     part_yield, spread = check.manufacture, spread_of(build.design)
     head = heading("Yield", "yield")
     if part_yield is None or part_yield.passing.value is None:
-        why = "There is none: it needs a verdict by a meshed model on more than one ridge."
+        why = "There is none: it needs a verdict by a meshed model on more than one feature."
         return head + paragraph(why) + command_line(command)
     low, now, high = spread.modulus
     rows = [
@@ -339,7 +349,7 @@ def yield_section(build: Build, check: ContactCheck, command: str) -> str:
     ]
     crests = "".join(
         table(
-            ("ridge", *(str(first + i) for i in range(1, len(slopes) + 1))),
+            (check.family, *(str(first + i) for i in range(1, len(slopes) + 1))),
             [("N for 0.01 mm lower", *(f"{slope / 100:+.2g}" for slope in slopes))],
             "small",
         )
@@ -357,7 +367,7 @@ def sensitivity_section(build: Build, check: ContactCheck | None, source: str) -
     changes = sensitivities(build.design, force or closed_form)
     head = heading("What moves the force", "sensitivities")
     if not changes:
-        return head + paragraph("Nothing does: all ridges touch from the first contact on.")
+        return head + paragraph("Nothing does: all of it touches from the first contact on.")
     rows = [(change.key, change.now, change.unit, str(change.change)) for change in changes]
     by = "the verdict's force" if force else "the closed form's force, as there is no verdict"
     words = (

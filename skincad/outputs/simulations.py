@@ -26,6 +26,7 @@ from skincad.scenes.models import (
 )
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -82,20 +83,21 @@ def _run(simulation: Simulation) -> str:
 
 def _answer(simulation: Simulation) -> str:
     """When the skin slips, after why the run ended early where it did."""
+    family = skin_of(simulation.scene.design).family
     march, gross = simulation.march, simulation.gross_slip_step
     steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
     begin = f"STOPPED {_end(simulation)}; " if march.stopped and march.stopped != GROSS_SLIP else ""
     if not steps:
-        return f"{begin}no ridge slips for good"
+        return f"{begin}no {family} slips for good"
     step = min(steps.values())
     first = [str(ridge) for ridge in steps if steps[ridge] == step]
-    who = f"ridge {first[0]}" if len(first) == 1 else f"ridges {', '.join(first[:-1])} and {first[-1]}"
+    who = f"{family} {first[0]}" if len(first) == 1 else f"{family}s {', '.join(first[:-1])} and {first[-1]}"
     if gross is not None:
         early = f"; {who} for good from step {step} on" if step < gross else ""
         return f"{begin}the whole skin slips from step {gross} on{early}"
     if len(steps) == len(first):
         return f"{begin}{who} slip{'s' * (len(first) == 1)} from step {step} until the end"
-    count = f"{len(steps)} of {len(simulation.slip_steps)} ridges"
+    count = f"{len(steps)} of {len(simulation.slip_steps)} {family}s"
     return f"{begin}{count} slip until the end; {who} first, from step {step} on"
 
 
@@ -126,6 +128,8 @@ def next_step(simulation: Simulation) -> str:
     march, scene = simulation.march, simulation.scene
     if march.interrupted:
         return ""
+    if skin_of(scene.design).family == "pin":
+        return f"{PICTURE} shows which pin slips when."
     if march.failed:
         steps = 2 * scene.history.steps
         return f"`skincad simulate {{scene}} --set history.steps={steps}`: smaller steps may help."
@@ -161,6 +165,7 @@ def _end(simulation: Simulation) -> str:
 
 def _slips(simulation: Simulation) -> str:
     """From which step each ridge slips until the end."""
+    family = skin_of(simulation.scene.design).family
     steps = {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
     starts = ", ".join(f"{ridge} from step {step}" for ridge, step in steps.items())
     end = ", each" * (len(steps) > 1) + " until the end"
@@ -169,7 +174,7 @@ def _slips(simulation: Simulation) -> str:
     touching = set(simulation.march.ridge[simulation.march.readings[-1].touches].tolist())
     clear = [str(ridge) for ridge in range(1, len(simulation.slip_steps) + 1) if ridge not in touching]
     clearance = f"; clear of the plate at the end: {', '.join(clear)}" if clear else ""
-    return f"ridge {starts}{end}{clearance}" if steps else f"no ridge slips for good{clearance}"
+    return f"{family} {starts}{end}{clearance}" if steps else f"no {family} slips for good{clearance}"
 
 
 def _slip_error(simulation: Simulation) -> list[str]:
@@ -249,7 +254,8 @@ def _lead_lines(simulation: Simulation) -> list[str]:
                 rows.append(f"  its error      {', '.join(_parts(error, ' ms'))}")
         return rows + [f"  error          {words(r)}" for r in errors]
     by_ridge = ", ".join(f"{ridge} {ahead}" for ridge, ahead in leads.items())
-    rows = [f"  lead           from a ridge's slip to that of all: ridge {by_ridge}"] * bool(leads)
+    family = skin_of(simulation.scene.design).family
+    rows = [f"  lead           from a {family}'s slip to that of all: {family} {by_ridge}"] * bool(leads)
     if errors:
         worst = max(errors, key=lambda r: _known_sum(errors[r]))
         rows.append(f"  error          the largest is {words(worst)}")

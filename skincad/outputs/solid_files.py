@@ -83,8 +83,8 @@ def write_3mf(
         corners = np.asarray(mesh.vertices) + np.array([0.0, 0.0 if placed else along - low[1], 0.0])
         along += high[1] - low[1] + 5.0
         shape.SetGeometry(
-            [lib3mf.Position((float(x), float(y), float(z))) for x, y, z in corners],
-            [lib3mf.Triangle((int(a), int(b), int(c))) for a, b, c in mesh.faces],
+            (lib3mf.Position * len(corners)).from_buffer_copy(corners.astype("<f4").tobytes()),
+            (lib3mf.Triangle * len(mesh.faces)).from_buffer_copy(mesh.faces.astype("<u4").tobytes()),
         )
         rgb = [round(255 * c) for c in colour]
         paint = palette.AddMaterial(name, library.RGBAToColor(*rgb, 255))

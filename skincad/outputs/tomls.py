@@ -11,7 +11,7 @@ import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,6 +36,7 @@ from skincad.inputs.catalog import (
     template_text,
 )
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import FAMILY_TABLES
 from skincad.inputs.gripper import Gripper, grippers
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
@@ -68,6 +69,7 @@ _OWN_HEAD: dict[shipped.Table, str] = {
 }
 STUDIES: Kind = "studies"
 HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
+FIRST = {"ridge": HOME, "pin": "designs/pillars-9", "ring": "designs/rings-5", "flat": "designs/flat-magnet"}
 LISTS = {
     "designs": "design",
     "scenes": "scene",
@@ -99,20 +101,32 @@ def write_new(path: Path, template: str = HOME) -> list[Path]:
     """
     kind, name = _kind_and_name(template)
     text = "" if kind in _OWN else template_text(name, kind)  # type: ignore[arg-type]  # a Kind where it is none
-    return write_with_schema(path, kind, lambda schema: commented_toml(kind, text, path.stem, schema))
+    family = next((key for key in FAMILY_TABLES if kind == "designs" and key in tomllib.loads(text)), "")
+    make = partial(commented_toml, kind, text, path.stem)
+    return write_with_schema(path, kind, make, family)
 
 
-def write_with_schema(path: Path, kind: Kind | shipped.Table, text: Callable[[str], str]) -> list[Path]:
+def write_with_schema(
+    path: Path, kind: Kind | shipped.Table, text: Callable[[str], str], family: str = ""
+) -> list[Path]:
     """Write a TOML file of this kind and its schema beside it; return both paths.
 
-    `text` makes the TOML of the schema's file name. Raises InputError as `write_new`.
+    `text` makes the TOML of the schema's file name; the schema is that of a design's `family` alone where one
+    is named. Raises InputError as `write_new`.
     """
     schema, link = check_new(path)
     with fresh(schema, "FILE") as first, fresh(path, "FILE") as second:
-        first.write_text(schema_of(kind), encoding="utf-8")
+        first.write_text(schema_of(kind, family), encoding="utf-8")
         second.write_text(text(link), encoding="utf-8")
         _model_and_loader(kind)[1](second)  # before it takes its place: what we write is of its kind
     return [path, schema]
+
+
+def first_of(family: str) -> str:
+    """Return the template that a new file of a family starts from; raises InputError for an unknown one."""
+    if family not in FIRST:
+        raise InputError("family", "no such family", family, did_you_mean(family, FIRST))
+    return FIRST[family]
 
 
 def check_new(path: Path) -> tuple[Path, str]:
@@ -170,8 +184,9 @@ def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable
 
 
 @cache
-def schema_of(kind: Kind | shipped.Table) -> str:
-    """Return the JSON schema of a kind of file, for an editor that completes and checks TOML."""
+def schema_of(kind: Kind | shipped.Table, family: str = "") -> str:
+    """Return the JSON schema of a kind of file, for an editor that completes and checks TOML; of a design
+    with the tables of one family alone where that is named."""
     model = _model_and_loader(kind)[0]
     rows = TypeAdapter(dict[str, model])  # type: ignore[valid-type]
     schema = rows.json_schema() if kind in _OWN else model.model_json_schema()
@@ -186,12 +201,22 @@ def schema_of(kind: Kind | shipped.Table) -> str:
             "properties": tables,
             "additionalProperties": False,
         }
+    if family:
+        for key in not_of(family):
+            del schema["properties"][key]
+            schema["$defs"].pop(key.capitalize())
+        schema["oneOf"] = [{"required": [family]}]
     if ranged := schema.get("$defs", {}).get("NumberWithRange"):  # all of them are moduli
         limits = {"minimum": SOFTEST, "maximum": STIFFEST}
         numbers = {key: {**number, **limits} for key, number in ranged["properties"].items()}
         either = [{"type": "number", **limits}, {**ranged, "properties": numbers}]
         schema["$defs"]["NumberWithRange"] = {"anyOf": either}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **schema}, indent=1) + "\n"
+
+
+def not_of(family: str) -> set[str]:
+    """Return the tables of a design that features of this family can't have."""
+    return {*FAMILY_TABLES} - {family} | ({"slot", "film"} if family != "ridge" else set())
 
 
 def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:
@@ -206,7 +231,11 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
     document["name"] = document_name(name, kind)
     lines += [line for line in text.splitlines() if line.startswith("#")]
     lines += ["", *_key_lines(model, document)]
+    family = next((key for key in FAMILY_TABLES if key in document), "")
+    hidden = not_of(family) if family else set()
     for key, field in model.model_fields.items():
+        if key in hidden:
+            continue
         if key == "effects":
             lines += _effect_lines(document.get(key, {}))
         elif own_tables := [table for table, (place, *_) in _OWN.items() if place == key]:
@@ -215,7 +244,7 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
                 f"# {field.description}; skincad new FILE --template {own_tables[0]} explains its keys",
             ]
         elif inner := _table(model, key):
-            lines += _section(key, inner, document.get(key), field.is_required())
+            lines += _section(key, inner, document.get(key), field.is_required() or key == family)
     return "\n".join(lines) + "\n"
 
 

@@ -166,8 +166,10 @@ def _packed(values: Array | Index) -> str:
 
 def explosion_offset(part: Part, closed: ClosedMold) -> Array:
     """Return where a part is drawn, relative to the closed mold, `(3,)` mm."""
-    blocks = [block.body for block in closed.of(*CAVITIES)]
-    levels = [s.start.z for block in blocks if isinstance(block, Prism) for s in block.outline]
+    blocks = [b.body for b in closed.of(PartRole.BLOCK, *CAVITIES) if isinstance(b.body, Prism)]
+    levels = [
+        z for b in blocks for z in ((b.low, b.high) if b.axis == "z" else (s.start.z for s in b.outline))
+    ]
     high, side, body = max(levels) - min(levels), 1.1 * closed.length, part.body
     if part.end is not None:
         out = side * (1.0 if part.role in END_PLATES else 0.5) * (-1 if part.end == "a" else 1)
@@ -181,7 +183,9 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
         PartRole.SKIN: (0.0, 0.0, 1.0 * high),
         PartRole.STRIP: (0.0, 0.0, 1.0 * high),
+        PartRole.CORE_PIN: (0.0, 0.0, 1.9 * high),
         PartRole.SHIM: (0.0, 2.4 * side, 0.0),
+        PartRole.BLOCK: (0.0, 0.0, -0.9 * high),
         PartRole.BASE: (0.0, 0.0, -0.7 * high),
         PartRole.BASE_PIN: (0.0, 0.0, -0.7 * high),
         PartRole.LEFT: (-0.3 * high, 0.0, 0.0),

@@ -63,7 +63,8 @@ def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
 
 def _head(wish: WishResult) -> list[str]:
     skin, design = wish.design.skin, wish.design
-    size = f"{skin.width:g} x {skin.length:g} mm, all ridges touch at {design.contact.force:g} N"
+    touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
+    size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
     return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}"]
 
 
@@ -76,7 +77,7 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
         short = short_toml(wish, name, schema)
         return commented_toml("designs", short, path.stem, schema) if full else short
 
-    return write_with_schema(path, "designs", written)
+    return write_with_schema(path, "designs", written, wish.design.features.family)
 
 
 def next_step(wish: WishResult) -> str:

@@ -28,7 +28,7 @@ from skincad.base.errors import InputError, RefusedError, resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.effects import EFFECTS, effect
-from skincad.effects.kinds import Law, LeftOutEffect, PadChange, PlatePath, SceneOutline, Step
+from skincad.effects.kinds import Law, LeftOutEffect, MarchedPad, PadChange, PlatePath, SceneOutline, Step
 from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.fits import unlike
 from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
@@ -83,12 +83,12 @@ def coarse_steps(steps: int, points: Index) -> Index:
 
 @dataclass(frozen=True, eq=False)
 class MarchSetup:
-    """What a scene's marches share: the piece that is meshed, who is told, whether a march that Ctrl-C ends
-    is wanted (`partial`), the meshes made so far by fineness, and the model's name where it is not the
-    scene's own."""
+    """What a scene's marches share: the piece that is meshed, None of pins, which have no section; who is
+    told, whether a march that Ctrl-C ends is wanted (`partial`), the meshes made so far by fineness, and the
+    model's name where it is not the scene's own."""
 
     scene: Scene
-    piece: PadPiece
+    piece: PadPiece | None
     tick: Tick | None = None
     partial: bool = False
     meshes: dict[float, object] = field(default_factory=dict)
@@ -103,8 +103,11 @@ def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
     seconds[key] = seconds.get(key, 0.0) + perf_counter() - began
 
 
-def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece:
-    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that."""
+def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
+    """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that;
+    None of pins."""
+    if skin_of(scene.design).family == "pin":
+        return None
     from skincad.mechanics.film.stick import piece_of
     from skincad.mechanics.film.stress import filled_pad
     from skincad.mechanics.problem import check_pad, pad_of
@@ -132,17 +135,24 @@ def march_on(
     again: bool = False,
 ) -> March:
     """March on one mesh; `seconds` get its stages, the tick the time left, with that of a level `following`
-    and of a march with fewer steps, where it is marched `again`."""
+    and of a march with fewer steps, where it is marched `again`. Pins have no mesh: the first level takes
+    their contacts as softest, the others as stiffest."""
     model = f"{on.model.replace('_', ' ')}, " if on.model else ""
     stage, scene, tick = f"{model}fineness {level.fineness:g}, order {level.order}", on.scene, on.tick
     if tick:
         tick(stage, 0)
     marks = [perf_counter()]
     with resource_guard(f"the mesh of {stage}"):
-        mesh = meshed_pad(on.piece, level, on.meshes)
-        marks.append(perf_counter())
-        films = bool(scene.readout.ridges)
-        pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
+        if on.piece is None:
+            from skincad.effects.pin_pad import SLIDING, STICKING, pin_pad
+
+            marks.append(perf_counter())
+            pad: MarchedPad = pin_pad(scene.design, SLIDING if level == LEVELS[0] else STICKING)
+        else:
+            mesh = meshed_pad(on.piece, level, on.meshes)
+            marks.append(perf_counter())
+            films = bool(scene.readout.ridges)
+            pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
     history, mass = scene.history, scene.plate.mass or 0.0
     count = history.step_count
@@ -217,12 +227,15 @@ MATTERS = 0.1  # relative; a larger change is warned of
 def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
     constants were fitted to is like this one, an estimate is not calibrated."""
-    history = scene.history
+    history, path = scene.history, path_of(march)
+    if skin_of(scene.design).family == "pin":
+        from skincad.effects.pin_pad import left_out
+
+        return left_out(scene.design, path)
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
-    times, path = tuple(history.time_s), path_of(march)
-    outline = SceneOutline(scene.design, times, loads, path, driven, _friction(scene))
+    outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, _friction(scene))
     unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
     found = {name: entry for name in unnamed if (entry := effect(name).left_out(outline))}
     entries = [
@@ -281,7 +294,7 @@ def refine(
     on: MarchSetup, tol: float | None, budget: float | None, began: float, seconds: dict[str, float]
 ) -> RefinedRun:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
-    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges)
+    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges) or on.piece is None
     last: dict[str, float] = {}
     refined = [ComparisonRuns()]
 
@@ -330,7 +343,7 @@ def refine(
     elif ended is not None:
         words = str(ended) if isinstance(ended, _StoppedError) else f"a finer mesh is refused ({ended})"
         short.append(f"{words}; the results are those of the mesh before")
-    if films:
+    if films and on.piece is not None:
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)
@@ -341,8 +354,10 @@ class _StoppedError(RefusedError):
     """A march that did not reach the end of its history."""
 
 
-def differential(piece: PadPiece, scene: Scene, march: March) -> dict[int, Array]:
+def differential(piece: PadPiece | None, scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by monitored ridge."""
+    if piece is None:
+        return {}
     place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
@@ -381,7 +396,7 @@ def chosen_steps(march: March) -> list[int] | None:
 
 def drifted(on: MarchSetup, march: March) -> dict[int, float]:
     """Return the largest drift of each monitored ridge's difference, MPa; nothing without chosen steps."""
-    if march.readings[-1].drift is None:
+    if march.readings[-1].drift is None or on.piece is None:
         return {}
     place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
     films = np.array([reading.drift.films for reading in march.readings if reading.drift])

@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Term
+from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Step, Term
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive
@@ -209,6 +209,7 @@ class Readout(Table):
 
 
 LAW = "small_strain"  # of a scene that names none
+PIN_EFFECTS = "friction", LAW  # what is simulated of pins
 LONGEST = 4096  # letters of a path
 
 
@@ -362,6 +363,8 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
+    if skin.family != "ridge":
+        _check_family(scene)
     _check_law(scene)
     _check_terms(scene)
     _check_force(scene)
@@ -385,6 +388,29 @@ def _check(scene: Scene) -> None:
         raise InputError("readout.steps", f"must be from 0 to {scene.history.step_count}", too_late[0])
     if len(set(scene.readout.ridges)) < len(scene.readout.ridges):
         raise InputError("readout.ridges", "names a ridge twice", scene.readout.ridges)
+
+
+def _check_family(scene: Scene) -> None:
+    """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
+    family = skin_of(scene.design).family
+    if family != "pin":
+        remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
+        raise InputError(
+            "skin", f"needs ridges or pins, and {scene.design.name} has [{family}]", remedy=remedy
+        )
+    for name in scene.effects:
+        if name not in PIN_EFFECTS:
+            raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
+    for term in scene.terms:
+        cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone
+        if cone and (cone.breakpoints or cone.kinetic != cone.static):
+            rule = "must be Coulomb's with one coefficient for pins"
+            raise InputError("effects.friction", rule, remedy="give coefficient alone")
+    asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
+    asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
+    for key, is_set in asked.items():
+        if is_set:
+            raise InputError(key, "is not simulated of pins", remedy="leave it out")
 
 
 def _check_terms(scene: Scene) -> None:

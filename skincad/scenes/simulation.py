@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -257,14 +257,20 @@ class Simulation(Result):
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a monitored ridge's lasting slip comes before gross slip; no value without both,
         no error where nobody asked what the mesh or the step changes."""
-        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.readout.ridges)
+        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self._timed)
         gross, errors = self.gross_slip_step, self.slip_errors.leads
         return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in slips}
 
     @reported("ms", "its error by source")
     def lead_error(self) -> dict[int, BySource]:
         """The leads' errors by source, ms."""
-        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self.scene.readout.ridges}
+        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self._timed}
+
+    @property
+    def _timed(self) -> Sequence[int]:
+        """The features whose leads are reported: the monitored ridges, or all pins."""
+        skin = skin_of(self.scene.design)
+        return range(1, skin.count + 1) if skin.family == "pin" else self.scene.readout.ridges
 
     @reported("ms", "the lead without its error")
     def slip_lead(self) -> dict[int, float | None]:
@@ -446,7 +452,8 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     normal, tangential, area = np.moveaxis(march.loads, 1, 0)
     path = RidgePath(normal, tangential, area, slips.slipping)
-    notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
+    if on.piece is not None:
+        notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)
     return Simulation(
         scene=scene,

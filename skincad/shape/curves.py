@@ -131,6 +131,28 @@ def rectangle(x_min: float, x_max: float, z_min: float, z_max: float) -> Loop:
     return loop([Point(x_min, z_min), Point(x_max, z_min), Point(x_max, z_max), Point(x_min, z_max)])
 
 
+def circle(x: float, z: float, radius: float) -> Loop:
+    """Return the circle about (x, z), mm, as two half turns."""
+    left, right = Point(x - radius, z), Point(x + radius, z)
+    return Segment(left, right, 1.0), Segment(right, left, 1.0)
+
+
+def right_half(outline: Loop) -> Loop:
+    """Return what of a loop lies at x >= 0, closed along x = 0: of one that is its own mirror image there and
+    begins to the left of it, or that lies there as a whole."""
+    half: list[Segment] = []
+    for whole in outline:
+        side = whole
+        if min(whole.start.x, whole.end.x) < 0.0 < max(whole.start.x, whole.end.x):
+            side = replace(whole, bulge=math.tan(whole.sweep / 8))
+            middle = Point(0.0, whole.point(0.5).z)
+            side = replace(side, start=middle) if whole.end.x > 0.0 else replace(side, end=middle)
+        if min(side.start.x, side.end.x) >= 0.0:
+            half.append(side)
+    closing = Segment(half[-1].end, half[0].start)
+    return (*half, closing) if closing.chord > 0.0 else tuple(half)
+
+
 def flipped(outline: Loop) -> Loop:
     """Return the loop turned upside down (z to -z), still with the material on its left."""
     return tuple(

@@ -14,6 +14,9 @@ from skincad.inputs.skin_tables import Slot
 from skincad.shape.curves import Loop, Point, Segment, loop
 
 Side = Literal["S1", "S2"]
+# along y; about the feature's own axis; about the skin's; the face of a skin without features
+Symmetry = Literal["extruded", "revolved", "concentric", "none"]
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,8 @@ class Feature:
     `outline` runs from the foot at +t to that at -t, the material on its left; segments that `touches` may
     meet a plate. `height` is that of its summit, which lies on the axis; `root_width` and `tip_width` are
     chords before fillets, `crown` is the tip's rise in its middle over its edges. `slot` is the table that
-    its `sensors` follow. An `extruded` feature runs along y, a `revolved` one turns about its axis.
+    its `sensors` follow. An `extruded` feature runs along y, a `revolved` one turns about its axis, a
+    `concentric` one about the skin's.
     """
 
     family: str
@@ -83,7 +87,7 @@ class Feature:
     tip_fillet: float
     slot: Slot | None = None
     sensors: tuple[SensorPlace, ...] = ()
-    symmetry: Literal["extruded", "revolved"] = "extruded"
+    symmetry: Symmetry = "extruded"
 
     @property
     def mean_width(self) -> float:
@@ -98,14 +102,32 @@ class Feature:
 
 @dataclass(frozen=True)
 class Placed:
-    """A feature on the skin: `number` counts from 1 at the smallest x; `lean` rad is from z to its axis,
-    towards +x; `neighbours` are the numbers of those beside it."""
+    """A feature on the skin: `number` counts from 1; `lean` rad is from z to its axis, of a ridge towards +x;
+    `neighbours` are the numbers of those beside it. A pin stands at `y` mm, its axis has `axis_y` along y,
+    and `frame` is what of it lies in the section's plane."""
 
     feature: Feature
     frame: Frame
     number: int
     lean: float
     neighbours: tuple[int, ...]
+    y: float = 0.0
+    axis_y: float = 0.0
+
+    @property
+    def foot(self) -> Vector:
+        """Where its axis leaves the base, mm."""
+        return self.frame.origin.x, self.y, self.frame.origin.z
+
+    @property
+    def axis(self) -> Vector:
+        """The unit vector along its axis, outward."""
+        return self.frame.normal.x, self.axis_y, self.frame.normal.z
+
+    @property
+    def tip(self) -> Vector:
+        """The highest point of its axis, mm."""
+        return self.summit.x, self.y + self.feature.height * self.axis_y, self.summit.z
 
     @property
     def summit(self) -> Point:

@@ -7,20 +7,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Pin
 from skincad.inputs.skin_tables import Base, Slot
-from skincad.shape.curves import Loop, Point, Segment, area, moments, polygon
+from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
-from skincad.shape.feature import Feature, Placed, SensorPlace
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
 
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
@@ -81,6 +82,16 @@ class Skin:
     pitch: float
 
     @property
+    def family(self) -> str:
+        """The family of its features, and the name of one."""
+        return self.profile.family
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """What its features' outlines run along or turn about."""
+        return self.profile.symmetry
+
+    @property
     def count(self) -> int:
         """How many features there are."""
         return len(self.placed)
@@ -130,10 +141,30 @@ class Skin:
         crest."""
         return self.base.thickness + self.heights[self.crests.index(max(self.crests))]
 
+    @property
+    def counted(self) -> str:
+        """How many features there are, as words: "1 ridge", "9 pins", or "no features"."""
+        if self.symmetry == "none":
+            return "no features"
+        return f"{self.count} {self.family}{'s' * (self.count > 1)}"
+
+    def named(self, number: int) -> str:
+        """Return what a finding calls a feature: a pin by its place too, x and y from the skin's middle."""
+        where = f"{self.family} {number}"
+        if self.symmetry != "revolved":
+            return where
+        x, y, _ = self.placed[number - 1].tip
+        return f"{where} at x {x:.4g}, y {y:.4g} mm"
+
+    @property
+    def turned_down(self) -> str:
+        """What of it is down while it is poured."""
+        return "its face" if self.symmetry == "none" else f"the {self.family}s"
+
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
         deepest = max(self.heights)
-        which = f"ridge {self.heights.index(deepest) + 1}" if self.uneven else "a ridge"
+        which = f"{self.family} {self.heights.index(deepest) + 1}" if self.uneven else f"a {self.family}"
         return Narrowest(f"groove of {which}'s tip", self.profile.tip_width, deepest)
 
     def tooth(self) -> Narrowest | None:
@@ -145,9 +176,11 @@ class Skin:
         """
         if self.count == 1:
             return None
-        free = [min(pair) for pair in pairwise(self.heights)]
-        first = free.index(max(free)) + 1
-        which = f"the roots of ridges {first} and {first + 1}" if self.uneven else "two ridges' roots"
+        pairs = [(p.number, n) for p in self.placed for n in p.neighbours if n > p.number]
+        free = [min(self.heights[a - 1], self.heights[b - 1]) for a, b in pairs]
+        first, second = pairs[free.index(max(free))]
+        name = self.family
+        which = f"the roots of {name}s {first} and {second}" if self.uneven else f"two {name}s' roots"
         return Narrowest(f"tooth between {which}", self.pitch - self.profile.root_width, max(free))
 
     @cached_property
@@ -158,18 +191,20 @@ class Skin:
         of it has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is
         squeezed by the nominal strain 1 - w / W. Exact to the guards' chord tolerance; 0 is below it.
         """
-        return {placed.number: _undercut(tuple(placed.outline)) for placed in self.placed}
+        if self.symmetry == "none":
+            return {}
+        return {placed.number: _undercut(tuple(upright(placed).outline)) for placed in self.placed}
 
 
 @lru_cache(maxsize=32)
 def skin_of(design: Design) -> Skin:
     """Return the design's skin. Raises InputError where features have no shape, or no room."""
-    return Skin(design.name, design.skin, place(design), design.features.spacing)
+    return Skin(design.name, design.skin, place(design), design.spacing)
 
 
 @lru_cache(maxsize=32)
 def section(design: Design) -> Section:
-    """Return the design's section, guarded.
+    """Return the design's section, guarded: what is swept along y or turned. Pins are not in it.
 
     Raises InputError when fillets do not fit, when the outline is not simple, or when a slot leaves it
     or leaves too thin a wall. Valid for curvature radii up to 1e8 mm.
@@ -181,6 +216,78 @@ def section(design: Design) -> Section:
     return result
 
 
+@lru_cache(maxsize=32)
+def summit(design: Design) -> float:
+    """Return how high the skin is over its back, mm, exact; pins are not in its section."""
+    tops = (s.top for placed in skin_of(design).placed for s in upright(placed).outline)
+    return max([section(design).top, *tops])
+
+
+def cell_section(
+    design: Design, radius: float, number: int = 1, curvature_radius: float = math.inf
+) -> Section:
+    """Return the section through the axis of one pin, feature 1, upright in the middle of a disc of base of a
+    `radius` mm, which falls away from the pin's foot as on a sphere of a `curvature_radius` mm.
+
+    Raises InputError for a pin whose foot covers the disc.
+    """
+    skin, up = skin_of(design), Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
+    pin = Placed(skin.placed[number - 1].feature, up, 1, 0.0, ())
+    foot, thickness = pin.feature.feet[0].x, design.skin.thickness
+    if not foot < radius:
+        rule = f"must leave base round a pin's foot, {foot:.4g} mm in radius"
+        raise InputError("skin.width", rule, 2 * radius, "enlarge it, or take a thinner pin")
+    flat = math.isinf(curvature_radius)
+    turn = 0.0 if flat else math.asin(radius / curvature_radius) - math.asin(foot / curvature_radius)
+    rim = (
+        thickness
+        if flat
+        else thickness - 2 * curvature_radius * math.sin(math.asin(radius / curvature_radius) / 2) ** 2
+    )
+    bulge = math.tan(turn / 4)
+    outline = (
+        Segment(Point(-radius, 0.0), Point(radius, 0.0), kind="back"),
+        Segment(Point(radius, 0.0), Point(radius, rim), kind="side"),
+        Segment(Point(radius, rim), Point(foot, thickness), bulge, "base"),
+        *pin.outline,
+        Segment(Point(-foot, thickness), Point(-radius, rim), bulge, "base"),
+        Segment(Point(-radius, rim), Point(-radius, 0.0), kind="side"),
+    )
+    return Section(outline)
+
+
+def pictured_section(design: Design, tolerance: float) -> Array:
+    """Return what a picture shows as the section, `(n, 2)` mm of x and z, arcs within `tolerance` mm: the
+    outline, with the pins of the row next to the middle and their pockets."""
+    skin, outline = skin_of(design), polygon(section(design).outline, tolerance)
+    if skin.symmetry != "revolved":
+        return outline
+    least = min(abs(p.y) for p in skin.placed)
+    row = [p for p in skin.placed if abs(p.y) <= least + VISIBLE]
+    body = shapely.Polygon(outline)
+    for placed in row:
+        (right, left), at = placed.feature.feet, placed.frame.at
+        buried = [at(left.x, -0.1 * skin.base.thickness), at(right.x, -0.1 * skin.base.thickness)]
+        pin = [*polygon(tuple(placed.outline), tolerance), at(*left), *buried]
+        body = body.union(shapely.Polygon(pin))
+    if pocket := design.of(Pin).pocket:
+        half = pocket.diameter / 2
+        for x in (placed.tip[0] + pocket.offset for placed in row):
+            body = body.difference(shapely.box(x - half, -1.0, x + half, pocket.depth))
+    points: Array = shapely.get_coordinates(shapely.orient_polygons(body).exterior)[:-1]
+    return points
+
+
+DRAWN = 1e-4  # mm, of pins' arcs in a drawing as chords
+
+
+def drawn_section(design: Design) -> Section:
+    """Return the section as drawings have it: that of the plane y = 0, or of the row of pins next to it."""
+    if skin_of(design).symmetry != "revolved":
+        return section(design)
+    return Section(loop([Point(x, z) for x, z in pictured_section(design, DRAWN).tolist()], "side"))
+
+
 def _outline(skin: Skin) -> Iterator[Segment]:
     """Outline from the back's left corner, counterclockwise; segments without length are left out."""
     base = skin.base
@@ -190,18 +297,45 @@ def _outline(skin: Skin) -> Iterator[Segment]:
     yield Segment(Point(-x, 0.0), Point(x, 0.0), kind="back")
     yield Segment(Point(x, 0.0), Point(x, shoulder), kind="side")
     here, angle = Point(x, shoulder), side
-    for placed in reversed(skin.placed):
+    for placed in reversed(_crossings(skin)):
         right, left = placed.feature.feet
         reach = math.atan2(right.x, radius + right.z)
-        yield from _base_arc(here, placed.frame.at(*right), angle - placed.lean - reach)
+        yield from _base_arc(skin, here, placed.frame.at(*right), angle - placed.lean - reach)
         yield from placed.outline
         here, angle = placed.frame.at(*left), placed.lean - reach
-    yield from _base_arc(here, Point(-x, shoulder), angle + side)
+    yield from _base_arc(skin, here, Point(-x, shoulder), angle + side)
     yield Segment(Point(-x, shoulder), Point(-x, 0.0), kind="side")
 
 
-def _base_arc(start: Point, end: Point, sweep: float) -> Iterator[Segment]:
-    segment = Segment(start, end, math.tan(sweep / 4), "base")
+def _crossings(skin: Skin) -> list[Placed]:
+    """The features that cross the section, from the smallest x: rings on either side of the middle."""
+    if skin.symmetry == "extruded":
+        return list(skin.placed)
+    if skin.symmetry == "concentric":
+        return [*(_mirrored(placed) for placed in reversed(skin.placed)), *skin.placed]
+    return []
+
+
+def _mirrored(placed: Placed) -> Placed:
+    """A ring where the section's half at -x crosses it."""
+    origin, along, out = placed.frame.origin, placed.frame.tangent, placed.frame.normal
+    frame = Frame(Point(-origin.x, origin.z), Point(along.x, -along.z), Point(-out.x, out.z))
+    return replace(placed, frame=frame, lean=-placed.lean)
+
+
+def upright(placed: Placed) -> Placed:
+    """Return a pin in the plane of its axis and z; any other feature as it is."""
+    if placed.feature.symmetry != "revolved":
+        return placed
+    sine, cosine = math.sin(placed.lean), math.cos(placed.lean)
+    return replace(placed, frame=Frame(placed.frame.origin, Point(cosine, -sine), Point(sine, cosine)))
+
+
+def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
+    face = skin.symmetry == "none"
+    segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
+    if skin.symmetry == "revolved" and abs(segment.bulge) * segment.chord / 2 < GUARD_TOLERANCE:
+        segment = replace(segment, bulge=0.0)  # plane, as a flat skin's pins stand
     if segment.chord > 0.0:
         yield segment
 
@@ -213,7 +347,7 @@ def _guard(result: Section, skin: Skin) -> None:
         raise InputError(
             skin.profile.family,
             f"the outline crosses itself ({shapely.is_valid_reason(body)})",
-            remedy="move ridges apart",
+            remedy=f"move {skin.family}s apart",
         )
     if not result.slots or skin.slot is None:
         return

@@ -41,11 +41,12 @@ from skincad.solids.inserts import GRIP, PIN_RADIUS, pin, shims
 from skincad.solids.layout import (
     BESIDE,
     EDGE,
+    OVERHANG,
     SQUEEZED_SHARE,
     Layout,
-    cavity_process,
+    block_fits,
+    block_process,
     end_angle,
-    fits,
     seal_thickness,
     stack_error,
 )
@@ -75,7 +76,6 @@ SHARE_OF_ARM = 0.3  # assumption: a shim rises by a twentieth of the arm then, s
 CUT_OVERRUN = 0.5  # mm, by which a cut is built further than what it takes away
 LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
-OVERHANG = 3.0  # mm, assumption: of the cover beyond the end plates, to be lifted by
 BORE_OVERRUN = 0.2  # mm, by which a bore from the curved back begins below its rim
 _FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 
@@ -161,7 +161,7 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
 def _cover_places(design: Design, place: Layout, grid: Grid, top: float) -> tuple[float, float, float]:
     """Return how far along y bolts and pins of the cover may stand where the cavity's walls end at `top`, and
     what is left between a bolt and a pin, mm."""
-    holes, end = fits(design, design.mold.process), half_length(grid, top)
+    holes, end = block_fits(design), half_length(grid, top)
     bolt, hole = (on_grid(min(place.pin_along, end - TOP_EDGE - r)) for r in (holes.thread, holes.slide))
     return bolt, hole, bolt + hole - holes.thread - holes.slide
 
@@ -181,6 +181,7 @@ def _cavity(design: Design, shape: Section, place: Layout, lids: Layout, grid: G
             _opening(place, lids, grid),
             *_end_bores(design, place, grid),
             *(cut for cut in cavity(design, shape, lids).cuts if cut.role in _FROM_ABOVE),
+            *(cut for cut in straight.cuts if cut.role is CutRole.FEATURE),
         ),
         straight=straight,
     )
@@ -215,13 +216,13 @@ def _opening(place: Layout, lids: Layout, grid: Grid) -> ExtendedCut:
 
 def _end_bores(design: Design, place: Layout, grid: Grid) -> list[ExtendedCut]:
     """Threads for the end plates' screws, and holes for their pins, square to the leaning ends."""
-    holes = fits(design, design.mold.process)
+    holes = block_fits(design)
     bores = []
     for x, z in ((x, z) for x in place.lanes for z in (place.comb_bolt, place.keeper_bolt)):
         deepest, plate, process = (
             _deepest(grid, z, holes.thread),
             design.mold.end_plate,
-            cavity_process(design),
+            block_process(design),
         )
         long, washers = screw_for(plate, deepest, process, bottomed=True)
         engaged = long - washers * WASHER - plate

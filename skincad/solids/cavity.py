@@ -21,7 +21,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import Section, skin_of
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.fasteners import blind_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import (
@@ -30,18 +30,34 @@ from skincad.solids.layout import (
     EDGE,
     PIN_DEPTH,
     Layout,
-    cavity_process,
+    block_fits,
+    block_process,
     cover_pins,
-    fits,
 )
-from skincad.solids.plan import Body, Bore, CutRole, Heading, Part, PartRole, Prism, box, drilled, shifted
+from skincad.solids.pins import cast, flank_end, on_plane, pins
+from skincad.solids.pins import parted as parted_pin
+from skincad.solids.plan import (
+    Body,
+    Bore,
+    CutRole,
+    Heading,
+    Part,
+    PartRole,
+    Prism,
+    TurnedBody,
+    box,
+    drilled,
+    moved,
+    shifted,
+)
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.split import path
 
 
 def cavity(design: Design, shape: Section, place: Layout) -> Part:
-    """Return the block with one trough for each skin: its negative, and the carrier's seat above it."""
-    single = (*_rim(design, place, 1), *_negative(shape.outline), *_rim(design, place, -1))
+    """Return the block with one trough for each skin: its negative, with its pins' holes, and the carrier's
+    seat above it."""
+    single = (*_rim(design, place, 1), *negative(shape.outline), *_rim(design, place, -1))
     lands = [shifted(single, x) for x in reversed(place.centres)]  # from right to left
     right = Point(place.half, place.bottom), Point(place.half, place.top)
     outline = path([*right, lands[0][0].start])
@@ -50,12 +66,13 @@ def cavity(design: Design, shape: Section, place: Layout) -> Part:
         outline += path([here[-1].end, there[0].start]) if there else []
     left = [Point(-place.half, place.top), Point(-place.half, place.bottom)]
     outline += path([outline[-1].end, *left, outline[0].start])
-    holes, deep = fits(design, design.mold.process), on_grid(blind_depth(place.lid, cavity_process(design)))
-    cuts = (
+    holes, deep = block_fits(design), on_grid(blind_depth(place.lid, block_process(design)))
+    cuts: tuple[Body, ...] = (
         *_along(place, place.lanes, (place.comb_bolt, place.keeper_bolt)),
         *_pin_holes(design, place),
         *drilled(CutRole.COVER_THREAD, "z", place.bolts, place.top - deep, deep, holes.thread),
         *_sockets(design, place, cover_pins(place)),
+        *(moved(cast(pin, CutRole.FEATURE), x) for pin in pins(design, shape) for x in place.centres),
     )
     return Part("cavity", PartRole.CAVITY, Prism(tuple(outline), "y", -place.end, place.end), cuts)
 
@@ -75,7 +92,7 @@ def parted(outline: Loop, ridges: list[int]) -> Loop:
 
 def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[int]) -> list[Part]:
     """Return base, outer pieces and the pieces between, from left to right. `shape` is parted at `ridges`."""
-    level, half = _base_level(place), place.end
+    level, half = base_level(design, shape, place), place.end
     chunks, summits = _chunks(shape.outline, ridges)
     feet = [_foot(design, ridge, s, level) for ridge, s in zip(reversed(ridges), summits, strict=True)]
     most = place.outer - BOLT_RADIUS - EDGE
@@ -98,9 +115,24 @@ def cavity_pieces(design: Design, shape: Section, place: Layout, ridges: list[in
     first, *between, last = (Prism(outline, "y", -half, half) for outline in reversed(outlines))
     return [
         _base(design, place, level),
-        Part("cavity-left", PartRole.LEFT, first, _wall_cuts(design, place, -1)),
+        Part("cavity-left", PartRole.LEFT, first, _wall_cuts(design, place, level, -1)),
         *(Part(f"cavity-{i}", PartRole.BETWEEN, body) for i, body in enumerate(between, 1)),
-        Part("cavity-right", PartRole.RIGHT, last, _wall_cuts(design, place, 1)),
+        Part("cavity-right", PartRole.RIGHT, last, _wall_cuts(design, place, level, 1)),
+    ]
+
+
+def cavity_plate(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return a base with the pins' tips as cups, and the plate on it, whose holes go through."""
+    level = base_level(design, shape, place)
+    whole = cavity(design, shape, place._replace(bottom=level))
+    pieces = [
+        parted_pin(cut, flank_end(pins(design, shape))) for cut in whole.cuts if isinstance(cut, TurnedBody)
+    ]
+    base = _base(design, place, level)
+    walls = (*_wall_cuts(design, place, level, -1), *_wall_cuts(design, place, level, 1))
+    return [
+        replace(base, cuts=(*base.cuts, *(cup for _, cup in pieces))),
+        replace(whole, name="cavity-plate", cuts=(*walls, *(hole for hole, _ in pieces))),
     ]
 
 
@@ -114,9 +146,9 @@ def headings(design: Design, ridges: list[int]) -> list[Heading]:
     return [(math.sin(angle), -math.cos(angle)) for angle in angles]
 
 
-def base_dowels(design: Design, place: Layout) -> list[Part]:
-    """Return the pins pressed into a split cavity's base, on which its outer pieces slide."""
-    length, level = on_grid(2 * BASE_PIN - design.mold.clearance), _base_level(place)
+def base_dowels(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return the pins pressed into a split cavity's base, on which its outer pieces or its plate slide."""
+    length, level = on_grid(2 * BASE_PIN - design.mold.clearance), base_level(design, shape, place)
     places = zip(("right", "left"), cover_pins(place), strict=True)
     return [
         pin(PartRole.BASE_PIN, f"pin-base-{side}", (x, y, level - BASE_PIN), length)
@@ -125,7 +157,7 @@ def base_dowels(design: Design, place: Layout) -> list[Part]:
 
 
 def _base(design: Design, place: Layout, level: float) -> Part:
-    holes, through = fits(design, design.mold.process), (place.bottom, level - place.bottom)
+    holes, through = block_fits(design), (place.bottom, level - place.bottom)
     cuts = (
         *_along(place, place.lanes, (place.comb_bolt,)),
         *_pin_holes(design, place),
@@ -136,8 +168,8 @@ def _base(design: Design, place: Layout, level: float) -> Part:
     return Part("cavity-base", PartRole.BASE, body, cuts)
 
 
-def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
-    level, slide = _base_level(place), fits(design, design.mold.process).slide
+def _wall_cuts(design: Design, place: Layout, level: float, side: int) -> tuple[Body, ...]:
+    slide = block_fits(design).slide
     bolts, pins = ([p for p in places if p[0] * side > 0] for places in (place.bolts, cover_pins(place)))
     lanes = tuple(x for x in place.lanes if x * side > 0)
     return (
@@ -148,7 +180,11 @@ def _wall_cuts(design: Design, place: Layout, side: int) -> tuple[Body, ...]:
     )
 
 
-def _base_level(place: Layout) -> float:
+def base_level(design: Design, shape: Section, place: Layout) -> float:
+    """Return the height of a split cavity's base, mm: where the flanks of the shortest pins end, or over the
+    lower bolts."""
+    if cast_pins := pins(design, shape):
+        return -(cast_pins[0].origin[2] + flank_end(cast_pins))
     return on_grid(place.comb_bolt + BOLT_RADIUS + EDGE)
 
 
@@ -159,17 +195,17 @@ def _foot(design: Design, ridge: int, summit: Point, level: float) -> Point:
 
 def _chunks(outline: Loop, ridges: list[int]) -> tuple[list[Loop], list[Point]]:
     """The negative from right to left, cut at the summits of these ridges, and the summits."""
-    negative = _negative(outline)
+    edge = negative(outline)
     cuts = []
     for ridge in reversed(ridges):
-        crown = [i for i, s in enumerate(negative) if s.feature == ridge]
+        crown = [i for i, s in enumerate(edge) if s.feature == ridge]
         cuts.append(crown[len(crown) // 2])
-    ends = [0, *cuts, len(negative)]
-    chunks = [negative[a:b] for a, b in pairwise(ends)]
-    return chunks, [negative[i].start for i in cuts]
+    ends = [0, *cuts, len(edge)]
+    chunks = [edge[a:b] for a, b in pairwise(ends)]
+    return chunks, [edge[i].start for i in cuts]
 
 
-def _negative(outline: Loop) -> Loop:
+def negative(outline: Loop) -> Loop:
     """The section's outline but its back, upside down, from right to left, the cavity on its left."""
     return tuple(
         replace(s, start=Point(s.start.x, -s.start.z), end=Point(s.end.x, -s.end.z), bulge=-s.bulge)
@@ -193,7 +229,7 @@ def _along(place: Layout, lanes: tuple[float, ...], heights: tuple[float, ...]) 
 
 
 def _pin_holes(design: Design, place: Layout) -> list[Bore]:
-    press, depth = fits(design, design.mold.process).press, place.pin_depth
+    press, depth = block_fits(design).press, place.pin_depth
     ends = (-place.end, place.end - depth)
     return [
         Bore((x, y, place.comb_pin), "y", depth, press, role=CutRole.END_PIN)
@@ -203,7 +239,7 @@ def _pin_holes(design: Design, place: Layout) -> list[Bore]:
 
 
 def _sockets(design: Design, place: Layout, places: list[tuple[float, float]]) -> list[Bore]:
-    slide = fits(design, design.mold.process).slide
+    slide = block_fits(design).slide
     return drilled(CutRole.COVER_PIN, "z", places, place.top - PIN_DEPTH, PIN_DEPTH, slide)
 
 
@@ -215,10 +251,19 @@ def safe_strain(design: Design) -> float:
     return 1 - 1 / (1 + SAFE_SHARE * silicone(design).elongation_at_break)
 
 
+def parts_at_tips(design: Design) -> bool:
+    """Whether the cavity of pins is a plate of through holes on a base of cups: with split = "tips", or
+    "auto" where a tool makes the holes, and they stand on a plane."""
+    if design.mold.split == "none" or skin_of(design).symmetry != "revolved":
+        return False
+    plane = on_plane(design, section(design)) and not design.skin.round and design.mold.cavities == 1
+    return design.mold.split == "tips" or (plane and block_process(design).layer == 0)
+
+
 def split_ridges(design: Design) -> list[int]:
     """Return the ridges at which the cavity is parted: with split = "auto" those that are squeezed beyond
     what is safe, and their mirror images, so that the pieces between come out straight."""
-    if design.mold.split == "none":
+    if design.mold.split == "none" or skin_of(design).symmetry != "extruded":
         return []
     skin, limit = skin_of(design), safe_strain(design)
     caught = [ridge for ridge, undercut in skin.undercuts.items() if undercut.strain > limit]

@@ -25,7 +25,7 @@ RUN_OUT = 2.5  # mm, source: DIN 76-1, short: five pitches below the last full t
 INSERT = 5.7  # mm, source: makers' tables, length of a threaded M3 insert
 # of diameters, source: design handbooks, least thread for the screw to break first: brass and steel,
 # aluminium, plastics. An insert of brass sits in 5.7 mm of plastic
-ENGAGEMENT = {"wire": 1.25, "mill": 1.5, "plastic": 2.5, "insert": 1.5}
+ENGAGEMENT = {"wire": 1.25, "mill": 1.5, "lathe": 1.5, "plastic": 2.5, "insert": 1.5}
 HEAD, HOLE = 5.5, 3.4  # mm, source: ISO 4762, head's width; ISO 273, clearance hole
 BEARING = {"metal": 60.0, "plastic": 20.0}  # MPa, assumption: under a head, a third of what yields
 NUT_FACTOR = 0.2  # source: design handbooks, torque by diameter and tension of a dry steel screw

@@ -11,6 +11,7 @@ Screws run along y through both end plates (a lane in each wall, nearest the tro
 (the outer lane), so no two bores meet. Those along y end in hexagonal nut pockets of end plate b where it is
 printed, in tapped holes where it is cut from metal; the cover's end in the cavity, in a tapped hole or in a
 threaded insert, so that the floor stays flat and closed. A pocket from below would be an overhang in print.
+A round skin's mold has no end plates: its block is square, with one row of screws a side.
 Pins press into one part and slide in the other: both fits are the process's. On a skin too short for bolts
 and pins side by side the cover has its pins alone, and clamps hold it down.
 
@@ -28,9 +29,10 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
 from skincad.shape.curves import Point, loop
-from skincad.shape.skin import Section
+from skincad.shape.skin import Section, summit
 from skincad.solids.fasteners import TAP_RADIUS, blind_depth, insert_radius, least_thickness
 from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.pins import flank_end, pins
 from skincad.solids.plan import CutRole, Prism
 from skincad.solids.shrinkage import on_grid, shrinkage
 from skincad.solids.split import split_height
@@ -133,6 +135,7 @@ BASE_PIN = 3.0  # mm, assumption: of a pin in a split cavity's base, and as much
 WALL, FLOOR, CARRIER = 13.0, 9.0, 4.0  # mm, assumption: where bolts and pins find room in them
 STOCK = 0.5  # mm, assumption: what is computed goes up to a multiple of this, as plates are sold
 ROUND_DOWN = 0.05  # mm, assumption: by which a wall or a ledge may be thinner than asked for a round size
+OVERHANG = 3.0  # mm, assumption: of the cover beyond the block or the end plates, to be lifted by
 LEAST_BOLTED = 9.0  # mm, assumption: length of a skin whose cover has bolts; a shorter one's is clamped
 KEYING = 0.5  # mm, assumption: one pin stands aside by this and two clearances: the cover fits one way only
 
@@ -194,9 +197,14 @@ def end_fits(design: Design) -> Fits:
     return fits(design, design.mold.end_plate_process or design.mold.process)
 
 
-def cavity_process(design: Design) -> Process:
-    """Return the process of the cavity."""
-    return processes(design.printer)[design.mold.process]
+def block_process(design: Design) -> Process:
+    """Return the process of the block: the cavity's, if this is not a disc in it."""
+    return processes(design.printer)[design.mold.block_process or design.mold.process]
+
+
+def block_fits(design: Design) -> Fits:
+    """Return the fits of the block."""
+    return fits(design, design.mold.block_process or design.mold.process)
 
 
 def lid_process(design: Design) -> Process:
@@ -213,13 +221,14 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     """Return the positions, and an error for every value that leaves a bore no room. `design` is what is
     poured."""
     skin, choice, ends = design.skin, design.mold, end_fits(design)
-    slide = max(ends.slide, fits(design, choice.process).slide)
+    slide = max(ends.slide, block_fits(design).slide)
     nut = NUT_FLATS / 2 + max(NUT_PLAY, ends.slide - PIN_RADIUS)
     pin_offset = 2 / math.sqrt(3) * nut + EDGE + slide  # of a pin beside a nut's corner
     trough = _rounded_up(skin.width + 2 * LEDGE) / 2 + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
-    widest = max(BOLT_RADIUS, fits(design, choice.process).thread)  # of the cover's row: it may have inserts
-    outer = inner + EDGE + BOLT_RADIUS + widest
+    widest = max(BOLT_RADIUS, block_fits(design).thread)  # of the cover's row: it may have inserts
+    plates = not skin.round
+    outer = inner + EDGE + BOLT_RADIUS + widest if plates else trough + EDGE + widest
     count, short = choice.cavities, is_clamped(design)
     row_offset = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
     half_pitch = trough + EDGE + BOLT_RADIUS + (row_offset if count > 1 else 0.0)
@@ -227,25 +236,32 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     between = [(2 * i - count) * half_pitch for i in range(1, count)]
     outer, inner = outer + centres[-1], inner + centres[-1]
     row_places = (-outer, *(x + row_offset for x in between), outer)
-    diagonal = 0.0 if short else max(2.0, skin.length / 4)
-    row, lid, spans = _cover_screws(design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE)
     need = outer - centres[-1] + BOLT_RADIUS + EDGE - skin.width / 2
-    wall, broken = _room("mold.wall", choice.wall, WALL, need, "two rows of bolts beside the trough")
-    half = centres[-1] + skin.width / 2 + wall
-    broken += _length(design)
-    split, lowest = -split_height(design, shape)[1], on_grid(-shape.top)
-    need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE)
+    what = f"{'two rows of bolts' if plates else 'bolts'} beside the trough"
+    wall, broken = _room("mold.wall", choice.wall, WALL if plates else 0.0, need, what)
+    half = _rounded_up(2 * (centres[-1] + skin.width / 2 + wall)) / 2
+    long = skin.length if plates else 2 * half  # of the cavity
+    diagonal = 0.0 if short else max(2.0, long / 4)
+    row, lid, spans = _cover_screws(
+        design, row_places, diagonal, 2 * trough, BOLT_RADIUS + slide + EDGE, long
+    )
+    broken += _length(design) if plates else []
+    split, lowest = -split_height(design, shape)[1], on_grid(-summit(design))
+    need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
     need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
+    if split_cavity and (holes := pins(design, shape)):
+        plate = BASE_PIN + EDGE + PIN_DEPTH - (holes[0].origin[2] + flank_end(holes))
+        need, what = max((need, what), (plate, "the pins in the wall of a plate of through holes"))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
     straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
     top = (
         on_grid(back + SQUEEZED_SHARE * seal_thickness(stack_error(design, spans, lid))) if straight else back
     )
-    need = lowest - split + 2 * (nut + EDGE)
+    need = lowest - split + 2 * (nut + EDGE) if plates else 0.0
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
     else:  # the cover's screws end in it
-        need = max(need, blind_depth(lid, cavity_process(design)) + EDGE - (top - lowest))
+        need = max(need, blind_depth(lid, block_process(design)) + EDGE - (top - lowest))
     floor, low = _room("mold.floor", choice.floor, FLOOR, need, "bolts, nuts and pins")
     broken += [*low, *thin]
     bottom = lowest - floor if choice.floor else _bottom(design, lowest - floor, top)
@@ -254,19 +270,19 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     key = KEYING + 2 * (slide - PIN_RADIUS)
     place = Layout(
         centres=centres,
-        half=_rounded_up(2 * half) / 2,
-        end=skin.length / 2,
+        half=half,
+        end=long / 2,
         bottom=bottom,
         back=back,
         top=top,
         trough=trough,
-        lanes=(-inner, *(x - (row_offset if count > 1 else 0.0) for x in between), inner),
+        lanes=(-inner, *(x - (row_offset if count > 1 else 0.0) for x in between), inner) if plates else (),
         pins=(pin_offset - inner, inner - pin_offset),
         outer=outer,
         bolts=() if short else _bolts(row_places, row, diagonal),
         pin_along=diagonal if row.screws == 1 else row.spacing / 2 * (row.screws % 2),
         pin_depth=depth,
-        cover=_rounded_up(skin.length + 2 * choice.end_plate) / 2,
+        cover=_rounded_up(skin.length + 2 * choice.end_plate) / 2 if plates else half + OVERHANG,
         lid=lid,
         spans=spans,
         split=split,
@@ -280,12 +296,17 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
 
 
 def _cover_screws(
-    design: Design, row_places: tuple[float, ...], diagonal: float, load: float, between: float
+    design: Design,
+    row_places: tuple[float, ...],
+    diagonal: float,
+    load: float,
+    between: float,
+    length: float,
 ) -> tuple[ScrewRow, float, Spans]:
     """Return a row of the cover's screws, its thickness and what it spans; `between` is from a screw to a pin
     beside it. A clamped cover has no screws, and the narrow top of a bent mold has room for a diagonal."""
-    length, wide = design.skin.length, max(b - a for a, b in pairwise(row_places))
-    holes = fits(design, design.mold.process)
+    wide = max(b - a for a, b in pairwise(row_places))
+    holes = block_fits(design)
     choices = screw_rows(
         length, diagonal, max(BOLT_RADIUS, holes.thread) + EDGE, 2 * between, design.mold.cavities
     )
@@ -305,10 +326,13 @@ def stack_error(design: Design, spans: Spans, lid: float) -> float:
     """Return by how much what the seal lies on may be higher or lower against the cavity's top than designed,
     mm, every part at the worst end of its process's tolerance: a carrier on its ledge, or a keeper on its
     comb, which slides on pins; and by how much the seal itself bows the cover."""
-    block, ends, lids = cavity_process(design), end_process(design), lid_process(design)
+    block, ends, lids = block_process(design), end_process(design), lid_process(design)
     on_ledge = block.tolerance + lids.tolerance
+    if design.mold.block_process is not None:
+        on_ledge += processes(design.printer)[design.mold.process].tolerance  # of the disc between them
     keeper = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
-    return max(on_ledge, keeper) + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
+    under = on_ledge if design.skin.round else max(on_ledge, keeper)
+    return under + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
 
 
 def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tuple[tuple[float, float], ...]:
@@ -322,7 +346,7 @@ def _bolts(row_places: tuple[float, ...], row: ScrewRow, diagonal: float) -> tup
 def _bottom(design: Design, highest: float, top: float) -> float:
     """The underside of a block whose floor is computed, mm, at most at `highest`: a whole number of layers
     under the ledge, z = 0, so that a print has it where it is drawn, or else a round size under the top."""
-    layer = cavity_process(design).layer
+    layer = block_process(design).layer
     if layer:
         return on_grid(-math.ceil(-highest / layer - 1e-6) * layer)
     return top - _rounded_up(top - highest)
@@ -336,7 +360,8 @@ def _rounded_up(size: float) -> float:
 
 def is_clamped(design: Design) -> bool:
     """Whether a skin is so short that clamps hold its mold's cover, not bolts; `design` is what is poured."""
-    return design.skin.length < LEAST_BOLTED and design.skin.curvature_radius_y is None
+    straight = not design.skin.round and design.skin.curvature_radius_y is None
+    return straight and design.skin.length < LEAST_BOLTED
 
 
 def _room(
@@ -359,7 +384,7 @@ def _length(design: Design) -> list[InputError]:
     """What is wrong with the skin's length: bolts and pins of a cover, or its pins alone, stand beside it."""
     least, what = LEAST_BOLTED, "bolts and pins of a mold"
     if is_clamped(design):
-        least, what = 2 * (fits(design, design.mold.process).slide + BESIDE), "the pins of a mold's cover"
+        least, what = 2 * (block_fits(design).slide + BESIDE), "the pins of a mold's cover"
     cured = 1 - shrinkage(design)
     remedy = "cast a longer skin and cut it to length"
     return at_least("skin.length", cured * design.skin.length, cured * least, what, remedy)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -20,7 +21,9 @@ from skincad.shape.curves import Point, loop, rectangle
 from skincad.solids.fasteners import LEAST_UNDER_HOLE, TAP_RADIUS, blind_thread, pin_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import BOLT_RADIUS, EDGE, PIN_DEPTH, Layout, cover_pins, lid_fits, lid_process
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, drilled, moved
+from skincad.solids.pins import pockets
+from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, disc, drilled, moved
+from skincad.solids.shrinkage import on_grid
 
 SCREWS = 4  # source: ISO 9409-1, on the smaller of its bolt circles
 STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken
@@ -85,7 +88,8 @@ def _inside(design: Design, place: Layout, hole: Bore) -> None:
     """Raise InputError for a hole that is too near to the carrier's edge."""
     mount = design.mounting or Mount()
     room = [half - EDGE - hole.radius for half in _halves(design, place)]
-    share = [most / abs(v) if v else math.inf for most, v in zip(room, hole.start[:2], strict=True)]
+    at = [math.hypot(*hole.start[:2])] * 2 if design.skin.round else hole.start[:2]
+    share = [most / abs(v) if v else math.inf for most, v in zip(room, at, strict=True)]
     if min(share) >= 1:
         return
     key = size_key(mount, 1 if share[1] < share[0] else 0)
@@ -128,8 +132,9 @@ def size_key(mount: Mount, axis: int = 0) -> str:
 
 
 def _halves(design: Design, place: Layout) -> tuple[float, float]:
-    """Half of the carrier's width and length, mm."""
-    return place.trough - design.mold.clearance, place.end - design.mold.clearance
+    """Half of the carrier's width and length, mm; a round one's radius."""
+    half = place.trough - design.mold.clearance
+    return half, half if design.skin.round else place.end - design.mold.clearance
 
 
 def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vector, float]]) -> list[Bore]:
@@ -140,7 +145,8 @@ def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vecto
     if mount is None or not mount.fiducials:
         return []
     wide, deep = mount.fiducial_diameter / 2, mount.fiducial_depth
-    x, y = (math.floor(TENTHS * (half - EDGE - wide)) / TENTHS for half in _halves(design, place))
+    share = math.sqrt(0.5) if design.skin.round else 1.0  # of a disc, its corners stand on the diagonals
+    x, y = (math.floor(TENTHS * share * (half - EDGE - wide)) / TENTHS for half in _halves(design, place))
     places: list[tuple[float, float]] = []
     for corner in ((x, -y), (-x, -y), (-x, y), (-math.floor(TENTHS * x / 3) / TENTHS, -y))[: mount.fiducials]:
         beside = [*occupied, *(((*at, 0.0), wide + EDGE) for at in places)]
@@ -178,7 +184,8 @@ LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
 
 def _vent(design: Design, place: Layout) -> Bore:
-    """The vent: in the middle of end b, as near to the end plate as the carrier allows."""
+    """The vent: in the middle of end b, as near to the end plate as the carrier allows, or to the rim of a
+    round skin, which is the highest when the mold is tilted."""
     gap = design.mold.clearance
     narrow = min(design.skin.width, 2 * place.end)
     room = narrow - 2 * (gap + EDGE)
@@ -189,7 +196,7 @@ def _vent(design: Design, place: Layout) -> Bore:
         raise InputError(key, rule, remedy="enlarge it, or cast a larger skin and cut it to size")
     if wide > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
-    y = place.end - gap - wide / 2 - EDGE / 2
+    y = place.end - wide / 2 - (0.0 if design.skin.round else gap + EDGE / 2)
     return Bore((0.0, y, 0.0), "z", place.back, wide / 2, role=CutRole.VENT)
 
 
@@ -197,8 +204,10 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     """The riser: a cup in the cover, open above, over the vent and the gap at end b, where air collects."""
     end, chosen, inner = place.end, design.mold.reservoir, vent.start[1] - vent.radius
     beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
-    most = min(min(beside) - BOLT_RADIUS, place.lanes[-1] - place.centres[-1]) - EDGE
+    most = min(min(beside) - BOLT_RADIUS, *(x - place.centres[-1] for x in place.lanes[-1:]), math.inf) - EDGE
     rim = min(place.cover, end + design.mold.end_plate) - EDGE / 2
+    if design.skin.round:  # no gap at its end: the carrier lies on its ledge all round
+        end, inner, rim = vent.start[1], inner - OVERLAP, place.cover - EDGE / 2
     most = min(most, rim)  # and off the cover's edge at end a
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
     y = min(end, rim - wide)
@@ -234,7 +243,8 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
         (x, y)
         for x in _grid(wide, spacing)
         for y in _grid(long, spacing)
-        if math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
+        if not (design.skin.round and math.hypot(x, y) > design.skin.width / 2 - small - EDGE)
+        and math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
         and math.dist(_bleed(design, (x, y)), cup.start[:2]) > beside
     ]
     if not places and design.mold.carrier == "perforated":
@@ -248,13 +258,15 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
 
 
 class _Openings(NamedTuple):
-    """Vent, reservoir, the places of the carrier's holes, the threads to pull it by, and its mount."""
+    """Vent, reservoir, the places of the carrier's holes, the threads to pull it by, its mount, and the holes
+    in which core pins stand."""
 
     vent: Bore
     cup: Bore
     rivets: list[tuple[float, float]]
     pulls: list[Bore]
     mount: list[Bore]
+    cores: list[Bore]
 
 
 def _openings(design: Design, place: Layout) -> _Openings:
@@ -264,11 +276,18 @@ def _openings(design: Design, place: Layout) -> _Openings:
     cup = _reservoir(design, place, vent)
     all_holes = _rivets(design, place, vent, cup)
     mount = mount_bores(design, place)
-    named = ("the vent", vent), ("the cup", cup)
+    cores = core_bores(design, place)
+    named = ("the vent", vent), ("the cup", cup), *(("a core pin", core) for core in cores)
     check_mount(design, place, mount, [(name, bore.start, bore.radius) for name, bore in named])
+    _check_cores(design, cores, vent)
+    all_holes = [
+        at
+        for at in all_holes
+        if all(math.dist(at, core.start[:2]) > core.radius + HOLD[1] + EDGE / 2 for core in cores)
+    ]
     rivets = _beside_mount(design, all_holes, mount)
     beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
-    beside += [(hole.start, hole.radius + EDGE / 2) for hole in mount]
+    beside += [(hole.start, hole.radius + EDGE / 2) for hole in (*mount, *cores)]
     pulls = _pulls(design, place, [*beside, *_filled(rivets)])
     if not pulls and (alone := _pulls(design, place, beside)):
         least_distance = TAP_RADIUS + HOLD[1] + EDGE / 2
@@ -277,7 +296,42 @@ def _openings(design: Design, place: Layout) -> _Openings:
         if 2 * len(fewer) >= len(all_holes) > 0:
             rivets, pulls = fewer, alone
     occupied = [*beside, *_filled(rivets), *((bore.start, bore.radius) for bore in pulls)]
-    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, occupied)])
+    return _Openings(vent, cup, rivets, pulls, [*mount, *fiducial_bores(design, place, occupied)], cores)
+
+
+def core_bores(design: Design, place: Layout) -> list[Bore]:
+    """Return the carrier's through holes in which the pockets' core pins stand, as wide as these: reamed,
+    so that they stay where they are pushed in, flush with the carrier's top."""
+    return [
+        Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius, role=CutRole.CORE)
+        for bore in pockets(design, -1.0)
+    ]
+
+
+def core_pins(design: Design, place: Layout) -> list[Part]:
+    """Return the rods that keep the pockets free, from a pocket's end to the carrier's top."""
+    return [
+        Part(
+            f"core-pin-{i}",
+            PartRole.CORE_PIN,
+            replace(bore, length=on_grid(bore.length) + place.back, role=None),
+        )
+        for i, bore in enumerate(pockets(design, -1.0), 1)
+    ]
+
+
+def _check_cores(design: Design, cores: list[Bore], vent: Bore) -> None:
+    """Raise InputError for a pocket whose core pin finds no room in the carrier beside its vent."""
+    for core in cores:
+        web = math.dist(core.start[:2], vent.start[:2]) - core.radius - vent.radius
+        if web < EDGE / 2:
+            x, y, _ = core.start
+            rule = (
+                f"puts a core pin at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from the carrier's vent, "
+                f"needed are {EDGE / 2:g}"
+            )
+            key = f"{design.features.family}.pocket"
+            raise InputError(key, rule, remedy="move the pockets, or take a smaller mold.vent")
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
@@ -312,23 +366,25 @@ def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs, and
     others hold it on a robot."""
-    vent, _, rivets, pulls, mount = _openings(design, place)
+    vent, _, rivets, pulls, mount, cores = _openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
-    half = place.end - gap
-    body = box(place.trough - gap, (-half, half), (0.0, place.back))
-    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount))
+    half, flat = place.end - gap, (0.0, place.back)
+    wide = place.trough - gap
+    body = disc(wide, *flat) if design.skin.round else box(wide, (-half, half), flat)
+    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
 
 
 def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
     """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
     middle as they clear all that silicone fills, by place and radius; none where they don't."""
-    thick, gap = place.back, design.mold.clearance
-    x, most = place.trough - gap - TAP_RADIUS - EDGE, place.end - gap - TAP_RADIUS - EDGE
+    thick = place.back
+    x, most = (half - TAP_RADIUS - EDGE for half in _halves(design, place))
     if thick < LEAST_UNDER_HOLE + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
-        pair = (-x, -y), (x, y)
+        u, v = (x * math.cos(y / x), x * math.sin(y / x)) if design.skin.round else (x, y)
+        pair = (-u, -v), (u, v)
         if all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
             return drilled(CutRole.PULL, "z", pair, LEAST_UNDER_HOLE, thick - LEAST_UNDER_HOLE, TAP_RADIUS)
     return []
@@ -357,8 +413,8 @@ def cover(design: Design, place: Layout) -> Part:
 
 def seal_sheet(design: Design, place: Layout) -> Part:
     """Return the foam between the cover and what may stand higher or lower than the cavity's top: carriers
-    and end plates. The cover lies on the cavity's walls beside it; cup and bleeds go on
-    through it."""
+    and end plates; round over a round carrier. The cover lies on the cavity's walls beside it; cup and bleeds
+    go on through it."""
     half, long, end, web = place.half, place.cover, place.end, place.trough - design.mold.clearance
     out = place.centres[-1] + web
     right = [(half, -long), (half, -end), (out, -end), (out, end), (half, end), (half, long)]
@@ -367,11 +423,12 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
     _, cup, rivets, *_ = _openings(design, place)
     low, thick = place.back, place.top - place.back
+    body = disc(web, low, place.top) if design.skin.round else Prism(outline, "z", low, place.top, holes)
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))
     cuts = tuple(moved(bore, x) for x in place.centres for bore in over)
-    return Part("seal", PartRole.SEAL, Prism(outline, "z", low, place.top, holes), cuts)
+    return Part("seal", PartRole.SEAL, body, cuts)
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:

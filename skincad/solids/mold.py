@@ -42,12 +42,23 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
-from skincad.solids.cavity import base_dowels, cavity, cavity_pieces, headings, parted, split_ridges
+from skincad.solids.cavity import (
+    base_dowels,
+    cavity,
+    cavity_pieces,
+    cavity_plate,
+    headings,
+    parted,
+    parts_at_tips,
+    split_ridges,
+)
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, cover, cover_dowels, refused_lids, seal_sheet
+from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused_lids, seal_sheet
+from skincad.solids.pins import on_plane
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
+from skincad.solids.round import check_round, lids_layout, round_parts
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import Way, cast_skin
 
@@ -91,37 +102,47 @@ class ClosedMold:
             raise ValueError("a cavity is a prism less its cuts")
         if block.axis == "y":
             return block.high - block.low
-        return 2 * max(s.start.x for s in block.outline)
+        return 2 * max(max(s.start) if block.axis == "z" else s.start.x for s in block.outline)
 
 
 def mold(design: Design) -> ClosedMold:
     """Return the closed mold's parts, the skin, shims or strips and pins in it, and the opening sequence.
 
     Raises InputError when a bore, the gate or a notch finds no room, and for what a doubly curved mold can't
-    be: split, for several skins, or poured open.
+    be: split, for several skins, or poured open; or a round one's: split, for several, or through a gate.
     """
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))]
+    whole = [*check_bent(design), *check_round(design)]
+    whole += refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
     design = scaled_for_shrinkage(design)
     plain = section(design)
     shape = replace(plain, outline=parted(plain.outline, ridges))
-    place, more = layout(design, shape, split_cavity=bool(ridges))
-    broken += [*more, *refused_ends(design, shape, place), *refused_lids(design, place)]
+    on_base = bool(ridges) or parts_at_tips(design)
+    place, more = layout(design, shape, split_cavity=on_base)
+    broken += [*more, *(refused_ends(design, shape, place) if place.lanes else ())]
+    broken += [*refused_lids(design, lids_layout(design, place))]
     if broken:
         raise together(broken)
     if design.skin.curvature_radius_y is not None:
         return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
-    pieces = cavity_pieces(design, shape, place, ridges) if ridges else [cavity(design, shape, place)]
+    if design.skin.round:
+        return _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
+    pieces = [cavity(design, shape, place)] if not on_base else cavity_plate(design, shape, place)
+    pieces = cavity_pieces(design, shape, place, ridges) if ridges else pieces
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
-    rest = [*_gang(place, [carrier(design, place)]), cover(design, place), *_pins(design, place)]
+    rest = [
+        *_gang(place, [carrier(design, place), *core_pins(design, place)]),
+        cover(design, place),
+        *_pins(design, place),
+    ]
     rest.append(seal_sheet(design, place))
-    rest += base_dowels(design, place) if ridges else []
+    rest += base_dowels(design, shape, place) if on_base else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips), ridges)
 
@@ -129,10 +150,17 @@ def mold(design: Design) -> ClosedMold:
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     """What a cavity that is split at these ridges can't be."""
     skin = skin_of(design)
+    how, at_tips = design.mold.split, parts_at_tips(design)
+    if how == "tips" and not (at_tips and on_plane(design, section(design))):
+        rule = "needs pins on a flat base, whose tips lie on one plane"
+        yield InputError("mold.split", rule, how, "leave it out: one block, its holes brushed full")
+    elif how == "auto" and skin.symmetry in ("concentric", "none"):
+        rule = f"must be 'none' here: a cavity is split at ridges or pins, and [{skin.family}] has none"
+        yield InputError("mold.split", rule, how, "leave it out")
     if ridges and skin.count % 2 == 0:
         rule = "splits only an odd number of ridges, so that the middle one comes straight out"
         yield InputError("mold.split", rule, skin.count, "take one ridge more or less")
-    if ridges and design.mold.cavities > 1:
+    if (ridges or at_tips) and design.mold.cavities > 1:
         yield InputError("mold.cavities", "must be 1 where the cavity is split", design.mold.cavities)
 
 
@@ -140,7 +168,8 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     """The mold of these parts, opened. End plates slide off over straight shims, which leave along y; then
     the cover. Shims that are arcs are turned out first, then the cover, then end plates, square to their
     faces. A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the
-    skin, its base first, then the outer ones, then the others from the middle."""
+    skin, its base first, then the outer ones, then the others from the middle. Off a plate of through holes
+    comes its base, then the skin."""
     bent, closed = design.skin.curvature_radius_y is not None, ClosedMold(parts, ())
     far = 2 * design.skin.length + 4 * design.mold.end_plate
     high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
@@ -153,10 +182,14 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     drawn = leave("turn", shims_turn(design), PartRole.SHIM) if bent else leave("y", far, PartRole.SHIM)
     shims = [drawn._replace(travel=sign * drawn.travel)] if drawn.parts else []
     plates = [leave("y", y, *END_PLATES, end=end) for end, y in zip(ENDS, (-far, far), strict=True)]
+    plates = [step for step in plates if step.parts]
     lid = leave("z", high, PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     steps = [*shims, lid, *plates] if bent else [*plates, *shims, lid]
     if not ridges:
-        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.STRIP))
+        if closed.of(PartRole.BASE):
+            steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
+        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.STRIP))
+        steps += [leave("z", high, PartRole.CAVITY)] if closed.of(PartRole.BLOCK) else []
         return replace(closed, opening=tuple(steps))
     steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
     pieces = zip(
@@ -175,6 +208,7 @@ def _gang(place: Layout, parts: list[Part]) -> list[Part]:
             name=part.name + (f"-{i}" if i > 1 else ""),
             body=moved(part.body, x),
             cuts=tuple(moved(cut, x) for cut in part.cuts),
+            adds=tuple(moved(body, x) for body in part.adds),
         )
         for i, x in enumerate(place.centres, 1)
         for part in parts

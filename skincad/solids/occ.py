@@ -11,7 +11,8 @@ import math
 import os
 import sys
 from dataclasses import replace
-from typing import TypeVar
+from functools import lru_cache
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from skincad.solids.plan import (
     Prism,
     RevolvedBody,
     RotatedBody,
+    TurnedBody,
     unturned,
 )
 from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, distinct
@@ -37,7 +39,7 @@ NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for 
 try:
     import cadquery as cq
     from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepBuilderAPI import (
         BRepBuilderAPI_MakeEdge,
         BRepBuilderAPI_MakeFace,
@@ -66,6 +68,7 @@ try:
     from OCP.TColgp import TColgp_Array1OfPnt
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
     from OCP.TopTools import TopTools_ListOfShape
 except ImportError as failure:
@@ -125,7 +128,12 @@ def _checked_solid(part: Part) -> cq.Solid:
     safe_point()
     if isinstance(part.body, RotatedBody):
         return cq.Solid(_only_solid(_turned(_checked_solid(unturned(part)).wrapped, part.body), part.name))
-    part = replace(part, body=flattened(part.body), cuts=tuple(flattened(cut) for cut in part.cuts))
+    part = replace(
+        part,
+        body=flattened(part.body),
+        cuts=tuple(flattened(cut) for cut in part.cuts),
+        adds=tuple(flattened(body) for body in part.adds),
+    )
     result = unchecked_solid(part)
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
@@ -138,20 +146,28 @@ def _checked_solid(part: Part) -> cq.Solid:
 def volume(part: Part, shape: cq.Solid) -> float:
     """Return a solid's volume by the kernel, mm3.
 
-    Where a bore meets a curved face the kernel's usual integration misses 1e-4 mm3 of a bore: there it is
-    asked to refine until it estimates its error within `VOLUME_TOLERANCE`.
+    Where a bore or a pin meets a curved face the kernel's usual integration misses 1e-4 mm3 of it: there it
+    is asked to refine until it estimates its error within `VOLUME_TOLERANCE`.
     """
-    if not any(isinstance(cut, Bore) and cut.within for cut in part.cuts):
+    if not _on_curved(part):
         return float(shape.Volume())
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
     return float(properties.Mass())
 
 
+def _on_curved(part: Part) -> bool:
+    """Whether a bore or a pin of a part meets a curved face."""
+    return any(
+        bool(body.within) if isinstance(body, Bore) else isinstance(body, TurnedBody) and body.buried != 0.0
+        for body in (*part.cuts, *part.adds)
+    )
+
+
 def moments(part: Part, shape: cq.Solid) -> tuple[Array, Array]:
     """Return a solid's centre `(3,)` mm and its inertia about it `(3, 3)` mm5, that of density 1 per mm3."""
     properties = GProp_GProps()
-    if any(isinstance(cut, Bore) and cut.within for cut in part.cuts):  # as in `volume`
+    if _on_curved(part):  # as in `volume`
         BRepGProp.VolumeProperties_s(shape.wrapped, properties, VOLUME_TOLERANCE, False, False)
     else:
         BRepGProp.VolumeProperties_s(shape.wrapped, properties)
@@ -163,8 +179,10 @@ def moments(part: Part, shape: cq.Solid) -> tuple[Array, Array]:
 def unchecked_solid(part: Part) -> cq.Solid:
     """Return the part's solid as the kernel made it: right for a valid plan, but nobody has looked."""
     shape = _body(part.body)
+    if part.adds:
+        shape = _operated(BRepAlgoAPI_Fuse(), shape, [_body(body) for body in part.adds])
     if part.cuts:
-        shape = _cut(shape, [_body(cut) for cut in part.cuts])
+        shape = _operated(BRepAlgoAPI_Cut(), shape, [_body(cut) for cut in part.cuts])
     return cq.Solid(_only_solid(shape, part.name))
 
 
@@ -227,6 +245,7 @@ def _stroke(curve: BRepAdaptor_Curve) -> Stroke:
 
 
 _Body = TypeVar("_Body", bound=Body)
+Turns = Literal["x", "z"] | None  # the axis about which a wire is turned
 
 
 def flattened(body: _Body) -> _Body:
@@ -235,7 +254,7 @@ def flattened(body: _Body) -> _Body:
         return replace(body, counts=flattened(body.counts), built=flattened(body.built))
     if isinstance(body, RotatedBody):
         return replace(body, body=flattened(body.body))
-    if not isinstance(body, Prism | RevolvedBody):
+    if not isinstance(body, Prism | RevolvedBody | TurnedBody):
         return body
     lines = tuple(replace(s, bulge=0.0) if _rise(s) < KERNEL_TOLERANCE else s for s in body.outline)
     return replace(body, outline=lines)
@@ -247,9 +266,11 @@ def _rise(segment: Segment) -> float:
 
 def rounding_error(body: Body) -> float:
     """Volume, mm3, by which a swept body may be off because a far centre is stored with 16 digits."""
-    if not isinstance(body, Prism | RevolvedBody):
+    if not isinstance(body, Prism | RevolvedBody | TurnedBody):
         return 0.0
     arcs = math.fsum(s.length * s.radius for s in body.outline if s.bulge)
+    if isinstance(body, TurnedBody):
+        return 4 * sys.float_info.epsilon * arcs * 2 * math.pi * max(s.start.x for s in body.outline)
     path = body.high - body.low
     if isinstance(body, RevolvedBody):
         far = abs(body.centre)
@@ -260,7 +281,7 @@ def rounding_error(body: Body) -> float:
 def _cutting(part: Part, shape: cq.Solid) -> float:
     """Volume, mm3, by which cuts may be off: the kernel takes points within its tolerance of a face as on
     it, so the edges that a cut makes, and the faces up to them, may be off by as much."""
-    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts else 0.0
+    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts or part.adds else 0.0
 
 
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
@@ -277,10 +298,10 @@ def _body(body: Body) -> TopoDS_Shape:
         return _body(_tool_body(body))
     if isinstance(body, RotatedBody):
         return _turned(_body(body.body), body)
-    if isinstance(body, Prism):
-        return _prism(body)
-    if isinstance(body, RevolvedBody):
-        return _revolved(body)
+    if isinstance(body, TurnedBody):
+        return _turned_about(body)
+    if isinstance(body, Prism | RevolvedBody):
+        return _prism(body) if isinstance(body, Prism) else _revolved(body)
     direction = gp_Dir(0, 1, 0) if body.axis == "y" else gp_Dir(0, 0, 1)
     place = gp_Ax2(gp_Pnt(*body.start), direction)
     if body.end_radius is None:
@@ -333,15 +354,32 @@ def _revolved(body: RevolvedBody) -> TopoDS_Shape:
     return turned.Shape()
 
 
+def _turned_about(body: TurnedBody) -> TopoDS_Shape:
+    """A full turn about z, then moved to its axis; equal ones share what they are."""
+    turn, motion = body.frame(), gp_Trsf()
+    motion.SetValues(*(float(v) for row, d in zip(turn, body.origin, strict=True) for v in (*row, d)))
+    return _whole_turn(body.outline).Moved(TopLoc_Location(motion))
+
+
+@lru_cache(maxsize=8)
+def _whole_turn(outline: Loop) -> TopoDS_Shape:
+    plane = gp_Pln(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0, -1, 0))
+    face = BRepBuilderAPI_MakeFace(plane, _wire(outline, "y", 0.0, "z"), False).Face()
+    turned = BRepPrimAPI_MakeRevol(face, gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0, 0, 1)))
+    if not turned.IsDone():
+        raise KernelError("a loop cannot be turned; it may cross its axis")
+    return turned.Shape()
+
+
 def _face(body: Prism | RevolvedBody, plane: gp_Pln, axis: Axis, level: float) -> TopoDS_Face:
-    turns = isinstance(body, RevolvedBody)
+    turns: Turns = "x" if isinstance(body, RevolvedBody) else None
     face = BRepBuilderAPI_MakeFace(plane, _wire(body.outline, axis, level, turns), False)
     for hole in body.holes:
         face.Add(TopoDS.Wire_s(_wire(hole, axis, level, turns).Reversed()))
     return face.Face()
 
 
-def _wire(outline: Loop, axis: Axis, level: float, turns: bool) -> TopoDS_Wire:
+def _wire(outline: Loop, axis: Axis, level: float, turns: Turns) -> TopoDS_Wire:
     if all(segment.bulge == 0.0 for segment in outline) and not turns:
         polygon = BRepBuilderAPI_MakePolygon()
         for segment in outline:
@@ -356,11 +394,11 @@ def _wire(outline: Loop, axis: Axis, level: float, turns: bool) -> TopoDS_Wire:
     return wire.Wire()
 
 
-def _edge(segment: Segment, axis: Axis, level: float, turns: bool) -> object:
+def _edge(segment: Segment, axis: Axis, level: float, turns: Turns) -> object:
     start = _point(segment.start.x, segment.start.z, axis, level)
     end = _point(segment.end.x, segment.end.z, axis, level)
     if segment.bulge == 0.0:
-        if turns and _straightened(segment):
+        if turns and _straightened(segment, turns):
             return BRepBuilderAPI_MakeEdge(Geom_BezierCurve(_poles(start, end))).Edge()
         return BRepBuilderAPI_MakeEdge(start, end).Edge()
     towards = math.copysign(1.0, segment.bulge)  # from the arc's middle to its centre: left of the chord
@@ -378,12 +416,14 @@ def _edge(segment: Segment, axis: Axis, level: float, turns: bool) -> object:
     return BRepBuilderAPI_MakeEdge(circle, start, end).Edge()
 
 
-def _straightened(line: Segment) -> bool:
+def _straightened(line: Segment, axis: Literal["x", "z"]) -> bool:
     """Whether the kernel would turn this line into a cylinder or a plane although it is neither parallel nor
-    square to x: it does where length and projection differ by its tolerance, 1e-4 mm aside on 0.05 mm, and
-    where the projection is no longer than that. A curve is taken as it is.
+    square to the axis: it does where length and projection differ by its tolerance, 1e-4 mm aside on 0.05 mm,
+    and where the projection is no longer than that. A curve is taken as it is.
     """
     rise, along = line.end.z - line.start.z, abs(line.end.x - line.start.x)
+    if axis == "z":
+        rise, along = along, abs(rise)
     level = rise != 0.0 and rise * rise / (line.chord + along) <= 2 * KERNEL_TOLERANCE
     return level or ROUNDING < along <= 2 * KERNEL_TOLERANCE
 
@@ -395,17 +435,19 @@ def _poles(start: gp_Pnt, end: gp_Pnt) -> TColgp_Array1OfPnt:
     return poles
 
 
-def _cut(shape: TopoDS_Shape, tools: list[TopoDS_Shape]) -> TopoDS_Shape:
-    objects, cutters = TopTools_ListOfShape(), TopTools_ListOfShape()
+def _operated(
+    operation: BRepAlgoAPI_Cut | BRepAlgoAPI_Fuse, shape: TopoDS_Shape, tools: list[TopoDS_Shape]
+) -> TopoDS_Shape:
+    """The shape with all tools cut from it or joined to it at once."""
+    objects, others = TopTools_ListOfShape(), TopTools_ListOfShape()
     objects.Append(shape)
     for tool in tools:
-        cutters.Append(tool)
-    operation = BRepAlgoAPI_Cut()
+        others.Append(tool)
     operation.SetArguments(objects)
-    operation.SetTools(cutters)
+    operation.SetTools(others)
     operation.Build()
     if not operation.IsDone():
-        raise KernelError("a boolean cut failed")
+        raise KernelError("a boolean of two solids failed")
     return operation.Shape()
 
 

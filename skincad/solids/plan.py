@@ -38,6 +38,7 @@ class PartRole(Enum):
 
     SKIN = "the skin", "skin", "cast", _ROSE
     CAVITY = "a cavity in one piece", "cavity", "made", _GREY
+    BLOCK = "block in whose seat the cavity lies", "block", "made", _STONE
     BASE = "base of a split cavity", "cavity", "made", _GREY
     LEFT = "outer piece of a split cavity, at -x", "cavity", "made", _STONE
     BETWEEN = "piece of a split cavity, between two splits", "cavity", "made", _STONE
@@ -52,6 +53,7 @@ class PartRole(Enum):
     STRIP = "a film that is cast in", "strip", "bought", _SILVER
     END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL
     COVER_PIN = "dowel between cavity and cover", "pin", "bought", _STEEL
+    CORE_PIN = "what keeps a pocket free", "core pin", "bought", _STEEL
     BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
 
     def __init__(self, what: str, label: str, made: MadeBy, colour: tuple[float, float, float]) -> None:
@@ -83,6 +85,10 @@ class CutRole(Enum):
     PRY = auto()  # notch for a screwdriver
     MARK = auto()  # nick that tells the ends apart
     BEVEL = auto()  # of a leaning end plate
+    FEATURE = auto()  # the negative of a pin
+    POCKET = auto()  # a skin's, for what it senses by
+    EJECT = auto()  # a block's hole, to push the cavity out through
+    CORE = auto()  # a carrier's hole for the pin that keeps a pocket free
 
 
 CAVITIES = frozenset({PartRole.CAVITY, PartRole.BASE, PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT})
@@ -313,6 +319,41 @@ class RotatedBody:
 
 
 @dataclass(frozen=True)
+class TurnedBody:
+    """A loop (t, n) at t >= 0 turned fully about the axis through `origin` mm along the unit vector
+    `direction`: t is the distance from the axis, n the height along it. A solid one closes along t = 0.
+
+    `buried` mm3 of it don't count: what lies in the body that it is added to, or in what is cut besides it.
+    A cut may be a `piece_of` one that another part has the rest of.
+    """
+
+    outline: Loop
+    origin: Vector
+    direction: Vector
+    buried: float = 0.0
+    role: CutRole | None = None  # where it is a cut
+    piece_of: TurnedBody | None = None
+    axis: ClassVar[Literal["full"]] = "full"
+
+    @property
+    def volume(self) -> float:
+        """First moment of the loop about the axis, times a whole turn, less what is buried, mm3: Pappus."""
+        return 2 * math.pi * curves.moments(self.outline)[1] - self.buried
+
+    def frame(self) -> Array:
+        """Return the rotation `(3, 3)` from (t, across, n) to the mold's frame; at the turn 0 t has no y."""
+        x, _, z = self.direction
+        flat = math.hypot(x, z)
+        first = np.array([z, 0.0, -x]) / flat if flat > 0 else np.array([1.0, 0.0, 0.0])
+        across = np.cross(self.direction, first)
+        return np.column_stack([first, across, self.direction])
+
+    def placed(self, points: Array) -> Array:
+        """Return points `(n, 3)` mm of the own frame in the mold's."""
+        return points @ self.frame().T + self.origin
+
+
+@dataclass(frozen=True)
 class ExtendedCut:
     """A cut that is built further than what it takes away: out of the part, or into what is cut besides it.
     So it ends on no slanting face, on which a film of rounding would stay. `counts` is what it takes away.
@@ -333,10 +374,10 @@ class ExtendedCut:
         return self.counts.role
 
 
-Body = Prism | RevolvedBody | Bore | RotatedBody | ExtendedCut
+Body = Prism | RevolvedBody | Bore | RotatedBody | ExtendedCut | TurnedBody
 
 
-def plain(cut: Body) -> Prism | RevolvedBody | Bore:
+def plain(cut: Body) -> Prism | RevolvedBody | Bore | TurnedBody:
     """Return what a cut takes away, in its own frame."""
     counts = cut.counts if isinstance(cut, ExtendedCut) else cut
     return counts.body if isinstance(counts, RotatedBody) else counts
@@ -359,7 +400,8 @@ def corners(body: Prism | RevolvedBody, outline: Loop, tolerance: float) -> Arra
 
 @dataclass(frozen=True)
 class Part:
-    """A part: its body less its cuts. Cuts lie inside the body and do not meet each other."""
+    """A part: its body and what is added to it, less its cuts. Cuts lie inside the body and do not meet each
+    other; neither do the bodies that are added."""
 
     name: str  # of its files and in messages; what it is, its role says
     role: PartRole
@@ -367,11 +409,20 @@ class Part:
     cuts: tuple[Body, ...] = ()
     end: End | None = None  # that it belongs to
     straight: Part | None = None  # whose section along y rules judge, where the part itself is bent
+    adds: tuple[TurnedBody, ...] = ()
 
     @property
     def made(self) -> MadeBy:
         """How one comes by it."""
         return self.role.made
+
+    @property
+    def what(self) -> str:
+        """What it is, in words."""
+        plate = self.role is PartRole.CAVITY and any(
+            isinstance(cut, TurnedBody) and cut.piece_of for cut in self.cuts
+        )
+        return "plate of through holes, on the base" if plate else self.role.what
 
     @property
     def colour(self) -> tuple[float, float, float]:
@@ -380,8 +431,9 @@ class Part:
 
     @property
     def volume(self) -> float:
-        """Volume by formula, mm3: body less cuts."""
-        return self.body.volume - math.fsum(cut.volume for cut in self.cuts)
+        """Volume by formula, mm3: body and what is added, less cuts."""
+        added = math.fsum(body.volume for body in self.adds)
+        return self.body.volume + added - math.fsum(cut.volume for cut in self.cuts)
 
 
 def drilled(
@@ -405,6 +457,11 @@ def box(x: float, y: tuple[float, float], z: tuple[float, float], axis: Axis = "
     return Prism(curves.rectangle(-x, x, *z), "y", *y)
 
 
+def disc(radius: float, low: float, high: float) -> Prism:
+    """Return a disc about z between two levels, mm."""
+    return Prism(curves.circle(0.0, 0.0, radius), "z", low, high)
+
+
 _Body = TypeVar("_Body", bound=Body)
 
 
@@ -412,6 +469,8 @@ def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
     if isinstance(body, RotatedBody | ExtendedCut):
         raise ValueError("a bent mold has one skin and nothing to move aside")
+    if isinstance(body, TurnedBody):
+        return replace(body, origin=(body.origin[0] + x, *body.origin[1:]))
     if not isinstance(body, Bore):
         holes = tuple(shifted(hole, x) for hole in body.holes)
         return replace(body, outline=shifted(body.outline, x), holes=holes)

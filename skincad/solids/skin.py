@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -11,8 +12,9 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.shape import curves
-from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
+from skincad.solids.pins import cast, pins, pockets
 from skincad.solids.plan import (
     Axis,
     Body,
@@ -24,6 +26,7 @@ from skincad.solids.plan import (
     Prism,
     RevolvedBody,
     RotatedBody,
+    TurnedBody,
     corners,
     plain,
     turned,
@@ -35,32 +38,38 @@ if TYPE_CHECKING:
 
 
 def skin_part(design: Design) -> Part:
-    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y.
+    """Return the skin as designed: back at z = 0, ridges up, -length/2 to length/2 along y, or round.
 
     With a second curvature the section is the one at y = 0, its ends are planes through the axis.
     """
     shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
-    return Part("skin", PartRole.SKIN, along_skin(design, shape.outline, slots))
+    body = along_skin(design, shape.outline, slots)
+    return Part("skin", PartRole.SKIN, body, pockets(design), adds=pins(design, shape))
 
 
 def cast_skin(design: Design, shape: Section | None = None) -> Part:
-    """Return the skin as it lies in its mold, ridges down; of this section where it is given."""
+    """Return the skin as it lies in its mold, features down; of this section where it is given."""
     shape = shape or section(design)
     slots = tuple(flipped(s.loop()) for s in shape.slots)
-    return Part("skin", PartRole.SKIN, along_skin(design, flipped(shape.outline), slots, -1.0))
+    body = along_skin(design, flipped(shape.outline), slots, -1.0)
+    adds = tuple(cast(pin) for pin in pins(design, shape))
+    return Part("skin", PartRole.SKIN, body, pockets(design, -1.0), adds=adds)
 
 
 def along_skin(
     design: Design, outline: Loop, holes: tuple[Loop, ...], up: float = 1.0
-) -> Prism | RevolvedBody:
-    """Return a loop swept along the skin's length, `up` = -1 where the ridges point down.
+) -> Prism | RevolvedBody | TurnedBody:
+    """Return the section's loop swept along the skin's length, `up` = -1 where the ridges point down; of a
+    round skin turned about z.
 
     A doubly curved skin turns about the axis curvature_radius_y below the base circle's summit; `length` is
     the arc of that summit.
     """
     skin, half = design.skin, design.skin.length / 2
     radius = skin.curvature_radius_y
+    if skin.round:
+        return TurnedBody(curves.right_half(outline), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     if radius is None:
         return Prism(outline, "y", -half, half, holes)
     return RevolvedBody(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
@@ -84,17 +93,23 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     """Return a part that covers everything that `part` passes through on `travel` mm that way; rad where it
     turns about its own axis along x ("turn"). A turned part's y is its own.
 
-    Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, and for a bare
-    prism moved across its own axis; elsewhere cuts are left out, so the swept part is never too small. Of a
-    body that turns and is moved up, what counts is its silhouette along x.
+    Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, for a bare
+    prism moved across its own axis, and for what turns about z and moves along it; elsewhere cuts are left
+    out, so the swept part is never too small. Of a body that turns about x and is moved up, what counts is
+    its silhouette along x. A drafted cup stays free on the way along its axis. What is added to a skin
+    follows it out of its cavity, and is left out.
     """
     body = part.body
     if isinstance(body, RotatedBody):
         path = swept(unturned(part), axis, travel, tolerance)
         return turned(path, body.centre, body.angle, body.base)
+    if isinstance(body, TurnedBody) and axis == "z" and body.direction[:2] == (0.0, 0.0):
+        rise = 0.0, travel * body.direction[2]
+        shadow = _shadow(curves.polygon(body.outline, tolerance), rise)
+        return replace(part, body=replace(body, outline=shadow, buried=0.0), cuts=(), adds=())
     if body.axis == axis:
         cuts = tuple(_stretched(c, travel) for c in part.cuts if _through(c, body))
-        return replace(part, body=_stretched(body, travel), cuts=cuts)
+        return replace(part, body=_stretched(body, travel), cuts=cuts, adds=())
     heading = {"z": (0.0, 1.0)}.get(axis) if isinstance(axis, str) else axis
     flat = _as_prism(body, tolerance)
     if flat is None or flat.axis == "z" or heading is None or (flat.axis == "x" and axis != "z"):
@@ -102,16 +117,15 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
         raise ValueError(f"{part.name}: {rule}")
     way = heading[0] * travel, heading[1] * travel
     shadow = _shadow(corners(flat, flat.outline, tolerance), way)
-    return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=())
+    cups = tuple(cut for cut in part.cuts if axis == "z" and _frees(cut, travel))
+    return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=cups, adds=())
 
 
 def _as_prism(body: Body, tolerance: float) -> Prism | None:
     """A round pin along y as a prism, and what turns as its silhouette; None where a body is no prism."""
     if isinstance(body, Bore) and body.axis == "y" and body.end_radius is None:
-        (x, low, z), r = body.start, body.radius
-        ends = Point(x - r, z), Point(x + r, z)
-        circle = Segment(ends[0], ends[1], 1.0), Segment(ends[1], ends[0], 1.0)  # half turns
-        return Prism(circle, "y", low, low + body.length)
+        (x, low, z) = body.start
+        return Prism(curves.circle(x, z, body.radius), "y", low, low + body.length)
     if isinstance(body, RevolvedBody) and body.grid:
         points = curves.polygon(body.outline, tolerance / 2)
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
@@ -129,17 +143,29 @@ def _through(cut: Body, body: Body) -> bool:
     return _ends(cut) == _ends(body)
 
 
+def _frees(cut: Body, travel: float) -> bool:
+    """Whether a cut is a cup along z, nowhere wider than nearer its mouth, that moves off by `travel` mm."""
+    return (
+        isinstance(cut, TurnedBody)
+        and travel * cut.direction[2] > 0
+        and cut.direction[:2] == (0.0, 0.0)
+        and all(s.end.x <= s.start.x for s in cut.outline if s.end.z > s.start.z)
+    )
+
+
 def _ends(body: Body) -> tuple[float, float]:
     """Where a body begins and ends along its axis, mm."""
     own_body = plain(body)
     if isinstance(own_body, Bore):
         low = own_body.start[1 if own_body.axis == "y" else 2]
         return low, low + own_body.length
+    if isinstance(own_body, TurnedBody):
+        return -math.inf, math.inf
     return own_body.low, own_body.high
 
 
 def _stretched(body: Body, travel: float) -> Body:
-    if isinstance(body, RotatedBody | ExtendedCut):
+    if isinstance(body, RotatedBody | ExtendedCut | TurnedBody):
         raise ValueError("a turned body is moved in its own frame")
     if isinstance(body, Prism | RevolvedBody):
         return replace(body, low=body.low + min(travel, 0.0), high=body.high + max(travel, 0.0))

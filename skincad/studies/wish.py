@@ -1,4 +1,4 @@
-"""From a wish to a design: a castable pad of a size, all of whose ridges touch at a wanted force.
+"""From a wish to a design: a castable pad of a size, all of whose features touch at a wanted force.
 
 The shape keeps the paper's proportions (wish_shapes.py). How much curvature the force bears is first
 estimated in closed form and then checked by a better model; most of the parts have to pass, too.
@@ -11,6 +11,9 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Progress
@@ -21,9 +24,11 @@ from skincad.inputs.design import Design
 from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.silicone import silicones as listed_silicones
 from skincad.mechanics.check import check, mesh_tolerance
+from skincad.mechanics.models.pin_cell import crown_radius, hertz
 from skincad.mechanics.models.table import AUTO
-from skincad.mechanics.validity import LARGEST_STRAIN, ridge_strain, tipping
+from skincad.mechanics.validity import LARGEST_STRAIN, limits, plane_modulus, ridge_strain, tipping
 from skincad.mechanics.verdict import ContactCheck
+from skincad.shape.skin import skin_of
 from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
 from skincad.studies.wish_reasons import BrokenWish, Choice, broken_wishes, choices
@@ -41,6 +46,7 @@ from skincad.studies.wish_shapes import (
     shapes,
 )
 
+WISHED = "ridge", "pin"  # families
 USUAL_SIZE, USUAL_TOUCH = (24.0, 30.0), 1.0  # mm, N
 USUAL_PROCESS, USUAL_FILM = "sla", "pvdf-28um"  # a desktop printer; a gauge that is sold
 SMALLEST, LARGEST = 5.0, 200.0  # mm
@@ -107,6 +113,7 @@ def design_for(
     process: str = USUAL_PROCESS,
     gripper: str | None = None,
     film: str | float | None = USUAL_FILM,
+    family: str = "ridge",
     name: str = "pad",
     printer: Own | None = None,
     silicones: Own | None = None,
@@ -116,12 +123,17 @@ def design_for(
     """Return a castable design for a wish, checked, with what was chosen and why.
 
     `size` is width by length, as (24, 30) in mm or "24x30" or "2.4x3cm"; if None that of the gripper's face.
-    `touch` is the force in N (or "500mN") at which all ridges are to touch. `silicone` is a name; if None the
-    hardest that feels the force. `film` is a strip's thickness, as "pvdf-28um" or 0.028 mm, or "none". Where
-    a wish can't be met the nearest design is returned, and `broken` says which wish that is. It takes about
-    30 s. Raises InputError for a wish that is none, RefusedError where no model can judge any design for it.
+    `touch` is the force in N (or "500mN") at which all features are to touch. `silicone` is a name; if None
+    the hardest that feels the force. `film` is a strip's thickness, as "pvdf-28um" or 0.028 mm, or "none";
+    pins have none. `family` is "ridge" or "pin". Where a wish can't be met the nearest design is returned,
+    and `broken` says which wish that is. It takes about 30 s. Raises InputError for a wish that is none,
+    RefusedError where no model can judge any design for it.
     """
     began = perf_counter()
+    if family not in WISHED:
+        raise InputError("family", "has no wishes", family, f"take {' or '.join(WISHED)}, or --template")
+    if family == "pin" and film_of(film) not in (0.0, film_of(USUAL_FILM)):
+        raise InputError("film", "needs ridges, and pins have none", film, "leave it out")
     own = {"printer": printer, "silicones": silicones, "grippers": grippers}
     wish = Wish(
         *USUAL_SIZE,
@@ -129,8 +141,9 @@ def design_for(
         silicone or "dragon-skin-30",
         process=process,
         gripper=gripper,
-        film=film_of(film),
+        film=film_of(film) if family == "ridge" else 0.0,
         name=name,
+        family=family,
         own=own,
     )
     base = wish.design({})  # raises InputError for names that nobody knows
@@ -283,7 +296,7 @@ class _Search:
     def _options(self, wish: Wish) -> Iterator[_Option]:
         """Flat designs, the best first: of several silicones the hardest that does, in the first shape."""
         for end_plates in combs(wish):
-            for shape in shapes(wish.width):
+            for shape in shapes(wish):
                 try:
                     design = design_of(wish, shape, end_plates)
                 except ObstacleError:
@@ -296,7 +309,7 @@ class _Search:
     def _curved(self, flat: Design) -> tuple[Design, bool]:
         """The design with as much of the paper's curvature as its force bears, and whether enough of its
         parts pass."""
-        high = flat.features.height or 0.0
+        high = flat.heights[0]
         drop = min(DROP * high, max(_free_drop(flat), FLAT * high))
         for left in reversed(range(SEARCH_CHECKS)):
             design = bent(flat, drop)
@@ -312,8 +325,8 @@ class _Search:
         """The flat design at the smallest force, of a few tried, at which enough parts pass."""
         size, force, design = room(flat), self.asked.touch, flat
         if size is None:
-            flat = bent(flat, DROP * (flat.features.height or 0.0))
-            force /= max(1.0, overload(flat, check(flat, model="winkler")))
+            flat = bent(flat, DROP * flat.heights[0])
+            force /= max(1.0, _estimate(flat).overload)
         elif size < 1.0:
             force /= size
         for _ in range(FORCE_CHECKS):
@@ -343,13 +356,13 @@ def room(design: Design) -> float | None:
     """Return how far the plate comes down on the crests at the design's force, by what their scatter asks; in
     closed form. None where the ridges would bear too much."""
     try:
-        verdict = check(design, model="winkler")
+        found = _estimate(design)
     except InputError:  # pressed flat
         return None
-    if verdict.out_of_range or overload(design, verdict) > 1.0:
+    if found.out_of_range or found.overload > 1.0:
         return None
     scatter = Job(design).cavity_process.crest_sigma
-    return (verdict.approach.value or 0.0) / max(CREST_SPREADS * scatter, 1e-9)
+    return found.approach / max(CREST_SPREADS * scatter, 1e-9)
 
 
 def overload(design: Design, verdict: ContactCheck) -> float:
@@ -357,15 +370,38 @@ def overload(design: Design, verdict: ContactCheck) -> float:
     return EDGE_SHARE * max(ridge_strain(design, verdict) / LARGEST_STRAIN, tipping(design, verdict))
 
 
+class _Estimate(NamedTuple):
+    """How far the plate comes down, mm, what the most loaded feature bears by what it may, and whether that
+    is beyond the closed form's range."""
+
+    approach: float
+    overload: float
+    out_of_range: bool
+
+
+def _estimate(design: Design) -> _Estimate:
+    """The closed forms of a design at its force; pins shorten as columns, and each tip by Hertz."""
+    if design.features.family != "pin":
+        verdict = check(design, model="winkler")
+        return _Estimate(verdict.approach.value or 0.0, overload(design, verdict), bool(verdict.out_of_range))
+    share, ends = design.contact.force / design.count, limits(design)
+    down = ends.strain(share) * design.heights[0]
+    down += float(hertz(np.array(share), crown_radius(design), plane_modulus(design)))
+    most = EDGE_SHARE * max(ends.strain(share) / LARGEST_STRAIN, share / ends.buckling)
+    return _Estimate(down, most, False)
+
+
 def _free_drop(flat: Design) -> float:
     """How much lower the outer crests may lie, mm, so that the closed form leaves the scatter its room."""
-    down = check(flat, model="winkler").approach.value or 0.0
+    down = _estimate(flat).approach
     return min(down - CREST_SPREADS * Job(flat).cavity_process.crest_sigma, LARGEST_DROP * down)
 
 
 def bent(flat: Design, drop: float) -> Design:
     """Return a flat design with the curvature at which its outer crests lie `drop` mm lower."""
-    reach = (flat.features.count - 1) * flat.features.spacing
+    reach = (flat.count - 1) * flat.spacing
+    if flat.features.family == "pin":
+        reach = 2 * max(abs(placed.foot[0]) for placed in skin_of(flat).placed)
     return flat.with_(skin={"curvature_radius": radius_for(drop, reach, flat.skin.width)})
 
 

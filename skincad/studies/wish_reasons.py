@@ -7,12 +7,14 @@ from collections.abc import Iterator, Mapping
 from skincad.base.result import Record, item, record
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Pin, Ridge
 from skincad.shape.skin import skin_of
 from skincad.studies.wish_shapes import (
     DROP,
     FILM_ROOM,
     FLAT,
     FORMS,
+    MOST_PINS,
     MOST_RIDGES,
     THICKEST,
     THINNEST,
@@ -46,14 +48,16 @@ def choices(design: Design, *, asked_size: bool, asked_silicone: bool) -> tuple[
 
 
 def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator[Choice]:
-    skin, ridge, mold = design.skin, design.features, design.mold
+    skin, mold, pins = design.skin, design.mold, design.features.family == "pin"
     if not asked_size:
         whose = f"the face of {mold.mount}" if mold.mount else "the usual pad"
         yield Choice(key="skin", value=_size(skin.width, skin.length), why=whose)
-    yield from _ridges(design)
+    yield from _pins(design) if pins else _ridges(design)
     yield _curvature(design)
-    why = "the curvature is chosen instead, so that all ridges are alike"
-    yield Choice(key="ridge.levelling", value=f"{ridge.levelling or 0.0:g}", why=why)
+    if not pins:
+        why = "the curvature is chosen instead, so that all ridges are alike"
+        level = design.of(Ridge).levelling or 0.0
+        yield Choice(key="ridge.levelling", value=f"{level:g}", why=why)
     if not asked_silicone:
         why = f"the hardest that feels {design.contact.force:g} N and bears being pulled out of a mold"
         yield Choice(key="material.name", value=str(design.material.name), why=why)
@@ -67,7 +71,7 @@ def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator
 
 def _ridges(design: Design) -> Iterator[Choice]:
     """The choice of pitch, height and thickness."""
-    skin, ridge, mold = design.skin, design.features, design.mold
+    skin, ridge, mold = design.skin, design.of(Ridge), design.mold
     usual, pitch, height = usual_pitch(skin.width), ridge.pitch or 0.0, ridge.height or 0.0
     why = f"as many ridges as fit, about {MOST_RIDGES} as in the paper"
     if pitch > usual:
@@ -86,6 +90,18 @@ def _ridges(design: Design) -> Iterator[Choice]:
     yield Choice(key="skin.thickness", value=f"{skin.thickness:g} mm", why=why)
 
 
+def _pins(design: Design) -> Iterator[Choice]:
+    """The choice of pitch, height and thickness of pins."""
+    skin, pin = design.skin, design.of(Pin)
+    why = f"the smallest with at most about {MOST_PINS} pins that the mold by {design.mold.process} bears"
+    yield Choice(key="pin.pitch", value=f"{pin.pitch:g} mm, {design.count} pins", why=why)
+    share = (pin.height or 0.0) / pin.pitch
+    why = f"{share:.2g} of the pitch; assumption: higher ones sway more, lower ones are stiffer"
+    yield Choice(key="pin.height", value=f"{pin.height:g} mm", why=why)
+    why = f"four pitches, {THINNEST:g} mm at least and {THICKEST:g} mm at most, or more to be softer"
+    yield Choice(key="skin.thickness", value=f"{skin.thickness:g} mm", why=why)
+
+
 def _curvature(design: Design) -> Choice:
     """The choice of the radius."""
     crests, scatter = skin_of(design).crests, Job(design).cavity_process.crest_sigma
@@ -95,9 +111,10 @@ def _curvature(design: Design) -> Choice:
         f"at {force:g} N that leaves room for crests that scatter by {scatter:g} mm, as {process} makes them"
     )
     why = f"the outer crests lie {low:.2g} mm lower; {room}"
-    if low > (DROP - 0.03) * (design.features.height or 0.0):
-        why = f"the outer crests lie {low:.2g} mm lower, a quarter of a ridge's height, as the paper's"
-    elif low < 2 * FLAT * (design.features.height or 0.0):
+    if low > (DROP - 0.03) * design.heights[0]:
+        quarter = f"a quarter of a {design.features.family}'s height"
+        why = f"the outer crests lie {low:.2g} mm lower, {quarter}, as the paper's"
+    elif low < 2 * FLAT * design.heights[0]:
         why = "nearly flat: at this force the plate comes down too little for more"
     return Choice(key="skin.curvature_radius", value=f"{design.skin.curvature_radius:g} mm", why=why)
 
@@ -136,7 +153,8 @@ def _broken(wish: Wish, design: Design, given_up: Mapping[str, str], met: bool) 
 def _why_no_touch(wish: Wish, design: Design) -> str:
     name, process = design.material.name, design.mold.process
     if design.contact.force < wish.touch:
-        return f"ridges of {name} would bear too much; take a harder silicone or a larger size"
+        what = f"{design.features.family}s of {name}"
+        return f"{what} would bear too much; take a harder silicone or a larger size"
     scatter = Job(design).cavity_process.crest_sigma
     softer = f"{name} is too stiff for crests that scatter by {scatter:g} mm, as {process} makes them"
     return f"{softer}; take a softer silicone, a finer process or a smaller size"

@@ -30,6 +30,9 @@ THINNEST, THICKEST = 4.0, 10.0  # mm, of the first form
 # of a ridge's height: how much lower than the middle crest the outer ones lie at most, as yamada-2002's, and
 # on a skin that counts as flat
 DROP, FLAT = 0.25, 0.001
+# of the pitch: a pin's root, crown and fillet, and its foot's distance from the skin's edge; assumptions
+PIN = {"root_diameter": 0.6, "crown": 0.06, "root_fillet": 0.05, "margin": 0.15}
+MOST_PINS, LEAST_PINS = 100, 4  # that a pad gets; assumption: each is one place to feel
 SMALLEST_RADIUS = 5.5  # by the width, as yamada-2002's: a fan of 10 degrees
 SHIMS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)  # mm, precision sheet as it is sold
 FILM_ROOM, SLOT_SHARE = 0.02, 0.05  # mm beside a film; slot by pitch, at least
@@ -39,7 +42,8 @@ DIGITS = 2  # of a chosen length
 
 @dataclass(frozen=True)
 class Wish:
-    """A pad of `width` (across the ridges) by `length` mm whose ridges all touch a flat plate at `touch` N.
+    """A pad of `width` (across the ridges) by `length` mm whose features of a `family` all touch a flat plate
+    at `touch` N.
 
     `silicone`, `process` and `gripper` are names, `film` is a strip's thickness in mm, 0 for none; `own` are
     the lab's own tables, by the design's key.
@@ -53,6 +57,7 @@ class Wish:
     gripper: str | None = None
     film: float = 0.028
     name: str = "pad"
+    family: str = "ridge"
     own: dict[str, Own | None] = field(default_factory=dict, compare=False)
 
     @cached_property
@@ -62,7 +67,7 @@ class Wish:
 
     def design(self, tables: dict[str, dict[str, Any]]) -> Design:
         """Return a design of these tables, over those that every wish has."""
-        plain = Shape(PITCHES[3], 1, *FORMS[0]).tables(self.width, self.length)
+        plain = Shape(PITCHES[3], 1, *FORMS[0], self.family).tables(self.width, self.length)
         data: dict[str, Any] = {
             **plain,
             "name": self.name,
@@ -79,28 +84,32 @@ class Wish:
 
 @dataclass(frozen=True)
 class Shape:
-    """Ridges of one pitch, mm, on a skin: `height` and `tip` by the pitch, `thickness` by the usual one."""
+    """Features of one pitch, mm, on a skin: `height` and `tip` by the pitch, `thickness` by the usual one.
+    `count` is of ridges; pins fill the skin."""
 
     pitch: float
     count: int
     height: float
     tip: float
     thickness: float
+    family: str = "ridge"
 
     def tables(self, width: float, length: float) -> dict[str, dict[str, Any]]:
-        """Return the tables of skin and ridges; the skin is flat."""
+        """Return the tables of skin and features; the skin is flat."""
         high = rounded(self.height * self.pitch)
         thick = self.thickness * min(max(4 * self.pitch, THINNEST), THICKEST)
-        ridge = {"count": self.count, "pitch": self.pitch, "height": high}
-        sizes = {key: rounded(share * self.pitch) for key, share in RIDGE.items()}
+        pins, tip = self.family == "pin", rounded(self.tip * self.pitch)
+        sizes = {key: rounded(share * self.pitch) for key, share in (PIN if pins else RIDGE).items()}
+        sizes |= {"pitch": self.pitch, "height": high, "tip_diameter" if pins else "tip_width": tip}
+        reach = width if pins else (self.count - 1) * self.pitch
         return {
             "skin": {
-                "curvature_radius": radius_for(FLAT * high, (self.count - 1) * self.pitch, width),
+                "curvature_radius": radius_for(FLAT * high, reach, width),
                 "thickness": rounded(thick),
                 "width": width,
                 "length": length,
             },
-            "ridge": {**ridge, **sizes, "tip_width": rounded(self.tip * self.pitch)},
+            self.family: {**sizes, **({"pattern": "hex"} if pins else {"count": self.count})},
         }
 
 
@@ -131,9 +140,16 @@ def usual_pitch(width: float) -> float:
     return next((p for p in PITCHES if p >= COARSEST or _most(width, p) <= MOST_RIDGES), COARSEST)
 
 
-def shapes(width: float) -> Iterator[Shape]:
-    """Yield the shapes for a width, mm, the most like the paper first: its number of ridges or a few less,
-    then larger and softer ones, then finer ones."""
+def shapes(wish: Wish) -> Iterator[Shape]:
+    """Yield the shapes for a wish, the most like the paper first: its number of ridges or a few less, then
+    larger and softer ones, then finer ones. Of pins as many as a pad gets, or larger ones."""
+    width = wish.width
+    if wish.family == "pin":
+        for pitch in PITCHES:
+            many = width * wish.length / (math.sqrt(0.75) * pitch**2)  # of a hexagonal pattern, about
+            if LEAST_PINS <= many <= MOST_PINS:
+                yield from (Shape(pitch, 1, *form, "pin") for form in FORMS[:3])
+        return
     usual = usual_pitch(width)
     larger = [pitch for pitch in PITCHES if pitch >= usual]
     steps = [
@@ -175,10 +191,11 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
     ObstacleError where no such skin can be."""
     cutter = wish.processes[wish.process]
     tables = shape.tables(wish.width, wish.length)
-    tip = max(tables["ridge"]["tip_fillet"], cutter.reach)
-    if cutter.groove_ratio:
-        tip = max(tip, rounded(tables["ridge"]["height"] / (2 * cutter.groove_ratio) + 0.005))
-    tables["ridge"]["tip_fillet"] = tip
+    if ridge := tables.get("ridge"):
+        tip = max(ridge["tip_fillet"], cutter.reach)
+        if cutter.groove_ratio:
+            tip = max(tip, rounded(ridge["height"] / (2 * cutter.groove_ratio) + 0.005))
+        ridge["tip_fillet"] = tip
     makers = [cutter, *([wish.processes[end_plates]] if wish.film else [])]
     play = max(maker.clearance + 2 * _walls(wish, maker) for maker in makers)
     tables["mold"] = {"clearance": _up(play)}

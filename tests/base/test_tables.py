@@ -16,7 +16,8 @@ from skincad.base.tables import Document
 from skincad.circuit.model import Circuit, load_circuit
 from skincad.inputs.catalog import KINDS, load, load_design, template_names
 from skincad.inputs.design import Design
-from skincad.inputs.skin_tables import Material, Ridge
+from skincad.inputs.feature_tables import Ridge
+from skincad.inputs.skin_tables import Material
 from skincad.scenes.scene import Scene, load_scene
 from tests.refusals import refused_by
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.inputs.catalog import template_names
 from tests.conftest import files_into
 from tests.consumers import Job
+from tests.families import RIDGED
 
 READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
 
@@ -17,7 +17,7 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
     return [together] if name == "yamada-2002" else [together, pytest.mark.slow]
 
 
-@pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in template_names()])
+@pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in RIDGED])
 def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Job:
     design = skincad.load(request.param)
     if request.param == "yamada-2002":

@@ -16,13 +16,13 @@ from skincad.fabrication.estimates import by_part, estimates
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.solid_files import write_stl
 from skincad.solids.mold import mold
 from tests.consumers import prusaslicer
 from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin
+from tests.families import RIDGED
 
 pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
 ASKED = 0.1  # of the slicer's, by part: what issue 19 asks
@@ -61,7 +61,7 @@ def total(pairs: dict[str, tuple[SlicerEstimate, SlicerEstimate]], which: int) -
     )
 
 
-@pytest.mark.parametrize(("name", "changes"), [*((name, []) for name in template_names()), *RANDOM])
+@pytest.mark.parametrize(("name", "changes"), [*((name, []) for name in RIDGED), *RANDOM])
 def test_filament_of_every_part(name: str, changes: list[str], tmp_path: Path) -> None:
     pairs = compared(by(name, "fdm", changes), tmp_path)
     off = {
@@ -78,7 +78,7 @@ def test_filament_of_a_mold_that_is_not_solid(name: str, tmp_path: Path) -> None
     assert total(pairs, 0) == pytest.approx(total(pairs, 1), rel=ASKED)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_resin_of_every_part(name: str, tmp_path: Path) -> None:
     for part, (ours, theirs) in compared(by(name, "sla"), tmp_path).items():
         assert ours == pytest.approx(theirs, rel=EXPOSED), part

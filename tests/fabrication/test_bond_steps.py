@@ -15,6 +15,7 @@ from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from tests.bent_skin import three_ridges
 from tests.fabrication.test_sheet import sheet
+from tests.templates import SHIPPED
 
 ALCOHOL, SHIMS, PRIMER, GLUE, MIX, CURE, PULL = (
     "End a has the gate",
@@ -121,7 +122,7 @@ def test_what_films_need_is_to_be_bought_with_amounts(yamada: Design) -> None:
     assert "cyanoacrylate" not in cast
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_sheet_and_parts_list_say_the_same_of_all_that_is_bought(name: str) -> None:
     job = Job(skincad.load(name))
     bought = {(item.quantity, item.what, item.designation) for item in parts_list(job)}

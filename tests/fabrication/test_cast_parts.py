@@ -19,7 +19,6 @@ from skincad.base.arrays import Array, Mask
 from skincad.fabrication.crests import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
 from skincad.fabrication.job import Job
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import plane_piece, unit_of
 from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
@@ -30,6 +29,7 @@ from skincad.outputs.checks import allowance
 from skincad.shape.skin import skin_of
 from skincad.solids.mold import mold
 from tests.fabrication.cast_parts import Parts, drawn, sliced
+from tests.families import RIDGED
 
 PARTS = 10_000
 REJECTED = 0.01  # asked, of good parts
@@ -118,7 +118,7 @@ def parts_of(case: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_good_parts_are_kept(name: str) -> None:
     one = judged(name)
     parts = parts_of(one, 101)
@@ -128,7 +128,7 @@ def test_good_parts_are_kept(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_parts_that_fail_are_caught(name: str) -> None:
     """Of a spoiled mold, and with one crest too low by up to three times what the verdict allows."""
     one = judged(name)
@@ -160,7 +160,7 @@ def allowed_least(case: JudgedDesign) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str) -> None:
     """Where the limits don't decide, the measured verdict finds the process's own, which crowd at its
     edge."""
@@ -172,7 +172,7 @@ def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     one = judged(name)
     heights = np.array(one.inspected.crests.heights) + 0.1
@@ -201,7 +201,7 @@ def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
     assert (off > one.inspected.crests.beside_mold / 2).mean() > 0.01  # and it is no wider than they are
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_layers_are_told_as_they_fall(name: str) -> None:
     """By another count of layers; the slicers' own are in consumers/test_print_levels.py."""
     design = skincad.load(name)

@@ -10,17 +10,17 @@ import skincad
 from skincad.fabrication.findings import closing_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.solids.layout import SHEETS
 from skincad.solids.mold import mold
 from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import bent
+from tests.families import RIDGED
 from tests.templates import of_one_printer
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_a_thin_cover_is_told_with_the_thickness_that_does(name: str) -> None:
     design = skincad.load(name)
     assert list(closing_findings(Job(design))) == []
@@ -71,7 +71,7 @@ def assert_foam_is_squeezed(design: Design) -> None:
 
 
 @pytest.mark.parametrize("cavities", [1, 6])
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_the_worst_stack_neither_lifts_the_cover_nor_lets_the_carrier_float(name: str, cavities: int) -> None:
     """The cover lies on the walls alone."""
     if name == "steep-fingertip" and cavities > 1:

@@ -9,9 +9,10 @@ from skincad.fabrication.day_plan import BEGIN, END, PRIMER_H, day_plan, tasks
 from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
 from skincad.inputs.catalog import template_names
+from tests.templates import SHIPPED
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_hands_work_by_day_after_what_has_to_cure(name: str) -> None:
     entries = day_plan(Job(skincad.load(name)))
     assert [entry.task for entry in entries] == tasks(Job(skincad.load(name)))

@@ -17,10 +17,10 @@ from skincad.fabrication.strips import (
     strip_findings,
     strips_per_mix,
 )
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from tests.bent_skin import bent, three_ridges
+from tests.families import RIDGED
 
 
 def by_rule(design: Design) -> dict[str, Finding]:
@@ -72,7 +72,7 @@ def test_there_is_no_lap_without_a_film_or_a_shim() -> None:
     assert lap(Job(skincad.load("yamada-2002", ["film=none", "contact.film=loose"]))) is None
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 @pytest.mark.parametrize("radius", [None, 100.0])
 def test_every_templates_lap_goes_in(name: str, radius: float | None) -> None:
     """Straight as they ship, and doubly curved where strips are drawn in and the cavity is whole."""

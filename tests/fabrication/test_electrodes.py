@@ -19,10 +19,10 @@ from skincad.fabrication.electrodes import (
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area
 from skincad.solids.inserts import PITCH
+from tests.templates import SHIPPED
 
 
 def by_rule(design: Design) -> dict[str, Finding]:
@@ -68,7 +68,7 @@ def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
     assert tab(film)[1] - tab(film)[0] == pytest.approx(3.0 + 0.5 + 1.0)  # pad, bare film, cut corner
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_templates_have_no_finding(name: str) -> None:
     assert electrode_findings(Job(skincad.load(name))) == []
 

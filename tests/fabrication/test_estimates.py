@@ -16,11 +16,10 @@ from skincad.fabrication.machine_rules import laid_on_end
 from skincad.fabrication.meshes import laid, mesh, print_chord
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED, parts_csv
 from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.solids.mold import mold
-from tests.templates import of_one_printer
+from tests.templates import SHIPPED, of_one_printer
 
 
 def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
@@ -30,7 +29,7 @@ def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
     return estimates(Job(design, closed), prints)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_every_made_part_has_estimates_with_errors(name: str) -> None:
     design = skincad.load(name)
     processes = estimated(design)

@@ -7,14 +7,14 @@ import pytest
 import skincad
 from skincad.fabrication.fasteners import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
 from skincad.fabrication.job import Job
-from skincad.inputs.catalog import template_names
 from skincad.solids.fasteners import LENGTHS
 from skincad.solids.mold import mold
 from skincad.solids.plan import END_PLATES, PINS, CutRole, PartRole, bores
+from tests.families import RIDGED
 from tests.templates import of_one_printer
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_each_hole_has_its_screw_and_each_pin_its_dowel(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)

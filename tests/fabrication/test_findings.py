@@ -10,7 +10,7 @@ from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import PROCESSES
-from tests.templates import KINDS
+from tests.templates import KINDS, SHIPPED
 
 LARGEST_IS_BEST = {
     *("tool reach", "slender", "tool depth", "overhang"),
@@ -32,7 +32,7 @@ def test_what_is_over_a_limit_by_less_than_a_micrometre_is_no_note(yamada: Desig
     assert finding.limit == pytest.approx(math.sqrt(2) * 0.004 + 0.003, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_templates_have_no_warning_by_their_own_processes(name: str) -> None:
     assert warnings(skincad.load(name)) == {}
 

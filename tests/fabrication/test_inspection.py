@@ -12,7 +12,7 @@ import skincad
 from skincad.fabrication.crests import undecided_margin
 from skincad.fabrication.inspection import Measure, inspection, inspection_lines
 from skincad.fabrication.job import Job
-from skincad.inputs.catalog import load, template_names
+from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.outputs.drawing.overview import PAGE, drawing
@@ -22,6 +22,7 @@ from skincad.shape.skin import section, skin_of
 from skincad.solids.mold import mold
 from skincad.solids.plan import CutRole, bores
 from skincad.solids.shrinkage import shrinkage
+from tests.families import RIDGED
 
 
 def rows(design: Design) -> dict[str, Measure]:
@@ -172,7 +173,7 @@ def test_the_list_is_a_form(yamada: Design) -> None:
     assert any("`=D2-FORECAST(A2,D$2:D$10,A$2:A$10)`" in line for line in text)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_the_drawing_is_an_svg_within_its_page(name: str) -> None:
     design = load(name)
     root = ET.fromstring(drawing(design, mold(design)))

@@ -12,16 +12,16 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.orders import SHEET_GOODS, orders
 from skincad.fabrication.part_drawing import what_matters
 from skincad.fabrication.parts_list import parts_list
-from skincad.inputs.catalog import template_names
 from skincad.outputs import makes
 from tests.conftest import Made
+from tests.templates import SHIPPED
 
 
 def texts(name: str) -> dict[str, str]:
     return {file: order([], None) for file, order in orders(Job(skincad.load(name))).items()}
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_each_part_is_ordered_once_from_its_maker_with_what_matters_on_it(name: str) -> None:
     job = Job(skincad.load(name))
     written, items = texts(name), {item.what: item for item in parts_list(job)}
@@ -40,7 +40,7 @@ def test_each_part_is_ordered_once_from_its_maker_with_what_matters_on_it(name: 
             assert items[what].tolerance in sheet
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 @pytest.mark.parametrize("solids", [True, False])
 def test_every_file_of_an_order_is_made(name: str, solids: bool) -> None:
     design = skincad.load(name)

@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,19 +31,20 @@ from skincad.fabrication.pouring import batch, filling
 from skincad.fabrication.printing import print_plates
 from skincad.fabrication.rules import slit_play
 from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.gate import THUMB
 from skincad.solids.mold import mold
 from skincad.solids.plan import CutRole, Part, PartRole, bores
 from tests.bent_skin import three_ridges
+from tests.templates import SHIPPED
 
 SEEDS = range(7000, 7060)  # used by no other test
 MOST_PRESS = 1.0  # mm, of a pin
 
 
-def designs() -> list[Design]:
-    return [*map(skincad.load, template_names()), three_ridges()]
+def designs() -> list[Any]:
+    shipped = (pytest.param(skincad.load(str(one.values[0])), marks=one.marks) for one in SHIPPED)
+    return [*shipped, pytest.param(three_ridges())]
 
 
 def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:

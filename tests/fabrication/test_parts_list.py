@@ -10,11 +10,10 @@ import pytest
 import skincad
 from skincad.fabrication.job import Job
 from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED, parts_csv
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole
-from tests.templates import of_one_printer
+from tests.templates import SHIPPED, of_one_printer
 
 
 def read(design: Design) -> list[dict[str, str]]:
@@ -25,7 +24,7 @@ def read(design: Design) -> list[dict[str, str]]:
     return rows
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_every_part_and_every_bought_piece_is_there(name: str) -> None:
     design = skincad.load(name)
     closed, rows = mold(design), read(design)

@@ -10,10 +10,10 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import filling, front_time, groove_time, pouring_findings, small_batch
 from skincad.fabrication.sheet import casting_sheet
 from skincad.fabrication.strips import pour
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
 from skincad.solids.gate import WIDTHS
+from tests.templates import SHIPPED
 
 
 def test_a_front_is_a_film_under_its_own_weight(yamada: Design) -> None:
@@ -77,7 +77,7 @@ def test_a_gate_is_wider_where_a_thumb_would_press_too_hard_and_the_skin_has_roo
     assert thin.gate < WIDTHS[wide]
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_every_templates_mold_is_full_within_its_pot_life(name: str) -> None:
     job = Job(skincad.load(name))
     how = filling(job)

@@ -13,12 +13,12 @@ import shapely
 import skincad
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import shim_patterns
-from skincad.inputs.catalog import template_names
 from skincad.outputs.drawing.flat import write_shims_dxf
 from skincad.shape.curves import area, polygon
 from skincad.solids.mold import mold
 from skincad.solids.plan import PartRole
 from tests.bent_skin import three_ridges
+from tests.templates import SHIPPED
 
 
 def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
@@ -30,7 +30,7 @@ def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
     assert flat == pytest.approx([part.volume for part in closed.of(PartRole.SHIM)], rel=1e-12)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_bars_are_the_shims_of_one_skin_in_whole_millimetres(name: str) -> None:
     design = skincad.load(name)
     closed = mold(design)

@@ -19,6 +19,7 @@ from skincad.mechanics.check import check, spread_of
 from skincad.scenes.scene import load_scene
 from tests.conftest import run_skincad
 from tests.small_scene import THIRD, small_scene
+from tests.templates import SHIPPED
 
 OWN = """
 [dragon-skin-30]
@@ -275,7 +276,7 @@ def test_a_batch_within_the_published_range_is_not(yamada: Design) -> None:
     assert foreign(yamada.with_(material={"name": None, "young_modulus": 5.0})) == ([], [])
 
 
-@pytest.mark.parametrize("name", skincad.template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
     design = skincad.load(name)
     assert not [f for f in design_findings(Job(design)) if f.rule == "silicone"]

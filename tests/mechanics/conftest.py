@@ -9,7 +9,7 @@ import pytest
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import mesh
 from skincad.mechanics.film import stress
-from skincad.mechanics.models import friction, linear
+from skincad.mechanics.models import linear
 from tests.shared_pads import triangles
 
 
@@ -25,6 +25,6 @@ def _one_blas_thread() -> Iterator[None]:
 def _same_triangles() -> Iterator[None]:
     """A pad that was meshed with these sizes is not meshed again: a quarter of the time here is netgen's."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (mesh, stress, friction, linear):
+        for module in (mesh, stress, linear):
             patch.setattr(module, "triangles", triangles)
         yield

@@ -11,9 +11,9 @@ import pytest
 import skincad
 from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, prerequisites
+from tests.families import RIDGED
 
 FEW = (1, 2, 3, 4)
 COARSE = 0.5  # relative: the coarsest mesh, as it is the path that is tested and not the number
@@ -80,7 +80,7 @@ def test_random_designs_with_few_ridges_crash_no_model(first: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_few_ridges_of_every_template_crash_no_model(name: str) -> None:
     for ridges in FEW:
         design = skincad.load(name, [f"ridge.count={ridges}"])

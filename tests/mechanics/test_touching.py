@@ -15,7 +15,7 @@ from netgen.meshing import NgException
 
 from skincad.base.errors import ExhaustedError, InputError, RefusedError
 from skincad.base.estimate import Estimate
-from skincad.inputs.catalog import load, template_names
+from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics import manufacture as manufacturing
@@ -28,6 +28,7 @@ from skincad.mechanics.models.linear import level
 from skincad.mechanics.models.table import MODELS, expected_seconds
 from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck, NextModel
+from tests.families import RIDGED
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 
 
@@ -244,7 +245,7 @@ def test_a_crushing_force_is_refused() -> None:
         linear_check(small(), force=1e6)
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 @pytest.mark.parametrize("model", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
 def test_every_template_is_checked(model: str, name: str) -> None:
     verdict = check(load(name), model=model, tol=0.05)

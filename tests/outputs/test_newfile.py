@@ -17,11 +17,13 @@ from skincad.circuit.model import Circuit, load_circuit
 from skincad.effects import EFFECTS, effect
 from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import FAMILY_TABLES
 from skincad.inputs.process import processes
 from skincad.inputs.silicone import silicones
-from skincad.outputs.tomls import schema_of, write_new
+from skincad.outputs.tomls import commented_toml, schema_of, write_new
 from skincad.scenes.scene import Scene, load_scene
 from tests.conftest import run_skincad
+from tests.families import OF_FAMILIES, RIDGED
 from tests.refusals import refused
 
 
@@ -31,7 +33,8 @@ def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, nam
     assert skincad.load(path) == skincad.load(name).with_(name="mine")
     text = path.read_text()
     assert text.startswith(f"#:schema ./{schema.name}\n")
-    for key in ("curvature_radius", "tip_fillet", "d33", "clearance", "tilt", "radius"):
+    ridged = ("tip_fillet", "d33") if name in RIDGED else ()
+    for key in ("curvature_radius", "clearance", "tilt", "radius", *ridged):
         line = next(i for i, row in enumerate(text.splitlines()) if row.lstrip("# ").startswith(f"{key} ="))
         assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
 
@@ -50,9 +53,29 @@ def test_a_new_file_says_what_its_template_says(kind: Kind, name: str, tmp_path:
     path, schema = write_new(tmp_path / "mine.toml", f"{kind}/{name}")
     assert tomllib.loads(path.read_text()) == {**tomllib.loads(template_text(name, kind)), "name": "mine"}
     assert path.read_text().startswith(f"#:schema ./{schema.name}\n")
-    assert schema.read_text() == schema_of(kind)
+    family = next(
+        (key for key in FAMILY_TABLES if kind == "designs" and key in tomllib.loads(path.read_text())), ""
+    )
+    assert schema.read_text() == schema_of(kind, family)
     loaders = {"designs": skincad.load, "scenes": load_scene, "circuits": load_circuit}
     assert loaders[kind](path).name == "mine"
+
+
+@pytest.mark.parametrize("name", OF_FAMILIES)
+def test_a_design_and_its_schema_show_the_keys_of_its_family(name: str) -> None:
+    design = OF_FAMILIES[name]()
+    family, others = design.features.family, {*FAMILY_TABLES} - {design.features.family}
+    schema = json.loads(schema_of("designs", family))
+    text = commented_toml("designs", design.to_toml(), name, "x.json")
+    tables = {
+        line.strip("# []").partition(".")[0] for line in text.splitlines() if re.match(r"^(# )?\[", line)
+    }
+    assert tables & {*others, "slot", "film"} == set()
+    assert {*schema["properties"]} & {*others, "slot", "film"} == set()
+    assert family in tables & {*schema["properties"]}
+    jsonschema.validate(tomllib.loads(text), schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({key: value for key, value in design if key != family}, schema)
 
 
 def explained(text: str) -> dict[str, str]:
@@ -84,6 +107,9 @@ def test_every_key_is_there_with_meaning_unit_and_range(kind: Kind, tmp_path: Pa
     path, _ = write_new(tmp_path / "mine.toml", f"{kind}/{template_names(kind)[0]}")
     meanings = explained(path.read_text())
     wanted = dict(keys({"designs": Design, "scenes": Scene, "circuits": Circuit}[kind]))
+    if kind == "designs":  # of ridges: those of other families are in their own files
+        others = {*FAMILY_TABLES} - {"ridge"}
+        wanted = {key: field for key, field in wanted.items() if key.partition(".")[0] not in others}
     if kind == "scenes":
         wanted |= {f"effects.{name}.{key}": field for name in EFFECTS for key, field in keys(effect(name))}
     assert set(meanings) == set(wanted)

@@ -13,7 +13,6 @@ from scipy.sparse import coo_matrix, identity
 from scipy.sparse.linalg import spsolve
 
 import skincad
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.skin import section
 from skincad.solids.cavity import split_ridges
@@ -33,6 +32,7 @@ from skincad.solids.layout import (
     thick_enough,
 )
 from skincad.solids.shrinkage import scaled_for_shrinkage
+from tests.families import RIDGED
 
 NU = 0.35  # the formula has none
 # N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
@@ -115,7 +115,7 @@ def placed(name: str, cavities: int) -> tuple[Design, Layout]:
 
 
 @pytest.mark.parametrize("cavities", [1, 6])
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_no_cover_bows_by_more_than_its_limit_and_the_formula_is_on_the_safe_side(
     name: str, cavities: int
 ) -> None:
@@ -182,7 +182,7 @@ def test_screws_stand_between_the_skins_and_clear_of_all_else() -> None:
 
 
 def test_pins_stand_aside_of_screws() -> None:
-    for name in template_names():
+    for name in RIDGED:
         design, place = placed(name, 1)
         for pin in cover_pins(place):
             for bolt in place.bolts:

@@ -12,7 +12,7 @@ import pytest
 from skincad.fabrication.coupon import coupon
 from skincad.fabrication.machine_rules import on_end, overhang
 from skincad.fabrication.meshes import laid, mesh
-from skincad.inputs.catalog import load_design, template_names
+from skincad.inputs.catalog import load_design
 from skincad.inputs.process import PROCESSES, Process, processes
 from skincad.shape import curves
 from skincad.solids.coupon import (
@@ -31,6 +31,7 @@ from skincad.solids.coupon import (
 )
 from skincad.solids.plan import Part, PartRole
 from skincad.solids.skin import cast_skin
+from tests.families import RIDGED
 
 PARTS = {part.name: part for part in coupon("sla").parts}
 
@@ -47,7 +48,7 @@ def test_the_ladder_is_what_was_asked_for() -> None:
 
 
 def test_notches_are_as_deep_as_a_combs() -> None:
-    designs = [load_design(name) for name in template_names()]
+    designs = [load_design(name) for name in RIDGED]
     deep = [
         d.slot.depth + 2 * d.mold.slit_clearance
         for d in designs

@@ -15,11 +15,11 @@ from skincad.base.errors import InputError
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.solids.ends import gate
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import CAVITIES, PartRole
+from tests.families import RIDGED
 
 FEW, MANY = 80, 1000
 RESCUED = 12  # of them are built
@@ -84,7 +84,7 @@ def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
 @pytest.mark.slow
 def test_where_plain_values_make_a_mold_the_computed_one_is_that_in_a_round_block() -> None:
     """Up to the next half millimetre of width and height, where neither wall nor floor is given."""
-    pairs = [(mold(d), mold(plain(d))) for d in map(skincad.load, template_names())]
+    pairs = [(mold(d), mold(plain(d))) for d in map(skincad.load, RIDGED)]
     pairs += [(one, other) for _, one, other in few() if isinstance(other, ClosedMold)]
     for computed, given in pairs:
         sides = [(extent(m.of(*CAVITIES)[0]), extent(m.first(PartRole.COVER))) for m in (computed, given)]

@@ -9,7 +9,6 @@ import pytest
 import skincad
 from skincad.base.errors import InputError
 from skincad.fabrication.meshes import manifold
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.shape.skin import section
@@ -17,6 +16,7 @@ from skincad.solids.layout import NUT_FLATS, fits, layout
 from skincad.solids.mold import mold
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage
+from tests.families import RIDGED
 from tests.templates import KINDS, of_one_printer
 
 HEIGHT = 2.4  # mm, ISO 4032, M3
@@ -84,7 +84,7 @@ def test_holes_of_an_end_plate_are_those_of_its_process(yamada: Design) -> None:
 
 
 def test_a_screwdriver_finds_a_notch_at_each_side_of_each_end_plate() -> None:
-    for name in template_names():
+    for name in RIDGED:
         closed = mold(skincad.load(name))
         cavity = closed.part("cavity").body if name != "steep-fingertip" else closed.part("cavity-base").body
         for part in closed.parts:
@@ -104,7 +104,7 @@ def test_a_screwdriver_finds_a_notch_at_each_side_of_each_end_plate() -> None:
 
 def test_pull_holes_are_blind_and_clear_of_all_that_silicone_fills() -> None:
     without = []
-    for name in template_names():
+    for name in RIDGED:
         design = skincad.load(name)
         closed = mold(design)
         carrier = closed.part("carrier")

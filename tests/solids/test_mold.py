@@ -8,7 +8,7 @@ from skincad.base.errors import InputError
 from skincad.fabrication.filling import perforated
 from skincad.fabrication.measures import interference
 from skincad.fabrication.meshes import manifold
-from skincad.inputs.catalog import load, template_names
+from skincad.inputs.catalog import load
 from skincad.inputs.design import Design
 from skincad.shape.curves import area, polygon, rectangle
 from skincad.shape.skin import section, skin_of
@@ -16,6 +16,7 @@ from skincad.solids.inserts import STUB
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, bores, box
+from tests.families import RIDGED
 from tests.templates import KINDS, of_one_printer
 
 
@@ -42,7 +43,7 @@ def test_an_undercut_is_judged_by_its_own_rule_not_as_interference() -> None:
 
 
 def test_every_hole_of_the_carrier_has_a_way_out_for_air() -> None:
-    for name in template_names():
+    for name in RIDGED:
         closed = mold(skincad.load(name))
         over = closed.part("cover").cuts
         for hole in closed.part("carrier").cuts:
@@ -55,7 +56,7 @@ def test_every_hole_of_the_carrier_has_a_way_out_for_air() -> None:
 
 
 def test_the_reservoir_covers_vent_and_gap_and_clears_the_bleeds() -> None:
-    for name in template_names():
+    for name in RIDGED:
         design = skincad.load(name)
         closed = mold(design)
         vent = closed.part("carrier").cuts[0]
@@ -73,7 +74,7 @@ def test_an_open_pour_needs_no_gate(yamada: Design) -> None:
 
 
 def test_gate_and_vent_open_on_the_skin() -> None:
-    for name in template_names():
+    for name in RIDGED:
         closed = mold(skincad.load(name))
         skin = manifold(closed.part("skin"), 1e-3)
         upper = next(p for p in closed.parts if p.name in ("end-a", "end-a-keeper"))
@@ -176,7 +177,7 @@ def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design) ->
     ]
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_a_wall_of_keeper_stays_under_each_gate(name: str) -> None:
     """To all of its edge, by points on it."""
     for keeper in mold(skincad.load(name)).of(PartRole.KEEPER):

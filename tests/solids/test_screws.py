@@ -10,7 +10,6 @@ import pytest
 import skincad
 from skincad.fabrication.job import Job
 from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
 from skincad.inputs.process import PROCESSES, processes
 from skincad.solids.fasteners import (
     DIAMETER,
@@ -21,15 +20,16 @@ from skincad.solids.fasteners import (
     standard_length,
     torque,
 )
-from skincad.solids.layout import cavity_process
+from skincad.solids.layout import block_process
 from skincad.solids.mold import mold
 from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import three_ridges
+from tests.families import RIDGED
 
 LISTED = {5, 6, 8, 10, 12, 16, 20, 25, 30}  # ISO 4762, M3; a longer one is cut from a rod
 
 
-@pytest.mark.parametrize("name", [*template_names(), "bent"])
+@pytest.mark.parametrize("name", [*RIDGED, "bent"])
 def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> None:
     """By the sheet's own words against the parts' bores: at least 1 mm free, and 2.5 more for the tap."""
     design = three_ridges() if name == "bent" else skincad.load(name)
@@ -47,7 +47,7 @@ def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> 
     hole = min(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
     washers = re.search(r"for the cover.*?, (\d+) washers", text)
     engaged = int(long) - clamped - (0.5 * int(washers[1]) if washers else 0.0)
-    process = cavity_process(design)
+    process = block_process(design)
     tap = 0.0 if closed.of(PartRole.BASE) or process.thread != "tapped" else 2.5  # a split base's are open
     assert hole - engaged >= 1.0 + tap - 1e-9
     assert engaged >= 1.25 * 3 - 1e-9

@@ -1,16 +1,16 @@
 import pytest
 
 import skincad
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.shape.curves import area
 from skincad.shape.skin import section
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
+from tests.families import RIDGED
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", RIDGED)
 def test_the_cavity_shrinks_to_the_part(name: str) -> None:
     """Volume by the cube; the slots' holes are the shims', which don't shrink, and grow with the length."""
     design = skincad.load(name)

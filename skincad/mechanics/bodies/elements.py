@@ -1,4 +1,5 @@
-"""Elements of a pad in the plane: stiffness, contact rows, and functions at points.
+"""Elements of a pad's section, in plane strain or turned about x = 0: stiffness, contact rows, and functions
+at points.
 
 Displacements of order k with bubbles of order k + 1 inside the triangles, discontinuous pressure of
 order k - 1; pressure and inner unknowns are condensed element by element, so the matrix is symmetric
@@ -28,7 +29,8 @@ class Sample:
     """Points of the contact boundary and how the contact unknowns move them.
 
     `rows` is `(points, contact unknowns)`: upward displacement; `position` is `(points, 2)`, `ridge` and
-    `weight` (arc length that a point stands for) are `(points,)`, `edge` numbers the point's edge.
+    `weight` (arc length that a point stands for, or what it sweeps in a turn) are `(points,)`, `edge` numbers
+    the point's edge.
     """
 
     rows: sparse.csr_matrix
@@ -42,11 +44,11 @@ class Sample:
 class ContactStiffness:
     """A condensed stiffness with its contact unknowns and the sampled contact boundary.
 
-    `matrix` is `(n, n)` over all unknowns, force per length along y; `interior` and `contact` number the free
-    unknowns, the contact ones (vertical, on the contact boundary) apart, those on a half's cut among them
-    (see `symmetric_system`); `lift` `(n,)` is the vertical rigid translation by 1. `nodes` are Gauss-Lobatto
-    points, `fine` a dense even sampling; `mesh` and `space` (displacements times pressures) are what was
-    assembled.
+    `matrix` is `(n, n)` over all unknowns, force per length along y, or of the whole turn; `interior` and
+    `contact` number the free unknowns, the contact ones (vertical, on the contact boundary) apart, those on a
+    half's cut among them (see `symmetric_system`); `lift` `(n,)` is the vertical rigid translation by 1.
+    `nodes` are Gauss-Lobatto points, `fine` a dense even sampling; `mesh` and `space` (displacements times
+    pressures) are what was assembled.
     """
 
     matrix: sparse.csr_matrix
@@ -76,17 +78,23 @@ def contact_unknowns(mesh: Any, order: int) -> int:
     return order * len([e for e in mesh.Elements(ng.BND) if e.mat.startswith("contact")])
 
 
-def assemble(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> ContactStiffness:
-    """Return the condensed small-strain stiffness in plane strain, see `small_strain`."""
-    form, both = small_strain(mesh, order, materials)
-    return with_contact(fe.as_csr(form.mat), mesh, both, order)
+def assemble(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], revolved: bool = False
+) -> ContactStiffness:
+    """Return the condensed small-strain stiffness, see `small_strain`."""
+    form, both = small_strain(mesh, order, materials, revolved=revolved)
+    return with_contact(fe.as_csr(form.mat), mesh, both, order, revolved)
 
 
 def small_strain(
-    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], condense: bool = True
+    mesh: Any,
+    order: int,
+    materials: Mapping[str, tuple[float, float]],
+    condense: bool = True,
+    revolved: bool = False,
 ) -> tuple[Any, Any]:
-    """Return NGSolve's assembled form of small strain in plane strain, and its space; to `condense` is to
-    eliminate what is inside the elements.
+    """Return NGSolve's assembled form of small strain and its space, in plane strain or of a section that is
+    `revolved` about x = 0; to `condense` is to eliminate what is inside the elements.
 
     `materials` maps a domain to (Young's modulus, Poisson's ratio), the ratio from 0 to below 0.5. The
     split is 2 G dev(e):dev(e) plus a pressure q with q = K div u, which holds at nu = 0 as well (the
@@ -97,16 +105,23 @@ def small_strain(
     (u, q), (v, r) = both.TnT()
     shear, bulk = fe.moduli(mesh, materials)
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    swell, swelling, inner = ng.div(u), ng.div(v), ng.InnerProduct(strain, test)
+    if revolved:
+        hoop, hoops = u[0] / ng.x, v[0] / ng.x
+        swell, swelling, inner = swell + hoop, swelling + hoops, inner + hoop * hoops
     form = ng.BilinearForm(both, symmetric=True, condense=condense)
     # apart, for NGSolve takes half the time; of one order of integration, by the bubbles, on curved triangles
     dx = ng.dx(bonus_intorder=2)
-    form += 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3) * dx
-    form += (q * ng.div(v) + r * ng.div(u) - q * r / bulk) * dx
+    shape, volume = 2 * shear * (inner - swell * swelling / 3), q * swelling + r * swell - q * r / bulk
+    for part in (fe.turn() * shape, fe.turn() * volume) if revolved else (shape, volume):
+        form += part * dx
     form.Assemble()
     return form, both
 
 
-def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) -> ContactStiffness:
+def with_contact(
+    matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int, revolved: bool = False
+) -> ContactStiffness:
     """Return a condensed stiffness with its unknowns sorted and its contact boundary sampled.
 
     `both` is the product of the displacements' space and the pressures'.
@@ -123,7 +138,7 @@ def with_contact(matrix: sparse.csr_matrix, mesh: Any, both: Any, order: int) ->
         interior=np.flatnonzero(inside),
         contact=contact,
         lift=_lift(mesh, space, both.ndof),
-        nodes=_merged(_sample(mesh, edges, contact, *lobatto(order))),
+        nodes=_swept(_merged(_sample(mesh, edges, contact, *lobatto(order))), revolved),
         fine=_sample(mesh, edges, contact, spacing, np.full(FINE + 1, 1 / FINE)),
         mesh=mesh,
         space=both,
@@ -210,6 +225,14 @@ def _merged(sample: Sample) -> Sample:
     weight = np.zeros(first.size)
     np.add.at(weight, group.ravel(), sample.weight)
     return Sample(sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first])
+
+
+def _swept(sample: Sample, revolved: bool) -> Sample:
+    """Return the points of a section that is `revolved`, with the areas of their turns for arc lengths: on
+    the axis 0, where Lobatto's rule has none of the force."""
+    if not revolved:
+        return sample
+    return replace(sample, weight=2 * np.pi * np.abs(sample.position[:, 0]) * sample.weight)
 
 
 def _lift(mesh: Any, space: Any, size: int) -> Array:

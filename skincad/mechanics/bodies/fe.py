@@ -5,6 +5,7 @@ Lengths are in the pad's unit, stresses in E.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,6 +26,22 @@ def moduli(mesh: Any, materials: Mapping[str, tuple[float, float]]) -> tuple[Any
     by_domain = {name: shear_and_bulk(*constants) for name, constants in materials.items()}
     shear, bulk = ({name: both[i] for name, both in by_domain.items()} for i in (0, 1))
     return mesh.MaterialCF(shear), mesh.MaterialCF(bulk)
+
+
+def turn() -> Any:
+    """Return the length of the turn about x = 0, what an area of a revolved section counts for."""
+    return 2 * math.pi * ng.x
+
+
+def in_space(gradient: Any, u: Any) -> Any:
+    """Return the gradient 3 x 3 of a section that turns about x = 0, x, z and round: with the hoop strain
+    u_x / x, by the section's own `gradient` 2 x 2 and the displacement `u`.
+
+    Where x = 0, u_x must be held; no point of integration lies there. Timoshenko and Goodier, Theory of
+    Elasticity, 3rd ed., sec. 120.
+    """
+    rows = gradient[0, 0], gradient[0, 1], 0.0, gradient[1, 0], gradient[1, 1], 0.0, 0.0, 0.0, u[0] / ng.x
+    return ng.CF(rows, dims=(3, 3))
 
 
 def assembled(form: Any, trial_function: Any, test: Any = None) -> sparse.csr_matrix:

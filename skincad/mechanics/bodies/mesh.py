@@ -28,6 +28,10 @@ SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
 SHORTEST = 1e-5  # in units; shorter segments (nanometres) are closed up: netgen fails on them below 1e-6
 GRADING_SHARES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)  # of the asked grading, until netgen finds a mesh
+# Corner edges from a corner to a point with edges RAMP_EDGE times as long: without it netgen loses a corner's
+# size where its neighbours' are about 100 times that. Ridges' meshes stay as they were
+RAMP, RAMP_EDGE = 30, 8
+FOCUS_EDGES = 9  # of contact segments from x = 0 to the focus's end
 SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
 
 
@@ -37,7 +41,8 @@ class Sizes:
 
     Long sides of slots and strips may have edges of `slot` mm, their corners of `tip` mm if it is not 0;
     `grading` is the growth of neighbouring triangles, netgen's default 0.3. Where the back of a half ends on
-    its cut, no corner of the pad, edges are of `corner` too unless `smooth`.
+    its cut, no corner of the pad, edges are of `corner` too unless `smooth`. Contact segments have edges of
+    `fine` mm within `focus` mm of x = 0. Back and sides are cut `ramp` mm from their corners.
     """
 
     contact: float
@@ -48,11 +53,16 @@ class Sizes:
     grading: float = 0.3
     tip: float = 0.0
     smooth: bool = False
+    focus: float = 0.0
+    fine: float = 0.0
+    ramp: float = 0.0
 
 
 def unit_of(pad: Pad) -> float:
-    """Return the pad's own unit of length, mm: the mean length of a ridge's contact segments."""
-    total = math.fsum(s.length for s in pad.section.outline if s.touches)
+    """Return the pad's own unit of length, mm: the mean length of a ridge's contact segments; of a section
+    that turns, which a ring crosses twice, those at x >= 0."""
+    inside = (s for s in pad.section.outline if not pad.revolved or s.start.x + s.end.x >= 0)
+    total = math.fsum(s.length for s in inside if s.touches)
     return total / len(pad.ridges)
 
 
@@ -62,14 +72,20 @@ def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
     The clamped back's corners are singular: unless they are graded to about 1/2000 of the height, the
     difference between two orders says nothing of the error (docs/evidence/facts.md#mesh-and-method).
     """
-    unit = unit_of(pad)
+    unit, ridged = (
+        unit_of(pad),
+        not pad.revolved and all(s.kind != "base" for s in pad.section.outline if s.touches),
+    )
     flank = max((s.length for s in pad.section.outline if s.kind == "flank"), default=unit)
     height = max(p.start.z for p in pad.section.outline) - min(p.start.z for p in pad.section.outline)
     return Sizes(
-        contact=0.1 * unit / fineness,
+        contact=(0.1 * unit if ridged else min(0.1 * unit, height / 9)) / fineness,
         ridge=max(0.2 * unit, flank / 8) / fineness,
         bulk=height / 9 / fineness,
         corner=height / 2250 / fineness,
+        focus=pad.focus,
+        fine=min(pad.focus / FOCUS_EDGES, height / 9) / fineness,
+        ramp=0.0 if ridged else RAMP * height / 2250,
     )
 
 
@@ -109,7 +125,7 @@ def _geometry(pad: Pad, sizes: Sizes) -> Any:
 
 def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit: float) -> None:
     """Add a closed loop with the (left, right) domains."""
-    segments = list(_pieces(loop, SHORTEST * unit))
+    segments = list(_pieces(loop, SHORTEST * unit, sizes))
     if len(segments) < 2:
         raise InputError("section", "a loop has no area", remedy="leave it out")
     corners = [_corner(a, b, sizes) for a, b in pairwise([segments[-1], *segments])]
@@ -128,26 +144,40 @@ def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit
         geometry.Append(curve, leftdomain=left, rightdomain=right, maxh=size, bc=_name(s, domains))
 
 
-def _pieces(loop: Loop, shortest: float) -> Iterator[Segment]:
+def _pieces(loop: Loop, shortest: float, sizes: Sizes) -> Iterator[Segment]:
     """Yield the loop's segments, none shorter than `shortest`, cut as `_cuts` says."""
     long_enough = [s for s in loop if s.length > shortest]
     for i, s in enumerate(long_enough):
         end = long_enough[(i + 1) % len(long_enough)].start
-        cuts = _cuts(s)
+        cuts = _cuts(s, sizes)
         points = [s.start, *(s.point(f) for f in cuts[1:-1]), end]
         for a, b, share in zip(points, points[1:], np.diff(cuts), strict=False):
             yield replace(s, start=a, end=b, bulge=math.tan(s.sweep * share / 4) if s.bulge else 0.0)
 
 
-def _cuts(segment: Segment) -> list[float]:
-    """Fractions from 0 to 1 at which to cut: no arc wider than WIDEST_ARC, a contact arc at its summit.
+def _cuts(segment: Segment, sizes: Sizes) -> list[float]:
+    """Fractions from 0 to 1 at which to cut: no arc wider than WIDEST_ARC, a contact arc at its summit, and
+    where `Sizes` has a `focus` or a `ramp`.
 
     With a vertex on every summit the first touch is exact, however light the load and flat the skin.
     """
     highest = segment.summit if segment.touches else None
-    ends = [0.0, 1.0]
+    ends, focus = [0.0, 1.0], sizes.focus
+    if segment.kind in ("back", "side"):
+        near = sizes.ramp / segment.length
+        corners = segment.kind == "back" and segment.start.x < 0, segment.kind == "back"
+        if segment.kind == "side":
+            corners = segment.start.z < segment.end.z, segment.start.z > segment.end.z
+        ends += [f for f, at in zip((near, 1 - near), corners, strict=True) if at and 0 < near < 1 / 2]
+        return sorted(ends)
     if highest is not None and SUMMIT_MARGIN < highest < 1 - SUMMIT_MARGIN:
         ends.insert(1, highest)
+    if focus and segment.touches and segment.bulge:
+        apex = highest if highest is not None else float(segment.end.z > segment.start.z)
+        reach = math.asin(min(1.0, focus / segment.radius)) / segment.sweep
+        if abs(segment.point(apex).x) < focus / FOCUS_EDGES:
+            ends += [f for f in (apex - reach, apex + reach) if 0 < f < 1]
+            ends.sort()
     cuts = [0.0]
     for a, b in pairwise(ends):
         count = max(1, math.ceil(abs(segment.sweep) * (b - a) / WIDEST_ARC))
@@ -168,6 +198,8 @@ def _corner(before: Segment, after: Segment, sizes: Sizes) -> float:
     """Largest edge at a singular corner, mm; 0 for the sizes of its segments."""
     if (before.kind == "back") != (after.kind == "back"):
         return 0.0 if sizes.smooth and "cut" in (before.kind, after.kind) else sizes.corner
+    if sizes.ramp and before.kind == after.kind and after.kind in ("back", "side"):
+        return RAMP_EDGE / RAMP * sizes.ramp
     return sizes.tip if after.kind == "slot" else 0.0
 
 
@@ -179,7 +211,8 @@ def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
     if segment.kind == "slot":
         return max(2 * shortest, segment.length / 8, sizes.slot)
     if segment.touches:
-        return min(sizes.contact, segment.length / 2)
+        inside = max(abs(segment.start.x), abs(segment.end.x)) <= sizes.focus * (1 + SAME)
+        return min(sizes.fine if inside else sizes.contact, segment.length / 2)
     if segment.kind in ("flank", "root_fillet"):
         return sizes.ridge
     return sizes.bulk
@@ -274,7 +307,8 @@ def _right_part(segment: Segment) -> Segment:
 
 @dataclass(frozen=True)
 class PadMesh:
-    """The piece of a pad that is meshed: half of it where `mirrored`; `height` is the pad's, mm.
+    """The piece of a pad that is meshed: half of it where `mirrored`, as always where the section turns about
+    x = 0; `height` is the pad's, mm.
 
     `unit` is the piece's, mm: another one than the pad's where a middle ridge is cut, which no number in mm
     or N depends on.
@@ -290,12 +324,12 @@ class PadMesh:
     @property
     def sides(self) -> int:
         """How many times the piece makes up the pad."""
-        return 2 if self.mirrored else 1
+        return 2 if self.mirrored and not self.whole.revolved else 1
 
     def on_whole(self, shares: Array) -> Array:
         """Return each ridge's force `(ridges,)` from those of the piece's ridges, in N on the whole pad; of a
         mirrored half, the sides share what its ridges carry."""
-        return on_whole(self.whole, self.piece, shares) if self.mirrored else shares
+        return on_whole(self.whole, self.piece, shares) if self.sides > 1 else shares
 
 
 def on_whole(pad: Pad, half: Pad, shares: Array) -> Array:
@@ -314,8 +348,11 @@ def height_of(pad: Pad) -> float:
 
 
 def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadMesh:
-    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric."""
-    half = None if whole else half_of(pad)
+    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric. Raises
+    InputError for a section that can't turn about x = 0 and should."""
+    half = None if whole and not pad.revolved else half_of(pad)
+    if half is None and pad.revolved:
+        raise InputError("section", "must be its own mirror image at x = 0, about which it turns")
     piece = pad if half is None else half
     return PadMesh(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
 

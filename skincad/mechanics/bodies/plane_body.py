@@ -1,12 +1,12 @@
-"""A plane body at finite strain: neo-Hookean or by any law of rubber, and contact that its model misses.
+"""A section's body at finite strain: neo-Hookean or by any law of rubber, and contact that its model misses.
 
 Where the contact model ends: only crowns and tip fillets meet the plate in the models. A flank that reaches
 it, two ridges that meet and a slot that closes would pass through each other undetected; a state that shows
 one is refused.
 
-The body in plane strain: energy, residual and condensed tangent, at any state. A body has neo-Hooke's energy
-with the volume's part. Another law adds its excess over neo-Hooke's, so that a body without a law is
-neo-Hooke's to the last digit, and small strain is the same whatever the law.
+The body in plane strain or turned about x = 0: energy, residual and condensed tangent, at any state. It has
+neo-Hooke's energy with the volume's part. Another law adds its excess over neo-Hooke's, so that a body
+without a law is neo-Hooke's to the last digit, and small strain is the same whatever the law.
 
 Same spaces, unknowns and contact rows as the small-strain stiffness (elements.py), whose law it tends to.
 A state is the vector of all unknowns, displacements and pressures, `(n,)`, in the pad's unit and in E.
@@ -76,6 +76,7 @@ def _area(loop: Array) -> float:
     return float(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2
 
 
+PLANE = 2  # dimensions
 PLAIN = ((1.0, 2.0),)  # neo-Hooke's powers
 # Of (d / s)^2 below, up to which a power of both stretches is summed as a series. With TERMS the series is
 # exact to 2e-14 for powers from -14 to 14; above, the root's second derivative loses 3 digits at most
@@ -97,12 +98,16 @@ NO_LAWS: Mapping[str, Rubber] = MappingProxyType({})
 
 def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     """Return the energy density beyond neo-Hooke's, in units of the law's own shear modulus, in terms of the
-    displacement gradient `h[i, j]` of two dimensions. Infinite or nan where the law ends."""
+    displacement gradient `h[i, j]` of two dimensions, or of three with `h[2, 2]` alone in the third. Infinite
+    or nan where the law ends."""
+    hoop = None if h.shape[0] == PLANE else h[2, 2]
     trace, minor = h[0, 0] + h[1, 1], h[0, 0] * h[1, 1] - h[0, 1] * h[1, 0]
     squares = h[0, 0] * h[0, 0] + h[1, 1] * h[1, 1] + h[0, 1] * h[0, 1] + h[1, 0] * h[1, 0]
     volume = 1 + trace + minor
     logarithm = of.log(volume)
     plain = squares / 2 + trace - logarithm
+    if hoop is not None:
+        plain = plain + hoop * hoop / 2 + hoop - of.log(1 + hoop)
     if law.powers == PLAIN:
         return law.energy(plain, of) - plain
     middle = 1 + trace + squares / 2  # of the two stretches' squares
@@ -113,8 +118,11 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     )  # (d / s)^2, squares are s + d and s - d
     measure = 0
     for share, power in law.powers:
-        both = _power_sum(middle, difference, volume, power / 2, of)
-        measure = measure + share * (2 / power**2 * both - 2 / power * logarithm)
+        both, product = _power_sum(middle, difference, volume, power / 2, of), logarithm
+        if hoop is not None:
+            third = of.log(1 + hoop)
+            both, product = both + of.exp(power * third) - 1, logarithm + third
+        measure = measure + share * (2 / power**2 * both - 2 / power * product)
     return law.energy(measure, of) - plain
 
 
@@ -132,8 +140,7 @@ def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Funct
     return of.positive(difference - NEAR, far, near) - 2
 
 
-PLANE = 2  # dimensions
-CLAMPED_EDGE = 0.005  # of the height, see `body`
+CLAMPED_EDGE, FACE_EDGE = 0.005, 0.05  # of the height, of features and of a bare face: see `body`
 NONE = np.empty(0, dtype=np.int64)
 SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
 
@@ -145,7 +152,7 @@ class NeoHookeBody:
     `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
     them as they are eliminated, contact unknowns last, in all steps. Of a half these are for symmetric
     movements; `antisymmetric` lists the unknowns of antisymmetric ones, the last `antisymmetric_contact`
-    being contact ones; a whole pad has none. Newton takes it as an `Elastic`.
+    being contact ones; a whole pad has none, nor has a section that turns. Newton takes it as an `Elastic`.
     """
 
     mesh: Any
@@ -165,7 +172,8 @@ class NeoHookeBody:
         return np.array(vector.FV().NumPy())
 
     def energy(self, state: Array) -> float:
-        """Return the energy per length along y; infinite where a point of the elements is inside out."""
+        """Return the energy per length along y, or of the whole turn; infinite where a point of the elements
+        is inside out."""
         value = float(self.form.Energy(_vector(self, state)))
         return value if np.isfinite(value) else np.inf
 
@@ -190,14 +198,14 @@ class NeoHookeBody:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""
         loops = outlines(self.rest, state)
         return undetected_contact(
-            loops, lambda x: np.full_like(x, plate), mirrored=self.antisymmetric.size > 0
+            loops, lambda x: np.full_like(x, plate), mirrored="cut" in self.mesh.GetBoundaries()
         )
 
 
 def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:
     """Return the energy density, in terms of the displacement gradient `h[i, j]` and the pressure q.
 
-    In n = 2 (plane strain) or 3 dimensions
+    In n = 2 (plane strain) or 3 dimensions (a section turned about x = 0 has its hoop strain as h[2, 2])
     G/2 (F:F - n - 2 ln J) + q (J - 1) - q^2 / (2 K) - G/3 (J - 1)^2, so that with q eliminated the
     volume's part is (K - 2 G/3)/2 (J - 1)^2: neo-Hookean with Lame's constants. Split at the bulk modulus
     K and not at lambda, as in elements.py, it holds at nu = 0 too. Bonet and Wood, Nonlinear Continuum
@@ -227,6 +235,8 @@ def dilatation(h: Any) -> Any:
 def _small_strain_energy(h: Any, q: Any, shear: float, bulk: float) -> Any:
     """Return the energy density of the small-strain law, as `strain_energy` does of the other."""
     strain, swell = ng.Sym(h), h[0, 0] + h[1, 1]
+    if h.shape[0] != PLANE:
+        swell = swell + h[2, 2]
     return shear * (ng.InnerProduct(strain, strain) - swell * swell / 3) + q * swell - q * q / (2 * bulk)
 
 
@@ -249,19 +259,25 @@ def body(
     order: int,
     materials: Mapping[str, tuple[float, float]],
     laws: Mapping[str, Rubber] = NO_LAWS,
+    revolved: bool = False,
+    face: bool = False,
 ) -> NeoHookeBody:
-    """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+    """Return the body of a mesh, in plane strain or `revolved` about x = 0; `materials` maps a domain to
+    (Young's modulus, Poisson's ratio).
 
     A domain that `laws` names has that law, scaled to its modulus; all others have neo-Hooke's.
 
     At the ends of the clamped back strains are unbounded in any mesh fine enough, and no load step is small
     enough for elements that turn inside out there. Triangles within CLAMPED_EDGE of the height from such
-    an end keep the small-strain law instead; finite_strain.py has what that changes.
+    an end keep the small-strain law instead; finite_strain.py has what that changes. A bare `face` is pressed
+    as far as its back is wide, so strain is large there too: FACE_EDGE.
     """
     space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = space * ng.L2(mesh, order=order - 1)
     u, q = both.TrialFunction()
-    gradient, edges = ng.Grad(u), _clamped_edges(mesh, CLAMPED_EDGE)
+    gradient, edges = ng.Grad(u), _clamped_edges(mesh, FACE_EDGE if face else CLAMPED_EDGE)
+    if revolved:
+        gradient = fe.in_space(gradient, u)
     # A factor with a derivative, 0: times an energy that is not a number it leaves no number in the residual
     # either, which a logarithm's own derivative, 1 / J, would
     one = ng.Parameter(1.0)
@@ -272,17 +288,21 @@ def body(
         if domain in laws:
             density += shear * excess(laws[domain], gradient)
         small = _small_strain_energy(gradient, q, shear, bulk)
+        if revolved:
+            density, small = fe.turn() * density, fe.turn() * small
         for energy, where in ((density, ~edges), (small, edges)):  # ng.Variation would not keep to elements
             inside = {"definedon": mesh.Materials(domain), "definedonelements": where}
             form += ng.SymbolicEnergy((one * energy).Compile(), **inside)
     form.AssembleLinearization(ng.GridFunction(both).vec)
-    system = with_contact(fe.as_csr(form.mat), mesh, both, order)
+    system = with_contact(fe.as_csr(form.mat), mesh, both, order, revolved)
     rest = elements.symmetric_system(system)
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
     free[np.setdiff1d(system.interior, rest.interior)] = False
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
     antisymmetric, contact = (
-        elements.antisymmetric_unknowns(system) if rest.interior.size < system.interior.size else (NONE, NONE)
+        elements.antisymmetric_unknowns(system)
+        if rest.interior.size < system.interior.size and not revolved
+        else (NONE, NONE)
     )
     elimination_antisymmetric = (
         np.concatenate([fill_order(rest.matrix, antisymmetric), contact]) if antisymmetric.size else NONE

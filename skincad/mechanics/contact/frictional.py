@@ -37,6 +37,7 @@ from skincad.mechanics.contact.state import (
 from skincad.mechanics.problem import ContactError
 
 State = TypeVar("State")
+Contact = TypeVar("Contact", bound=ContactState)
 # From a state, and the drive that led to it, to another drive; what share of the whole step that is
 Advance = Callable[[State, Drive, Drive, float], State]
 
@@ -84,7 +85,7 @@ def halved(
     return in_halves(advance, before, start, end, joined, deepest)
 
 
-def joined(first: ContactState, second: ContactState) -> ContactState:
+def joined(first: Contact, second: Contact) -> Contact:
     """Return the state at the end of two steps as that of one."""
     slipped, residual = first.slipped + second.slipped, max(first.residual, second.residual)
     return replace(second, slipped=slipped, residual=residual)

@@ -117,12 +117,19 @@ class StickingPad:
 
 
 def sticking_pad_of(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
-    """Return the pad of an assembled mesh; `unit` is the pad's, mm."""
+    """Return the pad of an assembled mesh, of a section that turns its half; `unit` is the pad's, mm."""
     space = system.space.components[0]
     along_x = system.contact - space.Range(1).start + space.Range(0).start
     contact, k = np.concatenate([along_x, system.contact]), along_x.size
-    by_unknown = condense(system.matrix, np.setdiff1d(system.interior, along_x), contact).flexibility
-    return _seen(seen_by_plate(pad, system, by_unknown[k:, k:], unit), system, by_unknown)
+    free = np.append(np.isin(along_x, system.interior), np.ones(k, dtype=bool))  # but what the axis holds
+    inside = np.setdiff1d(system.interior, along_x)
+    by_unknown = condense(system.matrix, inside, contact[free]).flexibility
+    if not free.all():  # alone on its own, where no force moves it: any number but 0
+        whole = np.diag(np.where(free, 0.0, by_unknown.diagonal().max()))
+        whole[np.ix_(free, free)] = by_unknown
+        by_unknown = whole
+    seen = _seen(seen_by_plate(pad, system, by_unknown[k:, k:], unit), system, by_unknown)
+    return replace(seen, whole=not pad.revolved)
 
 
 def sticking_solid_of(pad: Pad, small: Solid, unit: float, *, whole: bool) -> StickingPad:
@@ -264,10 +271,12 @@ class _PlanePoints:
         compliance = pad.compliance[np.ix_(self.numbers, self.numbers)]
         self.skin = Compliance(compliance, gap, np.zeros(self.numbers.size))
         self.cone, self.start = FrictionCoefficients(coefficient, coefficient), at_rest(points.size)
+        self.sideways = (0.0, None) if pad.whole else (None, 0.0)  # without a pull, or without a travel
 
     def step(self, before: Any, start: float, end: float) -> ContactState:
         """The state at a force from the one before."""
-        return halved(lambda _: self.skin, before, Drive(start, 0.0), Drive(end, 0.0), self.cone)
+        first, last = (Drive(force, *self.sideways) for force in (start, end))
+        return halved(lambda _: self.skin, before, first, last, self.cone)
 
     @staticmethod
     def force(state: ContactState) -> Array:

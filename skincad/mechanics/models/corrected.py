@@ -39,7 +39,16 @@ from skincad.mechanics.models.solid import (
     solve_level,
     timed,
 )
-from skincad.mechanics.problem import NEGLIGIBLE, Answer, ContactError, Pad, Request, solid_pad_of
+from skincad.mechanics.problem import (
+    NEGLIGIBLE,
+    Answer,
+    ContactError,
+    Pad,
+    Request,
+    focused,
+    solid_pad_of,
+    wider_by,
+)
 from skincad.shape.families import without_fillets
 from skincad.shape.skin import skin_of
 
@@ -86,7 +95,8 @@ def answer(
     if progress:
         progress("corrected model: coarse solid with free ends")
     spent: dict[str, float] = {}
-    ends = free_ends(plain_pad(design), request.force, spent, crest_offsets=request.crest_offsets)
+    pad = focused(plain_pad(design), request.force)
+    ends = free_ends(pad, request.force, spent, crest_offsets=request.crest_offsets)
     result = apply_change(fine, ends.plane, ends.solid, request.force, ERRORS)
     warnings = list(fine.warnings)
     if request.budget is not None and perf_counter() - started > request.budget:
@@ -189,6 +199,7 @@ def apply_change(
         seconds={},
         fault=fine.fault,
         ridge_model=fine.ridge_model,
+        contact_width=fine.contact_width and wider_by(fine.contact_width, approach),
     )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece, triangles, unit_of
+from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece
 from skincad.mechanics.contact.frictionless import all_touch_force, press
 from skincad.mechanics.contact.press_path import (
     PressResult,
@@ -30,6 +30,7 @@ from skincad.mechanics.contact.press_path import (
 )
 from skincad.mechanics.left_out import FRICTION, LeftOut
 from skincad.mechanics.models.corrected import Errors, apply_change, errors_of, relative_changes
+from skincad.mechanics.models.linear import scale_of
 from skincad.mechanics.models.solid import Layers, coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Answer, Pad, SizeError
 
@@ -95,10 +96,10 @@ def solve(
 ) -> TwoPresses:
     """Return the coarse answers at `force` N; raises ContactError where the press with friction fails."""
     with one_blas_thread():
-        unit = unit_of(pad)
-        scale = pad.young_modulus * unit * pad.length
-        mesh = triangles(pad, default_sizes(pad, fineness))
-        system = elements.assemble(elements.curved(mesh, order), order, pad.materials)
+        meshed = meshed_piece(pad, default_sizes(pad, fineness), whole=True)
+        unit, scale = meshed.unit, scale_of(meshed)
+        curved = elements.curved(meshed.mesh, order)
+        system = elements.symmetric_system(elements.assemble(curved, order, pad.materials, pad.revolved))
         points = system.nodes.weight.size
         if points > MOST_POINTS:
             words = f"is computed with friction for at most {MOST_POINTS} contact points"

@@ -48,6 +48,7 @@ from skincad.mechanics.problem import (
     SelfContact,
     SizeError,
     check_pad,
+    focused,
     no_yield,
     one_ridge,
     pad_of,
@@ -66,7 +67,7 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
         return ()
     outer = max(loops, key=lambda loop: abs(_area(loop)))
     piece = tuple(loop if (_area(loop) > 0) == (loop is outer) else _reversed(loop) for loop in loops)
-    return (piece,) if solution.half is None else (piece, tuple(map(_image, piece)))
+    return (piece, tuple(map(_image, piece))) if solution.mirrored else (piece,)
 
 
 def _loop(outline: Outline, unit: float, x: Array, pressure: Array) -> DeformedLoop:
@@ -125,8 +126,8 @@ class PlaneSolution:
     state.
 
     `ridge_force` is `(ridges,)`. Of the meshed piece are: `x`, `pressure` `(m,)`, its contact points
-    in mm and MPa, `unknowns`, `ridges`, and of a mirrored half `half`, its stiffness for loads of either
-    parity.
+    in mm and MPa, `unknowns`, `ridges`, whether it is a `mirrored` half, and of one in plane strain `half`,
+    its stiffness for loads of either parity.
     """
 
     all_touch_force: float | None
@@ -143,6 +144,7 @@ class PlaneSolution:
     scale: float  # N on the whole pad for a force of 1 on the piece, in its units
     fault: str = ""  # undetected contact of the skin with itself or the plate
     half: elements.ContactStiffness | None = None
+    mirrored: bool = False
     outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
     # the fault at another force, N
     pressed: Callable[[float], str] | None = field(default=None, compare=False, repr=False)
@@ -160,7 +162,8 @@ def level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float,
 
 def scale_of(meshed: PadMesh) -> float:
     """Return the force on the whole pad, N, for a force of 1 on the piece, in its units."""
-    return meshed.whole.young_modulus * meshed.unit * meshed.whole.length * meshed.sides
+    along = meshed.unit if meshed.whole.revolved else meshed.whole.length
+    return meshed.whole.young_modulus * meshed.unit * along * meshed.sides
 
 
 def contact_unknowns(meshed: PadMesh, order: int) -> int:
@@ -175,7 +178,7 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     contact = contact_unknowns(meshed, order)
     if contact > MOST_CONTACT_UNKNOWNS:
         raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
-    assembled = elements.assemble(curved, order, pad.materials)
+    assembled = elements.assemble(curved, order, pad.materials, pad.revolved)
     system = elements.symmetric_system(assembled)
     clock.append(perf_counter())
     small = condense_by_slabs(system)
@@ -196,13 +199,14 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     residual = max(state.residual, _balance(system, moved, force / scale))
     clock.append(perf_counter())
     shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    x, pressure = pressures(meshed, system.nodes, state.force)
     return PlaneSolution(
         all_touch_force=None if threshold is None else threshold * scale,
         approach=state.approach * unit,
         ridge_force=meshed.on_whole(shares),
         touching=int(np.count_nonzero(meshed.on_whole(shares) > 0)),
-        x=system.nodes.position[:, 0] * unit,
-        pressure=state.force / system.nodes.weight * pad.young_modulus,
+        x=x,
+        pressure=pressure,
         unknowns=system.unknowns,
         residual=residual,
         seconds=dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
@@ -210,10 +214,18 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
         unit=unit,
         scale=scale,
         fault=wrong or "",
-        half=assembled if meshed.mirrored else None,
+        half=assembled if meshed.sides > 1 else None,
+        mirrored=meshed.mirrored,
         outlines=tuple(outlines),
         pressed=lambda force: pressed(force)[-1] or "",
     )
+
+
+def pressures(meshed: PadMesh, nodes: elements.Sample, force: Array) -> tuple[Array, Array]:
+    """Return x, mm, and the pressure, MPa, of contact points under forces `(m,)` in units: one on the axis of
+    a turned section stands for no area, and is left out."""
+    off = nodes.weight > 0
+    return nodes.position[off, 0] * meshed.unit, force[off] / nodes.weight[off] * meshed.whole.young_modulus
 
 
 FARTHEST = 10.0  # times the force: how far contact of the skin with itself is looked for
@@ -318,7 +330,7 @@ REFINEMENTS = (
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
     """Return the linear model's verdict on a design."""
-    return solve(pad_of(design), request, progress)
+    return solve(focused(pad_of(design), request.force), request, progress)
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:
@@ -427,6 +439,8 @@ class _Levels:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]
         result = estimated_answer(best, lower, before, refinement.order, self.seconds)
+        if self.pad.section.outline and _is_face(self.pad):
+            result = replace(result, contact_width=contact_width(best, lower))
         return result, relative_error(result, self.request.force, unit_of(self.pad))
 
     def _check_fits(self, solved: object, rest: float) -> None:
@@ -460,7 +474,7 @@ def _first_refinement(wanted: float) -> int:
 
 def check_coarsest(pad: Pad, most: int, model: str) -> None:
     """Raise SizeError for a pad that is too large in any case: by one of its ridges, meshed alone."""
-    if MOST_A_RIDGE * len(pad.ridges) <= most:
+    if MOST_A_RIDGE * len(pad.ridges) <= most or pad.revolved:
         return
     coarsest = REFINEMENTS[0]
     mesh = elements.curved(triangles(one_ridge(pad), default_sizes(pad, coarsest.fineness)), 1)
@@ -509,6 +523,28 @@ def estimated_answer(
         seconds=dict(seconds),
         fault=best.fault,
     )
+
+
+def _is_face(pad: Pad) -> bool:
+    """Whether the base itself touches."""
+    return any(s.touches and s.kind == "base" for s in pad.section.outline)
+
+
+def contact_width(best: PlaneSolution, lower: PlaneSolution) -> Estimate:
+    """Return how wide one contact over x = 0 is, mm: of a section that turns its diameter.
+
+    It ends halfway between the last point under pressure and the next. The error is what lies between them,
+    and what the order changes.
+    """
+    ends = []
+    for solution in (best, lower):
+        order = np.argsort(np.abs(solution.x))
+        far, loaded = np.abs(solution.x)[order], solution.pressure[order] > 0
+        last = int(np.flatnonzero(loaded).max())
+        following = far[min(last + 1, far.size - 1)]
+        ends.append((far[last] + following, following - far[last]))
+    (width, open_), (other, _) = ends
+    return Estimate(float(width), float(open_ + abs(width - other)), "mm")
 
 
 def _add(total: dict[str, float], more: dict[str, float]) -> None:

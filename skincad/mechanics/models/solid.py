@@ -21,7 +21,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, prisms
-from skincad.mechanics.bodies.mesh import PadMesh, Sizes, height_of, meshed_piece, unit_of
+from skincad.mechanics.bodies.mesh import FOCUS_EDGES, PadMesh, Sizes, height_of, meshed_piece, unit_of
 from skincad.mechanics.contact.frictionless import NodalContact, all_touch_force, press, seen_by_plate
 from skincad.mechanics.models.linear import relative_error, shortfalls
 from skincad.mechanics.problem import (
@@ -32,6 +32,7 @@ from skincad.mechanics.problem import (
     Request,
     SizeError,
     check_pad,
+    focused,
     solid_pad_of,
 )
 
@@ -74,8 +75,8 @@ class SolidSolution:
 
 def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
     """Return edge sizes for three dimensions: a few triangles a ridge, fast growth away from them."""
-    unit = unit_of(pad)
     height = height_of(pad)
+    unit = min(unit_of(pad), height) if pad.focus else unit_of(pad)  # of a face as wide as the pad
     return Sizes(
         contact=unit / 2 / fineness,
         ridge=unit / fineness,
@@ -83,6 +84,8 @@ def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
         corner=height / 4 / fineness**4,
         slot=0.3 * unit / fineness,
         grading=0.9 / fineness,
+        focus=pad.focus,
+        fine=pad.focus / FOCUS_EDGES / fineness,
     )
 
 
@@ -262,7 +265,7 @@ REFINEMENTS = (
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
     """Return the solid model's verdict on a design."""
-    return solve(solid_pad_of(design), request, progress)
+    return solve(focused(solid_pad_of(design), request.force), request, progress)
 
 
 def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answer:

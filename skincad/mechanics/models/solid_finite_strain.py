@@ -43,7 +43,7 @@ from skincad.mechanics.models.solid import (
     level_of,
     timed,
 )
-from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad
+from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad, focused
 
 LAYERS, COARSE_LAYERS = Layers(0.6, 2.0, 3), Layers(0.6, 2.0, 2)
 MOST_UNKNOWNS = 150_000  # about 4 GB
@@ -98,7 +98,7 @@ def _changed(
         progress(f"{model} model: coarse solid, small and finite strain")
     spent: dict[str, float] = {}
     layers = LAYERS if base == "solid" else COARSE_LAYERS
-    pad, drops = plain_pad(design), request.crest_offsets
+    pad, drops = focused(plain_pad(design), request.force), request.crest_offsets
     try:  # first: it may refuse the force
         strains = solve(pad, request.force, spent, layers, crest_offsets=drops)
     except InputError as refusal:

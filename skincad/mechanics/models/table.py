@@ -8,7 +8,7 @@ the linear model takes. Nothing is assumed of the machine.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from time import perf_counter
@@ -26,9 +26,10 @@ class ContactModel:
     """`where` is module and function of its `answer(design, request, progress, *answers it builds on)`.
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
-    yamada-2002, whose strips ask for a fine section. Flags say whether it supports `shaped_plates`,
-    `measured` crests and `doubly_curved` skins, and whether the pad itself is `meshed`: only then there is a
-    yield, friction is computed, and its time tells that of others.
+    yamada-2002, whose strips ask for a fine section. It takes skins of `families`, discs only if it `turns`.
+    Flags say whether it supports `shaped_plates`, `measured` crests and `doubly_curved` skins, and whether
+    the pad itself is `meshed`: only then there is a yield, friction is computed, and its time tells that of
+    others.
     """
 
     where: str
@@ -39,16 +40,37 @@ class ContactModel:
     measured: bool = False
     doubly_curved: bool = False
     meshed: bool = True
+    families: tuple[str, ...] = ("ridge", "flat")
+    turns: bool = False
 
 
 _ROOM = "skincad.mechanics.models."
+TURNING = "ridge", "flat", "ring", "pin"  # a section in plane strain, or turned about its middle
 MODELS = {
     "winkler": ContactModel(
-        f"{_ROOM}winkler:answer", 2e-3, shaped_plates=True, doubly_curved=True, meshed=False
+        f"{_ROOM}winkler:answer",
+        2e-3,
+        shaped_plates=True,
+        doubly_curved=True,
+        meshed=False,
+        families=("ridge",),
     ),
-    "reduced": ContactModel(f"{_ROOM}reduced:answer", 5.0, (FINITE_STRAIN,), meshed=False),
+    "reduced": ContactModel(
+        f"{_ROOM}reduced:answer",
+        5.0,
+        (FINITE_STRAIN,),
+        meshed=False,
+        families=("ridge", "pin"),
+        turns=True,
+    ),
     "linear": ContactModel(
-        f"{_ROOM}linear:answer", 1.0, (FREE_ENDS, FINITE_STRAIN), shaped_plates=True, measured=True
+        f"{_ROOM}linear:answer",
+        1.0,
+        (FREE_ENDS, FINITE_STRAIN),
+        shaped_plates=True,
+        measured=True,
+        families=TURNING,
+        turns=True,
     ),
     "corrected": ContactModel(
         f"{_ROOM}corrected:answer",
@@ -58,7 +80,9 @@ MODELS = {
         shaped_plates=True,
         measured=True,
     ),
-    "finite-strain": ContactModel(f"{_ROOM}finite_strain:answer", 3.0, (FREE_ENDS,), measured=True),
+    "finite-strain": ContactModel(
+        f"{_ROOM}finite_strain:answer", 3.0, (FREE_ENDS,), measured=True, families=TURNING, turns=True
+    ),
     "corrected-finite-strain": ContactModel(
         f"{_ROOM}solid_finite_strain:on_corrected", 5.0, builds_on=("corrected",), measured=True
     ),
@@ -74,6 +98,7 @@ AUTO = (
     "reduced",
     "linear",
     "corrected",
+    "finite-strain",
     "corrected-finite-strain",
     "solid",
     "solid-finite-strain",
@@ -81,9 +106,16 @@ AUTO = (
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 # Models of `auto` that are for some designs only
 AUTO_IF: dict[str, Callable[[Design], bool]] = {
-    "reduced": lambda design: skin_of(design).count > MANY,
+    "reduced": lambda design: skin_of(design).count > MANY or _is_pins(design),
+    "finite-strain": lambda design: design.skin.round,
     "solid": lambda design: design.skin.curvature_radius_y is not None,
 }
+
+
+def _is_pins(design: Design) -> bool:
+    """Whether a design has pins that no section through the middle shows."""
+    skin = skin_of(design)
+    return skin.family == "pin" and (skin.count > 1 or not design.skin.round)
 
 
 def model_named(name: str) -> ContactModel:
@@ -98,19 +130,39 @@ def is_small_strain(name: str) -> bool:
     return name == "winkler" or FINITE_STRAIN in MODELS[name].leaves_out
 
 
+def left_out_by(name: str, design: Design) -> tuple[str, ...]:
+    """Return what a model leaves out of a design: a disc has no free ends."""
+    effects = MODELS[name].leaves_out
+    return tuple(effect for effect in effects if effect != FREE_ENDS) if design.skin.round else effects
+
+
 def unsupported_reason(name: str, design: Design, measured: bool) -> str:
     """Return why a model cannot judge this design (or a measured part of it), or ""."""
-    model, shape = model_named(name), design.contact.plate.shape
-    if shape != "flat" and not model.shaped_plates:
-        return f"contact.plate.shape: must be 'flat' for the {name} model"
-    if design.skin.curvature_radius_y is not None and not model.doubly_curved:
+    return next(_unsupported(name, design, measured), "")
+
+
+def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
+    model, shape, skin = model_named(name), design.contact.plate.shape, skin_of(design)
+    if skin.family not in model.families or (design.skin.round and not model.turns):
+        takes = [family for family in model.families if model.turns or family not in ("ring", "pin")]
+        disc = "" if model.turns else " on a rectangular skin"
+        yield f"{skin.family}: is not judged by the {name} model, which takes {' or '.join(takes)}{disc}"
+    if name != "reduced" and _is_pins(design):
+        yield f"pin: must be one, on a round skin, for the {name} model"
+    if shape != "flat" and (design.skin.round or not model.shaped_plates):
+        yield f"contact.plate.shape: must be 'flat' for {_of(name, design)}"
+    if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.family != "pin":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
-        return f"skin.curvature_radius_y: {words}"
-    if name == "reduced" and skin_of(design).uneven:
-        return "ridge.heights: must be alike for the reduced model"
+        yield f"skin.curvature_radius_y: {words}"
+    if name == "reduced" and skin.family == "ridge" and skin.uneven:
+        yield "ridge.heights: must be alike for the reduced model"
     if measured and not model.measured:
-        return f"measured: is not judged by the {name} model"
-    return ""
+        yield f"measured: is not judged by the {name} model"
+
+
+def _of(name: str, design: Design) -> str:
+    """A disc, or the model."""
+    return "a round skin" if design.skin.round else f"the {name} model"
 
 
 def prerequisites(name: str) -> list[str]:

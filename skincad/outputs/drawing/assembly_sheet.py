@@ -89,7 +89,8 @@ def _section_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[M
     skin = next((face for face in drawing.faces if face.part == "skin"), None)
     if skin is not None:
         yield Words("skin", place.at(skin.middle), 2.0, "TEXT", "middle")
-    caption = f"section A-A ({scale_words(place.scale)}), through gate, vent and riser cup"
+    through = "gate, vent and riser cup" if drawing.gate else "vent and riser cup"
+    caption = f"section A-A ({scale_words(place.scale)}), through {through}"
     yield Words(caption, (sum(span) / 2, a[1] - 14.0), 2.5, "TEXT", "middle")
 
 

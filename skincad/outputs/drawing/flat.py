@@ -32,7 +32,7 @@ from skincad.inputs.material import silicone
 from skincad.outputs.drawing.formats import primitives, svg_row, svg_style, write_dxf
 from skincad.outputs.drawing.marks import Dimension, Mark, Words, aligned, diameter, line, linear
 from skincad.shape.curves import Loop, Point
-from skincad.shape.skin import section, skin_of
+from skincad.shape.skin import drawn_section, skin_of, summit
 from skincad.solids.inserts import PITCH
 from skincad.solids.projection import Place
 from skincad.solids.shrinkage import shrinkage
@@ -63,7 +63,7 @@ def section_margin(design: Design) -> tuple[float, float]:
 def section_dimensions(design: Design) -> tuple[list[Dimension], float]:
     """Return the section's dimensions, within its margin, and their paper's scale: width and thickness,
     height to the crest, pitch, and a ridge's height, root and tip before fillets."""
-    skin, scale, top = design.skin, SECTION_WIDTH / design.skin.width, section(design).top
+    skin, scale, top = design.skin, SECTION_WIDTH / design.skin.width, drawn_section(design).top
     half = skin.width / 2
 
     def on_paper(x: float, z: float) -> Place:
@@ -194,7 +194,7 @@ def _extent(outline: Loop) -> tuple[float, float, float, float]:
 def write_section_dxf(design: Design, path: Path) -> None:
     """Write the skin's own section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS,
     DIMENSIONS, and TEXT, which says that a mold is not cut by it."""
-    shape = section(design)
+    shape = drawn_section(design)
     rows = [("OUTLINE", shape.outline), *(("SLOTS", s.loop()) for s in shape.slots)]
     dimensions, scale = section_dimensions(design)
     notes = section_notes(design)
@@ -295,16 +295,15 @@ def write_section_svg(design: Design, path: Path) -> None:
 def section_html(design: Design) -> str:
     """Return what a notebook shows of a design: its name, its sizes, and its section."""
     skin = skin_of(design)
-    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
-    ridges = f"{skin.count} ridge{'s' * (skin.count > 1)}"
-    words = f"{design.name}: {ridges} on {size}, of {silicone(design).name}"
+    size = f"{design.skin.across} x {summit(design):.4g} mm"
+    words = f"{design.name}: {skin.counted} on {size}, of {silicone(design).name}"
     data = base64.b64encode(_section_svg(design).encode()).decode()
     picture = f'<img style="width:100%;max-width:760px" src="data:image/svg+xml;base64,{data}">'
     return f"<p><b>{escape(words)}</b></p>{picture}"
 
 
 def _section_svg(design: Design) -> str:
-    shape = section(design)
+    shape = drawn_section(design)
     half, top, (margin, over) = design.skin.width / 2, shape.top, section_margin(design)
     box = (-half - margin, -top - over, 2 * (half + margin), top + over + margin)
     curves = [

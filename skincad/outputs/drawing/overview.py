@@ -13,7 +13,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, polygon
-from skincad.shape.skin import section, skin_of
+from skincad.shape.skin import pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
     CAVITIES,
@@ -73,34 +73,40 @@ def drawing(design: Design, closed: ClosedMold) -> str:
 
 def _section_view(design: Design) -> list[str]:
     shape, skin = section(design), design.skin
-    scale = min(120.0 / skin.width, 45.0 / shape.top)
+    outline, placed = pictured_section(design, CHORD), skin_of(design)
+    top = summit(design)
+    scale = min(120.0 / skin.width, 45.0 / top)
     view = PageScale((80.0, 62.0), scale)
     half = skin.width / 2
-    rows = [view.path(shape.outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
+    rows = [view.ring(outline, "skin"), *(view.path(s.loop(), "slot") for s in shape.slots)]
     left, base = view.at(-half, 0.0)
     right = view.at(half, 0.0)[0]
     rows += _across(left, right, base + 8.0, f"{skin.width:g}", base)
-    middle = view.at(0.0, shape.top)[1]
-    rows += _upright(right + 8.0, base, middle, f"{shape.top:.4g} to the crest", right)
+    middle = view.at(0.0, top)[1]
+    rows += _upright(right + 8.0, base, middle, f"{top:.4g} to the crest", right)
     at_base = view.at(0.0, skin.thickness)[1]
     rows += _upright(left - 8.0, base, at_base, f"{skin.thickness:g}", left)
-    row = f"{skin_of(design).count} ridges at {skin_of(design).pitch:g} along the arc"
-    radius = f"R {skin.curvature_radius:g}, {row if skin_of(design).count > 1 else '1 ridge'}"
-    if skin_of(design).uneven:
-        radius += f", {min(skin_of(design).heights):.4g} to {max(skin_of(design).heights):.4g} high"
+    pitch = f" at {placed.pitch:g} along the arc" if placed.count > 1 else ""
+    radius = f"R {skin.curvature_radius:g}, {placed.counted}{pitch}"
+    if placed.uneven:
+        radius += f", {min(placed.heights):.4g} to {max(placed.heights):.4g} high"
     if skin.curvature_radius_y is not None:
         radius += f"; R {skin.curvature_radius_y:g} along y"
     rows.append(_text(80.0, middle - 4.0, radius))
-    rows.append(
-        _text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; length along the ridges {skin.length:g}")
-    )
+    along = "along the ridges " if placed.symmetry == "extruded" else "along y "
+    words = "turns about its middle" if skin.round else f"length {along}{skin.length:g}"
+    rows.append(_text(80.0, base + 14.5, f"section, scale {scale:.3g} : 1; {words}"))
     return rows
 
 
 def _ridge_view(design: Design) -> list[str]:
-    """The middle ridge, or the one beside the middle, upright and enlarged."""
+    """The middle feature, or the one beside the middle, upright and enlarged; none of a flat skin."""
     skin = skin_of(design)
+    if skin.symmetry == "none":
+        return []
     ridge, number = skin.profile, (skin.count + 1) // 2
+    if skin.symmetry == "revolved":  # the pin that the section above shows nearest to its middle
+        number = min(skin.placed, key=lambda p: (abs(p.y), abs(p.frame.origin.x))).number
     height = skin.heights[number - 1]
     ridge_frame = skin.placed[number - 1].frame
     shape = section(design)
@@ -111,25 +117,24 @@ def _ridge_view(design: Design) -> list[str]:
     low = -0.8 * height
     window = shapely.box(-reach, low, reach, 2 * height)
 
-    def clip(outline: Loop, kind: str) -> str:
-        points = polygon(outline, CHORD / 10) - np.array(ridge_frame.origin)
+    def clip(outline: Array, kind: str) -> str:
+        points = outline - np.array(ridge_frame.origin)
         local = np.column_stack(
             [points @ np.array(ridge_frame.tangent), points @ np.array(ridge_frame.normal)]
         )
         part = shapely.Polygon(local).intersection(window)
         return view.ring(shapely.get_coordinates(part), kind)
 
-    rows = [clip(shape.outline, "skin")]
-    rows += [clip(s.loop(), "slot") for s in shape.slots if s.feature == number]
+    rows = [clip(pictured_section(design, CHORD / 10), "skin")]
+    rows += [clip(polygon(s.loop(), CHORD / 10), "slot") for s in shape.slots if s.feature == number]
     crest, foot = view.at(0.0, height)[1], view.at(0.0, 0.0)[1]
     left, right = view.at(-ridge.root_width / 2, 0.0)[0], view.at(ridge.root_width / 2, 0.0)[0]
     rows += _across(left, right, view.at(0.0, low)[1] + 5.0, f"root {ridge.root_width:g}", foot)
     tip = [view.at(s * ridge.tip_width / 2, height)[0] for s in (-1, 1)]
     rows += _across(tip[0], tip[1], crest - 4.0, f"tip {ridge.tip_width:g}, crown {ridge.crown:g}", crest)
     rows += _upright(view.at(reach, 0.0)[0] + 5.0, foot, crest, f"{height:g}", right)
-    words = (
-        f"ridge {number}, scale {scale:.3g} : 1; fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
-    )
+    fillets = f"fillets {ridge.tip_fillet:g} tip, {ridge.root_fillet:g} root"
+    words = f"{skin.family} {number}, scale {scale:.3g} : 1; {fillets}"
     rows.append(_text(48.0, 134.5, words))
     if skin.slot:
         slot = skin.slot
@@ -194,7 +199,7 @@ def _sizes(view: PageScale, low: list[float], high: list[float]) -> list[str]:
 
 def _bent_view(closed: ClosedMold) -> list[str]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
-    mold = [CAVITIES, END_PLATES, {PartRole.COVER}]
+    mold = [{PartRole.BLOCK}, CAVITIES, END_PLATES, {PartRole.COVER}]
     kinds = [*((roles, "mold") for roles in mold), ({PartRole.CARRIER}, "hole"), ({PartRole.SKIN}, "skin")]
     rings = [(kind, _side(part)) for roles, kind in kinds for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])

@@ -33,7 +33,7 @@ from skincad.outputs.figures.canvas import (
 )
 from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import polygon
-from skincad.shape.skin import Section, section, skin_of
+from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
@@ -47,6 +47,7 @@ _GRID = 5  # pixels between the rays that look for a place on each part
 _LABEL_STEP = 0.028  # of the picture's height, between two names
 _RELIEF = 0.2  # of the section's width: as high as its surface is drawn, at most
 _HEIGHT_SCALES = (1, 2, 3, 4, 5, 8, 10, 15, 20)
+_LEAST_RELIEF = 0.05  # of the skin's height, of a face that is plane
 _SCALE_BAR = 0.3  # of what it measures, at most
 
 
@@ -54,11 +55,11 @@ def design_figure(design: Design, closed: ClosedMold, meshes: dict[str, trimesh.
     """Return skin, section and opened mold. `meshes` by part name, in the mold's frame, mm."""
     with sheet((13.2, 7.4), 128, dpi=110) as figure:
         grid = figure.add_gridspec(3, 2, width_ratios=[1.15, 1.0], height_ratios=[1.0, 0.62, 0.9])
-        shape = section(design)
+        shape, outline = section(design), pictured_section(design, 1e-4)
         _draw_skin(figure.add_subplot(grid[0, 0]), design, meshes["skin"])
-        _draw_whole(figure.add_subplot(grid[1, 0]), design, shape)
-        _draw_ridges(figure.add_subplot(grid[2, 0]), design, shape)
-        _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes)
+        _draw_whole(figure.add_subplot(grid[1, 0]), design, shape, outline)
+        _draw_middle(figure.add_subplot(grid[2, 0]), design, shape, outline)
+        _draw_mold(figure.add_subplot(grid[:, 1]), closed, meshes, skin_of(design))
         figure.suptitle(design.name)
     return figure
 
@@ -74,9 +75,8 @@ def _draw_skin(axes: Axes, design: Design, skin: trimesh.Trimesh) -> None:
     axes.imshow(shaded([shown], [PartRole.SKIN.colour], camera))
     low, high = shown.bounds
     _scale_bar(axes, camera, low, high[0] - low[0])
-    count = skin_of(design).count
-    size = f"{design.skin.width:g} x {design.skin.length:g} x {section(design).top:.4g} mm"
-    _show(axes, f"skin: {count} ridge{'s' * (count > 1)}, {size}")
+    size = f"{design.skin.across} x {summit(design):.4g} mm"
+    _show(axes, f"skin: {skin_of(design).counted}, {size}")
 
 
 def scale_length(width: float) -> float:
@@ -101,48 +101,51 @@ def _scale_bar(axes: Axes, camera: Camera, corner: Array, width: float) -> None:
     )
 
 
-def _draw_section(axes: Axes, shape: Section) -> None:
-    axes.fill(*polygon(shape.outline, 1e-4).T, facecolor=SKIN, edgecolor=OUTLINE, linewidth=THIN)
+def _draw_section(axes: Axes, outline: Array) -> None:
+    axes.fill(*outline.T, facecolor=SKIN, edgecolor=OUTLINE, linewidth=THIN)
     axes.set_xlabel("x, mm")
     axes.set_ylabel("z, mm")
     axes.grid(visible=False)
 
 
-def _draw_whole(axes: Axes, design: Design, shape: Section) -> None:
+def _draw_whole(axes: Axes, design: Design, shape: Section, outline: Array) -> None:
     """The surface over the whole width, its heights drawn larger so that its curvature is seen, mm."""
-    _draw_section(axes, shape)
+    _draw_section(axes, outline)
     for slot in shape.slots:  # too thin, at this scale, for a film within
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor=STRIP if design.film else "white")
-    points, half = polygon(shape.outline, 1e-3), 0.5 * design.skin.width
-    surface = points[(points[:, 1] > 1e-6) & (np.abs(points[:, 0]) < (1 - 1e-6) * half), 1]
-    relief = shape.top - float(surface.min())
+    half, top = 0.5 * design.skin.width, float(outline[:, 1].max())
+    points = pictured_section(design, 1e-3)
+    between = (points[:, 1] > 1e-6) & (np.abs(points[:, 0]) < (1 - 1e-6) * half)
+    low = float(points[between, 1].min(initial=top))  # a plane face has corners alone
+    relief = max(top - low, _LEAST_RELIEF * top)
     scale = max(k for k in _HEIGHT_SCALES if k == 1 or k * relief <= _RELIEF * 2 * half)
-    axes.axhline(shape.top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
+    axes.axhline(top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
     axes.set_xlim(-1.02 * half, 1.02 * half)
-    axes.set_ylim(shape.top - 1.35 * relief, shape.top + 0.12 * relief)
+    axes.set_ylim(top - 1.35 * relief, top + 0.12 * relief)
     axes.set_aspect(scale)
     stated = f"heights x {scale}" if scale > 1 else "true to scale"
     axes.set_title(f"section over the whole width, {stated}; dashed: a flat plate at first touch")
 
 
-def _draw_ridges(axes: Axes, design: Design, shape: Section) -> None:
-    """The middle ridges' section with its film strips, mm."""
+def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> None:
+    """The section through the middle features, with its film strips, mm."""
     skin = skin_of(design)
-    _draw_section(axes, shape)
+    _draw_section(axes, outline)
     for slot in shape.slots:
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor=OUTLINE, linewidth=0.5)
         if design.film:
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
     height = skin.heights[(skin.count - 1) // 2]
-    reach = min(1.7 * skin.pitch, 0.5 * design.skin.width)
+    reach, top = min(1.7 * skin.pitch, 0.5 * design.skin.width), float(outline[:, 1].max())
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(shape.top - 0.55 * reach - height, shape.top + 0.12 * reach)
+    axes.set_ylim(top - 0.55 * reach - height, top + 0.12 * reach)
     axes.set_aspect("equal")
     strips = ", strips S1 and S2" if shape.slots else ""
-    axes.set_title(f"section through the middle ridges, true to scale{strips}")
+    what = f" through the middle {skin.family}s" if skin.heights[0] else ""
+    axes.set_title(f"section{what}, true to scale{strips}")
 
 
-def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh]) -> None:
+def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh], skin: Skin) -> None:
     parts = [part for part in closed.parts if part.name in meshes]
     exploded = [meshes[part.name].copy() for part in parts]
     for part, shape in zip(parts, exploded, strict=True):
@@ -157,7 +160,7 @@ def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh
         axes.plot(*anchor, ".", color=OUTLINE, markersize=4)
     low, high = trimesh.util.concatenate(exploded).bounds
     _scale_bar(axes, camera, low, high[0] - low[0])
-    _show(axes, "mold, taken apart (it is poured with the ridges down)")
+    _show(axes, f"mold, taken apart (it is poured with {skin.turned_down} down)")
 
 
 def _anchors(shapes: list[trimesh.Trimesh], named: list[int], camera: Camera) -> list[Pixel]:

@@ -28,6 +28,7 @@ from skincad.outputs.figures.canvas import (
     THIN,
     VERMILION,
     Axes,
+    EllipseCollection,
     Line2D,
     ListedColormap,
     MaxNLocator,
@@ -38,6 +39,7 @@ from skincad.outputs.figures.canvas import (
     sheet,
 )
 from skincad.scenes.simulation import Simulation
+from skincad.shape.skin import skin_of
 
 SLIP = VERMILION
 NORMAL, TANGENTIAL = BLUE, VERMILION
@@ -52,6 +54,7 @@ SLIPS: dict[str, Any] = {"linewidth": THIN, "linestyle": (0, (5, 3))}
 PHASES = {"$P_A$": PHASE_A, "$P_B$": PHASE_B}
 MIN_SAMPLES = 50  # samples that are worth a picture
 PAPERS_RIDGE = 3
+MAX_NUMBERS = 49  # pins that have their number in them
 ROOM_ABOVE, ROOM_BELOW = 0.14, 0.4  # of the curves' height, for what is written beside them
 UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
@@ -61,8 +64,10 @@ def scene_figure(simulation: Simulation) -> Picture:
     monitored ridge in its own panel, slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
-    ridge begins to slip for good.
+    ridge begins to slip for good. Of pins, a map (`_pin_figure`).
     """
+    if skin_of(simulation.scene.design).family == "pin":
+        return _pin_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     rows = 2 + len(SIGNALS) * bool(groups)
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
@@ -94,6 +99,43 @@ def scene_figure(simulation: Simulation) -> Picture:
         width = simulation.scene.readout.bandwidth_Hz
         late = f"signals band-limited to {width:g} Hz, {1e3 * simulation.delay:.3g} ms late"
         figure.suptitle(f"{simulation.scene.name}" + (f": {late}" if simulation.signals else ""))
+    return figure
+
+
+def _pin_figure(simulation: Simulation) -> Picture:
+    """A figure of pins: forces by step, and a map of the tips from above, coloured by the step from
+    which each slips for good; those that never do are left white."""
+    skin = skin_of(simulation.scene.design)
+    tips = np.array([placed.tip for placed in skin.placed])
+    steps = np.array([np.nan if step is None else step for step in simulation.slip_steps], dtype=float)
+    with sheet((WIDTH, PANEL + WIDTH / 2), 255) as figure:
+        grid = figure.add_gridspec(2, 1, height_ratios=(PANEL, WIDTH / 2))
+        forces, plan = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
+        forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
+        forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
+        forces.set(xlabel="step", ylabel="force, N", xlim=(-0.5, simulation.march.time.size - 0.5))
+        legend(forces, 2)
+        circles = EllipseCollection(
+            *(np.full(skin.count, size) for size in (skin.profile.tip_width, skin.profile.tip_width, 0.0)),
+            units="xy",
+            offsets=tips[:, :2],
+            offset_transform=plan.transData,
+            edgecolor=GREY,
+            cmap=colormaps[MAP],
+        )
+        circles.set_array(np.ma.masked_invalid(steps))
+        plan.add_collection(circles)
+        for number, (x, y, _) in enumerate(tips.tolist() if skin.count <= MAX_NUMBERS else (), 1):
+            dark = steps[number - 1] > np.nan_to_num(steps).mean()
+            colour = "white" if dark else BLACK
+            plan.annotate(str(number), (x, y), ha="center", va="center", fontsize=NOTE, color=colour)
+        across, along = skin.base.width / 2, skin.base.length / 2
+        plan.set(aspect="equal", xlim=(-across, across), ylim=(-along, along))
+        plan.set(xlabel="x, mm; the plate is pulled to +x", ylabel="y, mm")
+        plan.grid(visible=False)
+        if np.isfinite(steps).any():
+            figure.colorbar(circles, ax=plan, label="slips for good from step")
+        figure.suptitle(simulation.scene.name)
     return figure
 
 

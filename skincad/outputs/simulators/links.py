@@ -12,22 +12,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import trimesh
 
 from skincad.base.arrays import Array
+from skincad.base.errors import InputError
 from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import PVDF_DENSITY
-from skincad.shape.curves import Loop, Segment
-from skincad.shape.skin import section, skin_of
+from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, PartRole
+from skincad.solids.pins import pins
+from skincad.solids.plan import Body, Part, PartRole, TurnedBody
 from skincad.solids.skin import along_skin, skin_part
 
+MOST_BODIES = 64  # features
 G_PER_MM3 = 1e-6  # of 1 kg/m3
 TO_DESIGN = np.diag([1.0, -1.0, -1.0])  # the mold's frame turned about x, ridges up
 CHORD = 1e-3  # of the pitch: visual
@@ -103,16 +107,41 @@ def carrier_part(design: Design) -> Part:
 
 def ridge_loop(design: Design, ridge: int) -> Loop:
     """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
-    segments = tuple(s for s in section(design).outline if s.feature == ridge)
+    return _closed(s for s in section(design).outline if s.feature == ridge)
+
+
+def _slab(shape: Section) -> Loop:
+    """The face of a skin without features, with a tenth of what is under its edges."""
+    face = tuple(s for s in shape.outline if s.feature == 1)
+    right, left = face[0].start, face[-1].end
+    corners = [left, Point(left.x, 0.9 * left.z), Point(right.x, 0.9 * right.z), right]
+    return (*face, *(Segment(a, b) for a, b in pairwise(corners)))
+
+
+def _closed(outline: Iterable[Segment]) -> Loop:
+    segments = tuple(outline)
     return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
 
 
 def ridge_parts(design: Design) -> list[Part]:
-    """Return each ridge above the base; slots are not taken off it, they are of the base."""
-    return [
-        Part(f"ridge-{i}", PartRole.SKIN, along_skin(design, ridge_loop(design, i), ()))
-        for i in range(1, skin_of(design).count + 1)
-    ]
+    """Return each ridge above the base, or each pin; slots are not taken off it, they are of the base.
+
+    Raises InputError for more than a simulator bears as bodies.
+    """
+    skin = skin_of(design)
+    if skin.count > MOST_BODIES:
+        rule = f"must be at most {MOST_BODIES} for bodies of their own"
+        raise InputError(skin.family, rule, skin.count, "take fewer, or only --for taxels")
+    if skin.symmetry == "revolved":
+        bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, section(design))]
+    elif skin.symmetry == "concentric":
+        middle, up = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+        bodies = [TurnedBody(_closed(placed.outline), middle, up) for placed in skin.placed]
+    elif skin.symmetry == "none":
+        bodies = [along_skin(design, _slab(section(design)), ())]
+    else:
+        bodies = [along_skin(design, ridge_loop(design, i), ()) for i in range(1, skin.count + 1)]
+    return [Part(f"{skin.family}-{i}", PartRole.SKIN, body) for i, body in enumerate(bodies, 1)]
 
 
 def base_loop(design: Design) -> Loop:

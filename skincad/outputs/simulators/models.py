@@ -74,7 +74,7 @@ def skin_xml(design: Design, links: Links, springs: Springs) -> str:
             "      </body>",
             "    </body>",
             "  </worldbody>",
-            *_tendons(springs),
+            *_tendons(springs, skin_of(design).family),
             *_sensors(design),
             "</mujoco>",
             "",
@@ -154,7 +154,8 @@ def _defaults(design: Design, springs: Springs) -> Iterator[str]:
 
 def _assets(design: Design) -> Iterator[str]:
     names = ["carrier", "carrier-hull", "skin", "base-hull"]
-    names += [f"ridge-{i}" for i in range(1, skin_of(design).count + 1)]
+    skin = skin_of(design)
+    names += [f"{skin.family}-{i}" for i in range(1, skin.count + 1)]
     yield "  <asset>"
     yield from (f'    <mesh name="{name}" file="{name}.stl" scale="{M:g} {M:g} {M:g}"/>' for name in names)
     yield "  </asset>"
@@ -177,25 +178,28 @@ def _filling(links: Links) -> Iterator[str]:
 
 def _ridges(design: Design, links: Links) -> Iterator[str]:
     skin = skin_of(design)
-    size = np.array([skin.pitch, design.skin.length, max(skin.heights)]) * M
+    along = skin.pitch if skin.symmetry == "revolved" else design.skin.length
+    across = skin.pitch if skin.symmetry in ("extruded", "revolved") else design.skin.width
+    size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
     for i, (weight, pose) in enumerate(zip(links.ridges, crests(design).poses, strict=True), 1):
         crest = numbers(pose[:, 3] * M)
-        yield f'        <body name="ridge-{i}">'
+        name = f"{skin.family}-{i}"
+        yield f'        <body name="{name}">'
         yield body_inertial(weight, 10)
-        yield f'          <joint class="ridge" name="ridge-{i}"/>'
-        yield f'          <geom class="ridge" name="ridge-{i}" mesh="ridge-{i}"/>'
-        yield f'          <site class="ridge" name="ridge-{i}" pos="{crest}" size="{numbers(size)}"/>'
+        yield f'          <joint class="ridge" name="{name}"/>'
+        yield f'          <geom class="ridge" name="{name}" mesh="{name}"/>'
+        yield f'          <site class="ridge" name="{name}" pos="{crest}" size="{numbers(size)}"/>'
         yield "        </body>"
 
 
-def _tendons(springs: Springs) -> Iterator[str]:
+def _tendons(springs: Springs, family: str) -> Iterator[str]:
     """The springs: of row r of the Cholesky factor the stiffness r_ii^2, its coefficients over r_ii."""
     yield "  <tendon>"
     for i, row in enumerate(springs.rows, 1):
         lead = float(row[i - 1])
         yield f'    <fixed name="spring-{i}" stiffness="{lead * lead * N_PER_M!r}" springlength="0">'
         for j in np.flatnonzero(np.abs(row) > SMALL * abs(lead)):
-            yield f'      <joint joint="ridge-{j + 1}" coef="{float(row[j]) / lead!r}"/>'
+            yield f'      <joint joint="{family}-{j + 1}" coef="{float(row[j]) / lead!r}"/>'
         yield "    </fixed>"
     yield "  </tendon>"
 
@@ -205,7 +209,7 @@ def _sensors(design: Design) -> Iterator[str]:
     yield "  <sensor>"
     for kind in ("touch", "force"):
         for i in range(1, skin_of(design).count + 1):
-            yield f'    <{kind} name="{kind}-{i}" site="ridge-{i}"/>'
+            yield f'    <{kind} name="{kind}-{i}" site="{skin_of(design).family}-{i}"/>'
     yield "  </sensor>"
 
 
@@ -217,7 +221,8 @@ def skin_urdf(design: Design, links: Links) -> str:
     if links.filling:
         lines += [*_urdf_link("filling", links.filling), *_urdf_joint("skin", "filling")]
     for i, weight in enumerate(links.ridges, 1):
-        lines += [*_urdf_link(f"ridge-{i}", weight, None, f"ridge-{i}"), *_urdf_joint("skin", f"ridge-{i}")]
+        name = f"{skin_of(design).family}-{i}"
+        lines += [*_urdf_link(name, weight, None, name), *_urdf_joint("skin", name)]
     return "\n".join([*lines, "</robot>", ""])
 
 

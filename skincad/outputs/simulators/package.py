@@ -50,6 +50,7 @@ from skincad.outputs.simulators.taxels import (
     write_taxels,
 )
 from skincad.outputs.solid_files import write_step, write_stl
+from skincad.shape.skin import skin_of
 from skincad.solids.layout import lid_process
 
 if TYPE_CHECKING:
@@ -113,7 +114,11 @@ def package(
     for kind in names:
         if kind not in KINDS:
             raise InputError("kinds", "unknown simulator", kind, did_you_mean(kind, KINDS))
-    chosen = tuple(kind for kind in KINDS if not names or kind in names)
+    meshed = skin_of(design).symmetry in ("extruded", "none") and not design.skin.round
+    if "mesh" in names and not meshed:
+        rule = f"has no volume mesh of {skin_of(design).family}s"
+        raise InputError("kinds", rule, "mesh", "leave it out; the STEP file of `make` can be meshed")
+    chosen = tuple(kind for kind in KINDS if (kind in names if names else meshed or kind != "mesh"))
     watch, notes = Stopwatch(progress), list[str]()
     # the stages of springs, but not the time left of each of their checks
     untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")

@@ -113,7 +113,10 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
     verdict = check(design, model=model, progress=progress)
     if verdict.out_of_range:
         raise RefusedError(f"no springs for mujoco: {verdict.out_of_range}; take a smaller contact.force")
-    nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))
+    if skin_of(design).family == "pin":
+        nominal = _of_pins(design, verdict)
+    else:
+        nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))
     elsewhere, refused = [], []
     for force in (span * verdict.force for span in SPANS):
         try:
@@ -176,6 +179,19 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
             return _fit(design, verdict, None)
         raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
     return Springs(gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict)
+
+
+def _of_pins(design: Design, verdict: ContactCheck) -> Springs:
+    """The springs of pins: of the reduced model, each pin's own at the force that it bears."""
+    from skincad.mechanics.models.reduced import pin_model, pressed
+
+    model = pin_model(design)
+    forces, approach = pressed(model, verdict.force)
+    least = np.maximum(forces, LEAST_SHARE * verdict.force / forces.size)
+    own = np.interp(least, model.force, model.indentation)
+    own = np.where(forces == least, approach - model.gap - model.coupling @ forces, own)
+    flexibility = model.coupling.toarray() + np.diag(own / least)
+    return Springs(gap=model.gap, flexibility=flexibility, coupled=True, verdict=verdict)
 
 
 def _secant(model: RidgeModel, forces: Array) -> Array:

@@ -21,6 +21,8 @@ from skincad.inputs.design import Design
 from skincad.mechanics.film.response import SPANS, FilmResponse
 from skincad.shape.curves import Point
 from skincad.shape.skin import section, skin_of
+from skincad.solids.pins import pockets
+from skincad.solids.plan import TurnedBody
 
 FRAME = "frame of the design: x across the ridges, y along them, z out of the skin, flat back at z = 0"
 AXES = ("across", "along_y", "outward")
@@ -30,8 +32,9 @@ WAYS = ("normal", "tangential")
 
 @dataclass(frozen=True, eq=False)
 class Taxels:
-    """Places that feel: their `names`, `kinds` ("film" or "crest"), `ridges`, `sides` ("S1", "S2" or ""),
-    `poses` `(n, 3, 4)` mm, and `sizes` `(n, 2)` mm: across or along the strip's depth, and along y."""
+    """Places that feel: their `names`, `kinds` ("film", "pocket" or "crest"), `ridges`, `sides` ("S1", "S2"
+    or ""), `poses` `(n, 3, 4)` mm, and `sizes` `(n, 2)` mm: across or along a strip's depth, and along y.
+    """
 
     names: tuple[str, ...]
     kinds: tuple[str, ...]
@@ -42,15 +45,32 @@ class Taxels:
 
 
 def taxels(design: Design) -> Taxels:
-    """Return all film strips, ridge by ridge, then all crests; without a film there are no strips."""
-    strips, tops = films(design), crests(design)
+    """Return all film strips, ridge by ridge, then the ends of all pockets, then all crests; without a film
+    there are no strips."""
+    parts = films(design), ends(design), crests(design)
     return Taxels(
-        strips.names + tops.names,
-        strips.kinds + tops.kinds,
-        strips.ridges + tops.ridges,
-        strips.sides + tops.sides,
-        np.concatenate([strips.poses, tops.poses]),
-        np.concatenate([strips.sizes, tops.sizes]),
+        names=tuple(name for part in parts for name in part.names),
+        kinds=tuple(kind for part in parts for kind in part.kinds),
+        ridges=tuple(ridge for part in parts for ridge in part.ridges),
+        sides=tuple(side for part in parts for side in part.sides),
+        poses=np.concatenate([part.poses for part in parts]),
+        sizes=np.concatenate([part.sizes for part in parts]),
+    )
+
+
+def ends(design: Design) -> Taxels:
+    """Return the middles of the pockets' ends, for what lies in them."""
+    holes, count = pockets(design), len(pockets(design))
+    poses = np.tile(np.eye(3, 4), (count, 1, 1))
+    poses[:, :, 3] = np.array([(h.start[0], h.start[1], h.length) for h in holes]).reshape(-1, 3)
+    numbers = tuple(range(1, count + 1))
+    return Taxels(
+        tuple(f"pocket-{i}" for i in numbers),
+        ("pocket",) * count,
+        numbers,
+        ("",) * count,
+        poses,
+        np.array([(2 * h.radius, 2 * h.radius) for h in holes]).reshape(-1, 2),
     )
 
 
@@ -69,19 +89,19 @@ def films(design: Design) -> Taxels:
 
 
 def crests(design: Design) -> Taxels:
-    """Return the summits of all ridges."""
+    """Return the summits of all ridges, or the tips of all pins."""
     skin = skin_of(design)
-    count = skin.count
-    frames = [skin.placed[ridge - 1].frame for ridge in range(1, count + 1)]
-    places = [at.at(0.0, height) for at, height in zip(frames, skin.heights, strict=True)]
-    poses = [_pose(place, at.normal) for place, at in zip(places, frames, strict=True)]
+    count, wide = skin.count, skin.profile.tip_width
+    poses = [_pose(p.frame.at(0.0, p.feature.height), p.frame.normal) for p in skin.placed]
+    if skin.symmetry == "revolved":
+        poses = [np.column_stack([TurnedBody((), p.foot, p.axis).frame(), p.tip]) for p in skin.placed]
     return Taxels(
-        tuple(f"ridge-{ridge}-crest" for ridge in range(1, count + 1)),
+        tuple(f"{skin.family}-{ridge}-crest" for ridge in range(1, count + 1)),
         ("crest",) * count,
         tuple(range(1, count + 1)),
         ("",) * count,
         np.array(poses),
-        np.array([(skin.profile.tip_width, design.skin.length)] * count),
+        np.array([(wide, wide if skin.symmetry == "revolved" else design.skin.length)] * count),
     )
 
 

@@ -13,7 +13,13 @@ from types import ModuleType
 from skincad.inputs.design import Design
 from skincad.shape.feature import Placed
 
-FAMILIES = {"ridge": "skincad.shape.families.ridges"}  # a design's table: the module that places its features
+_ROOM = "skincad.shape.families."
+FAMILIES = {  # a design's table: the module that places its features
+    "ridge": f"{_ROOM}ridges",
+    "pin": f"{_ROOM}pins",
+    "ring": f"{_ROOM}rings",
+    "flat": f"{_ROOM}flat",
+}
 
 
 def place(design: Design) -> tuple[Placed, ...]:

@@ -15,8 +15,11 @@ import numpy as np
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat, Pin, Ridge
 from skincad.shape.curves import Point, Segment, concentric_hit, rise
-from skincad.shape.feature import Feature, Frame, Placed, SensorPlace
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
+
+ProfileTable = Ridge | Pin
 
 
 def place(design: Design) -> tuple[Placed, ...]:
@@ -24,37 +27,45 @@ def place(design: Design) -> tuple[Placed, ...]:
 
     Raises InputError where a ridge has no shape, or neighbours no room.
     """
-    drawn: dict[float, Feature] = {}
-    for number, height in enumerate(design.heights, 1):
-        if height not in drawn:
-            try:
-                drawn[height] = ridge(design, height)
-            except InputError as broken:
-                if not design.uneven:
-                    raise
-                rule = f"ridge {number}, {height:g} mm high: {broken.rule}"
-                raise InputError(broken.key, rule, broken.value, broken.remedy) from None
-    features = [drawn[height] for height in design.heights]
-    _check_roots(design, features)
-    count = len(features)
+    features = profiles(design, "extruded")
+    check_roots(design, features)
     return tuple(
         Placed(
-            feature,
-            _frame(design, number),
-            number,
-            design.lean(number),
-            tuple(n for n in (number - 1, number + 1) if 1 <= n <= count),
+            feature, frame(design, design.lean(number)), number, design.lean(number), beside(number, features)
         )
         for number, feature in enumerate(features, 1)
     )
 
 
-def ridge(design: Design, height: float) -> Feature:
-    """Return a ridge of a `height` in mm. Raises InputError where its fillets don't fit."""
-    table, half = design.ridge, half_ridge(design, height)
+def beside(number: int, features: list[Feature]) -> tuple[int, ...]:
+    """Return the numbers of a feature's neighbours in a row."""
+    return tuple(n for n in (number - 1, number + 1) if 1 <= n <= len(features))
+
+
+def profiles(design: Design, symmetry: Symmetry) -> list[Feature]:
+    """Return each feature of the design, drawn once for each height. Raises InputError for one without a
+    shape."""
+    drawn: dict[float, Feature] = {}
+    for number, height in enumerate(design.heights, 1):
+        if height not in drawn:
+            try:
+                drawn[height] = _profile(design, height, symmetry)
+            except InputError as broken:
+                if not design.uneven:
+                    raise
+                rule = f"{design.features.family} {number}, {height:g} mm high: {broken.rule}"
+                raise InputError(broken.key, rule, broken.value, broken.remedy) from None
+    return [drawn[height] for height in design.heights]
+
+
+def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
+    table = design.features
+    if isinstance(table, Flat):
+        raise ValueError("a flat skin has no profile")
+    half = half_profile(table, _base_radius(design), height)
     return Feature(
-        family="ridge",
-        outline=tuple(_outline(design, half, height)),
+        family=table.family,
+        outline=tuple(_outline(table, half, height)),
         height=height,
         root_width=table.root_width,
         tip_width=table.tip_width,
@@ -63,38 +74,46 @@ def ridge(design: Design, height: float) -> Feature:
         tip_fillet=table.tip_fillet,
         slot=design.slot,
         sensors=tuple(_sensors(design)),
+        symmetry=symmetry,
     )
+
+
+def _base_radius(design: Design) -> float:
+    """Radius of what a feature's foot stands on, mm: of a pin the plane that touches the base there."""
+    return math.inf if design.features.family == "pin" else design.skin.curvature_radius
 
 
 def without_fillets(design: Design) -> Design:
     """Return the design with the sharp corners that a coarse mesh has."""
-    return design.with_(ridge={"tip_fillet": 0.0, "root_fillet": 0.0})
+    return design.with_(**{design.features.family: {"tip_fillet": 0.0, "root_fillet": 0.0}})
 
 
-def _frame(design: Design, number: int) -> Frame:
-    lean, radius = design.lean(number), design.skin.curvature_radius
+def frame(design: Design, lean: float) -> Frame:
+    """Return the frame on the base circle where its normal leans by an angle, rad."""
+    radius = design.skin.curvature_radius
     sine, cosine = math.sin(lean), math.cos(lean)
     origin = Point(radius * sine, design.skin.thickness - 2 * radius * math.sin(lean / 2) ** 2)
     return Frame(origin, Point(cosine, -sine), Point(sine, cosine))
 
 
-def _check_roots(design: Design, features: list[Feature]) -> None:
+def check_roots(design: Design, features: list[Feature]) -> None:
     """Raise InputError where root fillets of neighbours overlap; a lone ridge is its own neighbour."""
-    pitch, fillet = design.ridge.spacing, design.ridge.root_fillet
+    pitch, name = design.spacing, design.features.family
     for number, (left, right) in enumerate(pairwise(features) if features[1:] else [features * 2], 1):
         reach = left.feet[0].x + right.feet[0].x
         if reach > pitch:
-            where = f" at ridges {number} and {number + 1}" if design.uneven else ""
+            where = f" at {name}s {number} and {number + 1}" if design.uneven else ""
             rule = f"neighbouring root fillets overlap by {reach - pitch:.4g} mm{where}"
-            raise InputError("ridge.root_fillet", rule, fillet, "take a smaller fillet or a larger pitch")
+            fillet = left.root_fillet
+            raise InputError(f"{name}.root_fillet", rule, fillet, "take a smaller fillet or a larger pitch")
 
 
-def _outline(design: Design, half: HalfRidge, height: float) -> Iterator[Segment]:
+def _outline(table: ProfileTable, half: HalfProfile, height: float) -> Iterator[Segment]:
     """The outline from the foot at +t to that at -t; without a fillet its segment has no length."""
     right = [Point(*p) for p in half]
     left = [Point(-t, n) for t, n in half]
-    foot = _fillet_bulge(half.base, half.flank_low, design.ridge.root_fillet)
-    shoulder = _fillet_bulge(half.flank_high, half.crown, design.ridge.tip_fillet)
+    foot = _fillet_bulge(half.base, half.flank_low, table.root_fillet)
+    shoulder = _fillet_bulge(half.flank_high, half.crown, table.tip_fillet)
     summit = (height - half.crown[1]) / half.crown[0] if half.crown[0] > 0 else 0.0
     yield Segment(right[0], right[1], -foot, "root_fillet")
     yield Segment(right[1], right[2], 0.0, "flank")
@@ -133,8 +152,8 @@ def _sensors(design: Design) -> Iterator[SensorPlace]:
     )
 
 
-class HalfRidge(NamedTuple):
-    """The ridge's side at +t in its own frame, from base circle to axis: (t, n) mm and radii."""
+class HalfProfile(NamedTuple):
+    """A feature's side at +t in its own frame, from base circle to axis: (t, n) mm."""
 
     base: tuple[float, float]
     flank_low: tuple[float, float]
@@ -142,14 +161,15 @@ class HalfRidge(NamedTuple):
     crown: tuple[float, float]
 
 
-def half_ridge(design: Design, height: float) -> HalfRidge:
-    """Corners of half a ridge of a `height` in mm, with its fillets.
+def half_profile(ridge: ProfileTable, radius: float, height: float) -> HalfProfile:
+    """Corners of half a feature of a `height` in mm, with its fillets, on a base circle of a `radius`, which
+    is infinite where it is flat.
 
     A fillet's centre lies at its radius from the flank's line, and on a circle concentric with the base
     (or crown) circle; written with the circle's curvature, the quadratic stays exact for a flat one.
     """
-    ridge, radius = design.ridge, design.skin.curvature_radius
-    sag = 2 * radius * math.sin(math.asin(ridge.root_width / (2 * radius)) / 2) ** 2
+    name, flat = ridge.family, math.isinf(radius)
+    sag = 0.0 if flat else 2 * radius * math.sin(math.asin(ridge.root_width / (2 * radius)) / 2) ** 2
     root = np.array([ridge.root_width / 2, -sag])
     edge = np.array([ridge.tip_width / 2, height - ridge.crown])
     flank = edge - root
@@ -158,49 +178,53 @@ def half_ridge(design: Design, height: float) -> HalfRidge:
     out = np.array([along[1], -along[0]])
     summit = np.array([0.0, height])
     crown_curvature = 2 * ridge.crown / (ridge.tip_width**2 / 4 + ridge.crown**2)
-    _check_flank(design, rise(root, along, 1 / radius), rise(edge - summit, along, crown_curvature))
+    _check_flank(ridge, rise(root, along, 1 / radius), rise(edge - summit, along, crown_curvature))
     r = ridge.root_fillet
     u = concentric_hit(root + r * out, along, 1 / radius, r + r * r / (2 * radius))
     if u is None:
-        raise InputError("ridge.root_fillet", "does not fit between flank and base circle", r, "reduce it")
+        raise InputError(f"{name}.root_fillet", "does not fit between flank and base circle", r, "reduce it")
     low, centre = root + u * along, root + r * out + u * along
-    base = centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
+    base = centre - [0.0, r] if flat else centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
     r, curvature = ridge.tip_fillet, crown_curvature
     if curvature * r >= 1:
         raise InputError(
-            "ridge.tip_fillet", f"must be less than {1 / curvature:.4g} mm (the crown's radius)", r
+            f"{name}.tip_fillet", f"must be less than {1 / curvature:.4g} mm (the crown's radius)", r
         )
-    v = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
+    hit = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
+    v = hit if r else 0.0
     if v is None:
-        raise InputError("ridge.tip_fillet", "does not fit between flank and crown", r, "reduce it")
+        raise InputError(f"{name}.tip_fillet", "does not fit between flank and crown", r, "reduce it")
     high, inner = edge + v * along, edge - r * out + v * along - summit
     crown = (inner + np.array([0.0, r])) / (1 - curvature * r) + summit
     if u > size + v:
         raise InputError(
-            "ridge.root_fillet",
+            f"{name}.root_fillet",
             f"root and tip fillet need {u - v:.4g} mm of a flank of {size:.4g} mm",
             ridge.root_fillet,
             "take smaller fillets or a higher ridge",
         )
     if crown[0] < 0:
         raise InputError(
-            "ridge.tip_fillet", "the two tip fillets overlap on the axis", r, "take a smaller one"
+            f"{name}.tip_fillet", "the two tip fillets overlap on the axis", r, "take a smaller one"
         )
     # without a fillet its two ends are one corner: 1e-17 mm between them would be an edge that crosses others
     base, low = (base, low) if ridge.root_fillet else (root, root)
     high, crown = (high, crown) if ridge.tip_fillet else (edge, edge)
     pairs = [(float(p[0]), float(p[1])) for p in (base, low, high, crown)]
-    return HalfRidge(*pairs)
+    return HalfProfile(*pairs)
 
 
-def _check_flank(design: Design, at_root: float, at_tip: float) -> None:
+STEEP = 1e-9  # rounding of the sine by which a hemisphere's edge is as steep as a cylinder
+
+
+def _check_flank(table: ProfileTable, at_root: float, at_tip: float) -> None:
     """Raise InputError where a flank doesn't rise from the base circle, or not out of the crown's: by the
-    sines of its angles with them, which no fillet changes."""
-    ridge = design.ridge
+    sines of its angles with them, which no fillet changes. A pin's hemisphere may go on as its cylinder."""
+    name, root_key = table.family, table.widths[0]
     if at_root <= 0:
-        rule = "is so wide and the ridge so low that its flanks begin inside the base circle"
-        remedy = "make the ridge higher or less crowned, its root narrower, or curvature_radius larger"
-        raise InputError("ridge.root_width", rule, ridge.root_width, remedy)
-    if at_tip <= 0:
+        rule = f"is so wide and the {name} so low that its flanks begin inside the base circle"
+        remedy = f"make the {name} higher or less crowned, its root narrower, or curvature_radius larger"
+        raise InputError(f"{name}.{root_key}", rule, table.root_width, remedy)
+    if at_tip <= 0 and not (name == "pin" and table.tip_fillet == 0.0 and at_tip > -STEEP):
         rule = "makes the crown's edges as steep as the flanks or steeper"
-        raise InputError("ridge.crown", rule, ridge.crown, "reduce it, or make the flanks steeper")
+        raise InputError(f"{name}.crown", rule, table.crown, "reduce it, or make the flanks steeper")

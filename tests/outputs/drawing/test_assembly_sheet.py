@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cadquery as cq
 import ezdxf
@@ -14,7 +15,6 @@ import skincad
 from skincad.fabrication.assembly_drawing import AssemblyDrawing, assembly_drawing
 from skincad.fabrication.job import Job
 from skincad.fabrication.parts_list import parts_list
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.assembly_sheet import BALLOON, assembly_sheet
 from skincad.outputs.drawing.formats import write_sheet_dxf, write_sheet_pdf
@@ -22,12 +22,14 @@ from skincad.outputs.drawing.marks import Ink, Words
 from skincad.solids.occ import workplane
 from skincad.solids.projection import Arc
 from tests.bent_skin import three_ridges
+from tests.templates import SHIPPED
 
 GANG = ("plain-ridges", ["mold.cavities=2"])
 
 
-def designs() -> list[Design]:
-    return [*map(skincad.load, template_names()), three_ridges(), skincad.load(*GANG)]
+def designs() -> list[Any]:
+    own = [pytest.param(design) for design in (three_ridges(), skincad.load(*GANG))]
+    return [*(pytest.param(skincad.load(str(one.values[0])), marks=one.marks) for one in SHIPPED), *own]
 
 
 def area(drawing: AssemblyDrawing, part: str) -> float:

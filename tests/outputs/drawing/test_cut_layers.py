@@ -15,7 +15,6 @@ import pytest
 import skincad
 from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.inputs.process import processes
 from skincad.outputs.drawing.flat import write_seal_dxf, write_section_dxf
@@ -30,13 +29,11 @@ from skincad.solids.occ import workplane
 from skincad.solids.plan import Part, PartRole, Prism, RotatedBody, plain, unturned
 from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
+from tests.families import RIDGED
 from tests.outputs.test_export import dxf_loops
 
 FAST = {"steep-fingertip"}  # a split cavity; the others are slow
-NAMES = [
-    pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
-    for name in (*template_names(), "bent")
-]
+NAMES = [pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow]) for name in (*RIDGED, "bent")]
 SAME = 1e-6  # relative: what is promised; found are 1e-7 at the cones' narrow ends, 1e-11 elsewhere
 # Shares of a part's length: a conical hole is as drawn at its narrow end alone, 1e-6 of 4 mm from the face
 PLANES = (0.5, 0.37, 0.63, 1e-6, 1 - 1e-6, 0.21, 0.79, 0.11, 0.89)

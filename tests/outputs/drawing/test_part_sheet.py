@@ -17,7 +17,6 @@ import skincad
 from skincad.fabrication.drawn_features import ABOVE, FRONT, hole_groups, notches, number, views
 from skincad.fabrication.job import Job
 from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
-from skincad.inputs.catalog import template_names
 from skincad.inputs.design import Design
 from skincad.outputs.drawing.formats import sheet_svg, write_dxf, write_sheet_pdf
 from skincad.outputs.drawing.marks import Dimension, Ink, Sheet, Words, overlap
@@ -28,11 +27,12 @@ from skincad.solids.occ import projection, solid
 from skincad.solids.plan import CutRole, Part, RotatedBody, bores
 from skincad.solids.projection import Arc
 from tests.bent_skin import three_ridges
+from tests.families import RIDGED
 
 FAST = {"bent"}  # doubly curved; printed with nuts, by wire and mounted are slow
 NAMES = [
     pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
-    for name in (*template_names(), "bent", "mounted")
+    for name in (*RIDGED, "bent", "mounted")
 ]
 READ = 1e-6  # mm, DXF has 16 digits, the drawing's places six
 THREADED = {CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL, CutRole.MOUNT}

@@ -43,6 +43,7 @@ from skincad.outputs.figures.scenes import ridge_groups, scene_figure
 from skincad.outputs.figures.studies import diagram
 from skincad.solids.mold import mold
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
+from tests.families import RIDGED
 from tests.small_scene import THIRD, small_scene
 
 UNITS = (
@@ -390,10 +391,7 @@ def leaders(figure: Picture) -> list[shapely.LineString]:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=() if name in DESIGNS else pytest.mark.slow)
-        for name in skincad.template_names("designs")
-    ],
+    [pytest.param(name, marks=() if name in DESIGNS else pytest.mark.slow) for name in RIDGED],
 )
 def test_no_two_leaders_cross(name: str, folder: Path) -> None:
     known = f"design {name}"

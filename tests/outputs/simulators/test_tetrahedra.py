@@ -129,9 +129,10 @@ def test_empty_slots_are_voids() -> None:
 @pytest.mark.skipif(bool(ccx.missing()), reason=ccx.missing())
 def test_calculix_on_that_mesh_has_the_approach_of_the_check() -> None:
     """Its force at the solid model's approach: what that force is off, the approach at equal force is off by
-    less, for contact grows. 3 % is the issue's, measured 0.7 %. Small strain, no friction, free ends on
-    both sides.
+    less, for contact grows. 3 % is the issue's; measured 0.7 % on all of plain-ridges, which takes minutes.
+    Small strain, no friction, free ends on both sides.
     """
-    verdict = skincad.check(BARE.with_(contact={"friction": 0.0}), model="solid")
-    force = ccx.pressed(BARE, tetrahedra(BARE), float(verdict.approach))
+    few = BARE.with_(ridge={"count": 3}, skin={"width": 4.0, "length": 6.0}, contact={"force": 0.6})
+    verdict = skincad.check(few.with_(contact={"friction": 0.0}), model="solid")
+    force = ccx.pressed(few, tetrahedra(few), float(verdict.approach))
     assert force == pytest.approx(verdict.force, rel=0.03)

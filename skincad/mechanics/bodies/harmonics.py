@@ -1,0 +1,147 @@
+"""A turned section under loads that are no turned ones: one harmonic round the axis x = 0.
+
+Displacements are (u_r cos n t, u_z cos n t, u_t sin n t) at the angle t round the axis: n = 0 a pressure, n
+= 1 a pull across the axis or a moment about a line across it. Zienkiewicz and Taylor, The Finite Element
+Method, 5th ed., vol. 2, sec. 9.6. Lengths are in the pad's unit, stresses in E.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.mechanics.bodies import fe
+from skincad.mechanics.bodies.elements import small_strain
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """The condensed stiffness of one harmonic: NGSolve's `form` over `space`, and which unknowns are `free`.
+    The space's first component is (u_r, u_z), of n > 0 the second is u_r + n u_t."""
+
+    form: Any
+    space: Any
+    free: Any
+
+    def solved(self, loads: Sequence[Any]) -> list[Any]:
+        """Return the displacements under loads: NGSolve's linear forms of traction on the boundary."""
+        inverse = self.form.mat.Inverse(self.free, inverse="sparsecholesky")
+        fields = []
+        for load in loads:
+            field = ng.GridFunction(self.space)
+            field.vec.data = inverse * load.vec
+            field.vec.data += self.form.harmonic_extension * field.vec
+            fields.append(field)
+        return fields
+
+
+def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], number: int) -> Harmonic:
+    """Return harmonic `number` of a section that turns about x = 0, in small strain, with the pressure as an
+    unknown; materials and orders as in `small_strain`, which is harmonic 0.
+
+    For n > 0 the unknown round the axis is w = u_r + n u_t: the hoop strain is w / r, and strains stay
+    finite on the axis with w = 0 there, without any condition that ties unknowns to each other.
+    """
+    if number == 0:
+        form, both = small_strain(mesh, order, materials, revolved=True)
+        held = [fe.held_on_cut(mesh, both.components[0])[0]]
+        return Harmonic(form, both, _free(both, held))
+    plane = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    around = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    both = plane * around * ng.L2(mesh, order=order - 1)
+    (u, w, q), (v, s, p) = both.TnT()
+    strains, tests = _strains(u, w, number), _strains(v, s, number)
+    shear, bulk = fe.moduli(mesh, materials)
+    swell, swelling = sum(strains[:3]), sum(tests[:3])
+    inner = sum(a * b for a, b in zip(strains[:3], tests[:3], strict=True))
+    inner += sum(a * b for a, b in zip(strains[3:], tests[3:], strict=True)) / 2
+    form = ng.BilinearForm(both, symmetric=True, condense=True)
+    dx = ng.dx(bonus_intorder=2)
+    turn = fe.turn() / 2  # the mean of cos^2 round the axis
+    form += turn * 2 * shear * (inner - swell * swelling / 3) * dx
+    form += turn * (q * swelling + p * swell - q * p / bulk) * dx
+    form.Assemble()
+    in_r, in_z = fe.held_on_cut(mesh, plane)
+    on_axis = np.flatnonzero(fe.on_cut(mesh, around)) + both.Range(1).start
+    return Harmonic(form, both, _free(both, [in_z, on_axis] if number == 1 else [in_r, in_z, on_axis]))
+
+
+def _strains(u: Any, w: Any, n: int) -> list[Any]:
+    """Normal strains along r, z and t, and the shear strains rz, rt and zt, doubled, over cos n t or sin n
+    t."""
+    r, gradient, slope = ng.x, ng.Grad(u), ng.grad(w)
+    return [
+        gradient[0, 0],
+        gradient[1, 1],
+        w / r,
+        gradient[0, 1] + gradient[1, 0],
+        (slope[0] - gradient[0, 0]) / n + ((1 / n - n) * u[0] - w / n) / r,
+        (slope[1] - gradient[0, 1]) / n - n * u[1] / r,
+    ]
+
+
+def _free(space: Any, held: Sequence[Any]) -> Any:
+    free = ng.BitArray(space.FreeDofs(True))
+    for number in np.concatenate(held).tolist():
+        free.Clear(number)
+    return free
+
+
+Places = tuple[Array, Array]  # radii and heights `(m,)`, in units
+
+
+def pushed(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], loaded: float, at: Places
+) -> tuple[float, Array]:
+    """Return by how much the contact boundary sinks under a force of 1 along the axis, spread evenly within a
+    radius, the mean weighted by the load; and the displacements `(2, m)`, outward and up, at places."""
+    tip = _Tip.of(mesh, loaded)
+    push = harmonic(mesh, order, materials, 0)
+    (_, _), (v, _) = push.space.TnT()
+    down = ng.LinearForm(-2 * math.pi * ng.x * tip.inside / tip.area * v[1] * tip.ds).Assemble()
+    (field,) = push.solved([down])
+    return float(ng.InnerProduct(down.vec, field.vec)), np.asarray(field.components[0](mesh(*at))).T
+
+
+def pulled(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], loaded: float, at: Places
+) -> tuple[Array, Array]:
+    """Return the compliances `(2, 2)` of the contact boundary under a force of 1 across the axis and a moment
+    of 1 that lifts the side it points to; and the displacements `(2, 3, m)` of both at places, outward, up
+    and round, by the cosine and the sine of the angle to the pull."""
+    tip = _Tip.of(mesh, loaded)
+    turning = ng.Integrate(math.pi * ng.x**3 * tip.inside * tip.ds, mesh)
+    pull = harmonic(mesh, order, materials, 1)
+    _, (v, s, _) = pull.space.TnT()
+    loads = [
+        ng.LinearForm(math.pi * ng.x * tip.inside / tip.area * (2 * v[0] - s) * tip.ds).Assemble(),
+        ng.LinearForm(math.pi * ng.x**2 * tip.inside / turning * v[1] * tip.ds).Assemble(),
+    ]
+    fields, points, moves = pull.solved(loads), mesh(*at), []
+    for field in fields:
+        u, w = (np.asarray(field.components[i](points)).T for i in (0, 1))
+        moves.append(np.stack([u[0], u[1], w.ravel() - u[0]]))
+    across = np.array([[ng.InnerProduct(load.vec, field.vec) for field in fields] for load in loads])
+    return across, np.array(moves)
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """The part of feature 1's contact boundary within a radius: an indicator times the normal's rise, its
+    `area` seen along the axis, and the boundary to integrate over."""
+
+    inside: Any
+    area: float
+    ds: Any
+
+    @classmethod
+    def of(cls, mesh: Any, loaded: float) -> _Tip:
+        inside = ng.IfPos(loaded * (1 + 1e-6) - ng.x, ng.specialcf.normal(2)[1], 0.0)
+        ds = ng.ds(definedon=mesh.Boundaries("contact1"), bonus_intorder=4)
+        return cls(inside, ng.Integrate(2 * math.pi * ng.x * inside * ds, mesh), ds)

@@ -1,0 +1,28 @@
+"""Rings: concentric ridges of a round skin, whose section turns about its middle.
+
+A ring is drawn as a ridge is, in the frame on the base circle at its radius, and turned about z.
+"""
+
+from __future__ import annotations
+
+from skincad.inputs.design import Design
+from skincad.shape.families.ridges import beside, check_roots, frame, profiles, without_fillets
+from skincad.shape.feature import Placed
+
+__all__ = ["place", "without_fillets"]
+
+
+def place(design: Design) -> tuple[Placed, ...]:
+    """Return the design's rings on its skin, ring 1 the innermost, each where the section's half at +x
+    crosses it.
+
+    Raises InputError where a ring has no shape, or neighbours no room.
+    """
+    features = profiles(design, "concentric")
+    check_roots(design, features)
+    return tuple(
+        Placed(
+            feature, frame(design, design.lean(number)), number, design.lean(number), beside(number, features)
+        )
+        for number, feature in enumerate(features, 1)
+    )

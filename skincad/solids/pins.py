@@ -1,0 +1,183 @@
+"""Pins and pockets as bodies: what of a skin turns about axes of its own.
+
+A pin's loop is its feature's outline from the foot to the summit, closed along its axis. On a plane base it
+ends at its foot. On a curved base it goes on as a cylinder into the base, and fills what the base falls away
+under its foot; the part of the cylinder inside the base doesn't count.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.inputs.design import Design
+from skincad.inputs.feature_tables import Flat, Pin, Pocket, places
+from skincad.inputs.skin_tables import Base
+from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.feature import Feature, Placed
+from skincad.shape.skin import Section, Skin, skin_of, upright
+from skincad.solids.plan import Bore, CutRole, TurnedBody, shifted
+from skincad.solids.shrinkage import on_grid
+
+SUNK = 0.2  # mm, by which a pin's cylinder goes at least into a curved base
+_TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature over a foot; smooth, so exact
+_STEPS, _STILL = 60, 1e-14  # of the way down to the base; mm
+
+
+def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
+    """Return the design's pins on its base, whose section is `shape`; none of another family."""
+    skin = skin_of(design)
+    if skin.symmetry != "revolved":
+        return ()
+    base = next(s for s in shape.outline if s.kind == "base")
+    if on_plane(design, shape):
+        level = base.start.z
+        return tuple(
+            TurnedBody(_loop(p.feature, 0.0), (p.foot[0], p.foot[1], level), (0.0, 0.0, 1.0))
+            for p in skin.placed
+        )
+    foot = np.array([p.feature.feet[0].x for p in skin.placed])
+    filled, deepest = _filled(design.skin, skin, foot)
+    deep = deepest + SUNK
+    buried = math.pi * foot**2 * deep - filled
+    return tuple(
+        TurnedBody(_loop(p.feature, deep), p.foot, p.axis, float(b))
+        for p, b in zip(skin.placed, buried, strict=True)
+    )
+
+
+def on_plane(design: Design, shape: Section) -> bool:
+    """Whether the base, whose section is `shape`, is plane."""
+    flat = all(s.bulge == 0.0 for s in shape.outline if s.kind == "base")
+    return flat and design.skin.curvature_radius_y is None
+
+
+def flank_end(pins: Iterable[TurnedBody]) -> float:
+    """Return how far the flank of the shortest pin reaches along its axis, mm."""
+    return min(max(s.end.z for s in pin.outline if s.bulge == 0.0 and s.end.x > 0.0) for pin in pins)
+
+
+def parted(pin: TurnedBody, level: float) -> tuple[TurnedBody, TurnedBody]:
+    """Return what of a pin on a plane base lies up to `level` mm on its axis, on its flank, and what beyond,
+    the latter from that plane on."""
+    i = next(i for i, s in enumerate(pin.outline) if s.end.z >= level)
+    flank = pin.outline[i]
+    share = (level - flank.start.z) / (flank.end.z - flank.start.z)
+    edge, middle = Point(flank.start.x + share * (flank.end.x - flank.start.x), level), Point(0.0, level)
+    down, foot = pin.outline[-2:]
+    below = (
+        *pin.outline[:i],
+        replace(flank, end=edge),
+        Segment(edge, middle),
+        Segment(middle, down.end),
+        foot,
+    )
+    rest = () if flank.end.z == level else (replace(flank, start=edge),)
+    tip = (*rest, *pin.outline[i + 1 : -2], Segment(down.start, middle), Segment(middle, edge))
+    (x, y, z), up = pin.origin, pin.direction[2]
+    whole = replace(pin, role=None)
+    return (
+        replace(pin, outline=below, piece_of=whole),
+        replace(pin, outline=shifted(tip, 0.0, -level), origin=(x, y, z + up * level), piece_of=whole),
+    )
+
+
+def cast(body: TurnedBody, role: CutRole | None = None) -> TurnedBody:
+    """Return a pin as it lies in the mold: turned about x by half a turn."""
+    (x, y, z), (u, v, w) = body.origin, body.direction
+    return replace(body, origin=(x, -y, -z), direction=(u, -v, -w), role=role)
+
+
+def pocket_of(design: Design) -> Pocket | None:
+    """Return the table of the pockets, None where there are none."""
+    table = design.features
+    return table.pocket if isinstance(table, Pin | Flat) else None
+
+
+def pocket_places(design: Design) -> list[tuple[float, float]]:
+    """Return (x, y) of the pockets, mm: under the summits of pins, or where a flat skin has them."""
+    pocket = pocket_of(design)
+    if pocket is None:
+        return []
+    if isinstance(design.features, Pin):
+        return [(p.tip[0] + pocket.offset, p.tip[1]) for p in skin_of(design).placed]
+    radius = design.skin.curvature_radius
+    where = places(design.skin, design.features)
+    return [(radius * math.sin(at.u / radius) + pocket.offset, at.v) for at in where]
+
+
+def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
+    """Return the pockets as blind holes from the back; `up` = -1 as the skin lies in its mold."""
+    pocket = pocket_of(design)
+    if pocket is None:
+        return ()
+    deep = on_grid(pocket.depth)
+    return tuple(
+        Bore((x, up * y, min(0.0, up * deep)), "z", deep, pocket.diameter / 2, role=CutRole.POCKET)
+        for x, y in pocket_places(design)
+    )
+
+
+def hole_block(placed: Placed) -> Loop:
+    """Return the block with a pin's hole alone, in the plane of the pin's axis and z, z as in the mold: what
+    a tool or a layer meets there is what it meets in the round hole."""
+    hole = flipped(tuple(upright(placed).outline))
+    start, end = hole[-1].end, hole[0].start
+    low = min(min(s.start.z, s.end.z) for s in hole) - 2 * placed.feature.root_width
+    wide = 2 * (start.x - end.x)
+    corners = [end, Point(end.x - wide, end.z), Point(end.x - wide, low), Point(start.x + wide, low)]
+    corners += [Point(start.x + wide, start.z), start]
+    ground = (Segment(a, b) for a, b in pairwise(corners))
+    return (*(s.reversed() for s in reversed(hole)), *ground)
+
+
+def _loop(feature: Feature, deep: float) -> Loop:
+    """A feature's half outline at t >= 0, closed along its axis, `deep` mm below its foot."""
+    half: list[Segment] = []
+    for s in feature.outline:
+        if s.kind == "crown":
+            half.append(replace(s, end=Point(0.0, feature.height), bulge=math.tan(s.sweep / 8)))
+            break
+        half += [s] if s.chord > 0.0 else []
+    foot = half[0].start
+    corners = [Point(0.0, feature.height), Point(0.0, -deep), Point(foot.x, -deep), foot]
+    lines = (Segment(a, b) for a, b in pairwise(corners) if a != b)
+    return (*half, *lines)
+
+
+def _filled(base: Base, skin: Skin, foot: Array) -> tuple[Array, float]:
+    """What the base falls away under each pin's foot, `(n,)` mm3, and how far at most, mm: the way along the
+    pin's axis from the foot's plane to the base, summed over the foot."""
+    nodes, weights = _RINGS
+    share = np.append((nodes + 1) / 2, 1.0)  # of the foot; the rim counts for the depth alone
+    turn = 2 * math.pi * np.arange(_TURNS) / _TURNS
+    frames = np.stack([TurnedBody((), p.foot, p.axis).frame() for p in skin.placed])
+    round_foot = np.cos(turn), np.sin(turn), 0.0 * turn
+    disk = np.einsum("p,r,it->prti", foot, share, np.array(round_foot))
+    plane = np.einsum("prti,pji->prtj", disk, frames) + np.array([p.foot for p in skin.placed])[:, None, None]
+    axis = np.array([p.axis for p in skin.placed])[:, None, None]
+    down = np.zeros(plane.shape[:3])
+    for _ in range(_STEPS):
+        step = _over(base, plane - down[..., None] * axis)
+        down = down + step
+        if np.abs(step).max() < _STILL:
+            break
+    mean = down[:, :-1].mean(axis=2)
+    return 2 * math.pi * foot**2 * (mean @ (weights / 2 * share[:-1])), float(down.max())
+
+
+def _over(base: Base, points: Array) -> Array:
+    """How far points `(..., 3)` mm lie outside the base's face, mm, about: exact where that is 0."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    radius, along, thick = base.curvature_radius, base.curvature_radius_y, base.thickness
+    n = z - thick
+    if along is not None:
+        n = (y * y + n * n + 2 * along * n) / (along + np.hypot(y, n + along))
+    aside = x * x + y * y if base.round else x * x
+    over: Array = (aside + n * n + 2 * radius * n) / (radius + np.sqrt(aside + (n + radius) ** 2))
+    return over

@@ -1,0 +1,211 @@
+"""Round skins and their molds: what turns about z, three ways, and that nothing shares its room."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+import skincad
+from skincad.base.errors import InputError
+from skincad.fabrication.filling import pockets
+from skincad.fabrication.findings import design_findings
+from skincad.fabrication.job import Job
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import manifold, mesh
+from skincad.inputs.design import Design
+from skincad.shape.curves import polygon
+from skincad.shape.skin import section, skin_of
+from skincad.solids.mold import mold
+from skincad.solids.occ import solid, volume
+from skincad.solids.plan import CutRole, PartRole, TurnedBody, bores
+from skincad.solids.round import UNDER_GROOVES
+from skincad.solids.shrinkage import shrinkage
+from skincad.solids.skin import skin_part
+from tests import families
+
+ROUND = ["rings", "round-nibs", "round-flat"]
+
+
+def of(name: str) -> Design:
+    if name != "round-flat":
+        return families.OF_FAMILIES[name]()
+    skin = {"outline": "round", "curvature_radius": 30.0, "thickness": 4.0, "width": 14.0}
+    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}}
+    return skincad.Design(name=name, skin=skin, flat={"columns": 1, "rows": 1, "pitch": 4.0}, **rest)
+
+
+def test_a_bare_round_skin_is_a_cylinder_under_a_spherical_cap() -> None:
+    design = of("round-flat")
+    radius, half = 30.0, 7.0
+    cap = radius - math.sqrt(radius**2 - half**2)
+    handbook = math.pi * half**2 * (4.0 - cap) + math.pi * cap**2 * (3 * radius - cap) / 3
+    assert skin_part(design).volume == pytest.approx(handbook, rel=1e-13)
+
+
+def test_rings_turn_about_the_middle() -> None:
+    """By the section's polygon, cut at x = 0: another library's area and centroid, chords within 1e-6 mm."""
+    design = of("rings")
+    whole = shapely.Polygon(polygon(section(design).outline, 1e-6))
+    half = whole.intersection(shapely.box(0.0, -1.0, 100.0, 100.0))
+    turned = 2 * math.pi * half.centroid.x * half.area
+    assert skin_part(design).volume == pytest.approx(turned, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["rings", "round-flat", pytest.param("round-nibs", marks=pytest.mark.slow)])
+def test_every_part_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> None:
+    for part in mold(of(name)).parts:
+        shape = solid(part)  # one valid solid
+        assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9), part.name
+        # chords within c of the surface move the volume by less than c times the area
+        assert manifold(part, 1e-3).volume() == pytest.approx(part.volume, abs=1e-3 * shape.Area())
+
+
+def test_a_cavity_in_a_block_is_a_disc_of_the_same_trough() -> None:
+    design = of("rings")
+    whole, parted = mold(design), mold(design.with_(mold={"block_process": "fdm", "lid_process": "fdm"}))
+    disc, block = parted.part("cavity"), parted.part("block")
+    assert {*disc.cuts} == {cut for cut in whole.part("cavity").cuts if cut.role is CutRole.TROUGH}
+    for part in (disc, block):
+        assert volume(part, solid(part)) == pytest.approx(part.volume, rel=2e-9), part.name
+    low, _, bottom, high, _, top = manifold(disc, 1e-3).bounding_box()
+    least = -manifold(parted.part("skin"), 1e-3).bounding_box()[2] + UNDER_GROOVES
+    assert top == 0.0
+    assert least <= -bottom < least + 0.5  # a round height, in halves of a millimetre
+    assert high - low == pytest.approx(parted.part("carrier").body.outline[0].chord, abs=1e-2)  # chords
+    assert interference(parted, design.mold.clearance / 10) == []
+    assert parted.opening[-1].parts == ("cavity",)
+
+
+@pytest.mark.parametrize(
+    ("tables", "where"),
+    [
+        ({"process": "edm"}, "cavity, a trough that turns"),
+        ({"process": "lathe"}, "cavity, by a lathe"),
+        ({"process": "lathe", "block_process": "lathe"}, "block, by a lathe"),
+        ({"process": "lathe", "block_process": "sla"}, ""),
+    ],
+)
+def test_what_a_wire_or_a_lathe_does_not_make_is_an_error(tables: dict[str, str], where: str) -> None:
+    lathe = {"based_on": "cnc", "tool": "lathe", "tool_radius": 0.1, "groove_ratio": 0.0}
+    design = of("rings").with_(printer={"lathe": lathe}, mold={"lid_process": "sla", **tables})
+    errors = [f.where for f in design_findings(Job(design)) if f.severity == "error"]
+    assert errors[0].startswith(where) if where else errors == [], errors
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_parts_share_nothing_closed_or_opening(name: str) -> None:
+    design = of(name)
+    closed = mold(design)
+    assert interference(closed, design.mold.clearance / 10) == []
+    moved = [part for step in closed.opening for part in step.parts]
+    still = {part.name for part in closed.parts} - {*moved}
+    assert len(moved) == len({*moved})
+    assert still == {part.name for part in closed.of(PartRole.CAVITY)}
+
+
+def test_a_skin_that_is_not_in_its_trough_shares_its_room() -> None:
+    """Of a skin that lies 0.01 mm too low: what its sections say is touching is not taken for it."""
+    design = of("rings")
+    closed = mold(design)
+    skin = closed.part("skin")
+    area = manifold(skin, 1e-3).surface_area()
+    assert isinstance(skin.body, TurnedBody)
+    larger = replace(skin, body=replace(skin.body, origin=(0.0, 0.0, -0.01)))
+    parts = tuple(larger if part is skin else part for part in closed.parts)
+    (finding,) = interference(replace(closed, parts=parts, opening=()), design.mold.clearance / 10)
+    # a shift of 0.01 along z: of the area that looks down, the back's by its shadow, at least half of all
+    assert 0.3 * area * 0.01 < finding.measured < 0.5 * area * 0.01
+
+
+def test_grooves_are_as_deep_as_the_rings_are_high_and_the_silicone_shrinks() -> None:
+    design = of("rings")
+    points = np.asarray(mesh(mold(design).part("cavity"), 1e-3).vertices)
+    grown, skin = 1 / (1 - shrinkage(design)), skin_of(design)
+    radii = np.hypot(points[:, 0], points[:, 1])
+    for placed in skin.placed:
+        near = np.abs(radii - placed.summit.x * grown) < skin.profile.tip_width / 4
+        crown = max(s.top for s in placed.outline)
+        assert points[near, 2].min() == pytest.approx(-crown * grown, abs=2e-3)  # two chords
+
+
+def test_the_mold_has_no_ends_and_its_vent_stands_at_the_skins_rim() -> None:
+    closed = mold(of("rings"))
+    assert not closed.of(PartRole.END_PLATE, PartRole.COMB, PartRole.KEEPER, PartRole.END_PIN)
+    (vent,) = bores(closed.part("carrier"), CutRole.VENT)
+    (trough,) = (cut for cut in closed.part("cavity").cuts if cut.role is CutRole.TROUGH)
+    rim = manifold(closed.part("skin"), 1e-3).bounding_box()[4]
+    assert trough.volume == closed.part("skin").volume
+    assert vent.start[1] + vent.radius == pytest.approx(rim, abs=2e-3)
+
+
+def test_holes_of_the_carrier_keep_off_its_rim() -> None:
+    mount = {"thread": "M3", "diameter": 22.0, "pin": 2.0, "fiducials": 3}
+    design = of("rings").with_(skin={"width": 34.0}, mount=mount)
+    carrier = mold(design).part("carrier")
+    radius = manifold(carrier, 1e-4).bounding_box()[3]
+    roles = {bore.role for bore in bores(carrier)}
+    assert roles >= {CutRole.RIVET, CutRole.PULL, CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL}
+    for bore in bores(carrier):
+        assert radius - math.hypot(*bore.start[:2]) - bore.far_radius > 1.199, bore  # layout's EDGE, chords
+
+
+def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
+    """By the wedges of the turned skin: tilted, the back's highest place is at the vent, at the rim."""
+    job = Job(of("rings").with_(mold={"carrier": "plain"}))
+    assert pockets(job, 10.0) == ()
+    # end b down by 10 deg: air up to the vent's level, at most a wedge of the back, 16 mm x tan(10 deg) high
+    (air,) = (p for p in pockets(job, -10.0) if p.harm == "body")
+    assert air.place[1] < 0
+    assert air.height == pytest.approx(
+        15.0 * math.sin(math.radians(10.0)), rel=0.02
+    )  # vent's far side to rim
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "rule"),
+    [
+        ({"mold": {"pour": "syringe"}}, "mold.pour", "poured open"),
+        ({"mold": {"gate": 2.0}}, "mold.gate", "poured open"),
+        ({"mold": {"cavities": 2}}, "mold.cavities", "must be 1"),
+        ({"mold": {"block_process": "edd"}}, "mold.block_process", "must be"),
+        ({"mold": {"split": "auto"}}, "mold.split", "must be 'none'"),
+        ({"mold": {"reservoir": 40.0}}, "mold.reservoir", "clear of the bolts"),
+        ({"mount": {"thread": "M3", "diameter": 19.0}}, "mount.diameter", "at most"),
+    ],
+)
+def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        mold(of("rings").with_(**change))
+    assert str(refusal.value).startswith(f"{key}: ")
+    assert rule in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "rule"),
+    [
+        ({"ring": {"radius": 0.5}}, "ring.radius", "closes over its middle"),
+        ({"ring": {"count": 9}}, "ring.count", "fit on skin.width"),
+        ({"ring": {"root_width": 2.5, "radius": 3.0, "count": 2}}, "ring.root_width", "must be less than"),
+        ({"skin": {"outline": "rectangle", "length": 16.0}}, "skin.outline", "must be 'round' for rings"),
+        ({"skin": {"length": 12.0}}, "skin.length", "of a round skin"),
+    ],
+)
+def test_what_no_ring_can_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        of("rings").with_(**change)
+    assert str(refusal.value).startswith(f"{key}: ")
+    assert rule in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_thin_walls_between_rings_are_a_warning_with_their_width() -> None:
+    """The tooth of the mold between two rings is their pitch less a root."""
+    design = of("rings").with_(ring={"root_width": 1.7, "root_fillet": 0.1}, mold={"process": "fdm"})
+    (thin,) = (f for f in design_findings(Job(design)) if f.rule == "wall")
+    assert thin.measured == pytest.approx(0.3)
+    assert "two rings' roots" in thin.where
