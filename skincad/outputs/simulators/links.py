@@ -131,7 +131,7 @@ def ridge_parts(design: Design) -> list[Part]:
     skin = skin_of(design)
     if skin.count > MOST_BODIES:
         rule = f"must be at most {MOST_BODIES} for bodies of their own"
-        raise InputError(skin.family, rule, skin.count, "take fewer, or only --for taxels")
+        raise InputError(skin.family, rule, skin.count, "take fewer, or a larger pitch")
     if skin.symmetry == "revolved":
         bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, section(design))]
     elif skin.symmetry == "concentric":
