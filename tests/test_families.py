@@ -130,6 +130,16 @@ def test_a_package_presses_as_the_check_says(family: str, tmp_path: Path) -> Non
     assert (",pocket," in taxels) == (pocket is not None)
 
 
+def test_of_many_pins_a_package_has_the_places_alone(tmp_path: Path) -> None:
+    ran(tmp_path, "package", "nibs-fine", "--for", "taxels", "-o", "pack")
+    places = (tmp_path / "pack" / "taxels.csv").read_text()
+    assert places.count(",crest,") == skin_of(skincad.load("nibs-fine")).count == 389
+    result = run_skincad("package", "nibs-fine", "--for", "urdf", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "must be at most 64" in result.stderr
+    assert_a_line(result.stderr.removeprefix("skincad: ").strip())
+
+
 def test_a_pull_is_marched_or_refused_in_one_line(family: str, tmp_path: Path) -> None:
     name = TEMPLATES[family]
     (tmp_path / "pull.toml").write_text(PULL.format(name=name, force=0.4, pull=0.15))

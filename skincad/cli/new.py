@@ -110,8 +110,6 @@ def new(
         raise InputError("family", "does not go with a template", family, "leave one of them out")
     if given and template is not None:
         raise InputError("template", "does not go with a wish", template, f"leave out --{next(iter(given))}")
-    if family == "pin" and film not in (None, "none"):
-        raise InputError("film", "needs ridges, and pins have none", film, "leave it out")
     if not given and family is not None:
         template = first_of(family)
     elif family is not None:

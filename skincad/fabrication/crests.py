@@ -41,7 +41,7 @@ READINGS_NEAR_EDGE = 64  # of each crest in all, near the verdict's edge: so tha
 EDGE_DEVIATIONS = 2.5
 SHRINKAGE_SCATTER = 0.002  # relative, assumption: standard deviation of shrinkage from batch to batch
 LEVEL_BAND = 0.002  # mm, assumption: what meshes and slicers round of a level, or of a narrow groove's width
-MOST_LISTED = 64  # features that a sheet lists one by one
+MOST_LISTED = 64  # features that a sheet lists one by one; assumption: nobody reads more
 NEGLIGIBLE_CHANGE = 1e-3  # mm, and layers: nobody sees so little
 SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius is 0.049
 
@@ -221,9 +221,6 @@ def printed_crests(job: Job) -> tuple[float, ...] | None:
         return job.skin.crests
     block = _block(job)
     return block and _heights(block)
-
-
-MOST_LISTED = 64  # crests by number, assumption: nobody reads more
 
 
 def listed_crests(which: Sequence[int]) -> str:

@@ -176,10 +176,11 @@ def _slender(case: Case) -> Iterator[Finding]:
     for tooth in teeth(case):
         width = tooth.width
         if case.part.role in CAVITIES:
-            ridge = case.job.skin.profile
-            width += (ridge.root_width - ridge.tip_width) / 2
+            profile = case.job.skin.profile
+            width += (profile.root_width - profile.tip_width) / 2
         if most and tooth.height > most * width:
-            remedy = f"a height of at most {most * width:.3g} mm, or ridges or slots further apart"
+            apart = f"{case.job.skin.family}s or slots further apart"
+            remedy = f"a height of at most {most * width:.3g} mm, or {apart}"
             times = "times as high as wide"
             yield case.breaks("slender", tooth.where, tooth.height / width, most, times, remedy)
 

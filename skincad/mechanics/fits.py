@@ -21,7 +21,7 @@ from skincad.shape.skin import skin_of
 
 NUMBERS = {
     "ridges": "ridges",
-    "slenderness": "ridge height by mean width",
+    "slenderness": "height by mean width",
     "base": "base thickness by pitch",
     "length": "length by base thickness",
     "curvature": "width by radius",

@@ -277,12 +277,8 @@ ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
 CHEAP = 200  # evaluations of one number at most, where they take milliseconds
 FINE = 1 / 32  # of the range: how far cuts places may be before there is no value, where they are cheap
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
-MODELS = (
-    "corrected",
-    "linear",
-    "winkler",
-    "reduced",
-)  # the first that takes the design: one for all its evaluations
+# the first that takes the design: one for all its evaluations
+MODELS = "corrected", "linear", "winkler", "reduced"
 Values = dict[str, Value]
 
 

@@ -128,11 +128,8 @@ def model_error(evaluation: Evaluation, key: str) -> float:
 
 MOST_ROWS = 100_000
 DEFAULT: dict[str, dict[str, Goal]] = {"check": {"all_touch_force": "min"}}  # if no ranking is asked
-RANKED_BY = (
-    "linear",
-    "winkler",
-    "reduced",
-)  # the first that takes the design: ranks mean something by one model
+# the first that takes the design: ranks mean something by one model
+RANKED_BY = "linear", "winkler", "reduced"
 INPUTS = ("passed", "ridges")  # said of a row elsewhere, or by its values
 UNTOLD = ("seconds.", "next_tier.", "climbed.")  # numbers of a run, not of a design
 

@@ -47,6 +47,7 @@ from skincad.studies.wish_shapes import (
 )
 
 WISHED = "ridge", "pin"  # families
+USUAL = "usual"
 USUAL_SIZE, USUAL_TOUCH = (24.0, 30.0), 1.0  # mm, N
 USUAL_PROCESS, USUAL_FILM = "sla", "pvdf-28um"  # a desktop printer; a gauge that is sold
 SMALLEST, LARGEST = 5.0, 200.0  # mm
@@ -112,7 +113,7 @@ def design_for(
     silicone: str | None = None,
     process: str = USUAL_PROCESS,
     gripper: str | None = None,
-    film: str | float | None = USUAL_FILM,
+    film: str | float | None = USUAL,
     family: str = "ridge",
     name: str = "pad",
     printer: Own | None = None,
@@ -125,14 +126,16 @@ def design_for(
     `size` is width by length, as (24, 30) in mm or "24x30" or "2.4x3cm"; if None that of the gripper's face.
     `touch` is the force in N (or "500mN") at which all features are to touch. `silicone` is a name; if None
     the hardest that feels the force. `film` is a strip's thickness, as "pvdf-28um" or 0.028 mm, or "none";
-    pins have none. `family` is "ridge" or "pin". Where a wish can't be met the nearest design is returned,
-    and `broken` says which wish that is. It takes about 30 s. Raises InputError for a wish that is none,
-    RefusedError where no model can judge any design for it.
+    the usual one is pvdf-28um in ridges, and pins have none. `family` is "ridge" or "pin". Where a wish can't
+    be met the nearest design is returned, and `broken` says which wish that is. It takes about 30 s. Raises
+    InputError for a wish that is none, RefusedError where no model can judge any design for it.
     """
     began = perf_counter()
     if family not in WISHED:
         raise InputError("family", "has no wishes", family, f"take {' or '.join(WISHED)}, or --template")
-    if family == "pin" and film_of(film) not in (0.0, film_of(USUAL_FILM)):
+    if film == USUAL:
+        film = USUAL_FILM if family == "ridge" else None
+    if family == "pin" and film_of(film):
         raise InputError("film", "needs ridges, and pins have none", film, "leave it out")
     own = {"printer": printer, "silicones": silicones, "grippers": grippers}
     wish = Wish(
@@ -141,7 +144,7 @@ def design_for(
         silicone or "dragon-skin-30",
         process=process,
         gripper=gripper,
-        film=film_of(film) if family == "ridge" else 0.0,
+        film=film_of(film),
         name=name,
         family=family,
         own=own,
@@ -356,13 +359,13 @@ def room(design: Design) -> float | None:
     """Return how far the plate comes down on the crests at the design's force, by what their scatter asks; in
     closed form. None where the ridges would bear too much."""
     try:
-        found = _estimate(design)
+        estimate = _estimate(design)
     except InputError:  # pressed flat
         return None
-    if found.out_of_range or found.overload > 1.0:
+    if estimate.out_of_range or estimate.overload > 1.0:
         return None
     scatter = Job(design).cavity_process.crest_sigma
-    return found.approach / max(CREST_SPREADS * scatter, 1e-9)
+    return estimate.approach / max(CREST_SPREADS * scatter, 1e-9)
 
 
 def overload(design: Design, verdict: ContactCheck) -> float:

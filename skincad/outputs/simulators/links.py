@@ -90,11 +90,13 @@ class Links:
         return self.carrier.mass + self.skin.mass + (self.filling.mass if self.filling else 0.0)
 
 
-def links(design: Design) -> Links:
-    """Return the weight of each link. Raises InputError where the design has no carrier that can be made."""
+def links(design: Design, *, bodies: bool = True) -> Links:
+    """Return the weight of each link, without `bodies` none of its ridges'. Raises InputError where the
+    design has no carrier that can be made, or more features than a simulator bears as bodies.
+    """
     density = silicone(design).density * G_PER_MM3
     carrier = _weight(carrier_part(design), 1e3 * lid_process(design).density * G_PER_MM3)
-    ridges = tuple(_weight(part, density) for part in ridge_parts(design))
+    ridges = tuple(_weight(part, density) for part in (ridge_parts(design) if bodies else ()))
     return Links(
         carrier.turned(TO_DESIGN), _weight(skin_part(design), density), ridges, _filling(design, density)
     )
@@ -131,7 +133,7 @@ def ridge_parts(design: Design) -> list[Part]:
     skin = skin_of(design)
     if skin.count > MOST_BODIES:
         rule = f"must be at most {MOST_BODIES} for bodies of their own"
-        raise InputError(skin.family, rule, skin.count, "take fewer, or a larger pitch")
+        raise InputError(skin.family, rule, skin.count, "take fewer, or only --for taxels")
     if skin.symmetry == "revolved":
         bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, section(design))]
     elif skin.symmetry == "concentric":

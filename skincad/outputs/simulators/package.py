@@ -128,7 +128,7 @@ def package(
         places = taxels(design) if "taxels" in chosen else None
         response = _response(design, notes, progress) if "taxels" in chosen else None
     with watch.stage("solids"):
-        weighs = links(design)
+        weighs = links(design, bodies=bool({*chosen} & {"mujoco", "urdf"}))
     with watch.stage("surfaces"):
         shapes = {**visual(design), **collision(design)} if {*chosen} != {"taxels"} else {}
     mesh, heights = None, None

@@ -188,9 +188,12 @@ def _of_pins(design: Design, verdict: ContactCheck) -> Springs:
     model = pin_model(design)
     forces, approach = pressed(model, verdict.force)
     least = np.maximum(forces, LEAST_SHARE * verdict.force / forces.size)
-    own = np.interp(least, model.force, model.indentation)
-    own = np.where(forces == least, approach - model.gap - model.coupling @ forces, own)
-    flexibility = model.coupling.toarray() + np.diag(own / least)
+    indentation = np.where(
+        forces == least,
+        approach - model.gap - model.coupling @ forces,
+        np.interp(least, model.force, model.indentation),
+    )
+    flexibility = model.coupling.toarray() + np.diag(indentation / least)
     return Springs(gap=model.gap, flexibility=flexibility, coupled=True, verdict=verdict)
 
 
