@@ -130,14 +130,31 @@ def test_a_package_presses_as_the_check_says(family: str, tmp_path: Path) -> Non
     assert (",pocket," in taxels) == (pocket is not None)
 
 
-def test_of_many_pins_a_package_has_the_places_alone(tmp_path: Path) -> None:
-    ran(tmp_path, "package", "nibs-fine", "--for", "taxels", "-o", "pack")
+@pytest.mark.parametrize("name", ["nibs-fine", "pins-dome"])
+def test_of_many_pins_neighbours_are_one_body_and_press_as_the_check_says(name: str, tmp_path: Path) -> None:
+    """The forces on the springs are exact; 0.1 %: a plate that still rests on them."""
+    import mujoco
+
+    ran(tmp_path, "package", name, "-o", "pack")
+    springs = json.loads((tmp_path / "pack" / "package.json").read_text())["springs"]
+    count = skin_of(skincad.load(name)).count
+    assert sorted(pin for group in springs["members"] for pin in group) == list(range(count))
+    assert len(springs["members"]) == 64
+    verdict = skincad.check(skincad.load(name))
+    scene = mujoco.MjModel.from_xml_path(str(tmp_path / "pack" / "scene.xml"))
+    data = mujoco.MjData(scene)
+    mujoco.mj_resetDataKeyframe(scene, data, 0)
+    for _ in range(1500):
+        mujoco.mj_step(scene, data)
+    assert data.sensordata[:64].sum() == pytest.approx(verdict.force, rel=1e-3)
+    approach = verdict.approach
+    assert abs(data.joint("plate-z").qpos[0] * 1e3 - approach.value) < (approach.error or 0.0)
+    for force, group in zip(data.sensordata[:64], springs["members"], strict=True):
+        shares = [verdict.ridge_force[pin] for pin in group]
+        error = sum(share.error or 0.0 for share in shares) + 0.03 * verdict.force / 64
+        assert abs(force - sum(map(float, shares))) < error
     places = (tmp_path / "pack" / "taxels.csv").read_text()
-    assert places.count(",crest,") == skin_of(skincad.load("nibs-fine")).count == 389
-    result = run_skincad("package", "nibs-fine", "--for", "urdf", cwd=tmp_path)
-    assert result.returncode == 2
-    assert "must be at most 64" in result.stderr
-    assert_a_line(result.stderr.removeprefix("skincad: ").strip())
+    assert places.count(",crest,") == count
 
 
 def test_a_pull_is_marched_or_refused_in_one_line(family: str, tmp_path: Path) -> None:

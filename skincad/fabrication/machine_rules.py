@@ -402,7 +402,8 @@ def _depth(case: Case) -> Iterator[Finding]:
         fits = min(groove.width, 2 * case.job.skin.profile.tip_fillet) if bottom else groove.width
         tool = max(fits, least)
         if most and groove.width >= least and depth > most * tool:
-            remedy = f"a depth of at most {most * tool:g} mm"
+            key = f"{case.job.skin.family}.height" if cavity else "mold.end_plate"
+            remedy = f"{key} of at most {most * tool:g} mm"
             yield case.breaks("tool depth", groove.where, depth / tool, most, "tool diameters", remedy)
 
 

@@ -160,14 +160,20 @@ def _gap(case: Case) -> Iterator[Finding]:
 
 
 def _wall(case: Case) -> Iterator[Finding]:
+    skin, least = case.job.skin, case.process.wall
     for tooth in teeth(case):
-        yield from below("wall", case, tooth.where, tooth.width, case.process.wall)
+        wider = f"{skin.family}.pitch of at least {skin.pitch + least - tooth.width:.4g} mm, or "
+        apart = wider if case.part.role in CAVITIES else ""
+        yield from below("wall", case, tooth.where, tooth.width, least, apart)
 
 
-def below(rule: str, case: Case, where: str, size: float, least: float) -> Iterator[Finding]:
-    """Yield a warning where a size is below the least that the process makes."""
+def below(
+    rule: str, case: Case, where: str, size: float, least: float, otherwise: str = ""
+) -> Iterator[Finding]:
+    """Yield a warning where a size is below the least that the process makes; `otherwise` is a remedy besides
+    that of larger lengths."""
     if size < least - _ROUNDING:
-        yield case.breaks(rule, where, size, least, "mm", scaled(size, least))
+        yield case.breaks(rule, where, size, least, "mm", otherwise + scaled(size, least))
 
 
 def _slender(case: Case) -> Iterator[Finding]:
@@ -180,9 +186,14 @@ def _slender(case: Case) -> Iterator[Finding]:
             width += (profile.root_width - profile.tip_width) / 2
         if most and tooth.height > most * width:
             apart = f"{case.job.skin.family}s or slots further apart"
-            remedy = f"a height of at most {most * width:.3g} mm, or {apart}"
+            remedy = f"{_height_key(case)} of at most {most * width:.3g} mm, or {apart}"
             times = "times as high as wide"
             yield case.breaks("slender", tooth.where, tooth.height / width, most, times, remedy)
+
+
+def _height_key(case: Case) -> str:
+    """How high what is cast there is, as a key of the design; of a comb its slots' depth."""
+    return f"{case.job.skin.family}.height" if case.part.role in CAVITIES else "slot.depth"
 
 
 def _hole(case: Case) -> Iterator[Finding]:

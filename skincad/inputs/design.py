@@ -226,7 +226,7 @@ def scaled_skin(design: Design, by: float) -> Design:
     """
     slot = design.slot and _scaled(design.slot, by, ("offset", "elevation"))
     features = {design.features.family: _scaled(design.features, by)}
-    if isinstance(table := features[design.features.family], Pin | Flat) and table.pocket is not None:
+    if (table := features[design.features.family]).pocket is not None:
         pocket = _scaled(table.pocket, by, ("depth", "offset"))
         features = {table.family: table.model_copy(update={"pocket": pocket})}
     tables = {"skin": _scaled(design.skin, by), **features, "slot": slot}

@@ -57,6 +57,7 @@ class Ridge(Table):
     model_config = ConfigDict(json_schema_extra={**ONE_HEIGHT, **A_PITCH})
 
     family: ClassVar[str] = "ridge"  # its key in a design and in FAMILIES
+    pocket: ClassVar[Pocket | None] = None  # ridges have slots
     widths: ClassVar[tuple[str, str]] = "root_width", "tip_width"  # the keys of both
 
     count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})

@@ -165,7 +165,7 @@ def family(skin: Base, features: Features, slot: Slot | None) -> Iterator[InputE
         if skin.curvature_radius_y is not None:
             rule = "must not be given for a round skin, which curvature_radius curves all round"
             yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave it out")
-    pocket = features.pocket if isinstance(features, Pin | Flat) else None
+    pocket = features.pocket
     if pocket is not None and skin.curvature_radius_y is not None:
         rule = "must not be given with skin.curvature_radius_y, which bends the back that pockets start from"
         yield InputError(f"{name}.pocket", rule, remedy="leave one of them out")

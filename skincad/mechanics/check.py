@@ -20,7 +20,6 @@ from skincad.base.errors import (
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, about
 from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Flat, Pin
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.fits import unlike
@@ -278,8 +277,7 @@ class ModelSelection:
     def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
         effects = (*left_out_by(name, self.design), *self.friction.left_out(name))
-        table = self.design.features
-        effects += (POCKETS,) if isinstance(table, Pin | Flat) and table.pocket else ()
+        effects += (POCKETS,) if self.design.features.pocket else ()
         bounds = left_out(effects, self.design, answer, self.force)
         return (*bounds, *self.friction.unknown.get(name, ()))
 
@@ -307,7 +305,7 @@ class ModelSelection:
         left, later = (left_out_by(name, self.design) for name in (check.model, check.next_model.model))
         if len(later) >= len(left):
             return False
-        if check.family == "flat":  # of which the approach is asked
+        if skin_of(self.design).symmetry == "none":  # of which the approach is asked
             lasting = self.friction.lasting_error(check.model, check.left_out, "approach")
             return (check.approach.error or 0.0) / (check.approach.value or 1.0) - lasting > SHARP
         return relative_error(check, self._lasting(check) * (check.all_touch_force.value or 0.0)) > SHARP

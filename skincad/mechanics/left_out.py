@@ -51,7 +51,7 @@ from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.base.result import Record, item, record
 from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Flat, Pin, places
+from skincad.inputs.feature_tables import places
 from skincad.inputs.material import silicone
 from skincad.mechanics.models.winkler import confinement, ridge_stiffness
 from skincad.mechanics.problem import Answer, steepest
@@ -189,7 +189,7 @@ def finite_strain(design: Design, answer: Answer, force: float) -> LeftOut:
     return LeftOut(
         effect=FINITE_STRAIN,
         threshold=of_force * at_threshold,
-        approach=(FACE_STRAIN if skin_of(design).family == "flat" else approach) * strain,
+        approach=(FACE_STRAIN if skin_of(design).symmetry == "none" else approach) * strain,
         share=share * strain,
     )
 
@@ -245,11 +245,11 @@ def pockets(design: Design, answer: Answer) -> LeftOut:
     5 mm, pockets 1 to 4 mm wide and 1.5 to 5 mm deep; the largest change is 0.95 of it.
     """
     table, skin, base = design.features, skin_of(design), design.skin
-    pocket = table.pocket if isinstance(table, Pin | Flat) else None
+    pocket = table.pocket
     if pocket is None:
         return LeftOut(effect=POCKETS, threshold=0.0, approach=0.0, share=0.0)
     share = (pocket.diameter / skin.profile.mean_width) ** 2
-    if skin.family == "flat":
+    if skin.symmetry == "none":
         reach = math.sqrt(base.curvature_radius * (answer.approach.value or 0.0))
         across = min(base.width, 2 * reach)
         area = math.pi / 4 * across**2 if base.round else across * base.length
@@ -282,7 +282,7 @@ def tip_constraint(design: Design, ridges: int) -> float:
     to being squeezed out (Poiseuille's flow, the silicone being nearly incompressible).
     """
     skin, nu = skin_of(design), silicone(design).poisson_ratio
-    if skin.family == "flat":  # no features between: from sliding to bonded
+    if skin.symmetry == "none":  # no features between: from sliding to bonded
         thick = skin.base.thickness / skin.base.width
         return confinement(thick / 2, nu) / confinement(thick, nu)
     column = median(skin.heights) / skin.profile.mean_width
@@ -307,7 +307,7 @@ def _spanned(design: Design, ridges: int) -> float:
 def left_out(effects: tuple[str, ...], design: Design, answer: Answer, force: float) -> tuple[LeftOut, ...]:
     """Return the bounds of the effects that a model leaves out of its answer at `force` N; a disc has no free
     ends, and those of pins' base are in the reduced model's error."""
-    pins = skin_of(design).family == "pin"
+    pins = skin_of(design).symmetry == "revolved"
     bounds = {
         FREE_ENDS: lambda: free_ends(design),
         FINITE_STRAIN: lambda: finite_strain(design, answer, force),

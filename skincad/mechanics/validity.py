@@ -60,7 +60,7 @@ class Limits:
         """Return why the skin is pressed flat at this approach, mm, or ""."""
         if approach < self.height:
             return ""
-        both = "skin" if self.family == "flat" else f"skin and {self.family}s"
+        both = f"skin and {self.family}s" if self.family else "skin"
         return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of {both}"
 
     def overload_reason(self, normal: float, tangential: float = 0.0) -> str:
@@ -76,13 +76,13 @@ class Limits:
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
     modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
-    family = skin_of(design).family
-    if family == "flat":
-        return Limits(height(design), family=family)
+    skin = skin_of(design)
+    if skin.symmetry == "none":
+        return Limits(height(design), family="")
     area = areas(design)[0]
     shear = modulus[0] / (1 + modulus[1]) * area
     squeeze = column_modulus(design) * area
-    return Limits(height(design), squeeze, shear, buckling_force(design), family)
+    return Limits(height(design), squeeze, shear, buckling_force(design), skin.family)
 
 
 def areas(design: Design) -> tuple[float, ...]:
@@ -133,7 +133,7 @@ def plane_modulus(design: Design) -> float:
 def ridge_strain(design: Design, answer: Shares) -> float:
     """Return the nominal strain of the most strained feature: its force over its modulus as a column and its
     area halfway up; of a flat skin the approach over its thickness."""
-    if skin_of(design).family == "flat":
+    if skin_of(design).symmetry == "none":
         return (answer.approach.value or 0.0) / height(design)
     return limits(design).strain(_largest(design, answer))
 
@@ -196,7 +196,7 @@ def buckling_force(design: Design) -> float:
 def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all features begin to touch; of a
     flat skin, of which the approach is asked, at the force."""
-    if skin_of(design).family == "flat":
+    if skin_of(design).symmetry == "none":
         strain = ridge_strain(design, answer)
         words = f"the skin's nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
         return words if strain > LARGEST_STRAIN else ""
@@ -207,8 +207,8 @@ def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
 
 def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:
     """Return warnings where the nominal strain is no small one, and where a ridge nearly tips over."""
-    strain, part, of = ridge_strain(design, answer), tipping(design, answer), skin_of(design).family
-    of = "skin" if of == "flat" else of
+    strain, part, skin = ridge_strain(design, answer), tipping(design, answer), skin_of(design)
+    of = "skin" if skin.symmetry == "none" else skin.family
     notes = {
         f"nominal {of} strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})": strain
         > SMALL_STRAIN,

@@ -14,6 +14,7 @@ from skincad.base.result import Writer
 from skincad.mechanics.left_out import FRICTION
 from skincad.mechanics.verdict import NO_MODEL, ContactCheck
 from skincad.outputs.delivery import Presentation, picture
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.fabrication.making import Build
@@ -79,7 +80,7 @@ def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
 
 def lines(check: ContactCheck) -> list[str]:
     """Return the verdict, its margin and error, the forces as bars, and what to know of them."""
-    forces = "" if check.family == "flat" else f"  {f'{check.family} forces':15}{force_bars(check)}"
+    forces = "" if check.contact_width else f"  {f'{check.family} forces':15}{force_bars(check)}"
     return [*answer_lines(check), *([forces] if forces else []), *notes(check)]
 
 
@@ -97,8 +98,10 @@ def notes(check: ContactCheck) -> list[str]:
 
 def whether(build: Build | None) -> str:
     """Return what a check tells of a design, as words."""
-    family = build.design.features.family if build else "ridge"
-    return "how the face touches" if family == "flat" else f"whether all {family}s touch"
+    skin = skin_of(build.design) if build else None
+    if skin and skin.symmetry == "none":
+        return "how the face touches"
+    return f"whether all {skin.family if skin else 'ridge'}s touch"
 
 
 def force_bars(check: ContactCheck) -> str:

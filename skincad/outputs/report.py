@@ -96,7 +96,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
 def suggested_scene(design: Design) -> str | None:
     """Return the name of a scene that this skin can take, with signals in volts if there is one."""
     skin = skin_of(design)
-    names = template_names("scenes") if skin.family in ("ridge", "pin") else []
+    names = template_names("scenes") if skin.symmetry in ("extruded", "revolved") else []
     for wanted in ("piezo", "film", "friction"):
         for name in names:
             data = read_table(name, "scenes")
@@ -106,7 +106,7 @@ def suggested_scene(design: Design) -> str | None:
             if (
                 wanted in effects
                 and films_suffice
-                and (skin.family == "pin") == (set(effects) <= set(PIN_EFFECTS))
+                and (skin.symmetry == "revolved") == (set(effects) <= set(PIN_EFFECTS))
                 and max(ridges, default=0) <= skin.count
                 and force <= skin.count * limits(design).largest
             ):

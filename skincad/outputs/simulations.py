@@ -128,7 +128,7 @@ def next_step(simulation: Simulation) -> str:
     march, scene = simulation.march, simulation.scene
     if march.interrupted:
         return ""
-    if skin_of(scene.design).family == "pin":
+    if skin_of(scene.design).symmetry == "revolved":
         return f"{PICTURE} shows which pin slips when."
     if march.failed:
         steps = 2 * scene.history.steps

@@ -106,7 +106,7 @@ def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
 def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
     """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that;
     None of pins."""
-    if skin_of(scene.design).family == "pin":
+    if skin_of(scene.design).symmetry == "revolved":
         return None
     from skincad.mechanics.film.stick import piece_of
     from skincad.mechanics.film.stress import filled_pad
@@ -228,7 +228,7 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
     constants were fitted to is like this one, an estimate is not calibrated."""
     history, path = scene.history, path_of(march)
-    if skin_of(scene.design).family == "pin":
+    if skin_of(scene.design).symmetry == "revolved":
         from skincad.effects.pin_pad import left_out
 
         return left_out(scene.design, path)

@@ -363,7 +363,7 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
-    if skin.family != "ridge":
+    if skin.symmetry != "extruded":
         _check_family(scene)
     _check_law(scene)
     _check_terms(scene)
@@ -392,11 +392,11 @@ def _check(scene: Scene) -> None:
 
 def _check_family(scene: Scene) -> None:
     """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
-    family = skin_of(scene.design).family
-    if family != "pin":
+    skin = skin_of(scene.design)
+    if skin.symmetry != "revolved":
         remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
         raise InputError(
-            "skin", f"needs ridges or pins, and {scene.design.name} has [{family}]", remedy=remedy
+            "skin", f"needs ridges or pins, and {scene.design.name} has [{skin.family}]", remedy=remedy
         )
     for name in scene.effects:
         if name not in PIN_EFFECTS:

@@ -270,7 +270,7 @@ class Simulation(Result):
     def _timed(self) -> Sequence[int]:
         """The features whose leads are reported: the monitored ridges, or all pins."""
         skin = skin_of(self.scene.design)
-        return range(1, skin.count + 1) if skin.family == "pin" else self.scene.readout.ridges
+        return range(1, skin.count + 1) if skin.symmetry == "revolved" else self.scene.readout.ridges
 
     @reported("ms", "the lead without its error")
     def slip_lead(self) -> dict[int, float | None]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Flat, Pin, Pocket, places
+from skincad.inputs.feature_tables import Pin, Pocket, places
 from skincad.inputs.skin_tables import Base
 from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.feature import Feature, Placed
@@ -95,8 +95,7 @@ def cast(body: TurnedBody, role: CutRole | None = None) -> TurnedBody:
 
 def pocket_of(design: Design) -> Pocket | None:
     """Return the table of the pockets, None where there are none."""
-    table = design.features
-    return table.pocket if isinstance(table, Pin | Flat) else None
+    return design.features.pocket
 
 
 def pocket_places(design: Design) -> list[tuple[float, float]]:

@@ -137,6 +137,23 @@ def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
     assert not {"tool reach", "tool depth"} & printed.keys()
 
 
+@pytest.mark.parametrize("split", ["none", "tips"])
+def test_thin_walls_between_pins_and_deep_holes_name_key_limit_and_remedy(split: str) -> None:
+    """Nibs 1.2 mm apart: 0.05 mm are left between roots of 1.15, and a hole of 3 mm is for a tool of 0.5."""
+    nibs = skincad.load("nibs-fine").with_(mold={"split": split})
+    thin, deep = (
+        {f.rule: f for f in design_findings(Job(nibs.with_(**changes)))}
+        for changes in (
+            {"pin": {"root_diameter": 1.15, "root_fillet": 0.0}},
+            {"pin": {"height": 3.0, "crown": 0.05}, "mold": {"process": "cnc"}},
+        )
+    )
+    assert (thin["wall"].measured, thin["wall"].limit) == (pytest.approx(0.05), 0.1)
+    assert "pin.pitch of at least 1.25 mm" in thin["wall"].remedy
+    assert "pin.height of at most 2.2 mm" in deep["slender"].remedy
+    assert "pin.height of at most 2 mm" in deep["tool depth"].remedy
+
+
 def test_one_finding_tells_of_all_leaning_pins_of_a_dome() -> None:
     pin = {"root_diameter": 0.7, "tip_diameter": 0.65, "rings": 6, "pitch": 1.2}
     design = families.dome().with_(pin=pin)

@@ -75,7 +75,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     if progress:
         progress("reduced model: a short pad of the same features")
     model, began = feature_model(design, request.force, seconds), perf_counter()
-    pins = skin_of(design).family == "pin"
+    pins = skin_of(design).symmetry == "revolved"
     with one_blas_thread() if pins else nullcontext():  # on a busy machine more take ten times as long
         forces, approach = pressed(model, request.force)
         first = all_touch_force(model)
@@ -109,7 +109,7 @@ def feature_model(
     design: Design, force: float, seconds: dict[str, float], *, ends: bool = True
 ) -> FeatureModel:
     """Return the reduced pad of a design for forces of about `force` N; without `ends` in plane strain."""
-    if skin_of(design).family == "pin":
+    if skin_of(design).symmetry == "revolved":
         began = perf_counter()
         model = pin_model(design)
         seconds["cell"] = perf_counter() - began

@@ -115,7 +115,7 @@ AUTO_IF: dict[str, Callable[[Design], bool]] = {
 def _is_pins(design: Design) -> bool:
     """Whether a design has pins that no section through the middle shows."""
     skin = skin_of(design)
-    return skin.family == "pin" and (skin.count > 1 or not design.skin.round)
+    return skin.symmetry == "revolved" and (skin.count > 1 or not design.skin.round)
 
 
 def model_named(name: str) -> ContactModel:
@@ -151,10 +151,10 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         yield f"pin: must be one, on a round skin, for the {name} model"
     if shape != "flat" and (design.skin.round or not model.shaped_plates):
         yield f"contact.plate.shape: must be 'flat' for {_of(name, design)}"
-    if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.family != "pin":
+    if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.symmetry != "revolved":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
         yield f"skin.curvature_radius_y: {words}"
-    if name == "reduced" and skin.family == "ridge" and skin.uneven:
+    if name == "reduced" and skin.symmetry == "extruded" and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"
     if measured and not model.measured:
         yield f"measured: is not judged by the {name} model"

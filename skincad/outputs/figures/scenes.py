@@ -66,7 +66,7 @@ def scene_figure(simulation: Simulation) -> Picture:
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
     ridge begins to slip for good. Of pins, a map (`_pin_figure`).
     """
-    if skin_of(simulation.scene.design).family == "pin":
+    if skin_of(simulation.scene.design).symmetry == "revolved":
         return _pin_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     rows = 2 + len(SIGNALS) * bool(groups)

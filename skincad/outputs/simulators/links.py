@@ -6,6 +6,9 @@ carrier's holes.
 
 A simulator's contact wants convex pieces: each ridge, the base under them and the carrier are the convex
 hulls of their meshes. A hull fills a ridge's root fillets; crests, which touch, are convex themselves.
+
+Of more than MOST_BODIES pins neighbours are one body: the plan is halved, and its halves are halved, until
+there are that many. A group's hull fills what is between its pins, and touches a plate with the highest.
 """
 
 from __future__ import annotations
@@ -17,8 +20,7 @@ from itertools import pairwise
 import numpy as np
 import trimesh
 
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError
+from skincad.base.arrays import Array, Index
 from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
@@ -36,6 +38,8 @@ G_PER_MM3 = 1e-6  # of 1 kg/m3
 TO_DESIGN = np.diag([1.0, -1.0, -1.0])  # the mold's frame turned about x, ridges up
 CHORD = 1e-3  # of the pitch: visual
 CONTACT_CHORD = 1e-4  # of the pitch, what touches: crests 0.1 um off, where the approach is 100 um
+GROUP_CHORD = 3e-4  # the same of groups, whose hulls have many crests
+MOST_FACES = 150_000  # of a mesh that is seen; MuJoCo reads 200,000
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +75,8 @@ def without(whole: Weight, parts: Iterable[Weight]) -> Weight:
 
 @dataclass(frozen=True)
 class Links:
-    """What a skin's simulated links weigh: the `carrier`, the whole `skin`, of that each of its `ridges`
-    above the base, and the `filling` of its slots, None where they are empty or there are none."""
+    """What a skin's simulated links weigh: the `carrier`, the whole `skin`, of that each of the bodies of its
+    `ridges` above the base, and the `filling` of its slots, None where they are empty or there are none."""
 
     carrier: Weight
     skin: Weight
@@ -92,11 +96,15 @@ class Links:
 
 def links(design: Design, *, bodies: bool = True) -> Links:
     """Return the weight of each link, without `bodies` none of its ridges'. Raises InputError where the
-    design has no carrier that can be made, or more features than a simulator bears as bodies.
+    design has no carrier that can be made.
     """
     density = silicone(design).density * G_PER_MM3
     carrier = _weight(carrier_part(design), 1e3 * lid_process(design).density * G_PER_MM3)
-    ridges = tuple(_weight(part, density) for part in (ridge_parts(design) if bodies else ()))
+    features = [_weight(part, density) for part in (ridge_parts(design) if bodies else ())]
+    members = feature_bodies(design).values() if bodies else ()
+    ridges = tuple(
+        combine(features[i] for i in group) if len(group) > 1 else features[group[0]] for group in members
+    )
     return Links(
         carrier.turned(TO_DESIGN), _weight(skin_part(design), density), ridges, _filling(design, density)
     )
@@ -125,15 +133,29 @@ def _closed(outline: Iterable[Segment]) -> Loop:
     return (*segments, Segment(segments[-1].end, segments[0].start, 0.0, "base"))
 
 
-def ridge_parts(design: Design) -> list[Part]:
-    """Return each ridge above the base, or each pin; slots are not taken off it, they are of the base.
-
-    Raises InputError for more than a simulator bears as bodies.
-    """
+def feature_bodies(design: Design) -> dict[str, tuple[int, ...]]:
+    """Return the simulated bodies: by name the features, from 0, that move as one. Up to MOST_BODIES features
+    are bodies of their own; of more, neighbours are grouped."""
     skin = skin_of(design)
-    if skin.count > MOST_BODIES:
-        rule = f"must be at most {MOST_BODIES} for bodies of their own"
-        raise InputError(skin.family, rule, skin.count, "take fewer, or only --for taxels")
+    if skin.count <= MOST_BODIES:
+        return {f"{skin.family}-{i + 1}": (i,) for i in range(skin.count)}
+    plan = np.array([placed.foot[:2] for placed in skin.placed])
+    groups = [np.arange(skin.count)]
+    while 2 * len(groups) <= MOST_BODIES:
+        groups = [half for group in groups for half in _halves(group, plan)]
+    return {f"{skin.family}s-{i}": tuple(map(int, group)) for i, group in enumerate(groups, 1)}
+
+
+def _halves(group: Index, plan: Array) -> list[Index]:
+    """A group cut across its longer side."""
+    side = int(np.argmax(np.ptp(plan[group], axis=0)))
+    ordered = group[np.argsort(plan[group, side], kind="stable")]
+    return [np.sort(half) for half in np.array_split(ordered, 2)]
+
+
+def ridge_parts(design: Design) -> list[Part]:
+    """Return each ridge above the base, or each pin; slots are not taken off it, they are of the base."""
+    skin = skin_of(design)
     if skin.symmetry == "revolved":
         bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, section(design))]
     elif skin.symmetry == "concentric":
@@ -185,17 +207,36 @@ def _filling(design: Design, density: float) -> Weight | None:
 
 
 def visual(design: Design) -> dict[str, trimesh.Trimesh]:
-    """Return skin and carrier, within CHORD of a pitch of their solids."""
+    """Return skin and carrier, within CHORD of a pitch of their solids; coarser where they have too many
+    faces."""
     chord = CHORD * skin_of(design).pitch
-    return {"skin": mesh(skin_part(design), chord), "carrier": upright(mesh(carrier_part(design), chord))}
+    return {"skin": _seen(skin_part(design), chord), "carrier": upright(_seen(carrier_part(design), chord))}
+
+
+def _seen(part: Part, chord: float) -> trimesh.Trimesh:
+    shape = mesh(part, chord)
+    while len(shape.faces) > MOST_FACES:
+        chord *= 2
+        shape = mesh(part, chord)
+    return shape
+
+
+def contact_chord(design: Design) -> float:
+    """Return how far the bodies that touch are from their solids, of the pitch."""
+    return CONTACT_CHORD if skin_of(design).count <= MOST_BODIES else GROUP_CHORD
 
 
 def collision(design: Design) -> dict[str, trimesh.Trimesh]:
-    """Return the convex hulls of each ridge, the base and the carrier; ridges within FINE of a pitch."""
+    """Return the convex hulls of each body of ridges, the base and the carrier; ridges within
+    `contact_chord`."""
     skin = skin_of(design)
-    chord, fine = CHORD * skin.pitch, CONTACT_CHORD * skin.pitch
+    chord, fine = CHORD * skin.pitch, contact_chord(design) * skin.pitch
     base = Part("base-hull", PartRole.SKIN, along_skin(design, base_loop(design), ()))
-    hulls = {part.name: mesh(part, fine).convex_hull for part in ridge_parts(design)}
+    shapes = [mesh(part, fine) for part in ridge_parts(design)]
+    hulls = {
+        name: trimesh.util.concatenate([shapes[i] for i in members]).convex_hull
+        for name, members in feature_bodies(design).items()
+    }
     hulls["base-hull"] = mesh(base, chord).convex_hull
     hulls["carrier-hull"] = upright(mesh(carrier_part(design), chord)).convex_hull
     return hulls

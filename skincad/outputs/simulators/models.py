@@ -1,10 +1,11 @@
 """The skin as a MuJoCo model (MJCF) with a scene: a plate presses and pulls it; and as URDF. m, kg, N, s.
 
-Each ridge is a body on a slide along z, held by springs that are tendons over several ridges (springs.py), so
-that stiffness is in N/m and stays what it is whatever touches: the softness of MuJoCo's own contact follows
-the masses that meet, and is a few percent of the springs' here. Slides carry armature and damping by which
-stiff springs on milligrams stand at MuJoCo's usual step: numbers of the method, not of the silicone. Sideways
-a ridge is rigid. Source: MuJoCo documentation, Computation: Constraint model; XML reference: tendon, joint.
+Each ridge, or group of pins, is a body on a slide along z, held by springs that are tendons over several of
+them (springs.py), so that stiffness is in N/m and stays what it is whatever touches: the softness of MuJoCo's
+own contact follows the masses that meet, and is a few percent of the springs' here. Slides carry armature and
+damping by which stiff springs on milligrams stand at MuJoCo's usual step: numbers of the method, not of the
+silicone. Sideways a ridge is rigid. Source: MuJoCo documentation, Computation: Constraint model; XML
+reference: tendon, joint.
 
 URDF has the same links, all fixed, for it knows no springs. Source: the URDF XML specification
 (wiki.ros.org/urdf/XML); meshes are named beside the file.
@@ -17,7 +18,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from skincad.inputs.design import Design
-from skincad.outputs.simulators.links import Links, Weight
+from skincad.outputs.simulators.links import Links, Weight, feature_bodies
 from skincad.outputs.simulators.springs import Springs
 from skincad.outputs.simulators.taxels import crests
 from skincad.shape.skin import skin_of
@@ -74,7 +75,7 @@ def skin_xml(design: Design, links: Links, springs: Springs) -> str:
             "      </body>",
             "    </body>",
             "  </worldbody>",
-            *_tendons(springs, skin_of(design).family),
+            *_tendons(springs, [*feature_bodies(design)]),
             *_sensors(design),
             "</mujoco>",
             "",
@@ -87,8 +88,7 @@ def scene_xml(design: Design, springs: Springs) -> str:
     top = max(place[2, 3] for place in crests(design).poses) * M
     half = np.array([design.skin.width, design.skin.length, 2.0]) * M
     force, friction_force = springs.verdict.force, friction(design) * springs.verdict.force
-    forces = np.array([float(share) for share in springs.verdict.ridge_force])
-    down = springs.flexibility @ forces * M
+    down = springs.flexibility @ springs.body_force * M
     mass = force / GRAVITY
     drag = max((SLIDES - 1) * friction_force, LEAST_DRAG * force) / (
         SPEED * float(springs.verdict.approach) * M
@@ -153,9 +153,7 @@ def _defaults(design: Design, springs: Springs) -> Iterator[str]:
 
 
 def _assets(design: Design) -> Iterator[str]:
-    names = ["carrier", "carrier-hull", "skin", "base-hull"]
-    skin = skin_of(design)
-    names += [f"{skin.family}-{i}" for i in range(1, skin.count + 1)]
+    names = ["carrier", "carrier-hull", "skin", "base-hull", *feature_bodies(design)]
     yield "  <asset>"
     yield from (f'    <mesh name="{name}" file="{name}.stl" scale="{M:g} {M:g} {M:g}"/>' for name in names)
     yield "  </asset>"
@@ -181,25 +179,27 @@ def _ridges(design: Design, links: Links) -> Iterator[str]:
     along = skin.pitch if skin.symmetry == "revolved" else design.skin.length
     across = skin.pitch if skin.symmetry in ("extruded", "revolved") else design.skin.width
     size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
-    for i, (weight, pose) in enumerate(zip(links.ridges, crests(design).poses, strict=True), 1):
-        crest = numbers(pose[:, 3] * M)
-        name = f"{skin.family}-{i}"
+    tips = crests(design).poses[:, :, 3]
+    for weight, (name, members) in zip(links.ridges, feature_bodies(design).items(), strict=True):
+        low, high = tips[[*members]].min(axis=0), tips[[*members]].max(axis=0)
+        middle = numbers(np.append((low + high)[:2] / 2, high[2]) * M)
+        half = numbers(size + np.append((high - low)[:2] / 2, 0.0) * M)
         yield f'        <body name="{name}">'
         yield body_inertial(weight, 10)
         yield f'          <joint class="ridge" name="{name}"/>'
         yield f'          <geom class="ridge" name="{name}" mesh="{name}"/>'
-        yield f'          <site class="ridge" name="{name}" pos="{crest}" size="{numbers(size)}"/>'
+        yield f'          <site class="ridge" name="{name}" pos="{middle}" size="{half}"/>'
         yield "        </body>"
 
 
-def _tendons(springs: Springs, family: str) -> Iterator[str]:
+def _tendons(springs: Springs, names: list[str]) -> Iterator[str]:
     """The springs: of row r of the Cholesky factor the stiffness r_ii^2, its coefficients over r_ii."""
     yield "  <tendon>"
     for i, row in enumerate(springs.rows, 1):
         lead = float(row[i - 1])
         yield f'    <fixed name="spring-{i}" stiffness="{lead * lead * N_PER_M!r}" springlength="0">'
-        for j in np.flatnonzero(np.abs(row) > SMALL * abs(lead)):
-            yield f'      <joint joint="{family}-{j + 1}" coef="{float(row[j]) / lead!r}"/>'
+        for j in map(int, np.flatnonzero(np.abs(row) > SMALL * abs(lead))):
+            yield f'      <joint joint="{names[j]}" coef="{float(row[j]) / lead!r}"/>'
         yield "    </fixed>"
     yield "  </tendon>"
 
@@ -208,8 +208,8 @@ def _sensors(design: Design) -> Iterator[str]:
     """Normal force by touch, and the force in the design's axes, of the ridge on what touches it."""
     yield "  <sensor>"
     for kind in ("touch", "force"):
-        for i in range(1, skin_of(design).count + 1):
-            yield f'    <{kind} name="{kind}-{i}" site="{skin_of(design).family}-{i}"/>'
+        for i, name in enumerate(feature_bodies(design), 1):
+            yield f'    <{kind} name="{kind}-{i}" site="{name}"/>'
     yield "  </sensor>"
 
 
@@ -220,8 +220,7 @@ def skin_urdf(design: Design, links: Links) -> str:
     lines += [*_urdf_link("skin", links.base, "skin", "base-hull"), *_urdf_joint("carrier", "skin")]
     if links.filling:
         lines += [*_urdf_link("filling", links.filling), *_urdf_joint("skin", "filling")]
-    for i, weight in enumerate(links.ridges, 1):
-        name = f"{skin_of(design).family}-{i}"
+    for name, weight in zip(feature_bodies(design), links.ridges, strict=True):
         lines += [*_urdf_link(name, weight, None, name), *_urdf_joint("skin", name)]
     return "\n".join([*lines, "</robot>", ""])
 

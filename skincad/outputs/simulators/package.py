@@ -21,7 +21,17 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.outputs.delivery import Presentation, text
-from skincad.outputs.simulators.links import Links, carrier_part, collision, glb, links, obj, visual
+from skincad.outputs.simulators.links import (
+    Links,
+    carrier_part,
+    collision,
+    contact_chord,
+    feature_bodies,
+    glb,
+    links,
+    obj,
+    visual,
+)
 from skincad.outputs.simulators.meshes import (
     HeightMap,
     Tetrahedra,
@@ -270,15 +280,25 @@ def _simplified(package: Package) -> Iterator[str]:
     yield "carrier, skin and what fills its slots are rigid links"
     yield "leads, screws and the silicone in the carrier's holes are left out"
     if package.surfaces:
-        yield "convex hulls are what touches: they fill the root fillets; crests are within 1e-4 of the pitch"
+        yield (
+            "convex hulls are what touches: they fill the root fillets; crests are within "
+            f"{contact_chord(package.design):.0e} of the pitch"
+        )
     if package.springs:
         linked = "coupled springs" if package.springs.coupled else "a spring of its own, neighbours apart"
-        yield f"each ridge slides along z on {linked}; sideways it is rigid"
-        yield "MuJoCo's friction acts on a whole ridge, so incipient slip inside a contact is not in it"
+        yield f"each {_body(package.design)} slides along z on {linked}; sideways it is rigid"
+        whole = f"MuJoCo's friction acts on a whole {_body(package.design)}"
+        yield f"{whole}, so incipient slip inside a contact is not in it"
     if "urdf" in package.kinds:
-        yield "in URDF the ridges are fixed: the format knows no springs"
+        yield f"in URDF the {skin_of(package.design).family}s are fixed: the format knows no springs"
     if package.response:
         yield "the films' response is that of a long pad in small strain, its contact that of one load"
+
+
+def _body(design: Design) -> str:
+    """What moves as one: a ridge, or some pins."""
+    most, family = max(map(len, feature_bodies(design).values())), skin_of(design).family
+    return family if most == 1 else f"group of up to {most} neighbouring {family}s"
 
 
 def _numbers(package: Package) -> Iterator[tuple[str, str, str]]:

@@ -13,6 +13,7 @@ combination of ridges, are that same matrix in a simulator that knows no coupled
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +29,7 @@ from skincad.mechanics.check import check
 from skincad.mechanics.models.winkler import crest_gaps, stiffnesses
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.simulators.links import feature_bodies
 from skincad.shape.skin import skin_of
 
 SPANS = (0.5, 2.0)  # of the load, where the springs are held against another check
@@ -64,6 +66,7 @@ class Springs(Record):
     flexibility: Array
     coupled: bool = item(meaning="whether springs share the flexibility")
     verdict: ContactCheck
+    members: tuple[tuple[int, ...], ...] = item(meaning="features on each spring, from 0")
     elsewhere: tuple[LoadComparison, ...] = item(
         meaning="the springs against checks at other loads", default=()
     )
@@ -89,6 +92,11 @@ class Springs(Record):
         """Forces of the check, N."""
         return tuple(self.verdict.ridge_force)
 
+    @property
+    def body_force(self) -> Array:
+        """Force of the check on each spring, `(n,)` N."""
+        return _summed(self.verdict, self.members)
+
     @reported("N/mm", "stiffness, `(n, n)`")
     def stiffness(self) -> Array:
         """Stiffness `(n, n)` N/mm."""
@@ -113,7 +121,7 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
     verdict = check(design, model=model, progress=progress)
     if verdict.out_of_range:
         raise RefusedError(f"no springs for mujoco: {verdict.out_of_range}; take a smaller contact.force")
-    if skin_of(design).family == "pin":
+    if skin_of(design).symmetry == "revolved":
         nominal = _of_pins(design, verdict)
     else:
         nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))
@@ -167,22 +175,31 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
         gap = model.gap * model.unit
         gap = gap - gap.min()
         flexibility = _secant(model, forces)
-    loaded = forces > LEAST_SHARE * verdict.force / forces.size
-    wanted, has = (approach - gap)[loaded], (flexibility @ forces)[loaded]
-    flexibility = flexibility * float(forces[loaded] @ wanted / (forces[loaded] @ has))
-    miss = approach - gap - flexibility @ forces
-    flexibility[np.diag_indices_from(flexibility)] += np.where(
-        loaded, miss / np.where(loaded, forces, 1.0), 0.0
-    )
+    flexibility = _through(gap, flexibility, forces, approach)
     if np.linalg.eigvalsh(flexibility).min() <= 0:
         if model is not None:  # ridges that take each other's load: then each on a spring of its own
             return _fit(design, verdict, None)
         raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
-    return Springs(gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict)
+    members = tuple((i,) for i in range(forces.size))
+    return Springs(
+        gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict, members=members
+    )
+
+
+def _through(gap: Array, flexibility: Array, forces: Array, approach: float) -> Array:
+    """A flexibility `(n, n)` mm/N scaled by one factor, then moved on its diagonal, until the springs bear
+    `forces` `(n,)` N at the approach, mm."""
+    loaded = forces > LEAST_SHARE * forces.mean()
+    wanted, has = (approach - gap)[loaded], (flexibility @ forces)[loaded]
+    scaled = flexibility * float(forces[loaded] @ wanted / (forces[loaded] @ has))
+    miss = approach - gap - scaled @ forces
+    scaled[np.diag_indices_from(scaled)] += np.where(loaded, miss / np.where(loaded, forces, 1.0), 0.0)
+    return np.asarray(scaled)
 
 
 def _of_pins(design: Design, verdict: ContactCheck) -> Springs:
-    """The springs of pins: of the reduced model, each pin's own at the force that it bears."""
+    """The springs of pins: of the reduced model, each pin's own at the force that it bears. Pins that are one
+    body move together: their stiffnesses add up, and are then made to bear the model's forces."""
     from skincad.mechanics.models.reduced import pin_model, pressed
 
     model = pin_model(design)
@@ -194,7 +211,30 @@ def _of_pins(design: Design, verdict: ContactCheck) -> Springs:
         np.interp(least, model.force, model.indentation),
     )
     flexibility = model.coupling.toarray() + np.diag(indentation / least)
-    return Springs(gap=model.gap, flexibility=flexibility, coupled=True, verdict=verdict)
+    gap, members, coupled = model.gap, tuple(feature_bodies(design).values()), True
+    if len(members) < gap.size:
+        belongs = _belongs(members)
+        gap = np.array([model.gap[[*group]].min() for group in members])
+        stiffness = belongs @ np.linalg.inv(flexibility) @ belongs.T
+        grouped = np.asarray(np.linalg.inv(stiffness), dtype=float)
+        flexibility = _through(gap, grouped, belongs @ forces, approach)
+        if np.linalg.eigvalsh(flexibility).min() <= 0:  # groups that take each other's load
+            coupled, alone = False, np.diag(np.diag(grouped))
+            flexibility = _through(gap, alone, belongs @ forces, approach)
+    return Springs(gap=gap, flexibility=flexibility, coupled=coupled, verdict=verdict, members=members)
+
+
+def _belongs(members: Sequence[Sequence[int]]) -> Array:
+    """Which feature `(n,)` is on which spring, `(springs, n)`: 1 or 0."""
+    belongs = np.zeros((len(members), sum(map(len, members))))
+    for spring, group in enumerate(members):
+        belongs[spring, [*group]] = 1.0
+    return belongs
+
+
+def _summed(verdict: ContactCheck, members: Sequence[Sequence[int]]) -> Array:
+    """The check's forces on each spring, N."""
+    return np.asarray(_belongs(members) @ [float(share) for share in verdict.ridge_force])
 
 
 def _secant(model: RidgeModel, forces: Array) -> Array:
@@ -215,5 +255,5 @@ def _compare_at(design: Design, model: Springs, force: float, progress: Progress
         approach=approach,
         check_approach=float(other.approach),
         shares=tuple(shares.tolist()),
-        check_shares=tuple(float(share) for share in other.ridge_force),
+        check_shares=tuple(_summed(other, model.members).tolist()),
     )

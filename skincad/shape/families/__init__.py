@@ -1,7 +1,8 @@
 """The families of features: one file each, named by its table in a design's TOML.
 
 A family's file has `place(design)`, which returns its features on the skin, and `without_fillets(design)`. To
-add one: its table and that table's key in `inputs/`, its file here, its line in FAMILIES.
+add one: its table in `inputs/feature_tables.py`, that table's key in a design, its file here, its line in
+FAMILIES. Solids, mechanics, scenes and pictures ask for a feature's symmetry, not for its family.
 """
 
 from __future__ import annotations

@@ -62,7 +62,9 @@ def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
     table = design.features
     if isinstance(table, Flat):
         raise ValueError("a flat skin has no profile")
-    half = half_profile(table, _base_radius(design), height)
+    # a pin stands on the plane that touches the base at its foot
+    base = math.inf if symmetry == "revolved" else design.skin.curvature_radius
+    half = half_profile(table, base, height)
     return Feature(
         family=table.family,
         outline=tuple(_outline(table, half, height)),
@@ -76,11 +78,6 @@ def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
         sensors=tuple(_sensors(design)),
         symmetry=symmetry,
     )
-
-
-def _base_radius(design: Design) -> float:
-    """Radius of what a feature's foot stands on, mm: of a pin the plane that touches the base there."""
-    return math.inf if design.features.family == "pin" else design.skin.curvature_radius
 
 
 def without_fillets(design: Design) -> Design:
