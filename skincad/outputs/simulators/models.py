@@ -220,7 +220,7 @@ def skin_urdf(design: Design, links: Links) -> str:
     lines += [*_urdf_link("skin", links.base, "skin", "base-hull"), *_urdf_joint("carrier", "skin")]
     if links.filling:
         lines += [*_urdf_link("filling", links.filling), *_urdf_joint("skin", "filling")]
-    for name, weight in zip(feature_bodies(design), links.ridges, strict=True):
+    for name, weight in zip(feature_bodies(design), links.ridges, strict=False):  # none where none are asked
         lines += [*_urdf_link(name, weight, None, name), *_urdf_joint("skin", name)]
     return "\n".join([*lines, "</robot>", ""])
 

@@ -66,7 +66,9 @@ class Springs(Record):
     flexibility: Array
     coupled: bool = item(meaning="whether springs share the flexibility")
     verdict: ContactCheck
-    members: tuple[tuple[int, ...], ...] = item(meaning="features on each spring, from 0")
+    members: tuple[tuple[int, ...], ...] = item(
+        meaning="features on each spring, from 0; none: each is on its own", default=()
+    )
     elsewhere: tuple[LoadComparison, ...] = item(
         meaning="the springs against checks at other loads", default=()
     )
@@ -180,10 +182,7 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
         if model is not None:  # ridges that take each other's load: then each on a spring of its own
             return _fit(design, verdict, None)
         raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
-    members = tuple((i,) for i in range(forces.size))
-    return Springs(
-        gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict, members=members
-    )
+    return Springs(gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict)
 
 
 def _through(gap: Array, flexibility: Array, forces: Array, approach: float) -> Array:
@@ -234,7 +233,8 @@ def _belongs(members: Sequence[Sequence[int]]) -> Array:
 
 def _summed(verdict: ContactCheck, members: Sequence[Sequence[int]]) -> Array:
     """The check's forces on each spring, N."""
-    return np.asarray(_belongs(members) @ [float(share) for share in verdict.ridge_force])
+    forces = np.array([float(share) for share in verdict.ridge_force])
+    return np.asarray(_belongs(members) @ forces) if members else forces
 
 
 def _secant(model: RidgeModel, forces: Array) -> Array:
