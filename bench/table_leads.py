@@ -91,7 +91,7 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
     count, cone = scene.design.ridge.count, friction_cone(scene)
     change = next(each for each in left_out_effects(scene, small) if each.effect == "finite_strain").change
     refined = ComparisonRuns(before=small, every=small, coarse=coarse)
-    slipped = [slips_of(each.readings, each.ridge, count) for each in (small, few, judge)]
+    slipped = [slips_of(each, count) for each in (small, few, judge)]
     told = [leads(found, slips) for found, slips in zip((small, few, judge), slipped, strict=True)]
     errors = (
         slip_errors(small, slipped[0], replace(refined, before=fine), change, False, cone).leads,

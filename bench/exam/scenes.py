@@ -141,7 +141,7 @@ def marched(one: Drawn) -> SceneRun:
         answer = march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
         if one.mass is None:
             _PADS[name] = answer.pad
-    slips = slips_of(answer.readings, answer.ridge, scene.design.ridge.count)
+    slips = slips_of(answer, scene.design.ridge.count)
     draw = np.random.default_rng((77, one.seed))
     ridges = scene.design.ridge.count
     told = np.sort(draw.permutation(ridges)[: draw.integers(1, min(9, ridges) + 1)]) + 1

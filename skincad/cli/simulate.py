@@ -33,6 +33,12 @@ def simulate(
         typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
     ] = None,
     budget: BudgetOption = None,
+    model: Annotated[
+        str,
+        typer.Option(
+            "--model", help="auto: with finite strain and free ends where they matter; or small_strain alone."
+        ),
+    ] = "auto",
     at: Annotated[
         list[int],
         typer.Option(
@@ -46,8 +52,8 @@ def simulate(
 ) -> None:
     """Run a scene, and say which ridge slips when.
 
-    Only the effects that the scene names are computed. Signals as CSV and a picture appear in the output
-    folder; Ctrl-C keeps what is done by then.
+    The effects that the scene names are computed, and those that change its signals most. Signals as CSV and
+    a picture appear in the output folder; Ctrl-C keeps what is done by then.
     """
     from skincad.inputs.catalog import setting_key
 
@@ -65,7 +71,14 @@ def simulate(
 
     target = out_folder(folder, scene.name, simulations.COMMAND, simulations.names(scene))
     with step_bar(scene.history.step_count) as tick:
-        result = skincad.simulate(scene, tol=tol, budget=budget, tick=tick, partial=True)
+        result = skincad.simulate(
+            scene,
+            tol=tol,
+            budget=budget,
+            tick=tick,
+            partial=True,
+            model=model,  # type: ignore[arg-type]
+        )
     typed = as_typed(source, settings, silicones=silicones)
     deliver(result, as_json, skincad.write(result, target), typed, verbose=verbose)
     leave(result)

@@ -15,7 +15,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import Observables, Share, Step
+from skincad.effects.kinds import Observables, Share, Step, swing_of
 from skincad.effects.large_pad import FRICTIONLESS, LargePad
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, Tangential
 from skincad.mechanics.contact.frozen_tangent import UPDATE_INTERVAL, FrozenTangentPad, FrozenTangentState
@@ -71,6 +71,16 @@ class ChosenPad:
         """Number of free unknowns."""
         return self._pad.rest.unknowns
 
+    @property
+    def x(self) -> Array:
+        """Where the contact points are `(m,)`, mm, undeformed."""
+        return self._pad.x
+
+    @property
+    def compliance(self) -> Array:
+        """Of the unloaded contact points `(2 m, 2 m)`, mm/N."""
+        return self.start().tangent.skin.compliance
+
     def start(self) -> FrozenTangentState:
         """The unloaded state."""
         with one_blas_thread():
@@ -81,7 +91,7 @@ class ChosenPad:
         if any(share.more for share in shares):
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
-        return self.held.advanced(state, step.before, step.after, cone)
+        return self.held.advanced(state, step.before, step.after, cone, swing_of(shares))
 
     def grip(self, state: FrozenTangentState) -> ContactState:
         """Return the contact of a state."""

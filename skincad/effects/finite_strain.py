@@ -12,6 +12,7 @@ with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
@@ -45,6 +46,11 @@ class FiniteStrain(Law):
     )
     halves: ClassVar[bool] = False
 
+    @property
+    def swings(self) -> bool:
+        """Chosen steps take what slow modes add."""
+        return self.steps == "chosen"
+
     def marched(
         self,
         piece: PadPiece,
@@ -58,6 +64,7 @@ class FiniteStrain(Law):
         from skincad.mechanics.bodies import elements, plane_body
         from skincad.mechanics.bodies.film_field import strip_stress
         from skincad.mechanics.contact.frictional_pad import frictional_pad_of
+        from skincad.mechanics.film.sliding import of_ends
 
         needs = frozenset[str]().union(*(term.asks for term in terms))
         if needs:
@@ -68,7 +75,8 @@ class FiniteStrain(Law):
         curved = elements.curved(mesh, order)
         with one_blas_thread():
             body = plane_body.body(curved, order, pad.materials, pad.laws, face=pad.face)
-            whole = frictional_pad_of(body, pad.top, unit, pad.young_modulus * unit * pad.length, pad.length)
+            scale, ends = pad.young_modulus * unit * pad.length, partial(of_ends, pad)
+            whole = frictional_pad_of(body, pad.top, unit, scale, pad.length, ends)
         strips = (
             strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
             if films

@@ -23,7 +23,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.base.result import Record, item
 from skincad.base.tables import Table
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients
+from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients, Swing
 from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
@@ -147,13 +147,20 @@ class Share:
     """What a term adds to a step: friction's `cone`; `damped`, for masses, what is left of the highest modes
     after a step; `rate` s, the viscous part's stress per strain rate by the elastic one's per strain;
     `relaxing`, pairs of what a modulus is larger at first, relative to the slow one, and the time, s, in
-    which it relaxes; and `more` for a law that knows what to do with it."""
+    which it relaxes; `swing`, what masses add at the contact points of a pad that has none; and `more` for a
+    law that knows what to do with it."""
 
     cone: FrictionCoefficients | None = None
     damped: float | None = None
     rate: float = 0.0
     relaxing: tuple[tuple[float, float], ...] = ()
+    swing: Swing | None = None
     more: Mapping[str, Any] | None = None
+
+
+def swing_of(shares: Sequence[Share]) -> Swing | None:
+    """Return what masses add to a step, or None."""
+    return next((share.swing for share in shares if share.swing), None)
 
 
 @dataclass(frozen=True)
@@ -272,6 +279,11 @@ class Law(Effect):
     condenses: ClassVar[bool] = False
     gives: ClassVar[frozenset[str]] = frozenset()
 
+    @property
+    def swings(self) -> bool:
+        """Whether its quasi-static pads take what slow modes add at their contact points (modal.py)."""
+        return False
+
     def limits(self, design: Design) -> Limits:
         """Return where the law's range ends; any law's does where the skin is pressed flat."""
         return Limits(height(design))
@@ -287,7 +299,7 @@ class Law(Effect):
 
 
 class PadChange(Effect):
-    """Alters the pad, as by a region with its own stiffness; `condenses`: whether it needs a law that
+    """Alters the pad, as by a region with its own stiffness; `condenses`: whether it needs a pad that
     does."""
 
     condenses: ClassVar[bool] = False

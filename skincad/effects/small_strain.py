@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Observables, Share, Step, Term
+from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Observables, Share, Step, Term, swing_of
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.frictional import halved
+from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
 from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
@@ -35,6 +36,16 @@ class SmallStrain(Law):
 
     condenses: ClassVar[bool] = True
     gives: ClassVar[frozenset[str]] = frozenset({MASS, RATE})
+
+    masses: bool = Field(
+        default=True,
+        description="whether the skin's mass counts, by its slow modes; it does where steps are short enough",
+    )
+
+    @property
+    def swings(self) -> bool:
+        """Whether its quasi-static pads take what slow modes add."""
+        return self.masses
 
     def limits(self, design: Design) -> Limits:
         """Return where small strain ends."""
@@ -81,6 +92,16 @@ class CondensedPad:
         """Number of free unknowns."""
         return self.pad.unknowns
 
+    @property
+    def x(self) -> Array:
+        """Where the contact points are `(m,)`, mm."""
+        return self.pad.x
+
+    @property
+    def compliance(self) -> Array:
+        """Of the contact points `(2 m, 2 m)`, mm/N."""
+        return self.skin.compliance
+
     def start(self) -> ContactState:
         """The unloaded state."""
         return at_rest(self.pad.gap.size)
@@ -90,6 +111,8 @@ class CondensedPad:
         if any(share.more for share in shares):
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        if swing := swing_of(shares):
+            return solve_contact(self.skin.swung(swing), state, swing.drive, cone, swing.inert)
         return halved(self._seen, state, step.before, step.after, cone)
 
     def _seen(self, drive: Drive) -> Compliance:

@@ -66,7 +66,7 @@ def run_scene(scene: Scene, tell: Tell) -> None:
         tell("stage", (f"{stage}, step {step} of {scene.history.step_count}", left))
 
     tell("signals", _signals(at_level(scene, LEVELS[0], tick), rough=True))
-    tell("signals", _signals(simulate(scene, tick=tick), rough=False))
+    tell("signals", _signals(simulate(scene, tick=tick, model="small_strain"), rough=False))
 
 
 def make_files(request: tuple[Design, Path], tell: Tell) -> None:

@@ -19,9 +19,11 @@ from skincad.scenes.models import (
     CORRECTED,
     DEFAULT_TOLERANCE,
     FINITE_STRAIN,
+    FREE_ENDS,
     SMALL_STRAIN,
     BySource,
     chosen_steps,
+    marches_masses,
     model_of,
 )
 from skincad.scenes.scene import Scene
@@ -40,9 +42,10 @@ MODELS = {
     FINITE_STRAIN: "Finite strain in each step",
 }
 WORTH_ADDING = 0.05  # relative change of signals from which an effect is worth adding
+WORTH_KNOWING = 0.05  # ms, of a lead, from which on the plate's mass is asked for
 ALONE = {"finite_strain", "free_ends", "inertia", "viscosity"}  # to one of them no other is proposed
 ADDING = {  # how to add an effect, where one setting won't do
-    "inertia": "add [effects.inertia] and plate.mass to the scene",
+    "inertia": "add plate.mass to the scene",
     "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
 }
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
@@ -65,6 +68,7 @@ def lines(simulation: Simulation) -> list[str]:
         f"{simulation.scene.name}: {_answer(simulation)}.",
         f"  error          {_how_sure(simulation)}",
         f"  run            {_run(simulation)}",
+        *_plate(simulation),
         *(_warning_lines(simulation)[-1:] or _no_warning(simulation)),
         *(f"  note           {warning}" for warning in simulation.warnings if warning not in left_out),
     ]
@@ -78,7 +82,31 @@ def _run(simulation: Simulation) -> str:
         end += f" ({history.steps} equal ones, and corners of the history between them)"
     chosen = chosen_steps(march)
     by = MODELS[model_of(simulation.scene)].format(0 if chosen is None else len(chosen) - 1)
-    return f"{end}. {by}."
+    scene = simulation.scene
+    masses = marches_masses(scene) or "inertia" in scene.effects
+    of_plate = " and the plate's" * (scene.plate.mass is not None)
+    more = ["free ends"] * (FREE_ENDS in scene.effects) + [f"the skin's{of_plate} mass"] * masses
+    return f"{end}. {by}{', with ' * bool(more)}{' and '.join(more)}."
+
+
+def _plate(simulation: Simulation) -> list[str]:
+    """What a plate as heavy as the skin would change, where nobody gave the plate's mass."""
+    heavy = simulation.heavy_plate
+    if heavy is None:
+        return []
+    gross = heavy.gross_slip_step
+    if gross is None and simulation.gross_slip_step is None:
+        return []
+    begin = (
+        f"without mass, as plate.mass is not given. Under one of {heavy.mass:.2g} g, as heavy as the skin,"
+    )
+    whole = "never slips as a whole" if gross is None else f"slips as a whole from step {gross} on"
+    moved = [(ridge, change) for ridge, change in heavy.lead_change.items() if change]
+    leads = "".join(
+        f"; ridge {ridge}'s lead is {abs(change):.2g} ms {'longer' if change > 0 else 'shorter'}"
+        for ridge, change in moved[:1]
+    )
+    return [f"  plate          {begin} the skin {whole}{leads}."]
 
 
 def _answer(simulation: Simulation) -> str:
@@ -138,6 +166,15 @@ def next_step(simulation: Simulation) -> str:
         name = missing.effect
         how = ADDING.get(name, f"`skincad simulate {{scene}} --set effects.{name}={{}}` adds {name}")
         return f"{how}; leaving it out may change signals by {missing.change:.0%}."
+    return _addition(simulation)
+
+
+def _addition(simulation: Simulation) -> str:
+    """What to add where nothing that matters is left out: the plate's mass, or an amplifier."""
+    scene, heavy = simulation.scene, simulation.heavy_plate
+    if heavy and any(abs(change or 0.0) >= WORTH_KNOWING for change in heavy.lead_change.values()):
+        given = f"`skincad simulate {{scene}} --set plate.mass={heavy.mass:.2g}`"
+        return f"{given} counts the plate's mass, in g: give your own."
     if "piezo" not in scene.effects and scene.design.film:
         return "`skincad simulate {scene} --set effects.piezo.circuit=yamada-2002` adds the slip detector."
     return f"{PICTURE} shows the signals of each monitored ridge."

@@ -21,7 +21,7 @@ later. Range: marches whose tangential load grows towards the slip.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,6 @@ import numpy as np
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.estimate import Estimate
 from skincad.circuit.state import longest_step
-from skincad.effects.kinds import Observables
 from skincad.mechanics.contact.state import FrictionCoefficients, law_of
 from skincad.scenes.march import March
 from skincad.scenes.models import COARSE_STEP_FACTOR, BySource, ComparisonRuns
@@ -70,6 +69,17 @@ def lasting_slip_step(runs: list[list[int]], gross: int | None, last: int) -> in
     return next((a for a, b in runs if a <= end <= b), None)
 
 
+def without_halts(runs: list[list[int]], time: Array, halts: float) -> list[list[int]]:
+    """Return runs [from, to] at `time` `(n,)` s, two as one where at most `halts` s lie between them."""
+    joined: list[list[int]] = []
+    for start, end in runs:
+        if joined and time[start] - time[joined[-1][1]] <= halts:
+            joined[-1][1] = end
+        else:
+            joined.append([start, end])
+    return joined
+
+
 @dataclass(frozen=True, eq=False)
 class Slips:
     """When ridges slip: `slipping` `(steps + 1, ridges)`; the `runs` of it, [from, to], and the step at which
@@ -81,14 +91,17 @@ class Slips:
     gross: int | None
 
 
-def slips_of(readings: Sequence[Observables], ridge: Index, ridges: int) -> Slips:
-    """Return when the ridges slip, by a march's readings and the `ridge` `(m,)` of its contact points."""
+def slips_of(march: March, ridges: int, halts: float = 0.0) -> Slips:
+    """Return when the ridges slip in a march. Halts of up to that many s do not end a slip: with masses a
+    ridge that slips stops for a part of a swing."""
+    readings, ridge = march.readings, march.ridge
     touches = np.array([reading.touches for reading in readings])
     slips = np.array([reading.slips for reading in readings])
     slipping = slip_by_ridge(touches, slips, ridge, ridges)
-    runs = [intervals(column) for column in slipping.T]
+    runs = [without_halts(intervals(column), march.time, halts) for column in slipping.T]
     gross, last = gross_slip_step(touches, slips), len(readings) - 1
-    return Slips(slipping, runs, [lasting_slip_step(run, gross, last) for run in runs], gross)
+    steps = [lasting_slip_step(run, gross, last) for run in runs]
+    return Slips(slipping, runs, steps, gross)
 
 
 Stress = Mapping[int, Array]  # MPa by monitored ridge, `(steps + 1,)`
@@ -154,12 +167,13 @@ def slip_errors(
     change: float,
     driven: bool,
     cone: FrictionCoefficients,
+    halts: float = 0.0,
 ) -> SlipErrors:
     """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
-    whether the plate's travel is given: gross slip depends on the skin then."""
+    whether the plate's travel is given: gross slip depends on the skin then; `halts` is as of `slips_of`."""
     count, time, loads = len(slips.steps), last.time, last.loads
     after, before, every, coarse = (
-        None if march is None else _moments(march, count)
+        None if march is None else _moments(march, count, halts)
         for march in (refined.after or last, refined.before, refined.every, refined.coarse)
     )
     whole = loads.sum(axis=2)
@@ -232,10 +246,10 @@ def lead(time: Array, gross: int | None, step: int | None, error: float | None) 
     return Estimate(1e3 * float(time[gross] - time[step]), error, "ms")
 
 
-def _moments(march: March, ridges: int) -> Array:
+def _moments(march: March, ridges: int, halts: float) -> Array:
     """When ridges slip for good, s `(ridges + 1,)`, and last gross slip: the march's end without it, and that
     of a ridge that does not slip is put there too."""
-    slips = slips_of(march.readings, march.ridge, ridges)
+    slips = slips_of(march, ridges, halts)
     last = march.time.size - 1 if slips.gross is None else slips.gross
     return np.asarray(march.time[[*(last if step is None else step for step in slips.steps), last]])
 

@@ -27,15 +27,27 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError, RefusedError, resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
+from skincad.circuit.state import longest_step
 from skincad.effects import EFFECTS, effect
-from skincad.effects.kinds import Law, LeftOutEffect, MarchedPad, PadChange, PlatePath, SceneOutline, Step
+from skincad.effects.kinds import (
+    MASS,
+    Law,
+    LeftOutEffect,
+    MarchedPad,
+    PadChange,
+    PlatePath,
+    SceneOutline,
+    Step,
+)
 from skincad.mechanics.contact.state import Drive
+from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
 from skincad.mechanics.fits import unlike
 from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
+    from skincad.mechanics.dynamics.modes import Modes
     from skincad.mechanics.film.stick import PadPiece
 
 
@@ -67,12 +79,13 @@ class BySource(NamedTuple):
 class ComparisonRuns:
     """Marches to hold a march against, None where there is none: `before` on the mesh before; `every` on the
     coarsest mesh, and `coarse` there with fewer steps; `after` on the finer mesh, where the march in question
-    is by another model."""
+    is by another model; `heavy` under a plate as heavy as the skin, on the coarsest mesh."""
 
     before: March | None = None
     after: March | None = None
     every: March | None = None
     coarse: March | None = None
+    heavy: March | None = None
 
 
 def coarse_steps(steps: int, points: Index) -> Index:
@@ -84,8 +97,8 @@ def coarse_steps(steps: int, points: Index) -> Index:
 @dataclass(frozen=True, eq=False)
 class MarchSetup:
     """What a scene's marches share: the piece that is meshed, None of pins, which have no section; who is
-    told, whether a march that Ctrl-C ends is wanted (`partial`), the meshes made so far by fineness, and the
-    model's name where it is not the scene's own."""
+    told, whether a march that Ctrl-C ends is wanted (`partial`), the meshes made so far by fineness, the
+    model's name where it is not the scene's own, and the slow `modes` of the first mesh, once known."""
 
     scene: Scene
     piece: PadPiece | None
@@ -93,6 +106,7 @@ class MarchSetup:
     partial: bool = False
     meshes: dict[float, object] = field(default_factory=dict)
     model: str = ""
+    modes: list[Modes] = field(default_factory=list)
 
 
 @contextmanager
@@ -154,14 +168,19 @@ def march_on(
             films = bool(scene.readout.ridges)
             pad = scene.law.marched(on.piece, mesh, level.order, films, scene.terms)
         marks.append(perf_counter())
+        if on.piece is not None and marches_masses(scene):
+            pad = _with_masses(pad, on, mesh, level, films)
+            seconds["modes"] = seconds.get("modes", 0.0) + perf_counter() - marks[-1]
     history, mass = scene.history, scene.plate.mass or 0.0
     count = history.step_count
     fewer = LONGER * _fewer(scene).size / count if again else 0.0
     stages = dict(zip(("mesh", "condense"), np.diff(marks).tolist(), strict=True))
 
+    began = perf_counter()
+
     def told(step: int) -> None:
         if tick:
-            whole = (perf_counter() - marks[-1]) * count / step
+            whole = (perf_counter() - began) * count / step
             after = expected(following, level, {**stages, "march": whole}) if following else 0.0
             tick(stage, step, whole * (1 - step / count + fewer) + after)
 
@@ -203,10 +222,65 @@ def march_coarse_steps(
     return None if coarse.failed else coarse
 
 
+def march_under_heavy_plate(on: MarchSetup, whole: March, seconds: dict[str, float]) -> March | None:
+    """March the pad of a march again under a plate as heavy as the skin; None of a plate that is driven or
+    has its own mass, of a skin without masses, and where that fails. `seconds` have a stage of its own."""
+    from skincad.effects.modal import ModalPad
+
+    scene, history, pad = on.scene, on.scene.history, whole.pad
+    if scene.plate.mass is not None or history.tangential_force_N is None or not isinstance(pad, ModalPad):
+        return None
+    mass, ends = skin_mass(scene.design), scene.law.limits(scene.design)
+    with one_blas_thread():
+        heavier = replace(pad, mass=mass, prepared={})
+        run = march(heavier, history.times, history.drives(), scene.terms, None, (), mass, ends, on.partial)
+    seconds["heavy plate"] = run.seconds
+    return None if run.failed or run.interrupted else run
+
+
 def _fewer(scene: Scene) -> Index:
     """The steps that the march with fewer has."""
     history = scene.history
     return coarse_steps(history.step_count, history.points)
+
+
+SWINGS = 2.0  # steps in the slowest mode's period from which on masses are marched
+
+
+def marches_masses(scene: Scene) -> bool:
+    """Whether the slow modes are marched: the scene names no effect with masses or a past of its own, the
+    plate keeps its angle, and the steps are short enough to see the slowest mode, or the plate has a mass."""
+    design, history = scene.design, scene.history
+    if scene.asked or any(history.rotation_deg or []) or not scene.law.swings:
+        return False
+    if skin_of(design).symmetry == "revolved":
+        return False
+    return scene.plate.mass is not None or longest_step(history.times) < layer_period(design) / SWINGS
+
+
+def halts_of(scene: Scene) -> float:
+    """Return how long a ridge that slips may halt while the skin swings, s: half of its slowest swing where
+    masses count, else 0."""
+    return layer_period(scene.design) / 2 if marches_masses(scene) or MASS in scene.asked else 0.0
+
+
+def _with_masses(pad: MarchedPad, on: MarchSetup, mesh: object, level: Level, films: bool) -> MarchedPad:
+    """The pad with the slow modes of the first mesh that is marched."""
+    from skincad.effects.chosen_steps import ChosenPad
+    from skincad.effects.modal import ModalPad
+    from skincad.effects.small_strain import CondensedPad
+    from skincad.mechanics.dynamics.modes import at_points, resolved, slow_modes
+
+    assert isinstance(pad, CondensedPad | ChosenPad)
+    assert on.piece is not None
+    if not on.modes:
+        on.modes.append(slow_modes(on.piece, mesh, level.order, films, pad.x, pad.ridge))
+    modes, step = at_points(on.modes[0], pad.x, pad.ridge), longest_step(on.scene.history.times)
+    slow = resolved(modes, pad.compliance, step)
+    first = (
+        level == LEVELS[0] and not on.model
+    )  # what it differs from the next mesh by counts these modes too
+    return ModalPad(pad, slow.coarser if first else slow, on.scene.plate.mass or 0.0)
 
 
 def meshed_pad(piece: PadPiece, level: Level, meshes: dict[float, object]) -> object:
@@ -236,7 +310,8 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
     outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, _friction(scene))
-    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in scene.effects]
+    there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
+    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in there]
     found = {name: entry for name in unnamed if (entry := effect(name).left_out(outline))}
     entries = [
         replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
@@ -313,7 +388,8 @@ def refine(
                     None,
                     replace(march, stopped=INTERRUPTED),
                 )  # Ctrl-C ends the refinement, not its march
-            refined[0] = ComparisonRuns(every=march, coarse=coarse)
+            heavy = None if march.interrupted else march_under_heavy_plate(on, march, last)
+            refined[0] = ComparisonRuns(every=march, coarse=coarse, heavy=heavy)
         for stage, more in last.items():
             seconds[stage] = seconds.get(stage, 0.0) + more
         if before is not None and march.interrupted:
@@ -373,11 +449,14 @@ def _errors(on: MarchSetup, before: March, march: March) -> tuple[dict[int, floa
 
 
 SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_strain"
+FREE_ENDS = "free_ends"
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
 DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
-# What a scene in chosen steps may take, in condensations of small strain's two meshes, and each step of
-# finite strain by a chosen one; as of bench/table_leads.py
-DEAR, DEARER = 40.0, 1.0
+# What a scene in chosen steps may take, in condensations of small strain's two meshes, what free ends alone,
+# and each step of finite strain by a chosen one; as of yamada-2002-slip
+DEAR, ENDS_DEAR, DEARER = 16.0, 4.0, 1.0
+PROMPT = 60.0  # s
+ENDS_MATTER = 0.02  # relative; a larger change is computed
 
 
 def model_of(scene: Scene) -> str:
@@ -416,46 +495,71 @@ def cut_short(march: March) -> list[str]:
 def further(
     on: MarchSetup,
     refined_run: RefinedRun,
-    tol: float,
+    tol: float | None,
     budget: float | None,
     began: float,
     seconds: dict[str, float],
 ) -> tuple[MarchSetup, RefinedRun]:
-    """Return what is marched, and the march that counts, by the model that `tol` asks for: `found` in small
-    strain, or one beyond it. `seconds` are by stage; `budget` s run from `began`."""
-    scene, short = on.scene, refined_run.short
-    if not _asks(scene, refined_run.march, tol):
-        return on, refined_run
+    """Return what is marched, and the march that counts, by the model that the scene calls for: what was
+    found in small strain, or one beyond it. Without `tol` that is one which is expected to take at most
+    PROMPT s. `seconds` are by stage; `budget` s run from `began`."""
+    scene, short, small = on.scene, refined_run.short, refined_run.march
+    wanted = _missing(scene, small, tol)
+    ends = {FREE_ENDS: wanted[FREE_ENDS]} if FREE_ENDS in wanted else {}
     try:
-        price = DEAR * seconds["condense"]
-        on, refined_run = _by(CHOSEN, on, refined_run, price, budget, began, seconds)
-        drift, last = _relative(on, refined_run), refined_run.march.readings[-1].drift
-        if drift <= tol:
+        for effects in [wanted, ends] if ends != wanted else [wanted]:
+            if not effects:
+                break
+            try:
+                price = _price(effects, seconds)
+                if tol is None and price > PROMPT:
+                    words = f"finite strain in chosen steps would take about {price:.2g} s"
+                    raise RefusedError(f"{words}; --tol {DEFAULT_TOLERANCE:g} includes it")
+                on, refined_run = _by(effects, on, refined_run, price, budget, began, seconds)
+                break
+            except (InputError, RefusedError) as refusal:
+                short = [*short, f"no model beyond this one was marched: {refusal}"]
+                refined_run = replace(refined_run, short=short)
+        last = refined_run.march.readings[-1].drift
+        if tol is None or last is None or (drift := _relative(on, refined_run)) <= tol:
             return on, refined_run
         refined_run = replace(refined_run, short=[*short, *unmet(DRIFTS.format(drift), drift, tol)])
-        if last is None or last.cut:  # finite strain in each step would stop there
+        if last.cut:  # finite strain in each step would stop there
             return on, refined_run
         steps = chosen_steps(refined_run.march) or [0]
         price = DEARER * seconds[CORRECTED] * scene.history.step_count / len(steps)
-        on, refined_run = _by(EACH, on, refined_run, price, budget, began, seconds)
+        on, refined_run = _by({**wanted, **EACH}, on, refined_run, price, budget, began, seconds)
         return on, replace(refined_run, short=short)
     except KeyboardInterrupt:
         if not on.partial:
             raise
         return on, replace(refined_run, march=replace(refined_run.march, stopped=INTERRUPTED))
     except (InputError, RefusedError) as refusal:
-        return on, replace(
-            refined_run, short=[*refined_run.short, f"no model beyond this one was marched: {refusal}"]
-        )
+        words = f"no model beyond this one was marched: {refusal}"
+        return on, replace(refined_run, short=[*refined_run.short, words])
 
 
-def _asks(scene: Scene, small: March, tol: float) -> bool:
-    """Whether small strain leaves out more than `tol` of a scene that names no law and tells a signal."""
-    named = any(isinstance(part, Law) for part in scene.parts.values())
+def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[str, Any]]:
+    """What a scene that names no law, and tells a signal, is marched with beside small strain: effects whose
+    absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one."""
+    named = any(isinstance(part, Law) for part in scene.parts.values()) or scene.asked
+    drawn = scene.readout.steps or scene.readout.frames  # of which finite strain tells no section
+    turns = any(scene.history.rotation_deg or [])
     if named or not scene.readout.ridges or small.failed or small.interrupted:
-        return False
-    left_out = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
-    return left_out.get(FINITE_STRAIN, 0.0) > tol
+        return {}
+    change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
+    wanted: dict[str, dict[str, Any]] = {}
+    if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
+        wanted |= CHOSEN
+    ends_matter = change.get(FREE_ENDS, 0.0) > min(tol or 1.0, ENDS_MATTER)
+    if ends_matter and scene.design.skin.curvature_radius_y is None:
+        wanted[FREE_ENDS] = {}
+    return wanted
+
+
+def _price(effects: Mapping[str, Any], seconds: Mapping[str, float]) -> float:
+    """About how many s a march with these effects takes."""
+    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * seconds["condense"]
 
 
 def _by(

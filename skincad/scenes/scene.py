@@ -423,9 +423,17 @@ def _check_terms(scene: Scene) -> None:
             )
     if MASS in scene.asked and scene.plate.mass is None:
         raise InputError("plate.mass", "is missing", remedy="masses count here: give the plate's mass in g")
-    if MASS not in scene.asked and scene.plate.mass is not None:
-        rule, remedy = "has no effect where masses do not count", "add [effects.inertia]"
-        raise InputError("plate.mass", rule, scene.plate.mass, remedy)
+    if MASS in scene.asked or scene.plate.mass is None:
+        return
+    beside = [
+        f"[effects.{name}]" for name, part in scene.parts.items() if isinstance(part, Term) and part.asks
+    ]
+    beside += [] if scene.law.swings else [f"[effects.{law}]"]
+    beside += ["a plate that turns"] * any(scene.history.rotation_deg or [])
+    beside += ["[pin]"] * (skin_of(scene.design).symmetry == "revolved")
+    if beside:
+        rule = f"does not count beside {' and '.join(beside)}"
+        raise InputError("plate.mass", rule, scene.plate.mass, "leave one of them out")
 
 
 def _check_force(scene: Scene) -> None:
@@ -444,15 +452,16 @@ def _check_force(scene: Scene) -> None:
 def _check_law(scene: Scene) -> None:
     """Raise InputError for what only a quasi-static condensed pad knows, with a law or term that has none."""
     law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    others = [] if scene.law.condenses else [law]
-    others += [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
+    moving = [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
+    others = [*([] if scene.law.condenses else [law]), *moving]
     needs = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
     needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
     bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
-    needs += [f"effects.{name}" for name, body in bodies.items() if body.condenses]
-    if others and needs:
-        rule = f"does not work together with {' and '.join(others)}"
-        raise InputError(needs[0], rule, remedy="leave one of them out")
+    still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    for keys, beside in ((needs, others), (still, moving)):
+        if keys and beside:
+            rule = f"does not work together with {' and '.join(beside)}"
+            raise InputError(keys[0], rule, remedy="leave one of them out")
     for name, body in bodies.items():
         if body.feels:
             continue

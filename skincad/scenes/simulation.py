@@ -6,19 +6,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from skincad.base.arrays import Array, Mask
-from skincad.base.errors import require_goals
+from skincad.base.errors import InputError, did_you_mean, require_goals
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
+from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.detector import report
 from skincad.scenes.errors import (
@@ -35,8 +36,11 @@ from skincad.scenes.errors import (
 from skincad.scenes.march import Level, March
 from skincad.scenes.models import (
     FINITE_STRAIN,
+    FREE_ENDS,
     MATTERS,
+    SMALL_STRAIN,
     BySource,
+    ComparisonRuns,
     MarchSetup,
     RefinedRun,
     chosen_steps,
@@ -44,6 +48,7 @@ from skincad.scenes.models import (
     differential,
     drifted,
     further,
+    halts_of,
     left_out_effects,
     march_on,
     model_of,
@@ -138,6 +143,32 @@ def joined(parts: Mapping[str, Readings]) -> dict[str, Any]:
     return merged
 
 
+@dataclass(frozen=True)
+class HeavyPlate(Record):
+    """A scene of which no plate.mass is known, in small strain under a plate as heavy as the skin."""
+
+    mass: float = item("g", "of that plate")
+    gross_slip_step: int | None = item(meaning="from which the skin slips as a whole")
+    slip_lead: dict[int, float | None] = item("ms", "of each monitored ridge before that")
+    lead_change: dict[int, float | None] = item("ms", "of that, by the plate's mass alone")
+
+
+def _heavy_plate(scene: Scene, refined: ComparisonRuns, timed: Sequence[int]) -> HeavyPlate | None:
+    """What a plate as heavy as the skin changes; None where nobody marched it."""
+    if refined.heavy is None or refined.every is None:
+        return None
+    count, halts = skin_of(scene.design).count, halts_of(scene)
+    heavy, light = (slips_of(run, count, halts) for run in (refined.heavy, refined.every))
+    time = refined.heavy.time
+
+    def leads(slips: Slips) -> dict[int, float | None]:
+        return {r: lead(time, slips.gross, slips.steps[r - 1], None).value for r in timed}
+
+    now, before = leads(heavy), leads(light)
+    change = {r: None if (a := now[r]) is None or (b := before[r]) is None else a - b for r in timed}
+    return HeavyPlate(skin_mass(scene.design), heavy.gross, now, change)
+
+
 @record(eq=False)
 class Simulation(Result):
     """A scene's result. `raw` and `signals`, by monitored ridge: differential stress S1 - S2, MPa, as it is
@@ -161,6 +192,7 @@ class Simulation(Result):
     slip_steps: list[int | None] = item(meaning="from which each ridge slips for good", key="ridge_slip_step")
     gross_slip_step: int | None = item(meaning="from which the skin slips as a whole")
     slip_errors: SlipErrors
+    heavy_plate: HeavyPlate | None = item(meaning="the same under a plate as heavy as the skin")
     left_out: list[LeftOutEffect] = item(meaning="effects left out, and what that may change")
     read: dict[str, Any] = item(meaning="what the scene's readers tell", inline=True)
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
@@ -339,6 +371,9 @@ class Simulation(Result):
         return INTERRUPTED if self.march.interrupted else 1 if self.march.failed else 0
 
 
+SCENE_MODELS = "auto", SMALL_STRAIN
+
+
 def simulate(
     scene: Scene,
     *,
@@ -346,12 +381,15 @@ def simulate(
     budget: float | None = None,
     tick: Tick | None = None,
     partial: bool = False,
+    model: Literal["auto", "small_strain"] = "auto",
 ) -> Simulation:
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
     A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
     strain in chosen steps next, then in each (scenes/models.py): `model` and `scene` of the result say so.
-    Without `tol` the model is the scene's own.
+    Without `tol` chosen steps are taken where they change more than a tenth and are expected to take at most
+    a minute; what free ends change is computed too. With `model="small_strain"` neither is: the effects are
+    the scene's own, for many scenes or for a first look.
 
     `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
@@ -362,7 +400,10 @@ def simulate(
     With `partial` Ctrl-C too ends in a result, of what is done by then. Raises ExhaustedError where memory or
     another resource does not suffice for the coarsest mesh.
     """
-    run = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, further_models=True)
+    if model not in SCENE_MODELS:
+        raise InputError("model", "unknown model of a scene", model, did_you_mean(model, SCENE_MODELS))
+    more = model == "auto"
+    run = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, further_models=more)
     return read_out(scene, run)
 
 
@@ -390,7 +431,7 @@ def marched(
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
     refined_run = refine(on, tol, budget, began, seconds)
-    if further_models and tol is not None:
+    if further_models and on.piece is not None:
         on, refined_run = further(on, refined_run, tol, budget, began, seconds)
     return SceneRun(on, refined_run, {"total": perf_counter() - began, **seconds})
 
@@ -398,8 +439,9 @@ def marched(
 def read_out(scene: Scene, run: SceneRun) -> Simulation:
     """Return what a scene's readers tell of a march: its own, or that of a scene which differs in its readers
     and its band alone (`marching` is the same)."""
-    if model_of(scene) != model_of(run.on.scene):
-        scene = scene.with_(effects={FINITE_STRAIN: run.on.scene.effects[FINITE_STRAIN]})
+    more = {name: table for name, table in run.on.scene.effects.items() if name in (FINITE_STRAIN, FREE_ENDS)}
+    if more:
+        scene = scene.with_(effects=more)
     return _told(replace(run.on, scene=scene), run.refined_run, dict(run.seconds))
 
 
@@ -434,7 +476,8 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
     began = perf_counter()
     scene, march, notes = on.scene, refined_run.march, [*refined_run.short, *cut_short(refined_run.march)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
-    slips = slips_of(march.readings, march.ridge, skin_of(scene.design).count)
+    halts = halts_of(scene)
+    slips = slips_of(march, skin_of(scene.design).count, halts)
     left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
     change = _change(left_out)
     stressed = stress_errors(
@@ -466,7 +509,10 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
         runs=slips.runs,
         slip_steps=slips.steps,
         gross_slip_step=slips.gross,
-        slip_errors=slip_errors(march, slips, refined_run.refined, change, driven, friction_cone(scene)),
+        slip_errors=slip_errors(
+            march, slips, refined_run.refined, change, driven, friction_cone(scene), halts
+        ),
+        heavy_plate=_heavy_plate(scene, refined_run.refined, scene.readout.ridges),
         left_out=left_out,
         read=readings,
         seconds={**seconds, "total": seconds["total"] + perf_counter() - began},

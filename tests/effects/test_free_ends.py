@@ -73,10 +73,27 @@ def test_ends_soften_a_pad_the_less_the_longer_it_is(tmp_path: Path) -> None:
     assert third < 0.5 * second
 
 
-@pytest.mark.parametrize("other", ["effects.finite_strain={}", "effects.viscosity.retardation_time=1e-4"])
-def test_ends_are_known_to_condensed_pads_alone(tmp_path: Path, other: str) -> None:
+def test_ends_are_not_known_with_a_past(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"effects\.free_ends: does not work together with"):
-        small_scene(tmp_path, *PRESS, ENDS, other)
+        small_scene(tmp_path, *PRESS, ENDS, "effects.viscosity.retardation_time=1e-4")
+
+
+@pytest.mark.slow
+def test_at_finite_strain_ends_add_what_they_add_at_small_strain(tmp_path: Path) -> None:
+    """At a hundredth of the force: approach and shares of small strain with ends, by both ways of steps.
+
+    1 %: what finite strain adds at 1 % of the force, measured 0.3 %."""
+    light = (*PRESS[:1], "history.normal_force_N=[0.0, 0.013]", *PRESS[2:])
+    small = at_level(small_scene(tmp_path, *light, ENDS), LEVELS[0])
+    plane = at_level(small_scene(tmp_path, *light), LEVELS[0])
+    for steps in ("all", "chosen"):
+        law = f"effects.finite_strain.steps={steps}"
+        large = at_level(small_scene(tmp_path, *light, ENDS, law), LEVELS[0])
+        one, other = (run.march.readings[-1].approach for run in (large, small))
+        assert one == pytest.approx(other, rel=0.01)
+        assert one > 1.03 * plane.march.readings[-1].approach
+        borne = large.march.loads[-1, 0]
+        assert borne == pytest.approx(small.march.loads[-1, 0], abs=0.01 * borne.mean())
 
 
 def said(design: Design, slips: float, pull: float = 1.0) -> LeftOutEffect:

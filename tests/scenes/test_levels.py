@@ -89,7 +89,9 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
             stages.add(stage)
 
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
-    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, **limits)
+    simulation = simulate(
+        small_scene(tmp_path, "yamada-2002-press", *press), tick=tick, model="small_strain", **limits
+    )
     assert len(stages) == meshes
     assert not any("met" in warning or "budget" in warning for warning in simulation.warnings)
 
@@ -107,7 +109,9 @@ def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
 
     monkeypatch.setattr(models, "march_on", fail_third)
     press = ("history.steps=2", "readout.ridges=[1]", THIRD)
-    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6)
+    simulation = simulate(
+        small_scene(tmp_path, "yamada-2002-press", *press), budget=1e6, model="small_strain"
+    )
     assert len(marched) == 3
     assert simulation.march is marched[1]
     assert any("a finer mesh stopped at step 2" in warning for warning in simulation.warnings)

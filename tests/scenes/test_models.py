@@ -109,7 +109,7 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
     mesh = triangles(piece.pad, default_sizes(piece.pad, 2 * LEVELS[0].fineness))
     pad = judge.law.marched(piece, mesh, LEVELS[0].order, True, judge.terms)
     true = march(pad, times, judge.history.drives(), judge.terms)
-    slips = slips_of(true.readings, true.ridge, judge.design.ridge.count)
+    slips = slips_of(true, judge.design.ridge.count)
     assert true.stopped == "gross slip"
     assert simulation.gross_slip_step is not None
     assert slips.gross is not None

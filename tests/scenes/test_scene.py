@@ -65,7 +65,6 @@ BAD = {
     "effects.film.bond=loose": "readout.ridges: needs films' stresses, which effects.film does not",
     "history.tangential_force_N=none": "history: needs either tangential_force_N or displacement_mm",
     "plate.shape=cylinder": "plate.shape: must be 'flat'",
-    "plate.mass=1.0": "plate.mass: has no effect where masses do not count, got 1; add [effects.inertia]",
     "effects.inertia={}": "plate.mass: is missing; masses count here: give the plate's mass in g",
     "effects.inertia.spectral_radius=1.5": "effects.inertia.spectral_radius: must be less than or equal to 1",
     "effects.viscosity.prony=[[0.5]]": "effects.viscosity.prony.0",
@@ -93,7 +92,6 @@ def test_films_signals_need_slots() -> None:
     [
         ("history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]", "history.rotation_deg"),
         ("readout.steps=[3]", "readout.steps"),
-        ("effects.free_ends={}", "effects.free_ends"),
     ],
 )
 @pytest.mark.parametrize("other", ["finite_strain={}", "viscosity.retardation_time=1e-4"])
@@ -101,6 +99,21 @@ def test_what_a_condensed_pad_alone_knows_is_refused_with_others(more: str, key:
     name = "viscosity" if "viscosity" in other else "finite_strain"
     with pytest.raises(InputError, match=f"{key}: does not work together with .*{name}"):
         load_scene(SLIP, [more, f"effects.{other}"])
+
+
+@pytest.mark.parametrize(
+    ("other", "named"),
+    [
+        ("effects.viscosity.retardation_time=1e-4", r"\[effects\.viscosity\]"),
+        ("effects.finite_strain={}", r"\[effects\.finite_strain\]"),
+        ("effects.small_strain.masses=false", r"\[effects\.small_strain\]"),
+        ("history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]", "a plate that turns"),
+    ],
+)
+def test_a_plates_mass_is_refused_where_it_does_not_count(other: str, named: str) -> None:
+    with pytest.raises(InputError, match=f"plate.mass: does not count beside {named}"):
+        load_scene(SLIP, ["plate.mass=1.0", other])
+    assert load_scene(SLIP, ["plate.mass=1.0"]).plate.mass == 1.0
 
 
 def test_a_circuit_needs_films() -> None:

@@ -76,7 +76,7 @@ def papers() -> np.ndarray:
 
     Ridge 2 slips from step 186 to 200 and from 477 on, ridge 3 from 488 on, all do at 550.
     """
-    data = felt(1, "yamada-2002-slip")
+    data = felt(1, "yamada-2002-slip", "effects.small_strain.masses=false")
     strips = [[data["output_V"][r][side] for side in ("S1", "S2")] for r in "23"]
     return np.moveaxis(np.array(strips), 2, 0) * NOISE / (math.sqrt(2) * data["output_noise_V_rms"])
 

@@ -89,7 +89,7 @@ def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
     refined = ComparisonRuns(
         before=two_ridges(43, 81), every=two_ridges(30, 70), coarse=two_ridges(50, 80, 5)
     )
-    errors = slip_errors(run, slips_of(run.readings, run.ridge, 2), refined, 0.0, True, COULOMB)
+    errors = slip_errors(run, slips_of(run, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
     assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))
     assert errors.gross == errors.slips[1]
@@ -100,7 +100,7 @@ def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
 def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
     run, never = two_ridges(40, 80), 1000
     refined = ComparisonRuns(before=two_ridges(never, never))
-    errors = slip_errors(run, slips_of(run.readings, run.ridge, 2), refined, 0.0, True, COULOMB)
+    errors = slip_errors(run, slips_of(run, 2), refined, 0.0, True, COULOMB)
     assert errors.slips[0].mesh == pytest.approx(6.0)
     assert errors.gross.mesh == pytest.approx(2.0)
     assert errors.leads[0].mesh == pytest.approx(4.0)
@@ -116,9 +116,7 @@ def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
     for drift_case, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
         readings = tuple(replace(reading, drift=drift_case) for reading in run.readings)
         drifting_run = replace(run, readings=readings, loads=loads)
-        errors = slip_errors(
-            drifting_run, slips_of(readings, run.ridge, 2), ComparisonRuns(), 0.0, False, COULOMB
-        )
+        errors = slip_errors(drifting_run, slips_of(drifting_run, 2), ComparisonRuns(), 0.0, False, COULOMB)
         assert errors.slips[0].drift == pytest.approx(of_slip, abs=0.11)  # a step of 0.1 ms
         assert errors.slips[1].drift == 0.0
 

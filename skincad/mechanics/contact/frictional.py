@@ -368,7 +368,7 @@ class _Step:
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
         slopes = drag if self.law.has_breakpoints else np.float64(self.cone.kinetic)
-        key = status.tobytes() + bytes([travel_given]) + slopes.tobytes()
+        key = self.skin.tag + status.tobytes() + bytes([travel_given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
         k, n = closed.size, stuck.size

@@ -16,6 +16,7 @@ that does not converge is replaced by steps of the travel until its force is pas
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -34,6 +35,8 @@ from skincad.mechanics.contact.state import (
     Drive,
     FrictionCoefficients,
     GrossSlip,
+    Inert,
+    Swing,
     at_rest,
 )
 from skincad.mechanics.problem import ContactError
@@ -62,7 +65,8 @@ class FrictionalPad:
     touches, `x`, `weight` mm, `ridge`; `top` mm is the highest one's z. `rows` `(2 m, k)`: displacements
     in x, then z, of the unknowns `contact` `(k,)`. A unit of length is `unit` mm, one of force `scale` N.
 
-    `tangents` holds the latest tangent alone, for the body has room for no other.
+    `ends` `(2 m, 2 m)` mm/N is what free ends add to the compliance, 0 without. `tangents` holds the latest
+    tangent alone, for the body has room for no other.
     """
 
     body: NeoHookeBody
@@ -76,6 +80,7 @@ class FrictionalPad:
     top: float
     unit: float
     scale: float
+    ends: Array
     tangents: list[Tangential] = field(default_factory=list)
     length: float = 1.0  # mm, of the pad along y
 
@@ -106,9 +111,15 @@ class FrictionalState:
 
 
 def frictional_pad_of(
-    body: NeoHookeBody, top: float, unit: float, scale: float, length: float = 1.0
+    body: NeoHookeBody,
+    top: float,
+    unit: float,
+    scale: float,
+    length: float = 1.0,
+    ends: Callable[[Index], Array] | None = None,
 ) -> FrictionalPad:
-    """Return the pad of a body, `length` mm along y, under its plate; `top` mm is its highest point."""
+    """Return the pad of a body, `length` mm along y, under its plate; `top` mm is its highest point. `ends`
+    says what free ends add to the compliance `(2 m, 2 m)` mm/N of points of these ridges `(m,)`."""
     along_x, along_z = (body.space.components[0].Range(i).start for i in (0, 1))
     rest = body.rest
     contact = np.concatenate([rest.contact - along_z + along_x, rest.contact])
@@ -117,6 +128,7 @@ def frictional_pad_of(
     by_x = np.argsort(x, kind="stable")
     one = rest.nodes.rows[by_x]
     gap = (top - z)[by_x]
+    ridge = rest.nodes.ridge[by_x]
     return FrictionalPad(
         body=body,
         contact=contact,
@@ -125,10 +137,11 @@ def frictional_pad_of(
         gap=gap - gap.min(),
         x=x[by_x],
         weight=rest.nodes.weight[by_x] * unit,
-        ridge=rest.nodes.ridge[by_x],
+        ridge=ridge,
         top=float(z.max()),
         unit=unit,
         scale=scale,
+        ends=ends(ridge) if ends else np.zeros((2 * ridge.size,) * 2),
         length=length,
     )
 
@@ -145,7 +158,7 @@ def linearised(pad: FrictionalPad, values: Array, residual: Array) -> Tangential
     pad.tangents.clear()
     linear = pad.body.linearised(values, residual, pad.order, pad.contact.size)
     compliance = pad.rows @ (pad.rows @ linear.flexibility).T * (pad.unit / pad.scale)
-    tangential = Tangential(linear, np.asarray(compliance), values)
+    tangential = Tangential(linear, np.asarray(compliance) + pad.ends, values)
     pad.tangents.append(tangential)
     return tangential
 
@@ -156,9 +169,10 @@ def newton(
     drive: Drive,
     cone: FrictionCoefficients,
     guess: Array | None = None,
+    swing: Swing | None = None,
 ) -> FrictionalState:
     """Return the equilibrium at a step's end, looked for from `guess` `(n,)`, or where that is None or turns
-    an element inside out from where the step begins.
+    an element inside out from where the step begins; with what masses add if they `swing`.
 
     Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the state that just
     slips, where friction cannot hold the tangential force.
@@ -166,20 +180,24 @@ def newton(
     if drive.angle:
         raise ContactError("finite_strain takes a plate that keeps its angle")
     body, values = pad.body, before.values if guess is None else guess
-    if drive.normal == 0.0 and drive.tangential in (None, 0.0):
+    if drive.normal == 0.0 and drive.tangential in (None, 0.0) and swing is None:
         clear = np.zeros(2 * pad.gap.size)  # of any movement: nothing touches
         lifted = solve_contact(
             Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.contact, drive, cone
         )
         return FrictionalState(np.zeros_like(values), lifted, -before.values)
     if guess is not None and not np.isfinite(body.energy(values)):
-        return newton(pad, before, drive, cone)
+        return newton(pad, before, drive, cone, None, swing)
 
     def contact(
         tangent: Tangential, linear: PlaneLinearised, values: Array
     ) -> tuple[Array, tuple[ContactState, GrossSlip | None]]:
         ahead = values[pad.contact] + linear.unloaded()
-        found = _contact(_compliance(pad, tangent, ahead), before.contact, drive, cone)
+        skin = _compliance(pad, tangent, ahead)
+        if swing:
+            found = _contact(skin.swung(swing), before.contact, swing.drive, cone, swing.inert)
+        else:
+            found = _contact(skin, before.contact, drive, cone)
         return contact_load(pad, found[0]), found
 
     balanced = equilibrium(
@@ -215,11 +233,15 @@ def dissipated(before: ContactState, after: ContactState) -> float:
 
 
 def _contact(
-    skin: Compliance, before: ContactState, drive: Drive, cone: FrictionCoefficients
+    skin: Compliance,
+    before: ContactState,
+    drive: Drive,
+    cone: FrictionCoefficients,
+    inert: Inert | None = None,
 ) -> tuple[ContactState, GrossSlip | None]:
     """The contact of the linearised body; where friction does not hold, as it just slips."""
     try:
-        return solve_contact(skin, before, drive, cone), None
+        return solve_contact(skin, before, drive, cone, inert), None
     except GrossSlip as end:
         return end.last, end
 

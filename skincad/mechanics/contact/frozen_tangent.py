@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.mechanics.contact.frictional import halved
+from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
     FrictionalState,
@@ -33,7 +33,14 @@ from skincad.mechanics.contact.frictional_pad import (
     unloaded,
 )
 from skincad.mechanics.contact.press_path import undetected_contact
-from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, GrossSlip
+from skincad.mechanics.contact.state import (
+    Compliance,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
+    GrossSlip,
+    Swing,
+)
 from skincad.mechanics.problem import ContactError
 
 # Of a crest's width. Measured on yamada-2002-slip at friction 0.5: the largest stress within 1.5 % of finite
@@ -131,17 +138,25 @@ class FrozenTangentPad:
         return FrozenTangentState(state.contact, zero, films, 0.0, 0.0, tangent)
 
     def advanced(
-        self, before: FrozenTangentState, start: Drive, end: Drive, cone: FrictionCoefficients
+        self,
+        before: FrozenTangentState,
+        start: Drive,
+        end: Drive,
+        cone: FrictionCoefficients,
+        swing: Swing | None = None,
     ) -> FrozenTangentState:
-        """Return the state at a step's end. Raises GrossSlip, with the last state, and ContactError."""
+        """Return the state at a step's end, with what masses add if they `swing`. Raises GrossSlip, with the
+        last state, and ContactError."""
         if end.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
         tangent, share = before.tangent, 1 - min(1.0, before.distance)
         skin = replace(tangent.skin, free=tangent.skin.free + share * tangent.correction)
         try:
-            after = self._linear_state(
-                before, halved(lambda _: skin, before.contact, start, end, cone), skin, share
-            )
+            if swing:
+                contact = solve_contact(skin.swung(swing), before.contact, swing.drive, cone, swing.inert)
+            else:
+                contact = halved(lambda _: skin, before.contact, start, end, cone)
+            after = self._linear_state(before, contact, skin, share)
         except GrossSlip as limit:
             limit.last = self._linear_state(before, limit.last, skin, share)
             raise
@@ -149,7 +164,7 @@ class FrozenTangentPad:
         if after.distance < 1.0 or not self._worth_retrying(tangent, forces):
             return after
         try:
-            return self._chosen_state(before, after, end, cone)
+            return self._chosen_state(before, after, end, cone, swing)
         except GrossSlip:
             raise
         except ContactError as failure:
@@ -202,7 +217,12 @@ class FrozenTangentPad:
         )
 
     def _chosen_state(
-        self, before: FrozenTangentState, after: FrozenTangentState, end: Drive, cone: FrictionCoefficients
+        self,
+        before: FrozenTangentState,
+        after: FrozenTangentState,
+        end: Drive,
+        cone: FrictionCoefficients,
+        swing: Swing | None,
     ) -> FrozenTangentState:
         """The same state with the tangent of the equilibrium under this drive, kept from here on."""
         pad, tangent = self.pad, after.tangent
@@ -210,7 +230,7 @@ class FrozenTangentPad:
         guess = self._guess(after)
         pad.tangents.clear()
         try:
-            state = newton(pad, start, end, cone, guess)
+            state = newton(pad, start, end, cone, guess, swing)
         except GrossSlip as limit:
             limit.last = replace(after, contact=limit.last.contact)
             raise
@@ -218,7 +238,7 @@ class FrozenTangentPad:
             raise ContactError(wrong)
         linear = pad.tangents[0]  # of a state that is off by the drift, or nearer
         true, force = _on_skin(state.contact), _on_skin(after.contact)
-        place = pad.rows @ state.values[pad.contact] * pad.unit
+        place = pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ true
         free = place - linear.compliance @ true
         films, per_force = self.stresses(state.values, linear)
         film_correction = after.films - films - per_force @ (force - true)

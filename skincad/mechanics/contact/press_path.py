@@ -79,11 +79,25 @@ def pinch(loops: list[Outline], plate: float) -> Pinch:
     return tightest
 
 
+def _lowered(loops: list[Outline], pad: FrictionalPad, contact: ContactState) -> list[Outline]:
+    """The outlines lower by what free ends let the ridges down, which a section does not know."""
+    if not pad.ends.any():
+        return loops
+    down = pad.ends[pad.x.size :, pad.x.size :] @ contact.normal / pad.unit
+    x = pad.x / pad.unit
+    return [
+        replace(
+            loop, moved=loop.moved - np.stack([0 * loop.rest[:, 0], np.interp(loop.rest[:, 0], x, down)], 1)
+        )
+        for loop in loops
+    ]
+
+
 def undetected_contact(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | None:
     """Return what a state has that the model does not know: contact of the skin with itself or, off its
     crests, with the plate; with `creases` a surface that folds too. None for a sound state."""
     plate = (pad.top - state.contact.approach) / pad.unit
-    loops = outlines(pad.rest, state.values)
+    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact)
     least = pinch(loops, plate)
     if creases and least.stretch < WRINKLES:
         ridge = pad.ridge[int(np.abs(pad.x / pad.unit - least.place[0]).argmin())]

@@ -9,7 +9,7 @@ lines the equations of a step stay linear, and the lines are one more set to be 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -170,8 +170,9 @@ class GrossSlip(ContactError):  # noqa: N818
 class Compliance:
     """The elastic side of a step: u = compliance @ (t, -p) + free, `(2 m,)` mm, and the gaps `(m,)`, mm.
 
-    `solved` remembers the last sets' factorisations, for the steps in which the sets stay. `area` `(m,)` mm2
-    of the points is what friction by shear stress asks for.
+    `solved` remembers the last sets' factorisations, for the steps in which the sets stay, under a `tag`
+    where the compliance changes with a step's length. `area` `(m,)` mm2 of the points is what friction by
+    shear stress asks for.
     """
 
     compliance: Array
@@ -179,6 +180,25 @@ class Compliance:
     free: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
     area: Array | None = None
+    tag: bytes = b""
+
+    def swung(self, swing: Swing) -> Compliance:
+        """Return the same with what masses add in a step."""
+        whole = self.compliance + swing.compliance
+        return replace(self, compliance=whole, free=self.free + swing.free, tag=swing.tag)
+
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """What masses add to a step: `compliance` `(2 m, 2 m)` mm/N and displacements `free` `(2 m,)` mm of the
+    contact points, beside those of a pad without masses; the plate's inertia, None without a mass, and the
+    effective forces on it, `drive`. `tag` names the step's length."""
+
+    compliance: Array
+    free: Array
+    drive: Drive
+    inert: Inert | None
+    tag: bytes
 
 
 def at_rest(points: int) -> ContactState:

@@ -38,6 +38,15 @@ def shear_frequency(shear: float, density: float, height: float) -> float:
     return math.sqrt(shear / (1e-12 * density)) / (4 * height)
 
 
+def layer_period(design: Design) -> float:
+    """Return the slowest period of a skin as a layer of its thickness and of its mean height, s; ridges
+    count with the share of the base that they cover."""
+    skin, material = skin_of(design), silicone(design)
+    shear = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
+    height = skin.base.thickness + float(np.mean(skin.heights)) * mean_width(design) / skin.pitch
+    return 1 / shear_frequency(shear, material.density, height)
+
+
 RETARDATION = 2.4e-5  # s; assumption, docs/evidence/facts.md#friction-and-motion
 MOST_DAMPED = 0.99  # of critical damping; beyond it nothing rings
 SAMPLES_PER_CORNER = 65  # at two periods of ringing after each corner

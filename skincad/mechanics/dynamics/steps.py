@@ -21,6 +21,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from math import exp
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
@@ -180,7 +181,27 @@ def sum_of(parts: Iterable[Array], start: Array | None = None) -> Array:
 TONNE = 1e-6  # of a gram
 
 
-def plate_inertia(state: DynamicState, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
+class PlateMotion(Protocol):
+    """What of a state a plate with mass is advanced by, as in `DynamicState`."""
+
+    @property
+    def contact(self) -> ContactState:
+        """The contact."""
+
+    @property
+    def plate(self) -> Array:
+        """Approach and travel, their speeds and accelerations `(3, 2)`."""
+
+    @property
+    def drive(self) -> Drive:
+        """The last drive."""
+
+    @property
+    def matter(self) -> Matter:
+        """The plate's mass, and how its fastest swings are damped."""
+
+
+def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
     """The plate's inertia over a step, and the effective forces on it."""
     if not s.moves or not state.matter.plate:
         return None, drive
@@ -196,7 +217,7 @@ def plate_inertia(state: DynamicState, drive: Drive, s: Scheme) -> tuple[Inert |
 
 
 def plate_state(
-    state: DynamicState, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
+    state: PlateMotion, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
 ) -> Array:
     """The plate's place, speed and acceleration `(3, 2)` after a step, from its unbalanced force."""
     inert, force = pushing
@@ -219,7 +240,7 @@ def friction_work(before: ContactState, after: ContactState) -> float:
     return -float((before.tangential + after.tangential) / 2 @ (after.anchor - before.anchor))
 
 
-def plate_work(before: DynamicState, after: DynamicState) -> float:
+def plate_work(before: PlateMotion, after: PlateMotion) -> float:
     """Work of the plate's drives in a step, mJ, by the mean force; driven in x, by the skin's force."""
     one, other = before.drive, after.drive
     down, along = after.plate[0] - before.plate[0]

@@ -93,7 +93,7 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactP
     gap = (piece.whole.top - z)[lay.of]
     ridges = ridges_of(piece, nodes.ridge[lay.of], lay.left)
     return ContactPad(
-        compliance=compliance * per_force + _of_ends(piece.whole, ridges),
+        compliance=compliance * per_force + of_ends(piece.whole, ridges),
         gap=gap - gap.min(),
         x=np.where(lay.left, -x[lay.of], x[lay.of]),
         ridge=ridges,
@@ -105,8 +105,9 @@ def _sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactP
     )
 
 
-def _of_ends(pad: Pad, ridges: Index) -> Array:
-    """Compliance `(2 m, 2 m)` mm/N in z that a pad's free ends add to points of these ridges `(m,)`."""
+def of_ends(pad: Pad, ridges: Index) -> Array:
+    """Return the compliance `(2 m, 2 m)` mm/N in z that a pad's free ends add to points of these ridges
+    `(m,)`."""
     m, more = ridges.size, np.zeros((2 * ridges.size,) * 2)
     if pad.ends:
         at = np.searchsorted(pad.ridges, ridges)

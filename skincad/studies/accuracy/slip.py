@@ -16,7 +16,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.scenes.march import LEVELS, Level, expected
-from skincad.scenes.scene import Scene, load_scene
+from skincad.scenes.scene import LAW, Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from skincad.shape.skin import skin_of
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
@@ -34,7 +34,8 @@ def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
     """Return the scene with this skin, its forces scaled to the design's, `more` as `--set` texts.
 
     With another coefficient of friction the pull is that many times as large. A skin without slots has no
-    films to tell of. Raises InputError for what scene and skin do not allow.
+    films to tell of; no mass counts but where it is named. Raises InputError for what scene and skin do not
+    allow.
     """
     skin = skin_of(design)
     plain = load_scene(SCENE).history
@@ -45,6 +46,7 @@ def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
         f"history.tangential_force_N={[friction * scale * f for f in pulls]}",
         *([] if friction == 1.0 else [f"effects.friction.coefficient={friction}"]),
         f"readout.ridges={[min(TOLD, skin.count)] if skin.slot else []}",
+        *([] if any("finite_strain" in text for text in more) else [f"effects.{LAW}.masses=false"]),
         *([] if design.film else ["effects.film=none"]),
     ]
     return load_scene(SCENE, [*changes, *more], skin=design)
