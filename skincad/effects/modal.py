@@ -16,6 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.effects.kinds import MarchedPad, Observables, SectionPad, Share, Step
+from skincad.effects.small_strain import CondensedPad
 from skincad.mechanics.contact.frictional import in_halves, joined
 from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip, Swing
 from skincad.mechanics.dynamics.modes import Modes, ModeStep, mode_step
@@ -135,13 +136,24 @@ class ModalPad:
             self.prepared[dt] = method, (more + more.T) / 2
         return self.prepared[dt]
 
+    def _off(self, state: ModalState) -> Array:
+        """How far modes are from where the contact's forces would hold them `(r,)`."""
+        held = self.modes.points.T @ _force(state.contact) / self.modes.frequency**2
+        return np.asarray(state.swings[:, 0] - held)
+
     def grip(self, state: ModalState) -> ContactState:
         """Return the contact of a state."""
         return state.contact
 
     def fault(self, state: ModalState) -> str | None:
-        """Return what of the skin would collide unseen under the contact's forces, or None."""
-        return self.still.fault(state.still)
+        """Return what of the skin would collide unseen in a state, or None. It is known on the mesh of the
+        modes alone: on a finer one nothing is looked for, as that mesh is marched first."""
+        if not isinstance(self.still, CondensedPad):
+            return self.still.fault(state.still)
+        if not self.modes.shapes:
+            return None
+        off = self._off(state)
+        return self.still.fault(state.still, [shape @ off[of] for of, shape in self.modes.shapes])
 
     def shown(self, state: ModalState) -> DeformedSection:
         """Return the whole section under the contact's forces; what masses add to it is not drawn."""
@@ -152,12 +164,13 @@ class ModalPad:
         """Return the observables of a state."""
         found, modes = self.still.reading(before.still, state.still), self.modes
         place, speed = state.swings.T
-        held = modes.points.T @ _force(state.contact) / modes.frequency**2
+        off = self._off(state)
+        held = place - off
         speeds = state.plate[1, : 1 if state.drive.travel is not None else 2]
         kinetic = speed @ speed + TONNE * self.mass * speeds @ speeds
         return replace(
             found,
-            films=found.films + modes.strips @ (place - held),
+            films=found.films + modes.strips @ off,
             elastic=found.elastic + float(modes.frequency**2 @ (place**2 - held**2)) / 2,
             dissipated=state.friction,
             kinetic=float(kinetic) / 2,

@@ -127,12 +127,12 @@ class CondensedPad:
         """Return the contact of a state, which is all of it."""
         return state
 
-    def fault(self, state: ContactState) -> str | None:
+    def fault(self, state: ContactState, besides: Sequence[Array] = ()) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
-        is known to."""
-        return (
-            None if self.pad.whole is None else self.pad.whole.fault(*self._placed(state), self._give(state))
-        )
+        is known to. `besides` are displacements that no force holds, by parity, mm."""
+        if self.pad.whole is None:
+            return None
+        return self.pad.whole.fault(*self._placed(state), self._give(state), besides)
 
     @property
     def _whole(self) -> WholeState:

@@ -13,6 +13,7 @@ that had to stop: where no step can be chosen there is no smooth state at finite
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -42,7 +43,7 @@ from skincad.effects.kinds import (
 from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
 from skincad.mechanics.fits import unlike
-from skincad.scenes.march import INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
+from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, Level, March, expected, kept_steps, march
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
@@ -363,6 +364,7 @@ class RefinedRun:
     error: dict[int, float] | None
     short: list[str]
     refined: ComparisonRuns = field(default_factory=ComparisonRuns)
+    levels: int = 1
 
 
 def refine(
@@ -423,7 +425,9 @@ def refine(
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)
-    return RefinedRun(march, error, [*short, *overrun("", reached.spent, budget)], counts)
+    return RefinedRun(
+        march, error, [*short, *overrun("", reached.spent, budget)], counts, len(reached.levels)
+    )
 
 
 class _StoppedError(RefusedError):
@@ -511,7 +515,7 @@ def further(
             if not effects:
                 break
             try:
-                price = _price(effects, seconds)
+                price = _price(effects, seconds, refined_run.levels)
                 if tol is None and price > PROMPT:
                     words = f"finite strain in chosen steps would take about {price:.2g} s"
                     raise RefusedError(f"{words}; --tol {DEFAULT_TOLERANCE:g} includes it")
@@ -557,9 +561,11 @@ def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[st
     return wanted
 
 
-def _price(effects: Mapping[str, Any], seconds: Mapping[str, float]) -> float:
-    """About how many s a march with these effects takes."""
-    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * seconds["condense"]
+def _price(effects: Mapping[str, Any], seconds: Mapping[str, float], levels: int) -> float:
+    """About how many s a march with these effects takes, by what condensing so many levels took."""
+    two, all_of_them = (math.fsum(level.size**EXPONENT for level in LEVELS[:n]) for n in (2, levels))
+    condensed = seconds["condense"] * two / all_of_them
+    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * condensed
 
 
 def _by(

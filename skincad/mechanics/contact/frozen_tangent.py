@@ -234,10 +234,11 @@ class FrozenTangentPad:
         except GrossSlip as limit:
             limit.last = replace(after, contact=limit.last.contact)
             raise
-        if wrong := undetected_contact(pad, state, not self.folds):
+        true, force = _on_skin(state.contact), _on_skin(after.contact)
+        sunk = None if swing is None else swing.sunk(true)
+        if wrong := undetected_contact(pad, state, not self.folds, sunk):
             raise ContactError(wrong)
         linear = pad.tangents[0]  # of a state that is off by the drift, or nearer
-        true, force = _on_skin(state.contact), _on_skin(after.contact)
         place = pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ true
         free = place - linear.compliance @ true
         films, per_force = self.stresses(state.values, linear)

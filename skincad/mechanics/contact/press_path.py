@@ -79,11 +79,15 @@ def pinch(loops: list[Outline], plate: float) -> Pinch:
     return tightest
 
 
-def _lowered(loops: list[Outline], pad: FrictionalPad, contact: ContactState) -> list[Outline]:
-    """The outlines lower by what free ends let the ridges down, which a section does not know."""
-    if not pad.ends.any():
+def _lowered(
+    loops: list[Outline], pad: FrictionalPad, contact: ContactState, sunk: Array | None
+) -> list[Outline]:
+    """The outlines lower by what free ends let the ridges down, and by what masses do, `sunk` `(m,)` mm at
+    the contact points: a section at rest knows neither."""
+    if sunk is None and not pad.ends.any():
         return loops
     down = pad.ends[pad.x.size :, pad.x.size :] @ contact.normal / pad.unit
+    down = down if sunk is None else down + sunk / pad.unit
     x = pad.x / pad.unit
     return [
         replace(
@@ -93,11 +97,14 @@ def _lowered(loops: list[Outline], pad: FrictionalPad, contact: ContactState) ->
     ]
 
 
-def undetected_contact(pad: FrictionalPad, state: FrictionalState, creases: bool) -> str | None:
+def undetected_contact(
+    pad: FrictionalPad, state: FrictionalState, creases: bool, sunk: Array | None = None
+) -> str | None:
     """Return what a state has that the model does not know: contact of the skin with itself or, off its
-    crests, with the plate; with `creases` a surface that folds too. None for a sound state."""
+    crests, with the plate; with `creases` a surface that folds too. `sunk` `(m,)` mm is how much lower masses
+    let the contact points be. None for a sound state."""
     plate = (pad.top - state.contact.approach) / pad.unit
-    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact)
+    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, sunk)
     least = pinch(loops, plate)
     if creases and least.stretch < WRINKLES:
         ridge = pad.ridge[int(np.abs(pad.x / pad.unit - least.place[0]).argmin())]

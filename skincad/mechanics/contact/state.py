@@ -200,6 +200,11 @@ class Swing:
     inert: Inert | None
     tag: bytes
 
+    def sunk(self, force: Array) -> Array:
+        """Return how much lower masses let the points be `(m,)`, mm, under forces `(2 m,)` N."""
+        moved = self.free + self.compliance @ force
+        return np.asarray(-moved[moved.size // 2 :])
+
 
 def at_rest(points: int) -> ContactState:
     """Return the unloaded start of `points` points."""

@@ -38,13 +38,15 @@ STABLE = 3.0  # rad a step, of the fastest swing with all points held; 12^(1/2) 
 class Modes:
     """Modes of the whole pad, of unit mass in tonne: angular `frequency` `(r,)` rad/s; displacement of the
     contact points in x, then in z, `points` `(2 m, r)`; the strips' stresses `(strips, 3, r)` MPa. `x` mm and
-    `ridge` `(m,)` are the contact points'."""
+    `ridge` `(m,)` are the contact points'. By parity, of the mesh that they were found on, `shapes`: which
+    modes, and their displacements `(n, modes)`."""
 
     frequency: Array
     points: Array
     strips: Array
     x: Array
     ridge: Index
+    shapes: tuple[tuple[Index, Array], ...] = ()
 
     @property
     def damping(self) -> Array:
@@ -68,6 +70,7 @@ class Modes:
             frequency=self.frequency[:count],
             points=self.points[:, :count],
             strips=self.strips[:, :, :count],
+            shapes=tuple((of[of < count], shape[:, of < count]) for of, shape in self.shapes),
         )
 
 
@@ -88,12 +91,18 @@ def slow_modes(piece: PadPiece, mesh: object, order: int, films: bool, x: Array,
     stress = np.hstack(
         [half.strips[0] @ shape for half, (_, shape) in zip(equations.halves, found, strict=True)]
     )
+    place, shapes, first = np.argsort(order_), [], 0
+    for f, shape in found:
+        of = place[first : first + f.size]
+        shapes.append((of, shape))
+        first += f.size
     return Modes(
-        frequency[order_],
-        points[:, order_],
-        stress[:, order_].reshape(-1, 3, order_.size),
-        x,
-        ridge,
+        frequency=frequency[order_],
+        points=points[:, order_],
+        strips=stress[:, order_].reshape(-1, 3, order_.size),
+        x=x,
+        ridge=ridge,
+        shapes=tuple(shapes),
     )
 
 
@@ -128,7 +137,7 @@ def at_points(modes: Modes, x: Array, ridge: Index) -> Modes:
         for to, of in ((here, there), (here + wanted, there + known)):
             shapes = modes.points[of]
             points[to] = np.stack([np.interp(x[here], modes.x[there], s) for s in shapes.T], axis=1)
-    return replace(modes, points=points, x=x, ridge=ridge)
+    return replace(modes, points=points, x=x, ridge=ridge, shapes=())
 
 
 def resolved(modes: Modes, compliance: Array, dt: float) -> Modes:

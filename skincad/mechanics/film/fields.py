@@ -7,6 +7,7 @@ takes one solve with the factorisation that condensed the pad, of a mirrored pad
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,19 +152,25 @@ class WholeState:
         )
 
     def fault(
-        self, force: Array, plate: float, angle: float, give: tuple[Array, Array] | None = None
+        self,
+        force: Array,
+        plate: float,
+        angle: float,
+        give: tuple[Array, Array] | None = None,
+        besides: Sequence[Array] = (),
     ) -> str | None:
         """Return a description of contact in this state that the model does not detect, or None.
 
-        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have.
+        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have. `besides`:
+        displacements `(n,)` mm, by parity, that these forces do not hold, as of masses.
         """
-        return collision(self.piece, self.body, self._moved(force), plate, angle, give)
+        return collision(self.piece, self.body, self._moved(force, besides), plate, angle, give)
 
     def _field(self, moved: Array) -> Patch:
         film_field.set_state(self.body, moved)
         return film_field.field(self.body, (0.0, 0.0), math.inf, 1)
 
-    def _moved(self, force: Array) -> list[Array]:
+    def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
         """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
         per_force = 1 / (self.piece.pad.young_modulus * self.piece.pad.length * self.piece.unit)
         displacements = []
@@ -172,6 +179,8 @@ class WholeState:
             last = small.order[-small.flexibility.shape[0] :]
             load[last] = parity.rows.T @ (parity.spread @ force) * per_force
             displacements.append(small.solve(load))
+        for moved, more in zip(displacements, besides, strict=False):
+            moved[: more.size] += more / self.piece.unit
         return on_sides(displacements)
 
 
