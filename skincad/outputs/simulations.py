@@ -45,7 +45,7 @@ WORTH_ADDING = 0.05  # relative change of signals from which an effect is worth 
 WORTH_KNOWING = 0.05  # ms, of a lead, from which on the plate's mass is asked for
 ALONE = {"finite_strain", "free_ends", "inertia", "viscosity"}  # to one of them no other is proposed
 ADDING = {  # how to add an effect, where one setting won't do
-    "inertia": "add plate.mass to the scene",
+    "inertia": "add [effects.inertia] and plate.mass to the scene",
     "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
 }
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
@@ -97,9 +97,7 @@ def _plate(simulation: Simulation) -> list[str]:
     gross = heavy.gross_slip_step
     if gross is None and simulation.gross_slip_step is None:
         return []
-    begin = (
-        f"without mass, as plate.mass is not given. Under one of {heavy.mass:.2g} g, as heavy as the skin,"
-    )
+    begin = f"no plate.mass is given, so it has none. Under {heavy.mass:.2g} g, as heavy as the skin,"
     whole = "never slips as a whole" if gross is None else f"slips as a whole from step {gross} on"
     moved = [(ridge, change) for ridge, change in heavy.lead_change.items() if change]
     leads = "".join(
@@ -250,6 +248,7 @@ def _detector_lines(simulation: Simulation) -> list[str]:
         rows.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
             f"false alarms a minute of handling, {idle:g} while nothing slips"
+            f"{', on scenes without masses' if marches_masses(simulation.scene) else ''}"
         )
     return rows
 

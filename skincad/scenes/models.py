@@ -458,7 +458,7 @@ CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all")
 DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
 # What a scene in chosen steps may take, in condensations of small strain's two meshes, what free ends alone,
 # and each step of finite strain by a chosen one; as of yamada-2002-slip
-DEAR, ENDS_DEAR, DEARER = 16.0, 4.0, 1.0
+DEAR, ENDS_DEAR, DEARER = 12.0, 4.0, 1.0
 PROMPT = 60.0  # s
 ENDS_MATTER = 0.02  # relative; a larger change is computed
 
@@ -546,17 +546,18 @@ def further(
 def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[str, Any]]:
     """What a scene that names no law, and tells a signal, is marched with beside small strain: effects whose
     absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one."""
-    named = any(isinstance(part, Law) for part in scene.parts.values()) or scene.asked
+    named = any(isinstance(part, Law) for part in scene.parts.values())
+    moving = bool(scene.asked)  # which neither knows: with a tolerance that is said
     drawn = scene.readout.steps or scene.readout.frames  # of which finite strain tells no section
     turns = any(scene.history.rotation_deg or [])
-    if named or not scene.readout.ridges or small.failed or small.interrupted:
+    if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
         return {}
     change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
     wanted: dict[str, dict[str, Any]] = {}
     if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
         wanted |= CHOSEN
     ends_matter = change.get(FREE_ENDS, 0.0) > min(tol or 1.0, ENDS_MATTER)
-    if ends_matter and scene.design.skin.curvature_radius_y is None:
+    if ends_matter and not moving and scene.design.skin.curvature_radius_y is None:
         wanted[FREE_ENDS] = {}
     return wanted
 

@@ -47,6 +47,7 @@ def pressed_and_pulled(folder: Path, ramp: float, *more: str) -> Simulation:
         "history.tangential_force_N=[0.0, 0.0, 0.5, 0.5]",
         "history.steps=60",
         "effects.film=none",
+        "effects.small_strain.masses=false",
         "readout.ridges=[1, 2, 3]",
     )
     return at_level(load_scene(folder / "scene.toml", last_of_each(*history, *more)), LEVELS[0])

@@ -271,7 +271,7 @@ def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(
         template_text(SLIP, "scenes").replace('"yamada-2002"', '"skin.toml"')
     )
-    simulation = on(LEVELS[0], str(tmp_path / "scene.toml"))
+    simulation = on(LEVELS[0], str(tmp_path / "scene.toml"), STILL)
     assert simulation.gross_slip_step == 550
     assert simulation.march.column("residual").max() <= 1e-10
 
