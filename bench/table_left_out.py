@@ -53,6 +53,7 @@ class Compared:
 
 def compared(scene: Scene, effect: str) -> Compared:
     """Return what an effect changes in a scene; masses in the scene as it is, the others without time."""
+    scene = scene.with_(effects={"small_strain": {"masses": False}})
     if effect == "inertia":
         return _one(effect, scene, _coarse(scene), _coarse(with_masses(scene)))
     still = scene.with_(history={"steps": QUASI_STATIC})

@@ -114,7 +114,7 @@ def _reach(skin: Skin, friction: float) -> float:
 
 def _scene(skin: Skin, friction: float, mass: float | None, way: History) -> Scene:
     effects = {"friction": {"coefficient": friction}, "film": {}}
-    effects |= {} if mass is None else {"inertia": {}, "viscosity": {}}
+    effects |= {"small_strain": {"masses": False}} if mass is None else {"inertia": {}, "viscosity": {}}
     across = {"tangential_force_N": way.tangential} if way.travel is None else {"displacement_mm": way.travel}
     times = {"time_s": way.time, "normal_force_N": way.normal, **across}
     if np.any(way.angle):

@@ -248,7 +248,7 @@ def _detector_lines(simulation: Simulation) -> list[str]:
         rows.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
             f"false alarms a minute of handling, {idle:g} while nothing slips"
-            f"{', on scenes without masses' if marches_masses(simulation.scene) else ''}"
+            f"{', scored mostly on scenes without masses' if marches_masses(simulation.scene) else ''}"
         )
     return rows
 

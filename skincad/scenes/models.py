@@ -13,7 +13,6 @@ that had to stop: where no step can be chosen there is no smooth state at finite
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -364,7 +363,6 @@ class RefinedRun:
     error: dict[int, float] | None
     short: list[str]
     refined: ComparisonRuns = field(default_factory=ComparisonRuns)
-    levels: int = 1
 
 
 def refine(
@@ -425,9 +423,7 @@ def refine(
         how = "of unknown error" if error is None else f"within {reached.error:.1e} of its largest"
         short += unmet(f"the differential stress is {how}", reached.error, wanted)
     counts = refined[0] if len(reached.levels) > 1 else replace(refined[0], before=None)
-    return RefinedRun(
-        march, error, [*short, *overrun("", reached.spent, budget)], counts, len(reached.levels)
-    )
+    return RefinedRun(march, error, [*short, *overrun("", reached.spent, budget)], counts)
 
 
 class _StoppedError(RefusedError):
@@ -456,9 +452,9 @@ SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_st
 FREE_ENDS = "free_ends"
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
 DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
-# What a scene in chosen steps may take, in condensations of small strain's two meshes, what free ends alone,
-# and each step of finite strain by a chosen one; as of yamada-2002-slip
-DEAR, ENDS_DEAR, DEARER = 12.0, 4.0, 1.0
+# s of a march in chosen steps, and of one with free ends, on a mesh of so many unknowns: yamada-2002-slip on
+# two cores of 2026; and each step of finite strain by a chosen one
+DEAR, ENDS_DEAR, OF_UNKNOWNS, DEARER = 25.0, 5.0, 22_676, 1.0
 PROMPT = 60.0  # s
 ENDS_MATTER = 0.02  # relative; a larger change is computed
 
@@ -515,7 +511,7 @@ def further(
             if not effects:
                 break
             try:
-                price = _price(effects, seconds, refined_run.levels)
+                price = _price(effects, refined_run.refined.every or small)
                 if tol is None and price > PROMPT:
                     words = f"finite strain in chosen steps would take about {price:.2g} s"
                     raise RefusedError(f"{words}; --tol {DEFAULT_TOLERANCE:g} includes it")
@@ -562,11 +558,11 @@ def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[st
     return wanted
 
 
-def _price(effects: Mapping[str, Any], seconds: Mapping[str, float], levels: int) -> float:
-    """About how many s a march with these effects takes, by what condensing so many levels took."""
-    two, all_of_them = (math.fsum(level.size**EXPONENT for level in LEVELS[:n]) for n in (2, levels))
-    condensed = seconds["condense"] * two / all_of_them
-    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * condensed
+def _price(effects: Mapping[str, Any], coarse: March) -> float:
+    """About how many s a march with these effects takes, by the unknowns of the coarsest mesh and not by the
+    clock: so a scene has the same model on every machine."""
+    size = float((coarse.unknowns / OF_UNKNOWNS) ** EXPONENT)
+    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * size
 
 
 def _by(
