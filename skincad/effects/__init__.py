@@ -30,6 +30,7 @@ EFFECTS = {
     "inertia": Row("skincad.effects.inertia:Inertia", indicates=True),
     "piezo": Row("skincad.effects.piezo:Piezo"),
     "small_strain": Row("skincad.effects.small_strain:SmallStrain"),
+    "texture": Row("skincad.effects.texture:Texture"),
     "viscosity": Row("skincad.effects.viscosity:Viscosity"),
 }
 

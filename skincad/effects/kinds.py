@@ -13,7 +13,7 @@ step leaves behind is that pad's own state, which the march replaces only when a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -128,7 +128,9 @@ class SceneOutline:
         return float(self.path.pressed.max(initial=0.0))
 
 
-MASS, RATE = "mass", "rate"  # what a term may ask of the law: inertia, and history-dependent stress
+# What a term may ask of the law: inertia, history-dependent stress, a plate that is not flat
+MASS, RATE, RELIEF = "mass", "rate", "relief"
+MOVING = frozenset({MASS, RATE})  # of these what a quasi-static pad does not know
 
 
 @dataclass(frozen=True)
@@ -144,17 +146,20 @@ class Step:
 
 @dataclass(frozen=True)
 class Share:
-    """What a term adds to a step: friction's `cone`; `damped`, for masses, what is left of the highest modes
-    after a step; `rate` s, the viscous part's stress per strain rate by the elastic one's per strain;
+    """What a term adds to a step: friction's `cone`; `damped`, for masses, what is left of the highest
+    modes after a step; `rate` s, the viscous part's stress per strain rate by the elastic one's per strain;
     `relaxing`, pairs of what a modulus is larger at first, relative to the slow one, and the time, s, in
-    which it relaxes; `swing`, what masses add at the contact points of a pad that has none; and `more` for a
-    law that knows what to do with it."""
+    which it relaxes; `swing`, what masses add at the contact points of a pad that has none; `relief`, how
+    far the plate stays behind its foremost level at places along it, mm; and `more` for a law that knows
+    what to do with it.
+    """
 
     cone: FrictionCoefficients | None = None
     damped: float | None = None
     rate: float = 0.0
     relaxing: tuple[tuple[float, float], ...] = ()
     swing: Swing | None = None
+    relief: Callable[[Array], Array] | None = None
     more: Mapping[str, Any] | None = None
 
 
@@ -316,9 +321,14 @@ class PadChange(Effect):
 
 class Term(Effect):
     """Adds forces, and their tangent, to a step; `asks` names what it needs of the law beyond its stress:
-    MASS, RATE."""
+    MASS, RATE, RELIEF."""
 
     asks: ClassVar[frozenset[str]] = frozenset()
+
+    @property
+    def rise(self) -> float:
+        """How far the plate's face is from plane, mm."""
+        return 0.0
 
     def remarks(self, needs: frozenset[str]) -> Iterator[str]:  # noqa: ARG002
         """Yield what to warn of, given all that the scene's terms ask."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -16,7 +16,19 @@ from pydantic import Field
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import MASS, RATE, Law, MarchedPad, Observables, Share, Step, Term, swing_of
+from skincad.effects.kinds import (
+    MASS,
+    MOVING,
+    RATE,
+    RELIEF,
+    Law,
+    MarchedPad,
+    Observables,
+    Share,
+    Step,
+    Term,
+    swing_of,
+)
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
@@ -35,7 +47,7 @@ class SmallStrain(Law):
     """Linear elasticity."""
 
     condenses: ClassVar[bool] = True
-    gives: ClassVar[frozenset[str]] = frozenset({MASS, RATE})
+    gives: ClassVar[frozenset[str]] = frozenset({MASS, RATE, RELIEF})
 
     masses: bool = Field(
         default=True,
@@ -55,13 +67,14 @@ class SmallStrain(Law):
         self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]
     ) -> MarchedPad:
         """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
-        if any(term.asks for term in terms):
+        if any(term.asks & MOVING for term in terms):
             from skincad.effects.moving import moving
 
             return moving(piece, mesh, order, films)
         from skincad.mechanics.film.sliding import sliding
 
-        return condensed(sliding(piece, mesh, order, films))
+        pad, uneven = condensed(sliding(piece, mesh, order, films)), [t for t in terms if RELIEF in t.asks]
+        return replace(pad, rise=max(term.rise for term in uneven)) if uneven else pad
 
 
 def condensed(pad: ContactPad) -> CondensedPad:
@@ -72,10 +85,12 @@ def condensed(pad: ContactPad) -> CondensedPad:
 
 @dataclass(frozen=True, eq=False)
 class CondensedPad:
-    """A pad of constant compliance; its states are grips."""
+    """A pad of constant compliance; its states are grips. `rise` mm is how far its plate is from plane,
+    None of one that is."""
 
     pad: ContactPad
     skin: Compliance
+    rise: float | None = None
 
     @property
     def ridge(self) -> Index:
@@ -111,9 +126,16 @@ class CondensedPad:
         if any(share.more for share in shares):
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        relief = next((share.relief for share in shares if share.relief), None)
+        lower = 0.0 if relief is None else relief(self.pad.x + state.anchor)
+
+        def seen(drive: Drive) -> Compliance:
+            skin = self._seen(drive)
+            return skin if relief is None else replace(skin, gap=skin.gap + lower)
+
         if swing := swing_of(shares):
-            return solve_contact(self.skin.swung(swing), state, swing.drive, cone, swing.inert)
-        return halved(self._seen, state, step.before, step.after, cone)
+            return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone, swing.inert)
+        return halved(seen, state, step.before, step.after, cone)
 
     def _seen(self, drive: Drive) -> Compliance:
         """The pad in the axes of the plate, which may have turned."""
@@ -155,6 +177,7 @@ class CondensedPad:
         """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""
         force = turning.in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
         height = self._whole.piece.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
+        height += self.rise or 0.0  # what is looked for lies behind the foremost level by no more
         return force, height, state.angle
 
     def reading(self, before: ContactState, state: ContactState) -> Observables:
@@ -167,4 +190,12 @@ class CondensedPad:
         mean += np.where(turned, 0.0, 0.5) * before.tangential
         elastic, dissipated = float(force @ self.pad.compliance @ force) / 2, -float(mean @ state.slipped)
         work = turning.work(self.pad, before, state) if before.angle or state.angle else None
+        if (
+            self.rise is not None
+        ):  # the plate lowers each point by as much as it goes down, not by its approach
+            m = self.pad.gap.size
+            was = np.concatenate([before.tangential, -before.normal])
+            down = -self.skin.compliance[m:] @ (along - was)
+            pull = float((before.tangential + state.tangential).sum()) / 2
+            work = float((before.normal + state.normal) / 2 @ down) + pull * (state.travel - before.travel)
         return Observables.of(state, self.pad.strips @ force, elastic, dissipated, work=work)

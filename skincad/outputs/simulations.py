@@ -50,12 +50,14 @@ ADDING = {  # how to add an effect, where one setting won't do
 }
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
+STRIPS, MANY_STRIPS = "strips.png", 4  # and of how many monitored ridges on it is drawn
 
 
 def names(scene: Scene) -> list[str]:
     """Return the names of what will be written, if the scene runs to its end."""
     sections = [_section_name(step) for step in scene.readout.steps]
-    return [TABLE, PICTURE, *sections, *[ANIMATION] * bool(scene.readout.frames)]
+    strips = [STRIPS] * (len(scene.readout.ridges) >= MANY_STRIPS)
+    return [TABLE, PICTURE, *strips, *sections, *[ANIMATION] * bool(scene.readout.frames)]
 
 
 def lines(simulation: Simulation) -> list[str]:
@@ -319,10 +321,12 @@ def ridge_name(ridge: int | str) -> str:
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure
+    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure, strips_figure
     from skincad.outputs.figures.stress import section_figure
 
     drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
+    if len(simulation.raw) >= MANY_STRIPS:
+        drawings[STRIPS] = partial(strips_figure, simulation)
     if record := recording(simulation):
         drawings[RECORDING] = partial(recording_figure, simulation, record)
     return drawings | {

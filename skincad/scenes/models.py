@@ -31,6 +31,7 @@ from skincad.circuit.state import longest_step
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import (
     MASS,
+    RELIEF,
     Law,
     LeftOutEffect,
     MarchedPad,
@@ -251,7 +252,7 @@ def marches_masses(scene: Scene) -> bool:
     """Whether the slow modes are marched: the scene names no effect with masses or a past of its own, the
     plate keeps its angle, and the steps are short enough to see the slowest mode, or the plate has a mass."""
     design, history = scene.design, scene.history
-    if scene.asked or any(history.rotation_deg or []) or not scene.law.swings:
+    if scene.moving or any(history.rotation_deg or []) or not scene.law.swings:
         return False
     if skin_of(design).symmetry == "revolved":
         return False
@@ -543,9 +544,10 @@ def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[st
     """What a scene that names no law, and tells a signal, is marched with beside small strain: effects whose
     absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one."""
     named = any(isinstance(part, Law) for part in scene.parts.values())
-    moving = bool(scene.asked)  # which neither knows: with a tolerance that is said
+    moving = bool(scene.moving)  # which neither knows: with a tolerance that is said
     drawn = scene.readout.steps or scene.readout.frames  # of which finite strain tells no section
-    turns = any(scene.history.rotation_deg or [])
+    # what finite strain does not know either
+    turns = any(scene.history.rotation_deg or []) or RELIEF in scene.asked
     if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
         return {}
     change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}

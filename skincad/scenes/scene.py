@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, Effect, Law, PadChange, Reader, Step, Term
+from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive
@@ -292,6 +292,11 @@ class Scene(Document):
         """What the terms ask of the law."""
         return frozenset[str]().union(*(term.asks for term in self.terms))
 
+    @property
+    def moving(self) -> frozenset[str]:
+        """What of it no quasi-static pad knows."""
+        return self.asked & MOVING
+
     @cached_property
     def law(self) -> Law:
         """The one law."""
@@ -426,7 +431,9 @@ def _check_terms(scene: Scene) -> None:
     if MASS in scene.asked or scene.plate.mass is None:
         return
     beside = [
-        f"[effects.{name}]" for name, part in scene.parts.items() if isinstance(part, Term) and part.asks
+        f"[effects.{name}]"
+        for name, part in scene.parts.items()
+        if isinstance(part, Term) and part.asks & MOVING
     ]
     beside += [] if scene.law.swings else [f"[effects.{law}]"]
     beside += ["a plate that turns"] * any(scene.history.rotation_deg or [])
@@ -452,12 +459,14 @@ def _check_force(scene: Scene) -> None:
 def _check_law(scene: Scene) -> None:
     """Raise InputError for what only a quasi-static condensed pad knows, with a law or term that has none."""
     law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    moving = [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks]
+    moving = [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks & MOVING]
     others = [*([] if scene.law.condenses else [law]), *moving]
     needs = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
     needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
     bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
     still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    terms = {name: part.asks for name, part in scene.parts.items() if isinstance(part, Term)}
+    still += [f"effects.{name}" for name, asks in terms.items() if RELIEF in asks]
     for keys, beside in ((needs, others), (still, moving)):
         if keys and beside:
             rule = f"does not work together with {' and '.join(beside)}"

@@ -30,6 +30,7 @@ NEEDED: dict[str, dict[str, Any]] = {"friction": {"coefficient": MU}}
 VARIANTS: dict[str, tuple[dict[str, Any], ...]] = {
     "viscosity": ({}, {"prony": [[0.5, 1e-4], [0.2, 1e-3]]}),
     "inertia": ({}, {"spectral_radius": 1.0}),
+    "texture": ({"wavelength": 0.5, "amplitude": 0.002},),
 }
 COMPANIONS = {"inertia": ("viscosity",)}  # masses that nothing damps flutter where they slide
 DT = 1e-5

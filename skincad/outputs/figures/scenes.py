@@ -102,6 +102,30 @@ def scene_figure(simulation: Simulation) -> Picture:
     return figure
 
 
+def strips_figure(simulation: Simulation) -> Picture:
+    """Return the strips of all monitored ridges as images of ridge by time: S1 - S2, which a pull makes, and
+    the mean of both, which a normal force makes."""
+    march, ridges = simulation.march, list(simulation.raw)
+    films = march.column("films")[:, :, 0]
+    mean = np.array([(films[:, 2 * r - 2] + films[:, 2 * r - 1]) / 2 for r in ridges])
+    parts = {
+        "tangential part, S1 - S2, MPa": np.array([simulation.raw[r] for r in ridges]),
+        "normal part, (S1 + S2) / 2, MPa": mean,
+    }
+    edges = np.append(march.time - np.diff(march.time, prepend=0.0) / 2, march.time[-1]) * 1e3
+    with sheet((WIDTH, 2 * PANEL + 1.2), 255) as figure:
+        places = figure.subplots(2, 1, sharex=True)
+        for axes, (name, values) in zip(places, parts.items(), strict=True):
+            image = axes.pcolormesh(edges, np.arange(len(ridges) + 1) - 0.5, values, cmap=colormaps[MAP])
+            axes.set_yticks(range(len(ridges)), [str(r) for r in ridges])
+            axes.set(ylabel="ridge")
+            axes.grid(visible=False)
+            figure.colorbar(image, ax=axes, label=name)
+        places[-1].set_xlabel("time, ms")
+        figure.suptitle(f"{simulation.scene.name}: what the strips feel, as it is before any filter")
+    return figure
+
+
 def _pin_figure(simulation: Simulation) -> Picture:
     """A figure of pins: forces by step, and a map of the tips from above, coloured by the step from
     which each slips for good; those that never do are left white."""

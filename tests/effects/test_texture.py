@@ -1,0 +1,85 @@
+"""A plate with a profile: the films' frequency, its depth, and what it does not go with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skincad.base.errors import InputError
+from skincad.effects.texture import Texture
+from skincad.scenes.march import LEVELS
+from skincad.scenes.scene import load_scene
+from skincad.scenes.simulation import Simulation, at_level
+from tests.small_scene import small_scene
+
+SLIDE = (
+    "history.steps=300",
+    "history.time_s=[0.0, 0.02, 0.2]",
+    "history.normal_force_N=[0.0, 1.2, 1.2]",
+    "history.displacement_mm=[0.0, 0.0, 5.4]",  # 30 mm/s
+    "readout.ridges=[1, 2, 3]",
+)
+
+
+def slid(folder: Path, *more: str) -> Simulation:
+    return at_level(small_scene(folder, "texture", *SLIDE, *more), LEVELS[0])
+
+
+@pytest.mark.parametrize("wavelength", [0.5, 0.75])
+def test_the_films_feel_speed_over_wavelength(wavelength: float, tmp_path: Path) -> None:
+    """Within the spectrum's resolution, 1 / 0.1 s; a smooth plate makes no tenth of that swing."""
+    rough = slid(tmp_path, f"effects.texture.wavelength={wavelength}")
+    smooth = slid(tmp_path, "effects.texture=none")
+    assert rough.march.stopped is None
+    slides = rough.march.time > 0.1
+    dt = rough.march.time[1]
+    for ridge in (1, 2, 3):
+        felt, plain = (run.raw[ridge][slides] for run in (rough, smooth))
+        swing = np.abs(np.fft.rfft((felt - felt.mean()) * np.hanning(felt.size)))
+        frequency = np.fft.rfftfreq(felt.size, dt)[swing.argmax()]
+        assert frequency == pytest.approx(30 / wavelength, abs=1 / (felt.size * dt))
+        assert np.ptp(plain) < 0.1 * np.ptp(felt)
+
+
+def test_ridges_a_wavelength_apart_rise_together_and_half_of_one_apart_in_turn(tmp_path: Path) -> None:
+    """The pitch is 1 mm along the arc; of the outer ridges, for the middle one bears what they do not."""
+    normal = {}
+    for wavelength in (2.0, 4.0):
+        run = slid(tmp_path, f"effects.texture.wavelength={wavelength}", "effects.texture.amplitude=0.005")
+        normal[wavelength] = run.march.loads[run.march.time > 0.1, 0]
+    together, in_turn = (np.corrcoef(normal[w][:, 0], normal[w][:, 2])[0, 1] for w in (2.0, 4.0))
+    assert together > 0.8
+    assert in_turn < -0.5
+
+
+def test_its_depth_is_that_of_the_wave_or_of_the_table() -> None:
+    wave = Texture(wavelength=2.0, amplitude=0.1)
+    assert wave.depth(np.array([0.0, 0.5, 1.0, 2.0, -1.0])) == pytest.approx([0.0, 0.1, 0.2, 0.0, 0.2])
+    teeth = Texture(wavelength=2.0, table=[[0.0, 0.0], [1.0, 0.3]])
+    assert teeth.depth(np.array([0.0, 0.5, 1.0, 1.5, 3.0])) == pytest.approx([0.3, 0.15, 0.0, 0.15, 0.0])
+    assert (wave.rise, teeth.rise) == (pytest.approx(0.2), pytest.approx(0.3))
+
+
+@pytest.mark.parametrize(
+    ("more", "line"),
+    [
+        ("effects.finite_strain={}", "effects.texture: does not work together with finite_strain"),
+        ("effects.viscosity={}", "effects.texture: does not work together with viscosity"),
+        (
+            "effects.texture.table=[[0.0, 0.0], [0.2, 0.1]]",
+            "effects.texture.amplitude: or a table must be given",
+        ),
+        ("effects.texture.amplitude=none", "effects.texture.amplitude: or a table must be given"),
+        ("effects.texture.wavelength=0.0", "effects.texture.wavelength: must be greater than 0"),
+    ],
+)
+def test_what_it_does_not_go_with_is_one_line(more: str, line: str) -> None:
+    with pytest.raises(InputError, match=line):
+        _ = load_scene("texture", [more]).parts
+
+
+def test_a_table_must_rise_within_its_period() -> None:
+    with pytest.raises(InputError, match="table: needs x that rise from 0 to at most wavelength"):
+        Texture(wavelength=1.0, table=[[0.0, 0.0], [1.5, 0.1]])
