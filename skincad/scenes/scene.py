@@ -214,8 +214,9 @@ LONGEST = 4096  # letters of a path
 
 
 def _placed(value: Any, folder: Path) -> Any:
-    """A TOML file's path from the root, so that it means the same everywhere; any other value as it is."""
-    if isinstance(value, str) and value.endswith(".toml"):
+    """A TOML or CSV file's path from the root, so that it means the same everywhere; any other value as it
+    is."""
+    if isinstance(value, str) and value.endswith((".toml", ".csv")):
         with suppress(OSError):  # where the working directory is gone
             return str((folder / value).absolute())
     return value
@@ -233,7 +234,7 @@ def _skin(value: Any) -> Any:
 
 
 def _effects(tables: Any, folder: Path = Path()) -> Any:
-    """Effects' tables, the TOML files that they name taken from `folder`, and nothing that is not given."""
+    """Effects' tables, the files that they name taken from `folder`, and nothing that is not given."""
     if not isinstance(tables, dict):
         return tables
     return {

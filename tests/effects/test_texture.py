@@ -9,6 +9,7 @@ import pytest
 
 from skincad.base.errors import InputError
 from skincad.effects.texture import Texture
+from skincad.inputs.catalog import template_text
 from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 from skincad.scenes.simulation import Simulation, at_level
@@ -69,9 +70,9 @@ def test_its_depth_is_that_of_the_wave_or_of_the_table() -> None:
         ("effects.viscosity={}", "effects.texture: does not work together with viscosity"),
         (
             "effects.texture.table=[[0.0, 0.0], [0.2, 0.1]]",
-            "effects.texture.amplitude: or a table must be given",
+            "effects.texture.amplitude: or a table or a file must be given",
         ),
-        ("effects.texture.amplitude=none", "effects.texture.amplitude: or a table must be given"),
+        ("effects.texture.amplitude=none", "effects.texture.amplitude: or a table or a file must be given"),
         ("effects.texture.wavelength=0.0", "effects.texture.wavelength: must be greater than 0"),
     ],
 )
@@ -83,3 +84,31 @@ def test_what_it_does_not_go_with_is_one_line(more: str, line: str) -> None:
 def test_a_table_must_rise_within_its_period() -> None:
     with pytest.raises(InputError, match="table: needs x that rise from 0 to at most wavelength"):
         Texture(wavelength=1.0, table=[[0.0, 0.0], [1.5, 0.1]])
+
+
+def test_a_file_is_found_beside_its_scene_and_means_its_table(tmp_path: Path) -> None:
+    (tmp_path / "teeth.csv").write_text("x_mm;out_mm\n0;0\n1,0;0,3\n")
+    table = "wavelength = 2.0\nfile = 'teeth.csv'\n"
+    head, _, tail = template_text("texture", "scenes").partition("[effects.texture]\n")
+    rest = tail.partition("[readout]")[2]
+    (tmp_path / "mine.toml").write_text(f"{head}[effects.texture]\n{table}[readout]{rest}")
+    part = load_scene(tmp_path / "mine.toml").parts["texture"]
+    assert isinstance(part, Texture)
+    at = np.linspace(-1.0, 3.0, 9)
+    assert part.depth(at) == pytest.approx(Texture(wavelength=2.0, table=[[0.0, 0.0], [1.0, 0.3]]).depth(at))
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("x_mm,out_mm\n0,0\n0,1\n", "file: needs x that rise"),
+        ("x_mm,out_mm\n0,0\n1,11\n", "file: must come out by at most 10 mm, got 11"),
+        ("x_mm\n0\n1\n", "has no column out_mm"),
+        ("a,b\n0,0\n", "column 'a': unknown"),
+    ],
+)
+def test_a_file_that_is_no_profile_is_one_line(text: str, line: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=line):
+        Texture(wavelength=2.0, file=str(path))
