@@ -4,11 +4,12 @@ Marches that one is held against, and an error by source: the mesh, the time ste
 drifts where the skin is linear between chosen steps (mechanics/contact/frozen_tangent.py). Mesh and time
 step: the change to a march on the mesh before, and to one of fewer steps.
 
-A scene that names no law, and is asked for a tolerance, is marched in small strain first. Where leaving out
-finite strain changes more than the tolerance, it is marched with finite strain in chosen steps
-(effects/chosen_steps.py), on the coarsest mesh: what mesh and time step change is known from small strain. If
-the drift between chosen steps is more than the tolerance too, each step is taken at finite strain, unless
-that had to stop: where no step can be chosen there is no smooth state at finite strain.
+A scene is marched with the slow modes of its masses where its steps show them (effects/modal.py). One that
+names no law is marched in small strain first. Where leaving out finite strain changes more than a tenth, or
+than the tolerance that is asked, it is marched with finite strain in chosen steps (effects/chosen_steps.py),
+with free ends where they matter, on the coarsest mesh: what mesh and time step change is known from small
+strain. If the drift between chosen steps is more than a tolerance too, each step is taken at finite strain,
+unless that had to stop: where no step can be chosen there is no smooth state at finite strain.
 """
 
 from __future__ import annotations
