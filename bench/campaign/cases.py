@@ -137,6 +137,7 @@ def scene_file(case: Case) -> Iterator[Path]:
 
 def scene_figures(case: Case) -> Figures:
     """What `simulate` says, by default on the coarsest mesh; lists over steps, entry 0 unloaded."""
+    from skincad.scenes.models import marches_masses
     from skincad.scenes.scene import load_scene
     from skincad.scenes.simulation import simulate
 
@@ -144,12 +145,15 @@ def scene_figures(case: Case) -> Figures:
         scene = load_scene(file)
     simulation = simulate(scene, **{"budget": ONE_MESH, **case.arguments})
     march, drives = simulation.march, scene.history.drives()
-    mu = getattr(scene.parts.get("friction"), "coefficient", 0.0)
+    friction = scene.parts.get("friction")
+    mu, kinetic = getattr(friction, "coefficient", 0.0), getattr(friction, "kinetic", None)
     return {
         "steps": len(march.readings) - 1,
         "stopped": march.stopped,
         "failed": march.failed,
         "coefficient": mu,
+        "kinetic": mu if kinetic is None else kinetic,
+        "masses": marches_masses(scene) or "inertia" in scene.effects,
         "driven": drives[0].tangential is None,
         "asked_normal": [d.normal for d in drives][: len(march.readings)],
         "normal": march.column("normal").tolist(),

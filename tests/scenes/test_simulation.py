@@ -332,6 +332,7 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert process.stderr == ""
     folder = tmp_path / "out" / name
     names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif"}
+    names |= {"strips.png"} if whole else set()  # all nine ridges are monitored there
     assert {p.name for p in folder.iterdir()} == names
     assert (folder / "section.gif").stat().st_size < 2_000_000  # the issue's
     data = json.loads((folder / "simulate.json").read_text())
