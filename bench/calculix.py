@@ -7,6 +7,7 @@ and on one processor. The plate hangs on a spring too soft to carry a force, so 
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import resource
@@ -22,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, half_of, on_whole
+from skincad.mechanics.bodies.mesh import Sizes, at_faces, default_sizes, half_of, on_whole
 from skincad.mechanics.problem import Pad
+from skincad.shape.curves import Segment
 
 # gone
 
@@ -41,6 +43,7 @@ PLATE_PARTS, NEAR_AXIS = 40, 1e-3  # a turned plate's elements, and mm from the 
 PLATE = 0.5  # mm, height of the plate's only element
 LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
 BACK, CUT = 10_000, 10_001  # numbers of curves, beyond any ridge's
+FACE = 5_000  # of the first layer's face, beyond any of the outline's
 SECTION = 20_000  # number of the surface, beyond any curve's: GetFEM keeps both in one list
 
 
@@ -87,20 +90,20 @@ def quads(pad: Pad, sizes: Sizes, folder: Path) -> Quads:
 def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges; of quads, or
     where not `recombined` of triangles."""
-    outline = pad.section.outline
+    outline = tuple(at_faces(pad))
     for i, s in enumerate(outline, 1):
         yield f"Point({i}) = {{{s.start.x!r}, {s.start.z!r}, 0}};"
     for i, s in enumerate(outline, 1):
         end = i % len(outline) + 1
-        if s.bulge == 0.0:
-            yield f"Line({i}) = {{{i}, {end}}};"
-            continue
-        aside = (1 - s.bulge**2) / (4 * s.bulge)  # of the chord, from its middle to the centre
-        x = (s.start.x + s.end.x) / 2 - aside * (s.end.z - s.start.z)
-        z = (s.start.z + s.end.z) / 2 + aside * (s.end.x - s.start.x)
-        yield f"Point({1000 + i}) = {{{x!r}, {z!r}, 0}}; Circle({i}) = {{{i}, {1000 + i}, {end}}};"
+        yield _curve(s, i, i, end)
     yield f"Curve Loop(1) = {{1:{len(outline)}}}; Plane Surface(1) = {{1}};"
     yield f"Physical Surface({SECTION}) = {{1}};"
+    for number, layer in enumerate(pad.layers, FACE):
+        first, last = (
+            min(range(len(outline)), key=lambda i: math.dist(outline[i].start, end)) + 1
+            for end in (layer.face.start, layer.face.end)
+        )
+        yield f"{_curve(layer.face, number, first, last)} Curve{{{number}}} In Surface{{1}};"
     back = [i for i, s in enumerate(outline, 1) if s.kind == "back"]
     yield f"Physical Curve({BACK}) = {{{_list(back)}}};"
     cut = [i for i, s in enumerate(outline, 1) if s.kind == "cut"]
@@ -126,6 +129,17 @@ def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     if recombined:
         yield "Mesh.RecombineAll = 1; Mesh.RecombinationAlgorithm = 3;"
         yield "Mesh.SecondOrderIncomplete = 1;"
+
+
+def _curve(s: Segment, number: int, first: int, last: int) -> str:
+    """A line or arc between two points."""
+    if s.bulge == 0.0:
+        return f"Line({number}) = {{{first}, {last}}};"
+    aside = (1 - s.bulge**2) / (4 * s.bulge)  # of the chord, from its middle to the centre
+    x = (s.start.x + s.end.x) / 2 - aside * (s.end.z - s.start.z)
+    z = (s.start.z + s.end.z) / 2 + aside * (s.end.x - s.start.x)
+    centre = 1000 + number
+    return f"Point({centre}) = {{{x!r}, {z!r}, 0}}; Circle({number}) = {{{first}, {centre}, {last}}};"
 
 
 def _list(numbers: object) -> str:
@@ -182,9 +196,11 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     yield "*NODE, NSET=all"
     for i, (x, z) in enumerate([*mesh.nodes.tolist(), *plate], 1):
         yield f"{i}, {x:.12g}, {z:.12g}, 0."
-    yield f"*ELEMENT, TYPE={kind}, ELSET=skin"
-    for i, quad in enumerate(mesh.elements + 1, 1):
-        yield ", ".join(str(n) for n in (i, *quad.tolist()))
+    middles = mesh.nodes[mesh.elements[:, :4]].mean(axis=1)
+    behind = [sum(z > layer.over(x) for layer in pad.layers) for x, z in middles.tolist()]
+    names = [f"layer{n}" for n in range(len(pad.layers))] + ["skin"]
+    for i, (quad, of) in enumerate(zip(mesh.elements + 1, behind, strict=True), 1):
+        yield f"*ELEMENT, TYPE={kind}, ELSET={names[of]}\n" + ", ".join(str(n) for n in (i, *quad.tolist()))
     last = len(mesh.elements) + 1
     yield f"*ELEMENT, TYPE={kind}, ELSET=plate"
     for i in range(parts):
@@ -197,17 +213,8 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     for name, nodes in (("back", mesh.back), ("cut", mesh.cut)):
         yield from [f"*NSET, NSET={name}", *(f"{n + 1}" for n in nodes)] if nodes.size else ()
     yield f"*NSET, NSET=reference\n{reference}"
-    shear = pad.young_modulus / (2 * (1 + pad.poisson_ratio))
-    bulk = pad.young_modulus / (3 * (1 - 2 * pad.poisson_ratio))
-    yield "*MATERIAL, NAME=silicone"
-    if finite and pad.laws:
-        yield from _ogden(pad, bulk)
-    elif finite:  # C10 = G / 2, D1 = 2 / K
-        yield f"*HYPERELASTIC, NEO HOOKE\n{shear / 2!r}, {2 / bulk!r}"
-    else:
-        yield f"*ELASTIC\n{pad.young_modulus!r}, {pad.poisson_ratio!r}"
-    yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3"
-    yield "*SOLID SECTION, ELSET=skin, MATERIAL=silicone\n1.\n*SOLID SECTION, ELSET=plate, MATERIAL=steel\n1."
+    yield from _materials(pad, names, finite=finite)
+    yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3\n*SOLID SECTION, ELSET=plate, MATERIAL=steel\n1."
     yield "*SURFACE, NAME=under\n" + "\n".join(f"{last + i}, S1" for i in range(parts))
     yield f"*SURFACE INTERACTION, NAME=smooth\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY:f}"
     for ridge, faces in sorted(mesh.faces.items()):
@@ -228,6 +235,21 @@ def _deck(pad: Pad, mesh: Quads, force: float, start: float | None) -> Iterator[
     for ridge in sorted(mesh.faces):
         yield f"*CONTACT PRINT, SLAVE=ridge{ridge}, MASTER=under, FREQUENCY=1000\nCF"
     yield "*END STEP\n"
+
+
+def _materials(pad: Pad, names: list[str], *, finite: bool) -> Iterator[str]:
+    """Lines of the silicones of the domains, from the back, the skin's own last."""
+    for name, stuff in zip(names, (*pad.layers, pad), strict=True):
+        young, ratio = stuff.young_modulus, stuff.poisson_ratio
+        shear, bulk = young / (2 * (1 + ratio)), young / (3 * (1 - 2 * ratio))
+        yield f"*MATERIAL, NAME=of_{name}"
+        if finite and pad.laws:
+            yield from _ogden(pad, bulk)
+        elif finite:  # C10 = G / 2, D1 = 2 / K
+            yield f"*HYPERELASTIC, NEO HOOKE\n{shear / 2!r}, {2 / bulk!r}"
+        else:
+            yield f"*ELASTIC\n{young!r}, {ratio!r}"
+        yield f"*SOLID SECTION, ELSET={name}, MATERIAL=of_{name}\n1."
 
 
 def _ogden(pad: Pad, bulk: float) -> Iterator[str]:

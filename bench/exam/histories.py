@@ -1,8 +1,8 @@
 """Random histories of a plate: press, then hold, pull, ease, reverse, roll, tap, drop, vibrate; half slip.
 
 What each phase does is drawn, how far, how long and how evenly: straight, or smooth as a hand's reach is
-(minimum jerk, Flash and Hogan, J. Neurosci. 5 (1985) 1688). Pulls take 1.5 ms to 1.5 s, three decades, and
-other phases 0.3 to 3 times that. All ranges are assumptions.
+(minimum jerk, Flash and Hogan, J. Neurosci. 5 (1985) 1688). Pulls take 2 to 200 ms, two decades, and other
+phases 0.3 to 3 times that. All ranges are assumptions.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 STEPS = 600
 FEWEST = 24  # steps of a phase
-PULL = 1.5e-3, 1.5  # s
+PULL = 2e-3, 0.2  # s
 BAND = 0.05, 0.4  # of the rate of steps; what the templates of scenes have
 WIDEST = 5000.0  # Hz
 GENTLE = ("hold", "pull", "ease", "reverse", "roll", "tap", "drop", "vibrate", "press")

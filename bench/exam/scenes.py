@@ -1,7 +1,8 @@
 """The exam's scenes by seed: a skin, a friction, a history, some told ridges; marched once and kept on disk.
 
 Sets are split by seed, once: even ones to choose constants on (`design`), odd ones to be scored (`exam`).
-Every 60th has masses (a plate of 0.05 to 1 g, viscosity), the others are quasi-static, on the coarsest mesh.
+They are marched as `simulate` marches them, with masses where their steps show them, but on the coarsest mesh
+alone and at small strain. Every eighth has a plate of 0.05 to 1 g. Seeds below FIRST were scored before.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -21,15 +22,16 @@ from bench.exam.skins import DESIGN, EXAM, SETS, Skin, skins
 from skincad.base.errors import InputError
 from skincad.inputs.material import silicone
 from skincad.scenes.errors import slips_of
-from skincad.scenes.march import LEVELS, march
-from skincad.scenes.models import MarchSetup, march_on, piece_for
+from skincad.scenes.march import LEVELS
+from skincad.scenes.models import MarchSetup, halts_of, march_on, piece_for
 from skincad.scenes.scene import Scene
 
-COUNT = {DESIGN: 240, EXAM: 160}  # scenes
-LATER = 240, 600  # more to fit on, by batch, each of other skins; without masses
-MASSES = 60  # every so manyth scene has them
-FRICTION = 0.2, 1.2
-SLOW = 300  # steps with masses, a tenth of a second each
+COUNT = {DESIGN: 240, EXAM: 320}  # scenes
+LATER = 360, 200  # more to fit on, by batch, each of other skins
+FIRST = 4000  # seed
+HEAVY = 8  # every so manyth scene's plate has a mass
+FRICTION = 0.2, 1.0
+MASS = 0.05, 1.0  # g
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,29 +75,24 @@ def set_skins(kind: str, batch: int) -> list[Skin]:
 def batch(seed: int) -> int:
     """Return which batch a seed is of: 0, or a later one of the design set."""
     ends = np.cumsum([COUNT[DESIGN], *LATER])
-    return int(np.searchsorted(ends, seed // 2, side="right"))
+    return 0 if seed % 2 else int(np.searchsorted(ends, (seed - FIRST) // 2, side="right"))
 
 
 def seeds(kind: str) -> list[int]:
     """Return a set's seeds."""
-    first = range(SETS.index(kind), 2 * COUNT[kind], 2)
-    later = range(2 * COUNT[kind], 2 * (COUNT[kind] + sum(LATER)), 2) if kind == DESIGN else ()
-    return [*first, *(seed for seed in later if not with_masses(seed))]
-
-
-def with_masses(seed: int) -> bool:
-    """Return whether a seed's scene has masses."""
-    return (seed // 2) % MASSES == MASSES - 1
+    first = FIRST + SETS.index(kind)
+    count = COUNT[kind] + (sum(LATER) if kind == DESIGN else 0)
+    return list(range(first, first + 2 * count, 2))
 
 
 def drawn(seed: int) -> Drawn:
     """Return the scene of a seed, drawn again where skin and history do not fit."""
     draw = np.random.default_rng((2020, seed))
-    pads, heavy = set_skins(SETS[seed % 2], batch(seed)), with_masses(seed)
+    pads, heavy = set_skins(SETS[seed % 2], batch(seed)), (seed // 2) % HEAVY == HEAVY - 1
     while True:
         skin = pads[int(draw.integers(len(pads)))]
         friction = float(draw.uniform(*FRICTION))
-        mass = float(np.exp(draw.uniform(np.log(0.05), np.log(1.0)))) if heavy else None
+        mass = float(np.exp(draw.uniform(*np.log(MASS)))) if heavy else None
         design = skin.design
         turn = min(3.0, float(np.degrees(2 * design.ridge.pitch / design.skin.curvature_radius)))
         way = history(draw, skin.force, friction, 0.0 if heavy else turn, _reach(skin, friction))
@@ -113,41 +110,37 @@ def _reach(skin: Skin, friction: float) -> float:
 
 
 def _scene(skin: Skin, friction: float, mass: float | None, way: History) -> Scene:
-    effects = {"friction": {"coefficient": friction}, "film": {}}
-    effects |= {"small_strain": {"masses": False}} if mass is None else {"inertia": {}, "viscosity": {}}
     across = {"tangential_force_N": way.tangential} if way.travel is None else {"displacement_mm": way.travel}
-    times = {"time_s": way.time, "normal_force_N": way.normal, **across}
+    history = {"time_s": way.time, "normal_force_N": way.normal, **across, "steps": STEPS}
     if np.any(way.angle):
-        times["rotation_deg"] = way.angle
-    steps = STEPS if mass is None else SLOW
-    history = {key: values[:: STEPS // steps] for key, values in times.items()} | {"steps": steps}
+        history["rotation_deg"] = way.angle
     return Scene(
         name="exam", skin=skin.design, history=history, plate={} if mass is None else {"mass": mass},
-        effects=effects, readout={"ridges": [1], "bandwidth_Hz": way.bandwidth},
+        effects={"friction": {"coefficient": friction}, "film": {}},
+        readout={"ridges": [1], "bandwidth_Hz": way.bandwidth},
     )  # fmt: skip
 
 
-_PADS: dict[str, object] = {}
+_SKINS: dict[str, MarchSetup] = {}  # their mesh and modes
 
 
 def marched(one: Drawn) -> SceneRun:
-    """March a scene; a quasi-static skin is condensed once."""
-    scene, name = one.scene, one.skin.name
-    if one.mass is None and name in _PADS:
-        ends = scene.law.limits(scene.design)
-        times, drives = scene.history.times, scene.history.drives()
-        answer = march(_PADS[name], times, drives, scene.terms, None, (), 0.0, ends)
-    else:
-        answer = march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
-        if one.mass is None:
-            _PADS[name] = answer.pad
-    slips = slips_of(answer, scene.design.ridge.count)
+    """March a scene; a skin's mesh and modes are made once."""
+    scene = one.scene
+    if one.skin.name not in _SKINS:
+        _SKINS[one.skin.name] = MarchSetup(scene, piece_for(scene, {}))
+    answer = march_on(LEVELS[0], replace(_SKINS[one.skin.name], scene=scene), {})
+    slips = slips_of(answer, scene.design.ridge.count, halts_of(scene))
+    slipping = np.zeros_like(slips.slipping)
+    for ridge, runs in enumerate(slips.runs):
+        for first, last in runs:
+            slipping[first : last + 1, ridge] = True
     draw = np.random.default_rng((77, one.seed))
     ridges = scene.design.ridge.count
     told = np.sort(draw.permutation(ridges)[: draw.integers(1, min(9, ridges) + 1)]) + 1
     return SceneRun(
         one.seed, one.skin, one.friction, one.mass, answer.time, one.way.bandwidth, answer.column("films"),
-        slips.slipping, answer.column("normal"), answer.column("tangential"), slips.gross, one.way.phases,
+        slipping, answer.column("normal"), answer.column("tangential"), slips.gross, one.way.phases,
         tuple(told.tolist()),
     )  # fmt: skip
 
@@ -173,7 +166,7 @@ def kept(seed: int, folder: Path) -> SceneRun:
 
 def scenes(kind: str, folder: Path) -> Iterator[SceneRun]:
     """Yield a set's scenes, those of one skin after each other."""
-    order = sorted(seeds(kind), key=lambda s: (with_masses(s), drawn(s).skin.name))
+    order = sorted(seeds(kind), key=lambda s: drawn(s).skin.name)
     for seed in order:
         yield kept(seed, folder)
 

@@ -12,6 +12,7 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
+from skincad.inputs.material import refuse_layers
 from skincad.mechanics.models.table import model_named
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
@@ -178,6 +179,7 @@ def make(
     """
     from skincad.fabrication.fasteners import mount_of
 
+    refuse_layers(design, "make")
     checked, solids = checked and not preview, solids or not preview
     _check_choices(checked, model, budget)
     _check_scenes(design, scenes)

@@ -33,6 +33,7 @@ from skincad.inputs.skin_tables import (
     Contact,
     Film,
     Material,
+    Shots,
     Slot,
 )
 
@@ -55,6 +56,10 @@ class Design(Document):
     slot: Slot | None = None
     film: Film | None = None
     material: Material
+    shot: Shots | None = Field(
+        default=None,
+        description="layers of other silicones behind the skin's own, from the back, [[shot]] each",
+    )
     mold: Mold = Mold(process="sla")
     mount: Mount | None = None
     contact: Contact = Contact()
@@ -94,6 +99,7 @@ class Design(Document):
             guards.profile(self.features),
             guards.strips(skin, slot, film, mold),
             guards.bond(self.contact, film),
+            guards.shots(skin, self.shot or (), self.silicones or {}),
         )
         if broken := [error for check in checks for error in check]:
             raise together(broken)

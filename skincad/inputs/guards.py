@@ -12,7 +12,7 @@ from skincad.inputs.gripper import Gripper, check_grippers, gripper_named
 from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process, check_named, check_own
 from skincad.inputs.silicone import Silicone, check_law, check_own_silicones, check_silicone, silicone_of
-from skincad.inputs.skin_tables import Base, Contact, Film, Material, Slot
+from skincad.inputs.skin_tables import Base, Contact, Film, Material, Shot, Slot
 
 MOST_RIDGES = 999  # the largest ridge.count that a remedy names
 FAN_LIMIT_DEG = 90.0  # assumption: a flat back under a wider fan leaves knife edges at the sides
@@ -292,3 +292,44 @@ def bond(contact: Contact, film: Film | None) -> Iterator[InputError]:
     """Yield a bond of films that are not there."""
     if contact.film == "bonded" and film is None:
         yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
+
+
+def shots(skin: Base, layers: tuple[Shot, ...], own: Mapping[str, Silicone]) -> Iterator[InputError]:
+    """Yield a shot of a silicone that nobody knows, and faces that meet each other, the back or the skin's
+    own face: THINNEST mm of each silicone must be left everywhere."""
+    below_middle = below_side = 0.0
+    for number, shot in enumerate(layers, 1):
+        yield from refusals(partial(check_silicone, shot.name, own))
+        middle, side = face_heights(skin, shot)
+        key, value = ("thickness", shot.thickness) if shot.depth is None else ("depth", shot.depth)
+        for height, below, top, where in (
+            (middle, below_middle, skin.thickness, "in the middle"),
+            (side, below_side, shoulder(skin), "at the sides"),
+        ):
+            if not below + THINNEST <= height <= top - THINNEST:
+                room = f"from {below + THINNEST:.4g} to {top - THINNEST:.4g} mm over the back {where}"
+                rule = f"shot {number}'s face must be {room}, and is at {height:.4g} mm"
+                remedy = "give shots from the back to the front, or a thicker skin"
+                yield InputError(f"shot.{key}", rule, value, remedy)
+                break
+        below_middle, below_side = middle, side
+
+
+THINNEST = 0.05  # mm; assumption: of a silicone between two faces, to be meshed
+
+
+def shoulder(skin: Base) -> float:
+    """Return the base circle's height over the back at the sides, mm."""
+    half_turn = math.asin(min(1.0, skin.width / (2 * skin.curvature_radius))) / 2
+    return skin.thickness - 2 * skin.curvature_radius * math.sin(half_turn) ** 2
+
+
+def face_heights(skin: Base, shot: Shot) -> tuple[float, float]:
+    """Return how high a shot's face is over the back, mm, in the middle and at the sides; -inf where it does
+    not reach them."""
+    if shot.depth is None:
+        return shot.thickness or 0.0, shot.thickness or 0.0
+    radius = skin.curvature_radius - shot.depth
+    reach = skin.width / (2 * radius) if radius > 0 else math.inf
+    middle = skin.thickness - shot.depth
+    return middle, middle - 2 * radius * math.sin(math.asin(reach) / 2) ** 2 if reach < 1 else -math.inf

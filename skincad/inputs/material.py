@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from skincad.base.errors import InputError
 from skincad.base.tables import NumberWithRange
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import Silicone, silicone_of, silicones
@@ -15,6 +16,18 @@ def silicone(design: Design) -> Silicone:
     assumption or, as mix and cure, unknown."""
     material = design.material
     return silicone_of(material.name, material.given, design.silicones)
+
+
+def layers(design: Design) -> tuple[Silicone, ...]:
+    """Return the silicones of a design's shots, from the back; the skin's own, before them, is not in it."""
+    return tuple(silicone_of(shot.name, shot.given, design.silicones) for shot in design.shot or ())
+
+
+def refuse_layers(design: Design, what: str) -> None:
+    """Raise InputError where `what` takes a skin of one silicone and the design has shots."""
+    if design.shot:
+        rule = f"must not be given: {what} takes a skin of one silicone"
+        raise InputError("shot", rule, len(design.shot), "drop [[shot]]; check and simulate take it")
 
 
 def foreign_modulus(design: Design) -> tuple[Silicone, NumberWithRange, str] | None:

@@ -6,7 +6,7 @@ z out of the skin, flat back at z = 0.
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -177,6 +177,26 @@ class Material(Table):
                 "", "needs a name, a young_modulus or a law", remedy='try name = "dragon-skin-30"'
             )
         return self
+
+
+class Shot(Material):
+    """A layer behind the skin's own silicone, from the back or from the shot before up to its own face."""
+
+    thickness: float | None = quantity(
+        "mm", "of a flat face: so high over the back in all", ge=0.05, le=100.0, default=None
+    )
+    depth: float | None = quantity(
+        "mm", "of a face that follows the base circle: so far below it", ge=0.05, le=100.0, default=None
+    )
+
+    @model_validator(mode="after")
+    def _one_face(self) -> Self:
+        if (self.thickness is None) == (self.depth is None):
+            raise InputError("", "needs either a thickness or a depth", remedy="give one of the two")
+        return self
+
+
+Shots = Annotated[tuple[Shot, ...], Field(strict=False, min_length=1, max_length=8)]
 
 
 class Plate(Table):

@@ -240,12 +240,14 @@ FITS = (
 
 def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
     """Return in which numbers the design is unlike all that a model's or an effect's fits saw, or ""."""
-    family, numbers, found = skin_of(design).family, shape_of(design), {}
+    family, numbers, found = skin_of(design).family, shape_of(design), dict[str, str]()
     fits = [fit for fit in FITS if fit.family == family]
     if family != "ridge" and not any(model in fit.models for fit in fits):
         return f"it has [{family}]"
     for fit in fits:
         if model in fit.models or (effect and effect == fit.effect):
+            if design.shot:
+                found["shot"] = "layers of other silicones (seen: none)"
             for key, (low, high) in fit.ranges.items():
                 margin = ROUNDING * abs(high)
                 if not low - margin <= numbers[key] <= high + margin:

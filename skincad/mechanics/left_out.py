@@ -55,7 +55,7 @@ from skincad.inputs.feature_tables import places
 from skincad.inputs.material import silicone
 from skincad.mechanics.models.winkler import confinement, ridge_stiffness
 from skincad.mechanics.problem import Answer, steepest
-from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus, ridge_strain
+from skincad.mechanics.validity import SHEAR_FACTOR, base_softness, mean_width, plane_modulus, ridge_strain
 from skincad.shape.skin import skin_of
 
 BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
@@ -68,8 +68,9 @@ def end_compliance(design: Design) -> Array:
     distance = np.abs(at[:, None] - at) / skin.thickness
     reach, fall = BONDED_STRIPS if design.film_state == "bonded" else NO_BONDED_STRIPS
     ends = (
-        reach * material.poisson_ratio**2 * skin.thickness / (material.young_modulus.value * skin.length**2)
-    )
+        reach * material.poisson_ratio**2 * skin.thickness * base_softness(design)
+        / (material.young_modulus.value * skin.length**2)
+    )  # fmt: skip
     return np.asarray(ends * np.exp(-fall * distance))
 
 

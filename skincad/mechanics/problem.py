@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Record, item, reported
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.guards import THINNEST, face_heights
+from skincad.inputs.material import layers, silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
-from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.curves import Loop, Point, Segment, polygon
 from skincad.shape.skin import Section, cell_section, section, skin_of
 
 
@@ -89,6 +92,27 @@ class Bend:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """Silicone below a `face`, which runs from side to side to -x, down to the next layer's or the back; of
+    moduli in MPa and kg/m3."""
+
+    face: Segment
+    young_modulus: float
+    poisson_ratio: float
+    density: float
+    law: Rubber | None = None
+
+    def over(self, x: float) -> float:
+        """Return the face's height at x, mm."""
+        if not self.face.bulge:
+            return self.face.start.z
+        radius = self.face.radius
+        half = max(abs(self.face.start.x), abs(self.face.end.x))
+        at, rim = (2 * radius * math.sin(math.asin(min(1.0, d / radius)) / 2) ** 2 for d in (abs(x), half))
+        return min(self.face.start.z, self.face.end.z) + rim - at
+
+
+@dataclass(frozen=True)
 class Pad:
     """An elastic section of `length` mm along y, clamped at its `back` segments. One that is `revolved` is
     the whole of a skin's section through its axis x = 0, whose half at x >= 0 is turned about it; its length
@@ -98,7 +122,8 @@ class Pad:
     (moduli in MPa), `voids` are holes. Densities, kg/m3, count where masses do. `ends` `(ridges, ridges)`
     mm/N is the compliance that free ends add, if requested.
     `law` is the silicone's at finite strain, scaled to its modulus; neo-Hooke's where it is None. A pad with
-    a `bend` is curved along y too; `length` is that arc's.
+    a `bend` is curved along y too; `length` is that arc's. `layers` of other silicones lie behind its own,
+    the first at the back.
     """
 
     section: Section
@@ -117,21 +142,36 @@ class Pad:
     bend: Bend | None = None
     revolved: bool = False
     focus: float = 0.0
+    layers: tuple[Layer, ...] = ()
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
         """Young's modulus, in the silicone's, and Poisson's ratio of each domain of the mesh."""
         film = {"film": (self.film_modulus / self.young_modulus, self.film_ratio)} if self.strips else {}
-        return {"skin": (1.0, self.poisson_ratio), **film}
+        behind = {
+            name: (layer.young_modulus / self.young_modulus, layer.poisson_ratio)
+            for name, layer in self._layers.items()
+        }
+        return {"skin": (1.0, self.poisson_ratio), **film, **behind}
+
+    @property
+    def densities(self) -> dict[str, float]:
+        """Density of each domain of the mesh, kg/m3."""
+        behind = {name: layer.density for name, layer in self._layers.items()}
+        return {"skin": self.density, "film": self.film_density, **behind}
+
+    @property
+    def _layers(self) -> dict[str, Layer]:
+        return {f"layer{number}": layer for number, layer in enumerate(self.layers, 1)}
 
     @property
     def laws(self) -> dict[str, Rubber]:
-        """The law of each domain of the mesh that is silicone and not neo-Hookean: of the skin, and of strips
-        of the skin's own moduli."""
-        if self.law is None or isinstance(self.law, NeoHooke):  # what bodies are without one
-            return {}
-        moduli = self.materials
-        return {name: self.law for name in moduli if moduli[name] == moduli["skin"]}
+        """The law of each domain of the mesh that is silicone and not neo-Hookean: of the skin, of strips of
+        the skin's own moduli, and of layers."""
+        moduli, laws = self.materials, {name: layer.law for name, layer in self._layers.items()}
+        laws |= {name: self.law for name in ("skin", "film") if moduli.get(name) == moduli["skin"]}
+        # neo-Hooke's is what bodies are without one
+        return {name: law for name, law in laws.items() if not (law is None or isinstance(law, NeoHooke))}
 
     @property
     def face(self) -> bool:
@@ -390,7 +430,35 @@ def solid_pad_of(design: Design) -> Pad:
         law=material.law,
         bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
         revolved=design.skin.round,
+        layers=tuple(layers_of(design, shape)),
     )
+
+
+def layers_of(design: Design, shape: Section) -> Iterator[Layer]:
+    """Yield the layers that a design's shots are in its section.
+
+    Raises InputError for a face that meets the outline between the sides, or a slot.
+    """
+    skin, below = design.skin, shapely.Polygon(polygon(shape.outline, FACE_TOLERANCE))
+    slots = [shapely.Polygon(polygon(slot.loop(), FACE_TOLERANCE)) for slot in shape.slots]
+    for number, (shot, stuff) in enumerate(zip(design.shot or (), layers(design), strict=True), 1):
+        (_, side), x = face_heights(skin, shot), skin.width / 2
+        turn = 0.0 if shot.depth is None else 2 * math.asin(x / (skin.curvature_radius - shot.depth))
+        face = Segment(Point(x, side), Point(-x, side), math.tan(turn / 4))
+        line = shapely.LineString([*polygon((face,), FACE_TOLERANCE).tolist(), [*face.end]])
+        key = f"shot.{'thickness' if shot.depth is None else 'depth'}"
+        value = shot.thickness if shot.depth is None else shot.depth
+        if not below.buffer(FACE_TOLERANCE).contains(line):
+            rule = f"shot {number}'s face must stay inside the skin, and meets its front"
+            raise InputError(key, rule, value, "a face further behind")
+        if any(line.distance(slot) < THINNEST for slot in slots):
+            rule = f"shot {number}'s face must keep {THINNEST:g} mm from the slots"
+            raise InputError(key, rule, value, "a face further behind")
+        modulus = stuff.young_modulus.value
+        yield Layer(face, modulus, stuff.poisson_ratio, stuff.density, stuff.law)
+
+
+FACE_TOLERANCE = 1e-3  # mm
 
 
 FOCUS = 1.5  # half-widths of the contact by Hertz, which a thin base makes narrower

@@ -9,7 +9,9 @@ from typing import Protocol
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
-from skincad.inputs.material import foreign_modulus, silicone
+from skincad.inputs.guards import face_heights
+from skincad.inputs.material import foreign_modulus, layers, silicone
+from skincad.inputs.silicone import Silicone
 from skincad.mechanics.problem import Answer, steepest
 from skincad.shape.skin import skin_of
 
@@ -128,6 +130,26 @@ def plane_modulus(design: Design) -> float:
     """Return E / (1 - nu^2) of a design's silicone, MPa."""
     material = silicone(design)
     return material.young_modulus.value / (1 - material.poisson_ratio**2)
+
+
+def through_base(design: Design) -> tuple[tuple[float, Silicone], ...]:
+    """Return the silicones that the base has in its middle, each with its thickness, mm, from the back."""
+    rows, below = list[tuple[float, Silicone]](), 0.0
+    for shot, stuff in zip(design.shot or (), layers(design), strict=True):
+        middle, _ = face_heights(design.skin, shot)
+        rows.append((middle - below, stuff))
+        below = middle
+    return (*rows, (design.skin.thickness - below, silicone(design)))
+
+
+def base_softness(design: Design) -> float:
+    """Return how much more the base gives than one of the skin's own silicone alone: its layers are springs
+    one behind the other."""
+    if not design.shot:
+        return 1.0
+    own = silicone(design).young_modulus.value
+    give = (thickness * own / stuff.young_modulus.value for thickness, stuff in through_base(design))
+    return math.fsum(give) / design.skin.thickness
 
 
 def ridge_strain(design: Design, answer: Shares) -> float:

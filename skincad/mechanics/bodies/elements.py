@@ -253,7 +253,7 @@ class Outline:
 
 
 def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
-    """Return the loops of the boundary under displacements `values` `(n,)`; strips are left out."""
+    """Return the loops of the boundary under displacements `values` `(n,)`; edges inside are left out."""
     field = ng.GridFunction(system.space)
     field.vec.FV().NumPy()[:] = values
     points, places, _ = fe.mapped(system.mesh, EDGE_POINTS[:, None].tolist(), ng.BND)
@@ -262,7 +262,7 @@ def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
     shift = field.components[0](points).reshape(places.shape)[:, ::-1]
     edges = {}
     for i, element in enumerate(system.mesh.Elements(ng.BND)):
-        if element.mat != "strip":
+        if element.mat != "inside":
             first, last = (v.nr for v in element.vertices)
             touches = np.full(EDGE_POINTS.size - 1, element.mat.startswith("contact"))
             edges[first] = last, at_rest[i, :-1], shift[i, :-1], touches

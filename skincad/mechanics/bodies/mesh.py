@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -92,8 +93,8 @@ def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
 def triangles(pad: Pad, sizes: Sizes) -> Any:
     """Return the netgen mesh of the pad, in the pad's own unit.
 
-    Boundaries are named `back`, `contact<ridge>`, `free`, `strip` and, of a half, `cut`; domains `skin` and
-    `film`.
+    Boundaries are named `back`, `contact<ridge>`, `free`, `inside` and, of a half, `cut`; domains `skin`,
+    `film` and `layer<number>`.
     Raises InputError when netgen finds no mesh.
     """
     unit = unit_of(pad)
@@ -115,17 +116,46 @@ def _geometry(pad: Pad, sizes: Sizes) -> Any:
     geometry = SplineGeometry()
     geometry.SetMaterial(SKIN, "skin")
     geometry.SetMaterial(FILM, "film")
-    _add(geometry, pad.section.outline, (SKIN, 0), sizes, unit)
+    for number in range(1, len(pad.layers) + 1):
+        geometry.SetMaterial(FILM + number, f"layer{number}")
+    outline = tuple(at_faces(pad))
+    points = _add(geometry, outline, [(_domain(pad, s), 0) for s in outline], sizes, unit)
+    for number, layer in enumerate(pad.layers, 1):
+        above = FILM + number + 1 if number < len(pad.layers) else SKIN
+        ends = [min(points, key=partial(math.dist, end)) for end in (layer.face.start, layer.face.end)]
+        curve = _curve(geometry, layer.face, (points[ends[0]], points[ends[1]]), unit)
+        size = sizes.bulk / unit
+        geometry.Append(curve, leftdomain=FILM + number, rightdomain=above, maxh=size, bc="inside")
     for strip in pad.strips:
-        _add(geometry, strip, (FILM, SKIN), sizes, unit)
+        _add(geometry, strip, [(FILM, _domain(pad, strip[0]))] * len(strip), sizes, unit)
     for void in pad.voids:
-        _add(geometry, void, (0, SKIN), sizes, unit)
+        _add(geometry, void, [(0, _domain(pad, void[0]))] * len(void), sizes, unit)
     return geometry
 
 
-def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit: float) -> None:
-    """Add a closed loop with the (left, right) domains."""
-    segments = list(_pieces(loop, SHORTEST * unit, sizes))
+def _domain(pad: Pad, segment: Segment) -> int:
+    """The silicone's domain along a segment, inside the pad."""
+    x, z = segment.point(0.5)
+    behind = (FILM + number for number, layer in enumerate(pad.layers, 1) if z < layer.over(x))
+    return next(behind, SKIN)
+
+
+def at_faces(pad: Pad) -> Iterator[Segment]:
+    """Yield the pad's outline, its sides and cut in pieces where layers' faces end."""
+    for s in pad.section.outline:
+        heights = [layer.over(s.start.x) for layer in pad.layers] if s.kind in ("side", "cut") else []
+        low, high = sorted((s.start.z, s.end.z))
+        inside = sorted((z for z in heights if low < z < high), reverse=s.start.z > s.end.z)
+        ends = [s.start, *(Point(s.start.x, z) for z in inside), s.end]
+        yield from (replace(s, start=a, end=b) for a, b in pairwise(ends))
+
+
+def _add(
+    geometry: Any, loop: Loop, domains: list[tuple[int, int]], sizes: Sizes, unit: float
+) -> dict[Point, int]:
+    """Add a closed loop with each segment's (left, right) domains; return its points' numbers."""
+    pieces = list(_pieces(loop, SHORTEST * unit, sizes))
+    segments = [piece for piece, _ in pieces]
     if len(segments) < 2:
         raise InputError("section", "a loop has no area", remedy="leave it out")
     corners = [_corner(a, b, sizes) for a, b in pairwise([segments[-1], *segments])]
@@ -134,25 +164,32 @@ def _add(geometry: Any, loop: Loop, domains: tuple[int, int], sizes: Sizes, unit
         for s, size in zip(segments, corners, strict=True)
     ]
     shortest = min(s.length for s in segments)
-    for s, first, last in zip(segments, ids, [*ids[1:], ids[0]], strict=True):
-        curve: list[Any] = ["line", first, last]
-        if s.bulge != 0.0:
-            x, z = _control(s)
-            curve = ["spline3", first, geometry.AppendPoint(x / unit, z / unit), last]
-        left, right = domains
-        size = _size(s, sizes, shortest) / unit
-        geometry.Append(curve, leftdomain=left, rightdomain=right, maxh=size, bc=_name(s, domains))
+    for (s, of), first, last in zip(pieces, ids, [*ids[1:], ids[0]], strict=True):
+        left, right = domains[of]
+        geometry.Append(
+            _curve(geometry, s, (first, last), unit), leftdomain=left, rightdomain=right,
+            maxh=_size(s, sizes, shortest) / unit, bc=_name(s, domains[of]),
+        )  # fmt: skip
+    return {s.start: number for s, number in zip(segments, ids, strict=True)}
 
 
-def _pieces(loop: Loop, shortest: float, sizes: Sizes) -> Iterator[Segment]:
-    """Yield the loop's segments, none shorter than `shortest`, cut as `_cuts` says."""
-    long_enough = [s for s in loop if s.length > shortest]
-    for i, s in enumerate(long_enough):
-        end = long_enough[(i + 1) % len(long_enough)].start
+def _curve(geometry: Any, s: Segment, ends: tuple[int, int], unit: float) -> list[Any]:
+    """Netgen's curve of a segment between two of its points."""
+    if s.bulge == 0.0:
+        return ["line", *ends]
+    x, z = _control(s)
+    return ["spline3", ends[0], geometry.AppendPoint(x / unit, z / unit), ends[1]]
+
+
+def _pieces(loop: Loop, shortest: float, sizes: Sizes) -> Iterator[tuple[Segment, int]]:
+    """Yield the loop's segments, none shorter than `shortest`, cut as `_cuts` says, and their place in it."""
+    long_enough = [(i, s) for i, s in enumerate(loop) if s.length > shortest]
+    for at, (i, s) in enumerate(long_enough):
+        end = long_enough[(at + 1) % len(long_enough)][1].start
         cuts = _cuts(s, sizes)
         points = [s.start, *(s.point(f) for f in cuts[1:-1]), end]
         for a, b, share in zip(points, points[1:], np.diff(cuts), strict=False):
-            yield replace(s, start=a, end=b, bulge=math.tan(s.sweep * share / 4) if s.bulge else 0.0)
+            yield replace(s, start=a, end=b, bulge=math.tan(s.sweep * share / 4) if s.bulge else 0.0), i
 
 
 def _cuts(segment: Segment, sizes: Sizes) -> list[float]:
@@ -220,7 +257,7 @@ def _size(segment: Segment, sizes: Sizes, shortest: float) -> float:
 
 def _name(segment: Segment, domains: tuple[int, int]) -> str:
     if domains[0] == FILM:
-        return "strip"
+        return "inside"
     if segment.kind in ("back", "cut"):
         return segment.kind
     return f"contact{segment.feature}" if segment.touches and domains[0] == SKIN else "free"
@@ -248,7 +285,9 @@ def half_of(pad: Pad) -> Pad | None:
     def right(inner: tuple[Loop, ...]) -> tuple[Loop, ...]:
         return tuple(loop for loop in inner if loop[0].start.x > 0)
 
-    return replace(pad, section=Section(outline), strips=right(pad.strips), voids=right(pad.voids))
+    layers = tuple(replace(layer, face=_right_part(layer.face)) for layer in pad.layers)
+    section = Section(outline)
+    return replace(pad, section=section, strips=right(pad.strips), voids=right(pad.voids), layers=layers)
 
 
 def _groups(pad: Pad) -> list[list[Segment]]:

@@ -50,8 +50,10 @@ class MovingBody:
 def moving_matrices(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
     """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
     pad, unit = piece.pad, piece.unit
-    materials, densities = pad.materials, {"skin": pad.density, "film": pad.film_density}
-    silicone = "|".join(name for name, moduli in materials.items() if moduli == materials["skin"])
+    materials, densities = pad.materials, pad.densities
+    silicone = "|".join(
+        name for name, moduli in materials.items() if name != "film" or moduli == materials["skin"]
+    )
     body = film_field.body(elements.curved(mesh, order), order, materials)
     forms = _forms(body, materials, densities, silicone)
     scale = pad.young_modulus * pad.length

@@ -26,7 +26,8 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.validity import mean_width
+from skincad.inputs.silicone import Silicone
+from skincad.mechanics.validity import mean_width, through_base
 from skincad.shape.skin import skin_of
 
 
@@ -40,11 +41,15 @@ def shear_frequency(shear: float, density: float, height: float) -> float:
 
 def layer_period(design: Design) -> float:
     """Return the slowest period of a skin as a layer of its thickness and of its mean height, s; ridges
-    count with the share of the base that they cover."""
-    skin, material = skin_of(design), silicone(design)
-    shear = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
-    height = skin.base.thickness + float(np.mean(skin.heights)) * mean_width(design) / skin.pitch
-    return 1 / shear_frequency(shear, material.density, height)
+    count with the share of the base that they cover, layers with the time in which a wave runs through."""
+    skin, own = skin_of(design), silicone(design)
+    ridges = float(np.mean(skin.heights)) * mean_width(design) / skin.pitch
+
+    def part(thickness: float, stuff: Silicone) -> float:
+        shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
+        return 1 / shear_frequency(shear, stuff.density, thickness)
+
+    return part(ridges, own) + sum(part(*layer) for layer in through_base(design))
 
 
 RETARDATION = 2.4e-5  # s; assumption, docs/evidence/facts.md#friction-and-motion

@@ -40,7 +40,7 @@ from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import Answer, Request, rise
-from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, plane_modulus
+from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, base_softness, plane_modulus
 from skincad.shape.skin import skin_of
 
 # Half-widths against the linear model at usual sizes, set on the variants of test_winkler.py
@@ -81,11 +81,11 @@ class Widths:
 def compliances(design: Design, height: float | None = None) -> tuple[float, float]:
     """Return E' times the give of a ridge's part of the base and of the ridge, per force along y (1).
 
-    Each is a layer's thickness over its width; the ridge is `height` mm high, or as the median one. Johnson,
-    Contact Mechanics, 1985, sec. 4.3.
+    Each is a layer's thickness over its width, the base's with its shots; the ridge is `height` mm high, or
+    as the median one. Johnson, Contact Mechanics, 1985, sec. 4.3.
     """
     skin = skin_of(design)
-    base = skin.count * skin.base.thickness / skin.base.width
+    base = skin.count * skin.base.thickness * base_softness(design) / skin.base.width
     high = median(skin.heights) if height is None else height
     return base, high / skin.profile.mean_width
 

@@ -18,7 +18,7 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import markdown_text, strict_json
 from skincad.base.result import Result, Writer, item, record, reported
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.material import refuse_layers, silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.simulators.links import (
@@ -120,6 +120,7 @@ def package(
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
+    refuse_layers(design, "package")
     names = [kinds] if isinstance(kinds, str) else list(kinds)
     for kind in names:
         if kind not in KINDS:

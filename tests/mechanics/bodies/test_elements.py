@@ -144,7 +144,7 @@ def test_a_strip_has_one_edge_at_its_ends_and_else_no_finer_ones_than_it_needs(
     pad = pad_of(yamada().with_(ridge={"count": 1}, skin={"width": 3.0}, film={"thickness": film}))
     mesh = triangles(pad, Sizes(0.3, 0.5, 0.5, 0.05, grading=1.0))
     places = np.array([point.p for point in mesh.Points()])[:, :2] * unit_of(pad)
-    strips = [edge for edge in mesh.Elements1D() if mesh.GetBCName(edge.index - 1) == "strip"]
+    strips = [edge for edge in mesh.Elements1D() if mesh.GetBCName(edge.index - 1) == "inside"]
     lengths = [math.dist(*places[[vertex.nr - 1 for vertex in edge.vertices]]) for edge in strips]
     assert np.isclose(lengths, film).sum() == 2 * len(pad.strips)
     assert max(lengths) == pytest.approx(longest, rel=0.07)

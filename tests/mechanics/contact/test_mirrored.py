@@ -57,7 +57,7 @@ def both(pad: Pad, fineness: float = 0.25) -> tuple[PadMesh, PadMesh]:
     assert half.mirrored
     numbers = pad.ridges
     image = {f"contact{a}": f"contact{b}" for a, b in zip(numbers, reversed(numbers), strict=True)}
-    image |= {name: name for name in ("back", "free", "strip")}
+    image |= {name: name for name in ("back", "free", "inside")}
     whole = PadMesh(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
     return PadMesh(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
 

@@ -52,7 +52,8 @@ def test_a_scenes_press_gives_way_less_by_as_much() -> None:
 def test_the_scene_still_gives_way_so_far() -> None:
     for coefficient, approach in ((0.0, SMOOTH), (1.0, ROUGH)):
         scene = load_scene("yamada-2002-press", [f"effects.friction.coefficient={coefficient}"])
-        assert simulate(scene, model="small_strain").march.column("approach")[-1] == pytest.approx(approach, abs=6e-6)
+        march = simulate(scene, model="small_strain").march
+        assert march.column("approach")[-1] == pytest.approx(approach, abs=6e-6)
         design = load("yamada-2002", [f"contact.friction={coefficient}"])
         smooth = linear_check(design, tol=0.05).approach
         bound = sum(part.approach for part in linear_check(design, tol=0.05).left_out) * (smooth.value or 0.0)
