@@ -1,10 +1,11 @@
 """The slip detector's exam: scenes that it was not fitted to, by amplifier, noise and number of ridges.
 
-`python -m bench.table_detector [FOLDER] [CIRCUIT ...] [--roc PNG]` (default out/exam, all CIRCUITS)
-marches the exam set of bench/exam (half an hour on a core; what is in FOLDER is not marched again) and
-prints, for each amplifier, gross slips warned of, lead, alarms that are true, and false by kind, each with
-its 95 % interval; beside detectors that are silent, never cease, watch the rate alone, or know the
-forces; false alarms by threshold, and of minutes of holding; and the bound of what any detector can warn of.
+`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS) marches the exam set
+of bench/exam (half an hour on two cores; what is in FOLDER is not marched again). It prints for each
+amplifier and number of monitored ridges, over SEEDS of noise: gross slips warned of, lead, warnings that are
+true, and false ones by kind, each with its 95 % interval; the same by known slips and forces, which tell what
+information is missing; what it confuses by kind of history; alarms of minutes of holding; and the bound of
+what any detector can warn of.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
-from bench.exam import rivals, roc
+from bench.exam import rivals
 from bench.exam.bound import bound
 from bench.exam.cases import Case, case
 from bench.exam.scenes import SceneRun, kept, seeds
@@ -30,41 +31,59 @@ from skincad.circuit.response import total_density
 from skincad.circuit.state import corner
 from skincad.effects.piezo import fitted
 from skincad.inputs.catalog import load_design
-from skincad.scenes.detector import EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, at_rest, detector, fed
+from skincad.scenes.detector import (
+    AHEAD,
+    BACK,
+    EARLY,
+    INCIPIENT,
+    POINTS,
+    SEEN,
+    SURE,
+    Detector,
+    at_rest,
+    detector,
+    fed,
+    statistic,
+    taken,
+)
 
-CIRCUITS = ("transimpedance", "yamada-2002", "yamada-2002-motional")
-LOUDER = (0.0, 1.0, 10.0)  # times the noise
-RIDGES = (1, 2, 3, 5, 9)
+CIRCUITS = ("transimpedance", "yamada-2002")
+SEEDS = (1, 2, 3)  # of the noise
+RIDGES = (1, 3, None)  # monitored; None: all
 FEWEST = 100  # steps of a scene that was marched far enough
 BOUNDED = 4  # every so manyth gross slip has its twin marched
 MINUTES = 40  # of holding: with none in 37, less than 0.1 a minute at 95 %
 RATE, BAND = 1e5, 5e3  # Hz, of holding; the fastest of the exam has the most decisions a minute
 BLOCK = 1 << 20  # samples
+LEVELS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 
-Find = Callable[[Case, int], list[Alarm]]
+Find = Callable[[Case, int, int], list[Alarm]]  # of a case, its window and the noise's seed
 
 
-def ear(one: Case, louder: float = 1.0, alarms: str = SURE) -> Detector:
+def ear(one: Case, alarms: str = SURE) -> Detector:
     """Return the detector of a case's rate, band and noise."""
-    noise = math.sqrt(2) * one.noise * max(louder, 1.0)
-    return detector(one.rate, one.scene.bandwidth, noise, alarms=alarms)
+    return detector(one.rate, one.scene.bandwidth, math.sqrt(2) * one.noise, alarms=alarms)
 
 
-def found(one: Case, louder: float = 1.0, alarms: str = SURE) -> list[Alarm]:
-    """Return the detector's alarms behind `louder` times the noise."""
-    outputs = one.outputs + (louder * one.noises(1) if louder else 0.0)
-    events = fed(ear(one, louder, alarms), at_rest(outputs.shape[1]), outputs)[0]
-    return [(e.ridge, e.index) for e in events if e.kind == INCIPIENT and e.ridge is not None]
+def found(one: Case, seed: int, alarms: str, kind: str) -> list[Alarm]:
+    """Return the detector's alarms of a kind."""
+    outputs = one.outputs + one.noises(seed)
+    events = fed(ear(one, alarms), at_rest(outputs.shape[1]), outputs)[0]
+    return [(e.ridge, e.index) for e in events if e.kind == kind]
 
 
-def row(name: str, told: list[Case], find: Find) -> None:
-    """Print a detector's line, and where its false alarms are."""
-    marks = [mark(one, find(one, ear(one).window), ear(one).window) for one in told]
-    within = Counter(phase for m in marks for phase in m.within).most_common(4)
-    print(line(name, marks), " ".join(f"{phase} {n}" for phase, n in within), flush=True)
+def warnings(kind: str) -> Find:
+    """Return what finds warnings of gross slip, of a kind of POINTS."""
+    return lambda one, _, seed: found(one, seed, kind, AHEAD)
 
 
-def some(scene: SceneRun, count: int) -> tuple[int, ...]:
+def marks(told: list[Case], find: Find, noises: tuple[int, ...] = SEEDS[:1]) -> list[Mark]:
+    """Return what alarms are worth in cases, each with noise of these seeds."""
+    windows = [ear(one).window for one in told]
+    return [mark(one, find(one, w, seed), w) for seed in noises for one, w in zip(told, windows, strict=True)]
+
+
+def some(scene: SceneRun, count: int | None) -> tuple[int, ...]:
     """Return `count` ridges of a scene, or all that it has, drawn by its seed."""
     order = np.random.default_rng((9, scene.seed)).permutation(scene.slipping.shape[1])
     return tuple(sorted((order[:count] + 1).tolist()))
@@ -90,36 +109,75 @@ def held(circuit: str) -> tuple[int, float]:
     return times, most
 
 
-def table(circuit: str, scenes: list[SceneRun], folder: Path) -> dict[str, dict[float, list[Mark]]]:
-    """Print an amplifier's part; return its marks by kind of alarms and threshold."""
+def table(circuit: str, scenes: list[SceneRun], folder: Path) -> None:
+    """Print an amplifier's part."""
     every = [case(scene, circuit, folder / "outputs") for scene in scenes]
-    rows = [one.told(one.scene.told) for one in every]
     print(f"\n{circuit}\n{HEAD}")
-    for louder in LOUDER:
-        row(f"sure, noise x {louder:g}", rows, lambda one, _, by=louder: found(one, by))
-    row("early", rows, lambda one, _: found(one, 1.0, EARLY))
-    for alarms in POINTS:
-        for count in RIDGES:
-            few = [one.told(some(one.scene, count)) for one in every]
-            row(f"{alarms}, {count} ridges told", few, lambda one, _, by=alarms: found(one, 1.0, by))
-    row("rate's threshold", rows, lambda one, w: rivals.threshold(one, w, one.outputs + one.noises(1)))
-    row("forces and friction known", rows, lambda one, w: [(None, i) for _, i in rivals.cone(one, w)])
-    row("never", rows, rivals.never)
-    row("always", rows, rivals.always)
-    traded = {alarms: roc.marks(rows, alarms) for alarms in POINTS}
-    for alarms, found_at in traded.items():
-        roc.printed(found_at, alarms)
+    for count in RIDGES:
+        told, name = [one.told(some(one.scene, count)) for one in every], f"{count or 'all'} told"
+        for kind in POINTS:
+            print(line(f"{name}: {kind}", marks(told, warnings(kind), SEEDS)), flush=True)
+        named = marks(told, lambda one, _, seed: found(one, seed, SURE, INCIPIENT))
+        print(line(f"{name}: sure, by ridge", named), flush=True)
+        print(line(f"{name}: rate's threshold", marks(told, _by_rate)), flush=True)
+        print(line(f"{name}: its slips known", marks(told, lambda one, *_: rivals.slips(one))), flush=True)
+    for near in (0.9, 0.95):
+        known = marks(every, lambda one, _, __, near=near: rivals.cone(one, near))
+        print(line(f"forces and friction known, {near:g}", known))
+    print(line("always", marks(every, lambda one, w, _: rivals.always(one, w))))
+    traded(every)
+    confused(every)
     times, most = held(circuit)
     minute, low, high = rate(times, MINUTES)
     print(f"holding: {minute:.3g} ({low:.2g}-{high:.2g}) a minute, loudest {most:.2f} of {SEEN:g} noise rms")
-    slips = [one for one in [one for one in rows if one.gross is not None][::BOUNDED] if not one.scene.mass]
-    can = [
-        bound(one.scene.seed, circuit, folder / "scenes", folder / "outputs", ear(one).window / one.rate)
-        for one in slips
-    ]
-    known = [share for share in can if share is not None]
-    print(f"bound: {100 * np.mean(known):.1f} % of {len(known)} gross slips that have a twin without")
-    return traded
+    slips = [one for one in [one for one in every if one.gross is not None][::BOUNDED] if not one.scene.mass]
+    for count in RIDGES:
+        can = [
+            bound(one.scene.seed, circuit, folder, ear(one).window / one.rate, some(one.scene, count))
+            for one in slips
+        ]
+        sure = [share for share in can if share is not None]
+        share = f"{100 * np.mean(sure):.1f} % of {len(sure)} gross slips with a twin"
+        print(f"bound, {count or 'all'} told: {share}")
+
+
+def _by_rate(one: Case, window: int, seed: int) -> list[Alarm]:
+    return rivals.threshold(one, window, one.outputs + one.noises(seed))
+
+
+def traded(every: list[Case]) -> None:
+    """Print what warnings by other thresholds are worth, all ridges told."""
+    table: dict[float, list[Mark]] = {level: [] for level in LEVELS}
+    for one in every:
+        d, outputs = ear(one), one.outputs + one.noises(SEEDS[0])
+        odds = statistic(d, at_rest(outputs.shape[1]), outputs)[0][:, -1:]
+        for level, each in table.items():
+            now = taken(np.zeros(1, bool), odds, level, BACK)[:, 0]
+            rises = np.flatnonzero(now & ~np.concatenate([[False], now[:-1]]))
+            each.append(mark(one, [(None, int(i)) for i in rises], d.window))
+    for level, each in table.items():
+        print(line(f"all told: threshold {level:g}", each), flush=True)
+
+
+def confused(every: list[Case]) -> None:
+    """Print by how a scene ends how many are warned of, and how many falsely, all ridges told."""
+    for kind in (SURE, EARLY):
+        each = marks(every, warnings(kind), SEEDS)
+        ends = [one.scene.phases[-1][0] for one in every] * len(SEEDS)
+        slips, warned = Counter[str](), Counter[str]()
+        count, false = Counter[str](), Counter[str]()
+        for end, m in zip(ends, each, strict=True):
+            count[end], false[end] = count[end] + 1, false[end] + (m.false > 0)
+            slips[end], warned[end] = slips[end] + m.slips, warned[end] + m.warned
+        for end in sorted(count):
+            told = f"{warned[end]:4} of {slips[end]:4} slips warned of"
+            print(f"{kind}, {end:14} {told}, {false[end]:4} of {count[end]:4} scenes falsely")
+        hit, held_still = (sum(m.warned for m in each), sum(not m.slips and not m.false for m in each))
+        missed, alarmed = (
+            sum(m.slips and not m.warned for m in each), sum(not m.slips and m.false > 0 for m in each)
+        )  # fmt: skip
+        others = f"others {held_still} without alarm, {alarmed} with"
+        print(f"{kind}: slips {hit} warned of, {missed} missed; {others}")
 
 
 def main() -> None:
@@ -127,17 +185,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("out/exam"))
     parser.add_argument("circuits", nargs="*", default=list(CIRCUITS), metavar="CIRCUIT")
-    parser.add_argument(
-        "--roc", type=Path, metavar="PNG", help="where warnings against false alarms are drawn"
-    )
     options = parser.parse_args()
     marched = [kept(seed, options.folder / "scenes") for seed in seeds(EXAM)]
     marched = [scene for scene in marched if scene.time.size > FEWEST]
-    print(f"exam: seeds {seeds(EXAM)[0]} to {seeds(EXAM)[-1]}, odd; {len(marched)} scenes")
-    tables = {circuit: table(circuit, marched, options.folder) for circuit in options.circuits}
-    curves = {(circuit, kind): at for circuit, each in tables.items() for kind, at in each.items()}
-    if options.roc:
-        roc.drawn(curves, options.roc)
+    minutes = sum(float(scene.time[-1]) for scene in marched) / 60
+    slips = sum(scene.gross is not None for scene in marched)
+    drawn = f"odd seeds {seeds(EXAM)[0]} to {seeds(EXAM)[-1]}"
+    print(f"{drawn}: {len(marched)} scenes, {slips} slip, {minutes:.2f} min")
+    for circuit in options.circuits:
+        table(circuit, marched, options.folder)
 
 
 if __name__ == "__main__":

@@ -61,10 +61,11 @@ def warned(d: float, window: float) -> float:
     return float(ndtr(d + ndtri(FALSE / 60 * window)))
 
 
-def bound(seed: int, circuit: str, folder: Path, outputs: Path, window: float) -> float | None:
-    """Return that share of a seed that slips behind a circuit, None without a twin."""
-    scene, sticks = kept(seed, folder), twin(seed, folder)
+def bound(seed: int, circuit: str, folder: Path, window: float, told: tuple[int, ...]) -> float | None:
+    """Return that share of a seed that slips behind a circuit, of some told ridges; None without a twin."""
+    scene, sticks = kept(seed, folder / "scenes"), twin(seed, folder / "scenes")
     if sticks is None:
         return None
-    one = case(scene, circuit, outputs).told(scene.told)
-    return warned(distance(one, case(sticks, circuit, outputs / "sticks").told(scene.told)), window)
+    outputs = folder / "outputs"
+    one = case(scene, circuit, outputs).told(told)
+    return warned(distance(one, case(sticks, circuit, outputs / "sticks").told(told)), window)

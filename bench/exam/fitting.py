@@ -3,11 +3,11 @@
 Each design scene is heard three ways behind the transimpedance amplifier: as drawn; with all its ridges told
 and with one to three of them, at 0.2 to 5 times its speed, in another band, with 1 to 30 times the noise; and
 once behind another amplifier, up to 30 times slower, differenced where that tells the stress. A ridge's label
-is whether it slips, the low-pass's delay later; while slip lasts on to gross detector, those that still stick
-count as slipping too, at a lower weight, for that is what is to be told; a short gross slip counts as much as
-one of EVENT windows. Scenes that ship are in the set as well, and records of ridges that all stick. Writes
-slip_weights_early.toml, and prints what threefold cross-validation by scene makes of thresholds: EARLY's of
-scenes/detector.py was read off that.
+is whether it slips, the low-pass's delay later; while slip lasts on to gross slip, those that still stick
+count as slipping too, at a lower weight, for that is what is to be told. The skin's label is whether a slip
+is on that lasts to gross slip. A short gross slip counts as much as one of EVENT windows. Scenes that ship
+are in the set as well, and records of ridges that all stick. Writes both networks' files, and prints what
+threefold cross-validation by scene makes of thresholds: POINTS of scenes/detector.py were read off that.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.exam.cases import Case, case
-from bench.exam.network import Parts, fitted
-from bench.exam.scenes import SceneRun, batch, kept, seeds
-from bench.exam.scoring import HEAD, lasting, line, mark, near
+from bench.exam.network import Samples, fitted
+from bench.exam.scenes import SceneRun, kept, seeds
+from bench.exam.scoring import HEAD, Alarm, lasting, line, mark, near
 from bench.exam.shipped import shipped
 from bench.exam.skins import DESIGN
 from bench.exam.sticking import BAND, RATE, sticking
@@ -40,6 +40,7 @@ WEIGHT = np.array([1.0, 0.3, 0.7, 4.0, 0.7])
 EDGE = 0.2  # times that within a window of a slip's edge
 OWN = 6.0  # times that in scenes that ship
 STICKING = 1.0  # that of a sample of sticking.py
+AHEAD = 3.0  # that of a moment at which gross slip is ahead, among the skin's
 EVENT = 2.0  # windows of a ridge's lasting detector, that a gross slip's samples weigh at least, together
 MOST = 8.0  # times their weight, for that
 FEWEST = 100  # steps of a scene that was marched far enough
@@ -48,7 +49,7 @@ FEWEST = 100  # steps of a scene that was marched far enough
 @dataclass(frozen=True, eq=False)
 class Heard:
     """A case with noise: features `(n, ridges, features)`, how loud its pairs are, each sample's class and
-    weight `(n, ridges)`."""
+    weight `(n, ridges)`, and since when gross slip is ahead `(n,)`."""
 
     case: Case
     window: int
@@ -56,6 +57,7 @@ class Heard:
     loud: np.ndarray
     kind: np.ndarray
     weight: np.ndarray
+    ahead: np.ndarray
 
 
 def heard(one: Case, louder: float, seed: int) -> Heard:
@@ -67,7 +69,16 @@ def heard(one: Case, louder: float, seed: int) -> Heard:
     kind, edge = classes(one, d.window)
     weight = WEIGHT[kind] * np.where(edge, EDGE, 1.0) / math.sqrt(kind.shape[1])
     weight *= OWN if one.scene.seed < 0 else 1.0
-    return Heard(one, d.window, felt.astype(np.float32), loud, kind, as_events(one, d.window, kind, weight))
+    weight = as_events(one, d.window, kind, weight)
+    return Heard(one, d.window, felt.astype(np.float32), loud, kind, weight, ahead(one))
+
+
+def ahead(one: Case) -> np.ndarray:
+    """Return since when gross slip is ahead `(n,)`: since the first slip that lasts until then, and the
+    low-pass's delay."""
+    late, end = max(1, round(delay(one.scene.bandwidth) * one.rate)), one.outputs.shape[0]
+    begun = [a for a in lasting(one.scene.slipping[:end], one.gross) if a is not None]
+    return np.arange(end) >= (min(begun) + late if begun else end)
 
 
 def as_events(one: Case, window: int, kind: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -125,18 +136,37 @@ def variants(scene: SceneRun, folder: Path) -> Iterator[Heard]:
     yield heard(last.told(tuple(some.tolist())), 1.0, 3)
 
 
-def samples(told: list[Heard]) -> Parts:
-    """Return features `(m, features)`, labels `(m,)`, weights `(m,)` of some that are heard."""
-    felt = [h.felt[::THIN].reshape(-1, h.felt.shape[2]) for h in told]
-    label = [h.kind[::THIN].ravel() >= 2 for h in told]
-    weight = [h.weight[::THIN].ravel() for h in told]
+def of_ridges(told: list[Heard]) -> list[Samples]:
+    """Return each ridge's samples of what is heard, and of records of ridges that all stick."""
+    parts = []
+    for h in told:
+        felt = h.felt[::THIN].reshape(-1, 1, h.felt.shape[2])
+        parts.append((felt, h.kind[::THIN].ravel() >= 2, h.weight[::THIN].ravel()))
+    for felt in _sticking():
+        count = felt.shape[0] * felt.shape[1]
+        flat = felt.reshape(count, 1, felt.shape[2])
+        parts.append((flat, np.zeros(count, bool), np.full(count, STICKING)))
+    return parts
+
+
+def of_skins(told: list[Heard]) -> list[Samples]:
+    """Return the samples of all told ridges together."""
+    parts = []
+    for h in told:
+        coming = h.ahead[::THIN]
+        few = EVENT * h.window / THIN / max(1, int(coming.sum()))
+        parts.append((h.felt[::THIN], coming, np.where(coming, AHEAD * np.clip(few, 1.0, MOST), 1.0)))
+    for felt in _sticking():
+        parts.append((felt, np.zeros(felt.shape[0], bool), np.full(felt.shape[0], STICKING)))
+    return parts
+
+
+def _sticking() -> Iterator[np.ndarray]:
+    """Yield features of records of ridges that all stick."""
     for outputs, noise in sticking():
         window = detector.detector(RATE, BAND, noise).window
-        more = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
-        felt.append(more[::THIN].reshape(-1, more.shape[2]).astype(np.float32))
-        label.append(np.zeros(felt[-1].shape[0], bool))
-        weight.append(np.full(felt[-1].shape[0], STICKING))
-    return np.concatenate(felt), np.concatenate(label), np.concatenate(weight)
+        felt = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
+        yield felt[::THIN].astype(np.float32)
 
 
 def odds(w: detector.Weights, felt: np.ndarray) -> np.ndarray:
@@ -144,41 +174,49 @@ def odds(w: detector.Weights, felt: np.ndarray) -> np.ndarray:
     return np.asarray(np.tanh(felt @ w.into + w.bias) @ w.out + w.base)
 
 
-def alarms(d: detector.Detector, values: np.ndarray) -> list[tuple[int, int]]:
-    """Return each (ridge, sample) at which odds rise above a detector's threshold."""
-    now = detector.taken(d, np.zeros(values.shape[1], bool), values)
-    before = np.concatenate([np.zeros_like(now[:1]), now[:-1]])
-    return [(int(r), int(i)) for i, r in np.argwhere(now & ~before)]
-
-
-def written(w: detector.Weights) -> str:
+def written(w: detector.Weights, what: str) -> str:
     """Return the weights as TOML, four digits of each."""
     rows = ",\n".join("    [" + ", ".join(f"{v:.4g}" for v in column) + "]" for column in w.into.T)
     bias, out = (", ".join(f"{v:.4g}" for v in row) for row in (w.bias, w.out))
     return (
-        "# The slip detector's network for early alarms, by bench/exam/fitting.py; into: a row a hidden\n"
-        "# unit, its columns the features of skincad/scenes/slip_features.py in their order\n"
+        f"# The slip detector's network for {what}, by bench/exam/fitting.py; into: a row a hidden unit,\n"
+        "# its columns the features of skincad/scenes/slip_features.py in their order\n"
         f"base = {w.base:.4g}\nbias = [{bias}]\nout = [{out}]\ninto = [\n{rows},\n]\n"
     )
 
 
 def validated(told: list[list[Heard]]) -> None:
-    """Print what thresholds make of scenes that the network was not fitted to, where the outputs are loud."""
-    unseen: list[tuple[Heard, np.ndarray]] = []
+    """Print what thresholds make of scenes that the networks were not fitted to, where the outputs are loud:
+    of each scene as drawn, and with all of its ridges told at another speed."""
+    unseen: list[list[tuple[Heard, np.ndarray, np.ndarray]]] = [[], []]
     for fold in range(FOLDS):
         mine = [t for i, t in enumerate(told) if i % FOLDS != fold or t[0].case.scene.seed < 0]
-        network = fitted(samples([h for t in mine for h in t]), fold)
-        rest = [t[0] for i, t in enumerate(told) if i % FOLDS == fold and t[0].case.scene.seed >= 0]
-        unseen += [(h, np.where(h.loud > detector.SEEN, odds(network, h.felt), -np.inf)) for h in rest]
-    first = [(h, values) for h, values in unseen if batch(h.case.scene.seed) == 0]
-    for name, some in (("all", unseen), ("of the exam's kind of skins", first)):
-        print(f"{len(some)} scenes, {name}\n{HEAD}")
-        for threshold in np.arange(-1.5, 4.1, 0.25):
-            marks = []
-            for h, values in some:
-                d = detector.Detector(h.window, h.case.noise, float(threshold), detector.EARLY)
-                marks.append(mark(h.case, alarms(d, values), h.window))
-            print(line(f"threshold {threshold:g}", marks), flush=True)
+        heard_of = [h for t in mine for h in t]
+        ridges, skin = fitted(of_ridges(heard_of), fold), fitted(of_skins(heard_of), fold)
+        for t in (t for i, t in enumerate(told) if i % FOLDS == fold and t[0].case.scene.seed >= 0):
+            for way in (0, 1):
+                loud = t[way].loud > detector.SEEN
+                each = np.where(loud, odds(ridges, t[way].felt), -np.inf)
+                whole = np.where(loud.any(axis=1), odds(skin, t[way].felt).mean(axis=1), -np.inf)
+                unseen[way].append((t[way], each, whole))
+    for way, name in enumerate(("as drawn", "all ridges told")):
+        print(f"{len(unseen[way])} scenes, {name}\n{HEAD}")
+        for back in (0.5, 1.0, 2.0):
+            for threshold in np.arange(0.0, 5.1, 0.25):
+                for skin in (False, True):
+                    marks = []
+                    for h, each, whole in unseen[way]:
+                        found = alarms(whole[:, None] if skin else each, threshold, back, skin=skin)
+                        marks.append(mark(h.case, found, h.window))
+                    what = "skin" if skin else "ridge"
+                    print(line(f"{what} > {threshold:g}, back {back:g}", marks), flush=True)
+
+
+def alarms(values: np.ndarray, threshold: float, back: float, *, skin: bool) -> list[Alarm]:
+    """Return each ridge, or None of the `skin`, and sample at which odds rise above a threshold."""
+    now = detector.taken(np.zeros(values.shape[1], bool), values, threshold, back)
+    before = np.concatenate([np.zeros_like(now[:1]), now[:-1]])
+    return [(None if skin else int(r), int(i)) for i, r in np.argwhere(now & ~before)]
 
 
 def main(folder: Path) -> None:
@@ -187,8 +225,9 @@ def main(folder: Path) -> None:
     answer = [m for m in answer if m.time.size >= FEWEST] + shipped(folder / "shipped")
     rows = [list(variants(m, folder / "outputs")) for m in answer]
     print(len(rows), "scenes", flush=True)
-    network = fitted(samples([h for t in rows for h in t]))
-    (Path(detector.__file__).parent / detector.POINTS[detector.EARLY].file).write_text(written(network))
+    every, place = [h for t in rows for h in t], Path(detector.__file__).parent
+    (place / detector.RIDGES).write_text(written(fitted(of_ridges(every)), "a ridge that slips"))
+    (place / detector.SKIN).write_text(written(fitted(of_skins(every)), "gross slip ahead"))
     validated(rows)
 
 

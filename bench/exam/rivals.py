@@ -1,8 +1,8 @@
-"""What the detector is held against: nothing, everything, a threshold on the rate, friction's cone itself.
+"""What the detector is held against: everything, a threshold on the rate, and what no film tells.
 
 The threshold is that on the outputs' rate of change that an engineer would set first: a pair that falls by
-more than DROP of its largest of late, in a window. The cone is an oracle, which knows the plate's forces and
-friction: it warns where the pull passes NEAR of what holds.
+more than DROP of its largest of late, in a window. Two are oracles: one knows when each told ridge slips, the
+other the plate's forces and friction, and warns where the pull passes a share of what holds.
 """
 
 from __future__ import annotations
@@ -16,12 +16,6 @@ from bench.exam.scoring import Alarm
 DROP = 0.5  # assumption
 LATE = 10  # windows; assumption
 LOUD = 6.0  # noise rms of a pair; assumption
-NEAR = 0.9  # assumption
-
-
-def never(case: Case, window: int) -> list[Alarm]:
-    """Return no alarm."""
-    return []
 
 
 def always(case: Case, window: int) -> list[Alarm]:
@@ -40,10 +34,15 @@ def threshold(case: Case, window: int, outputs: np.ndarray) -> list[Alarm]:
     return [(int(r), int(i)) for i, r in np.argwhere(rises)]
 
 
-def cone(case: Case, window: int) -> list[Alarm]:
-    """Return where the plate's pull passes NEAR of what friction holds, told of the first ridge."""
+def slips(case: Case) -> list[Alarm]:
+    """Return where each told ridge begins to slip."""
+    return [(ridge, first) for ridge, runs in enumerate(case.runs) for first, _ in runs]
+
+
+def cone(case: Case, near: float) -> list[Alarm]:
+    """Return where the plate's pull passes `near` of what friction holds, told of the skin."""
     end = case.outputs.shape[0]
     pull, normal = np.abs(case.scene.tangential[:end]), case.scene.normal[:end]
-    over = (pull > NEAR * case.scene.friction * normal) & (normal > 0)
+    over = (pull > near * case.scene.friction * normal) & (normal > 0)
     rises = np.flatnonzero(over & ~np.concatenate([[False], over[:-1]]))
-    return [(0, int(i)) for i in rises]
+    return [(None, int(i)) for i in rises]

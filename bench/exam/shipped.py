@@ -48,7 +48,8 @@ def shipped(folder: Path) -> list[SceneRun]:
 def _kept(seed: int, name: str, folder: Path) -> SceneRun:
     path, (source, *settings) = folder / f"{-seed}.npz", SHIPPED[name]
     rows = [f"readout.ridges={list(TOLD)}", "effects.film={}", *settings]
-    scene = load_scene(source, rows)
+    last = {row.partition("=")[0]: row for row in rows}
+    scene = load_scene(source, [*last.values()]).with_(effects={"piezo": None})
     if not path.exists():
         answer = at_level(scene, LEVELS[0])
         march = answer.march

@@ -242,15 +242,14 @@ def _detector_lines(simulation: Simulation) -> list[str]:
         rows.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
     rows += _warning_lines(simulation)[:-1]
     if (score := simulation.read.get("warning_score")) and (false := score["false"]):
-        alarms = score["true"] + false
-        rows.append(f"  false alarms   {false} of {alarms}: their ridges do not slip on until gross slip")
+        warnings = score["true"] + false
+        rows.append(f"  false alarms   {false} of {warnings} warnings: no ridge slips on until gross slip")
     if point := simulation.read.get("detector"):
         share, false = point["share_of_gross_slips_warned_of"], point["false_alarms_per_minute_of_handling"]
         idle = point["of_these_while_nothing_slips"]
         rows.append(
             f"  detector       {point['alarms']}: warns of {100 * share:.0f} % of gross slips, {false:g} "
             f"false alarms a minute of handling, {idle:g} while nothing slips"
-            f"{', scored mostly on scenes without masses' if marches_masses(simulation.scene) else ''}"
         )
     return rows
 
@@ -316,7 +315,7 @@ def _parts(error: BySource, unit: str) -> list[str]:
 
 def ridge_name(ridge: int | str) -> str:
     """Return the name of a ridge that is read out, or what all of them are called."""
-    return "all monitored ridges" if ridge == "all" else f"ridge {ridge}"
+    return "all monitored ridges together" if ridge == "all" else f"ridge {ridge}"
 
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:

@@ -1,14 +1,14 @@
-"""Slip felt from the films' outputs alone: which ridge slips, and when all monitored ones do. No look-ahead.
+"""Slip felt from the films' outputs alone: which ridge slips, and whether gross slip is ahead. No look-ahead.
 
-A small network (one hidden layer, its weights as data) tells of each ridge how likely it slips,
-by what the ridge and those beside it felt over short and long times (slip_features.py). It was fitted to the
-design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores it
-(docs/understand/detector.md). An alarm asks for more than a threshold, which is the user's choice (POINTS),
-and for outputs that stand out of the noise.
+Two small networks (one hidden layer each, their weights as data) hear what each monitored ridge and those
+beside it felt over short and long times (slip_features.py). One tells of each ridge how likely it slips. The
+other tells how likely gross slip is ahead, by the mean of what it says of each ridge. They were fitted to the
+design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores
+them (docs/understand/detector.md). An alarm asks for more than a threshold, which is the user's choice
+(POINTS), and for outputs that stand out of the noise.
 
-Range: outputs that follow the stress-rate in their band; more monitored ridges are better, one alone warns
-of an eighth of gross slips, of a third by early alarms. That all monitored ridges slip says nothing of
-ridges that are not monitored: gross slip may come much later.
+Range: outputs that follow the stress-rate in their band; more monitored ridges are better. Neither network
+knows friction or the plate's forces: a pull that eases just before gross slip feels like one that goes on.
 """
 
 from __future__ import annotations
@@ -33,71 +33,62 @@ WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
 
-INCIPIENT, ALL = "incipient slip", "all monitored ridges slip"
+INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A choice of alarms: a network's `file`, told at the logarithm of odds `threshold`, until `back` below.
+    """A choice of alarms: a ridge is told to slip above the logarithm of odds `threshold`, gross slip to be
+    ahead above `warning`, until BACK below.
 
-    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier:
-    the share of gross slips `warned` of, with its 95 % interval `between`, and false warnings a minute of
-    handling, all (`false`) and those while nothing slips (`idle`). While a load is held there are none.
+    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier
+    with all ridges monitored: the share of gross slips `warned` of, with its 95 % interval `between`, and
+    false warnings a minute of handling, all (`false`) and those while nothing slips (`idle`). While a load is
+    held there are none.
     """
 
-    file: str
     threshold: float
-    back: float
+    warning: float
     warned: float
     between: tuple[float, float]
     false: float
     idle: float
 
 
+BACK = 1.0
 SURE, EARLY = "sure", "early"
-# Of thresholds on the design set these cost least where a slip missed is as bad as 5 and as 20 false alarms.
 POINTS = {
     SURE: OperatingPoint(
-        file="slip_weights.toml",
-        threshold=1.5,
-        back=2.0,
-        warned=0.56,
-        between=(0.46, 0.66),
-        false=115.0,
-        idle=17.0,
+        threshold=4.0, warning=2.5, warned=0.57, between=(0.50, 0.64), false=77.0, idle=13.0
     ),
     EARLY: OperatingPoint(
-        file="slip_weights_early.toml",
-        threshold=1.25,
-        back=1.0,
-        warned=0.80,
-        between=(0.71, 0.87),
-        false=213.0,
-        idle=33.0,
+        threshold=2.5, warning=1.25, warned=0.70, between=(0.63, 0.77), false=196.0, idle=54.0
     ),
 }
+RIDGES, SKIN = "slip_weights_ridges.toml", "slip_weights_skin.toml"
 
 
 @dataclass(frozen=True)
 class Detector:
-    """`window` samples, `noise` V rms of a pair, alarm at the logarithm of odds `threshold`; `alarms` of
-    POINTS, whose network it is."""
+    """`window` samples, `noise` V rms of a pair; alarms at the logarithms of odds `threshold` and `warning`,
+    those of `alarms` of POINTS if not given."""
 
     window: int
     noise: float
     threshold: float = POINTS[SURE].threshold
-    alarms: str = SURE
+    warning: float = POINTS[SURE].warning
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.noise) and self.noise > 0):
             raise InputError("noise", "must be above 0 V and finite", self.noise)
-        if not math.isfinite(self.threshold):
-            raise InputError("threshold", "must be finite", self.threshold)
+        for key in ("threshold", "warning"):
+            if not math.isfinite(getattr(self, key)):
+                raise InputError(key, "must be finite", getattr(self, key))
 
 
 @dataclass(frozen=True)
 class Event:
-    """At sample `index` `ridge` of the monitored (from 0) begins to slip, or (None) the last of them does."""
+    """At sample `index` `ridge` of the monitored (from 0) begins to slip, or (None) gross slip is ahead."""
 
     kind: str
     ridge: int | None
@@ -106,11 +97,11 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """All that the detector keeps: the running means' state; which ridges are taken to slip; how many samples
-    were fed."""
+    """All that the detector keeps: the running means' state; which ridges are taken to slip, and last whether
+    gross slip is ahead `(ridges + 1,)`; how many samples were fed."""
 
     means: Array
-    slipping: Mask
+    told: Mask
     count: int
 
 
@@ -125,9 +116,9 @@ class Weights:
 
 
 @cache
-def weights(alarms: str = SURE) -> Weights:
+def weights(file: str) -> Weights:
     """Return a network's weights as fitted by bench/exam/fitting.py; the head of its file says to what."""
-    table = tomllib.loads((Path(__file__).parent / POINTS[alarms].file).read_text())
+    table = tomllib.loads((Path(__file__).parent / file).read_text())
     into = np.ascontiguousarray(np.array(table["into"]).T)
     return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
 
@@ -135,62 +126,77 @@ def weights(alarms: str = SURE) -> Weights:
 def detector(
     rate: float, bandwidth: float, noise: float, threshold: float | None = None, alarms: str = SURE
 ) -> Detector:
-    """Return the detector of outputs at `rate` Hz behind the low-pass of `bandwidth` Hz; its threshold is
-    that of `alarms`, one of POINTS, if not given."""
-    window = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate))
-    return Detector(window, noise, POINTS[alarms].threshold if threshold is None else threshold, alarms)
+    """Return the detector of outputs at `rate` Hz behind the low-pass of `bandwidth` Hz; its `threshold` of a
+    ridge is that of `alarms`, one of POINTS, if not given."""
+    window, point = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), POINTS[alarms]
+    return Detector(window, noise, point.threshold if threshold is None else threshold, point.warning)
 
 
 def at_rest(ridges: int) -> Memory:
     """Return the state before the first sample."""
-    return Memory(slip_features.at_rest(ridges), np.zeros(ridges, bool), 0)
+    return Memory(slip_features.at_rest(ridges), np.zeros(ridges + 1, bool), 0)
 
 
 def fed(d: Detector, state: Memory, outputs: Array) -> tuple[list[Event], Memory]:
     """Return the events of `outputs` `(n, ridges, 2)` V (S1, S2), and the state behind them; n may be 1."""
     odds, means = statistic(d, state, outputs)
-    slipping = taken(d, state.slipping, odds)
-    before: Mask = np.concatenate([state.slipping[None], slipping])
-    rises = slipping & ~before[:-1]
-    every: Mask = np.asarray(before.all(axis=1))
-    events = [Event(INCIPIENT, int(r), state.count + int(i)) for i, r in np.argwhere(rises)]
-    events += [Event(ALL, None, state.count + int(i)) for i in np.flatnonzero(every[1:] & ~every[:-1])]
-    after = Memory(means, before[-1], state.count + outputs.shape[0])
-    return sorted(events, key=lambda event: event.index), after
+    levels = np.append(np.full(odds.shape[1] - 1, d.threshold), d.warning)
+    told = taken(state.told, odds, levels, BACK)
+    before: Mask = np.concatenate([state.told[None], told])
+    rises = np.argwhere(told & ~np.asarray(before[:-1]))
+    events = []
+    for sample, place in rises:
+        ridge = None if place == odds.shape[1] - 1 else int(place)
+        events.append(Event(AHEAD if ridge is None else INCIPIENT, ridge, state.count + int(sample)))
+    return events, Memory(means, before[-1], state.count + outputs.shape[0])
 
 
-def taken(d: Detector, before: Mask, odds: Array) -> Mask:
-    """Return when each ridge is taken to slip `(n, ridges)`: from the threshold on until `back` below it."""
-    turns = np.where(odds > d.threshold, 1, np.where(odds < d.threshold - POINTS[d.alarms].back, -1, 0))
+def taken(before: Mask, odds: Array, threshold: Array | float, back: float) -> Mask:
+    """Return when each of odds `(n, m)` is taken to be so: from its threshold on until `back` below it."""
+    turns = np.where(odds > threshold, 1, np.where(odds < np.subtract(threshold, back), -1, 0))
     turns = np.concatenate([np.where(before, 1, -1)[None], turns])
     last = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.shape[0])[:, None], 0), axis=0)
     return np.asarray(np.take_along_axis(turns, last, axis=0)[1:] > 0)
 
 
 def statistic(d: Detector, state: Memory, outputs: Array) -> tuple[Array, Array]:
-    """Return the logarithm of the odds that each ridge slips `(n, ridges)`, and the means' state.
+    """Return the logarithms of the odds that each ridge slips, and last that gross slip is ahead
+    `(n, ridges + 1)`, and the means' state.
 
     One sample is multiplied at a time, so that it is the same however the samples are cut in pieces.
     """
     felt, loud, after = features(d.window, d.noise, outputs, state.means)
-    w = weights(d.alarms)
+    each, whole = (_odds(weights(file), felt) for file in (RIDGES, SKIN))
+    odds = np.concatenate([each, _mean(whole)[:, None]], axis=1)
+    seen = np.concatenate([loud > SEEN, np.any(loud > SEEN, axis=1, keepdims=True)], axis=1)
+    return np.where(seen, odds, np.minimum(odds, min(d.threshold, d.warning) - BACK - 1.0)), after
+
+
+def _odds(w: Weights, felt: Array) -> Array:
     hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
-    odds = np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base
-    return np.where(loud > SEEN, odds, np.minimum(odds, d.threshold - POINTS[d.alarms].back - 1.0)), after
+    return np.asarray(np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base)
+
+
+def _mean(values: Array) -> Array:
+    """The mean of each row, added one after the other: the same for any number of rows."""
+    total = np.zeros(values.shape[0])
+    for column in values.T:
+        total += column
+    return np.asarray(total / max(1, values.shape[1]))
 
 
 # Why an alarm is no true warning of gross slip
 PASSING = "the slip ends before gross slip"
 MISNAMED = "another ridge slips"
 NOTHING = "no monitored ridge slips"
-NOT_ALL = "not all monitored ridges slip until gross slip"
+NOT_AHEAD = "no ridge slips until gross slip"
 
 
 @dataclass(frozen=True)
 class Score:
     """Alarms against the true slips: `hits` and `missed` of these; by event why it is no true warning of
-    gross slip (`reasons`), "" of a true one; `lead` s by monitored ridge and `gross_lead` s from the first
-    true warning to gross slip, None without one of them."""
+    gross slip (`reasons`), "" of a true one; s to gross slip from the first true alarm of each monitored
+    ridge (`lead`) and of the skin (`gross_lead`), None without one of them."""
 
     hits: int
     missed: int
@@ -200,9 +206,8 @@ class Score:
 
     @property
     def false(self) -> int:
-        """Number of alarms of what is not so: of a slip where none is, or that all ridges slip until gross
-        slip."""
-        return self.reasons.count(NOTHING) + self.reasons.count(NOT_ALL)
+        """Number of alarms of a ridge's slip where none is."""
+        return self.reasons.count(NOTHING)
 
     @property
     def misnamed(self) -> int:
@@ -216,14 +221,16 @@ def score(
     time: Array,
     runs: Sequence[Sequence[Sequence[int]]],
     gross: int | None,
+    begun: int | None = None,
 ) -> Score:
-    """Return how `events` meet the true `runs` of slip, [from, to] by monitored ridge.
+    """Return how `events` meet the true `runs` of slip, [from, to] by monitored ridge; `begun` is the sample
+    at which the first slip of any ridge begins that lasts until gross slip.
 
     A ridge slips while all its touching points do. A run shorter than the window is not asked for; each other
     counts once, as a hit where an alarm of its ridge lies in it or within a window beside it (before: its
-    first points slip already). An alarm warns of gross slip truly where all ridges that it names are in the
-    run that lasts until then, or within a window beside it; else falsely, however much they slip at the time.
-    Lead time runs from the first true one of a run that is asked for.
+    first points slip already). An alarm warns of gross slip truly where the ridge that it names, or any where
+    it names none, is in the run that lasts until then, or within a window before it; else falsely, however
+    much slips at the time. Lead time runs from the first true one of a run that is asked for.
     """
     w = d.window
     last = [
@@ -232,12 +239,11 @@ def score(
     ]
     reasons = []
     for event in events:
-        named = range(len(runs)) if event.ridge is None else [event.ridge]
         near = [any(_beside(event.index, run, w) for run in ridge_runs) for ridge_runs in runs]
-        if all(_beside(event.index, last[ridge], w) for ridge in named):
+        if event.ridge is None:
+            reasons.append("" if begun is not None and event.index >= begun - w else NOT_AHEAD)
+        elif _beside(event.index, last[event.ridge], w):
             reasons.append("")
-        elif event.ridge is None:
-            reasons.append(NOT_ALL)
         else:
             reasons.append(PASSING if near[event.ridge] else MISNAMED if any(near) else NOTHING)
 
@@ -274,8 +280,8 @@ def report(
     noises: Iterable[Array] = (),
 ) -> dict[str, Any]:
     """Return the keys `events`, `lead_time_s`, the longest of these, `event_score`, which counts slips and
-    alarms of slips, and, of outputs, `warning_score`, which counts alarms as warnings of gross slip, and
-    `detector`, of a march's outputs by ridge, S1 and S2.
+    alarms of slips, and, of outputs, `warning_score`, which counts warnings of gross slip, and `detector`, of
+    a march's outputs by ridge, S1 and S2.
 
     `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
     steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
@@ -290,20 +296,23 @@ def report(
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
     # runs and gross slip in samples; what happens between two of them is put at the later one
     sampled = [np.searchsorted(at, np.array(runs[int(r) - 1], dtype=int)).tolist() for r in names]
-    whole, times = None, np.append(time[at], time[-1])
+    whole, begun, times = None, None, np.append(time[at], time[-1])
     if gross is not None:
         whole = int(np.searchsorted(at, gross))
         times[whole] = time[gross]
+        lasting = [a for ridge_runs in runs for a, b in ridge_runs if a <= gross <= b]
+        begun = int(np.searchsorted(at, min(lasting))) if lasting else None
 
     def scored(felt: Array) -> tuple[list[Event], Score]:
         events, _ = fed(d, at_rest(len(names)), felt[at])
-        return events, score(d, events, times, sampled, whole)
+        return events, score(d, events, times, sampled, whole, begun)
 
     def leads(result: Score) -> dict[str, float | None]:
         return {**dict(zip(names, result.lead, strict=True)), "all": result.gross_lead}
 
     events, scores = scored(values)
     others = [leads(scored(values + more)[1]) for more in noises]
+    warned = [not reason for event, reason in zip(events, scores.reasons, strict=True) if event.ridge is None]
     return {
         "events": [
             {
@@ -318,11 +327,8 @@ def report(
         ],
         "lead_time_s": leads(scores),
         **({"lead_time_by_noise": _spreads([leads(scores), *others])} if others else {}),
-        "longest_lead_time_s": max((lead for lead in scores.lead if lead is not None), default=None),
-        "warning_score": {
-            "true": scores.reasons.count(""),
-            "false": len(scores.reasons) - scores.reasons.count(""),
-        },
+        "longest_lead_time_s": max((s for s in leads(scores).values() if s is not None), default=None),
+        "warning_score": {"true": sum(warned), "false": len(warned) - sum(warned)},
         "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {
             "alarms": alarms,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -16,10 +17,10 @@ from skincad.base.errors import InputError
 from skincad.circuit.state import band_limited, delay
 from skincad.outputs.simulations import write_table
 from skincad.scenes.detector import (
-    ALL,
+    AHEAD,
     EARLY,
     INCIPIENT,
-    NOT_ALL,
+    NOT_AHEAD,
     NOTHING,
     PASSING,
     POINTS,
@@ -40,7 +41,8 @@ from skincad.scenes.simulation import at_level
 
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
 TIME = np.arange(600) / RATE
-D = detector(RATE, WIDTH, NOISE)
+D = detector(RATE, WIDTH, NOISE, alarms=EARLY)
+KEEN = replace(D, threshold=1.0, warning=1.0)  # which has alarms of either kind in the paper's scene
 
 
 def by_name(outputs: np.ndarray) -> dict[str, dict[str, list[float]]]:
@@ -89,27 +91,22 @@ def events(outputs: np.ndarray) -> list[Event]:
 
 
 @pytest.mark.slow
-def test_each_slip_is_told_once_and_then_that_all_do() -> None:
-    """Ridge 2 sticks again in between, so that its first slip does not count for gross slip."""
-    alarms = events(papers())
-    assert [(e.kind, e.ridge) for e in alarms] == [
-        (INCIPIENT, 0),
-        (INCIPIENT, 1),
-        (INCIPIENT, 0),
-        (ALL, None),
-    ]
-    # 0.2 ms, a window and a third: the low-pass's delay is 0.04 ms
-    late = [e.index - at for e, at in zip(alarms, (186, 488, 477, 488), strict=True)]
-    assert [0 < steps <= 20 for steps in late] == [True] * 4
+def test_the_slip_that_lasts_is_warned_of_once() -> None:
+    """It begins at step 477; the warning takes 0.19 ms, a window and a quarter. The slip of steps 186 to 200,
+    after which ridge 2 sticks, is no warning."""
+    (warning,) = events(papers())
+    assert (warning.kind, warning.ridge) == (AHEAD, None)
+    assert 0 < warning.index - 477 <= 25
 
 
 @pytest.mark.slow
 def test_it_hears_the_same_on_the_other_side() -> None:
     """Mirrored, S1 and S2 change places, and so do the ridges."""
-    other = [
-        (e.kind, None if e.ridge is None else 1 - e.ridge, e.index) for e in events(papers()[:, ::-1, ::-1])
-    ]
-    assert other == [(e.kind, e.ridge, e.index) for e in events(papers())]
+    here, there = (fed(KEEN, at_rest(2), x)[0] for x in (papers(), papers()[:, ::-1, ::-1]))
+    assert len(here) >= 4
+    turned = [(e.kind, None if e.ridge is None else 1 - e.ridge, e.index) for e in there]
+    # of two alarms at one sample the first ridge's comes first
+    assert sorted(turned, key=str) == sorted(((e.kind, e.ridge, e.index) for e in here), key=str)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -118,17 +115,17 @@ def test_in_pieces_as_at_once(cuts: list[int], side: int) -> None:
     """Sample by sample, and by other pieces, an empty one too: the same events, and the same bits."""
     noise = np.random.default_rng(1).normal(0.0, NOISE / math.sqrt(2), papers().shape)
     noisy = papers()[:, ::side, ::side] + noise
-    whole, end = fed(D, at_rest(2), noisy)
+    whole, end = fed(KEEN, at_rest(2), noisy)
     state, alarms, seen = at_rest(2), [], []
     for a, b in pairwise(cuts):
-        seen.append(statistic(D, state, noisy[a:b])[0])
-        some, state = fed(D, state, noisy[a:b])
+        seen.append(statistic(KEEN, state, noisy[a:b])[0])
+        some, state = fed(KEEN, state, noisy[a:b])
         alarms += some
     assert alarms == whole
     assert len(whole) >= 2
-    np.testing.assert_array_equal(np.concatenate(seen), statistic(D, at_rest(2), noisy)[0])
+    np.testing.assert_array_equal(np.concatenate(seen), statistic(KEEN, at_rest(2), noisy)[0])
     np.testing.assert_array_equal(state.means, end.means)
-    np.testing.assert_array_equal(state.slipping, end.slipping)
+    np.testing.assert_array_equal(state.told, end.told)
     assert state.count == end.count == 551
 
 
@@ -136,17 +133,17 @@ def test_in_pieces_as_at_once(cuts: list[int], side: int) -> None:
 def test_what_comes_later_changes_nothing_before(now: int) -> None:
     other = papers().copy()
     other[now + 1 :] = np.random.default_rng(2).normal(0.0, 10.0, other[now + 1 :].shape)
-    early, changed = ([e for e in events(x) if e.index <= now] for x in (papers(), other))
+    early, changed = ([e for e in fed(KEEN, at_rest(2), x)[0] if e.index <= now] for x in (papers(), other))
     assert early == changed
     assert np.abs(other - papers()).max() > 1.0
 
 
 def test_its_state_is_all_it_keeps_and_is_not_changed() -> None:
     state = at_rest(2)
-    before = state.means.copy(), state.slipping.copy()
-    one, other = (fed(D, state, papers())[0] for _ in range(2))
+    before = state.means.copy(), state.told.copy()
+    one, other = (fed(KEEN, state, papers())[0] for _ in range(2))
     assert one == other
-    for earlier, now in zip(before, (state.means, state.slipping), strict=True):
+    for earlier, now in zip(before, (state.means, state.told), strict=True):
         np.testing.assert_array_equal(earlier, now)
 
 
@@ -172,7 +169,7 @@ def test_noise_alone_does_not_alarm() -> None:
     """White noise, 200 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
     and SEEN is 5."""
     noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (100_000, 2, 2))
-    assert statistic(D, at_rest(2), noise)[0].max() < POINTS[SURE].threshold
+    assert statistic(D, at_rest(2), noise)[0].max() < min(D.threshold, D.warning)
 
 
 def test_the_window_grows_with_the_low_passs_delay() -> None:
@@ -185,35 +182,36 @@ def test_a_score_by_hand() -> None:
     d = Detector(10, NOISE)
     runs = [[[100, 120], [300, 400]], [[200, 203], [350, 400]]]
     alarms = [Event(INCIPIENT, 0, 95), Event(INCIPIENT, 0, 310), Event(INCIPIENT, 0, 330)]
-    alarms += [Event(INCIPIENT, 1, 50), Event(ALL, None, 20), Event(ALL, None, 340)]
-    result = score(d, alarms, TIME, runs, 400)
-    # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; that all slip is false
-    # at step 20, as no slip goes on from there until gross slip, and true within a window of ridge 1's at 340
-    assert (result.hits, result.missed, result.false) == (2, 1, 2)
-    assert result.reasons == (PASSING, "", "", NOTHING, NOT_ALL, "")
+    alarms += [Event(INCIPIENT, 1, 50), Event(AHEAD, None, 20), Event(AHEAD, None, 290)]
+    result = score(d, alarms, TIME, runs, 400, 300)
+    # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; that gross slip is ahead
+    # is false at step 20, as no slip goes on from there until it, and true within a window of 300
+    assert (result.hits, result.missed, result.false) == (2, 1, 1)
+    assert result.reasons == (PASSING, "", "", NOTHING, NOT_AHEAD, "")
     assert result.lead == (pytest.approx(90e-5), None)
-    assert result.gross_lead == pytest.approx(60e-5)
+    assert result.gross_lead == pytest.approx(110e-5)
     without = score(d, alarms, TIME, runs, None)
-    assert (without.false, without.lead, without.gross_lead) == (3, (None, None), None)
+    assert (without.false, without.lead, without.gross_lead) == (1, (None, None), None)
+    assert without.reasons.count(NOT_AHEAD) == 2
     other = score(d, [Event(INCIPIENT, 1, 110), Event(INCIPIENT, 1, 140)], TIME, runs, None)
     assert (other.false, other.misnamed) == (1, 1)  # ridge 0 slips at the first of them, none at the second
 
 
 def test_an_alarm_of_a_pull_that_eased_off_is_no_warning_of_the_next() -> None:
-    """Both ridges slip in either pull, and all is said to slip in both: 6 ms and 1.8 ms before gross slip."""
+    """Both ridges slip in either pull, and gross slip is said to be ahead in both, 1.8 ms before it."""
     d, runs = Detector(10, NOISE), [[[50, 90], [400, 599]], [[60, 90], [410, 599]]]
-    alarms = [Event(INCIPIENT, 0, 52), Event(INCIPIENT, 1, 62), Event(ALL, None, 62)]
-    alone = score(d, alarms, TIME, runs, 599)
-    assert (alone.hits, alone.false, alone.lead, alone.gross_lead) == (2, 1, (None, None), None)
-    assert alone.reasons == (PASSING, PASSING, NOT_ALL)
-    again = score(d, [*alarms, Event(INCIPIENT, 0, 405), Event(ALL, None, 419)], TIME, runs, 599)
+    alarms = [Event(INCIPIENT, 0, 52), Event(INCIPIENT, 1, 62), Event(AHEAD, None, 62)]
+    alone = score(d, alarms, TIME, runs, 599, 400)
+    assert (alone.hits, alone.false, alone.lead, alone.gross_lead) == (2, 0, (None, None), None)
+    assert alone.reasons == (PASSING, PASSING, NOT_AHEAD)
+    again = score(d, [*alarms, Event(INCIPIENT, 0, 405), Event(AHEAD, None, 419)], TIME, runs, 599, 400)
     assert again.reasons == (*alone.reasons, "", "")
     assert again.lead == (pytest.approx(194 / RATE), None)
     assert again.gross_lead == pytest.approx(1.8e-3)
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_an_alarm_is_true_where_all_that_it_names_slip_on_until_gross_slip(seed: int) -> None:
+def test_an_alarm_is_true_where_what_it_names_slips_on_until_gross_slip(seed: int) -> None:
     """By slips drawn at random, sample by sample: no alarm that is far from a lasting slip gives a lead."""
     draw = np.random.default_rng((37, seed))
     d, ridges, count = Detector(int(draw.integers(3, 12)), NOISE), int(draw.integers(1, 5)), 300
@@ -231,14 +229,12 @@ def test_an_alarm_is_true_where_all_that_it_names_slip_on_until_gross_slip(seed:
     alarms = []
     for _ in range(int(draw.integers(1, 15))):
         ridge = None if draw.random() < 0.3 else int(draw.integers(ridges))
-        alarms.append(Event(INCIPIENT if ridge is not None else ALL, ridge, int(draw.integers(count))))
+        alarms.append(Event(INCIPIENT if ridge is not None else AHEAD, ridge, int(draw.integers(count))))
     alarms.sort(key=lambda event: event.index)
-    result = score(d, alarms, TIME, runs, gross)
-    true = [
-        event.index >= (lasts.max() if event.ridge is None else lasts[event.ridge]) - d.window
-        and (lasts.max() if event.ridge is None else lasts[event.ridge]) < count
-        for event in alarms
-    ]
+    begun = int(lasts.min()) if lasts.min() < count else None
+    result = score(d, alarms, TIME, runs, gross, begun)
+    since = [int(lasts.min() if event.ridge is None else lasts[event.ridge]) for event in alarms]
+    true = [e.index >= at - d.window and at < count for e, at in zip(alarms, since, strict=True)]
     assert [not reason for reason in result.reasons] == true
     for ridge, lead in [*enumerate(result.lead), (None, result.gross_lead)]:
         first = [e.index for e, right in zip(alarms, true, strict=True) if e.ridge == ridge and right]
@@ -280,7 +276,7 @@ def test_a_lead_has_its_spread_over_noises() -> None:
     noises.append(-clean)  # of these outputs nothing is left, so that none warns
 
     def report_of(outputs: np.ndarray, **more: Any) -> dict[str, Any]:
-        return report(TIME[:551], by_name(outputs), NOISE / math.sqrt(2), WIDTH, runs, 550, **more)
+        return report(TIME[:551], by_name(outputs), NOISE / math.sqrt(2), WIDTH, runs, 550, EARLY, **more)
 
     every = [report_of(clean + noise)["lead_time_s"] for noise in [*noises, np.zeros_like(clean)]]
     spreads = report_of(clean, noises=noises)["lead_time_by_noise"]
@@ -288,7 +284,8 @@ def test_a_lead_has_its_spread_over_noises() -> None:
     for ridge, spread in zip(("2", "3", "all"), spreads, strict=True):
         leads = [by_ridge[ridge] for by_ridge in every if by_ridge[ridge] is not None]
         assert len(leads) < 6
-        wanted = {"smallest_s": min(leads), "largest_s": max(leads), "warned": len(leads), "seeds": 6}
+        ends = {"smallest_s": min(leads, default=None), "largest_s": max(leads, default=None)}
+        wanted = {**ends, "warned": len(leads), "seeds": 6}
         assert spread == {"ridge": ridge, **wanted}
 
 
@@ -300,32 +297,29 @@ def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
     assert (never.hits, never.missed, never.false) == (0, 3, 0)
     assert (ever.hits, ever.missed) == (3, 0)
     assert ever.false > 40
-    ours = score(D, events(papers()), TIME, runs, 550)
-    assert (ours.hits, ours.missed, ours.false) == (3, 0, 0)
+    ours = score(KEEN, fed(KEEN, at_rest(2), papers())[0], TIME, runs, 550, 477)
+    assert ours.hits >= 2
+    assert ours.false == 0
 
 
 def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     outputs = by_name(papers())
     runs: list[list[list[int]]] = [[], *RUNS]
-    result = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550)
-    assert [(e["kind"], e["ridge"]) for e in result["events"]] == [
-        (INCIPIENT, 2),
-        (INCIPIENT, 3),
-        (INCIPIENT, 2),
-        (ALL, None),
-    ]
+    result = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550, EARLY)
+    assert [(e["kind"], e["ridge"]) for e in result["events"]] == [(AHEAD, None)]
     assert all(e["time_s"] == pytest.approx(e["step"] / RATE) for e in result["events"])
-    assert result["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
-    # the first one is of ridge 2's slip from step 186 to 200, after which it sticks
-    assert result["warning_score"] == {"true": 3, "false": 1}
-    assert [e["true"] for e in result["events"]] == [False, True, True, True]
-    assert [e["reason"] for e in result["events"]] == [PASSING, None, None, None]
-    assert result["lead_time_s"]["2"] == pytest.approx((550 - result["events"][2]["step"]) / RATE)
+    assert result["event_score"] == {"hits": 0, "missed": 3, "false": 0, "misnamed": 0}
+    assert result["warning_score"] == {"true": 1, "false": 0}
+    assert [(e["true"], e["reason"]) for e in result["events"]] == [(True, None)]
+    assert result["lead_time_s"]["all"] == pytest.approx((550 - result["events"][0]["step"]) / RATE)
     assert set(result["lead_time_s"]) == {"2", "3", "all"}
     detector_data = result["detector"]
-    assert detector_data["alarms"] == SURE
-    assert detector_data["share_of_gross_slips_warned_of"] == POINTS[SURE].warned
-    assert result["longest_lead_time_s"] == result["lead_time_s"]["3"]
+    assert detector_data["alarms"] == EARLY
+    assert detector_data["share_of_gross_slips_warned_of"] == POINTS[EARLY].warned
+    assert result["longest_lead_time_s"] == result["lead_time_s"]["all"]
+    held = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs[:1] * 3, None, EARLY)
+    assert held["warning_score"] == {"true": 0, "false": 1}
+    assert [e["reason"] for e in held["events"]] == [NOT_AHEAD]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
     assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
 
@@ -340,51 +334,52 @@ def test_bad_constants_are_told(noise: float, threshold: float) -> None:
 
 @pytest.mark.slow
 def test_early_alarms_are_more_and_told_as_such() -> None:
-    """They come of another network, and none of them of noise alone."""
+    """And none of them of noise alone."""
     outputs = by_name(papers())
     runs: list[list[list[int]]] = [[], *RUNS]
     sure, early = (
         report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550, alarms) for alarms in POINTS
     )
     assert early["detector"]["alarms"] == EARLY
-    assert early["event_score"]["hits"] == 3
     assert len(early["events"]) > len(sure["events"])
     better, worse = (POINTS[kind] for kind in (EARLY, SURE))
     assert better.warned > worse.warned
     assert better.false > worse.false
     assert all(p.between[0] < p.warned < p.between[1] for p in POINTS.values())
-    d = detector(RATE, WIDTH, NOISE, alarms=EARLY)
-    assert d.threshold == better.threshold
+    assert (D.threshold, D.warning) == (better.threshold, better.warning)
     noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (100_000, 2, 2))
-    assert fed(d, at_rest(2), noise)[0] == []
+    assert fed(D, at_rest(2), noise)[0] == []
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("masses", [True, False])
 @pytest.mark.parametrize("seed", [None, 1])
-def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None) -> None:
-    """With and without noise; ridge 2 slips from step 186 to 200 and sticks again, which is told too."""
-    more = ["effects.small_strain.masses=false"] + [f"effects.piezo.noise_seed={seed}"] * (seed is not None)
+def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None, masses: bool) -> None:
+    """With and without noise and the skin's mass; ridges 2 and 3 slip 0.7 and 0.5 to 0.6 ms before all do,
+    and a warning may take a window and a half, 0.23 ms."""
+    more = ["readout.alarms=early", f"effects.small_strain.masses={str(masses).lower()}"]
+    more += [f"effects.piezo.noise_seed={seed}"] * (seed is not None)
     data = felt(1, "yamada-2002-slip", *more)
-    assert data["event_score"] == {"hits": 3, "missed": 0, "false": 0, "misnamed": 0}
-    # ridges 2 and 3 slip 0.73 and 0.62 ms before all do; an alarm may take a window of 0.15 ms
-    assert data["lead_time_s"]["2"] > 0.55e-3
-    assert data["lead_time_s"]["3"] > 0.45e-3
-    assert data["lead_time_s"]["all"] == min(data["lead_time_s"][ridge] for ridge in "23")
+    # with masses the slip that ends at step 200 is taken for one that lasts
+    assert data["warning_score"]["false"] <= int(masses)
+    assert data["event_score"]["false"] == 0
+    assert data["lead_time_s"]["all"] > 0.45e-3
 
 
 def test_what_is_printed_of_alarms_names_the_monitored_ridges_and_the_noise(tmp_path: Path) -> None:
     piezo = ["effects.piezo.circuit=yamada-2002", "effects.piezo.noise_seed=1"]
-    settings = [*piezo, "readout.ridges=[2, 3]", "readout.bandwidth_Hz=10000.0"]
+    settings = [*piezo, "readout.alarms=early", "readout.ridges=[2, 3]", "readout.bandwidth_Hz=10000.0"]
     simulation = at_level(load_scene("steady-pull", settings), LEVELS[0])
     lines = [line.split(maxsplit=1) for line in simulation.details().split("\n")]
     felt = [words for key, words in lines if key == "felt"]
-    assert sum("all monitored ridges slip at step" in words for words in felt) >= 1
-    assert not any("gross slip at step" in words for words in felt)
+    assert sum("gross slip ahead at step" in words for words in felt) >= 1
     (warned,) = (words for key, words in lines if key == "warned" and "by ridge 2" in words)
     assert re.search(r"\([\d.]+ to [\d.]+ ms with 20 of 20 noise seeds\)", warned)
     score = simulation.read["warning_score"]
-    assert f"{score['false']} of {score['true'] + score['false']}: their ridges" in simulation.details()
-    assert sum(not event["true"] for event in simulation.read["events"]) == score["false"]
+    if score["false"]:
+        assert f"{score['false']} of {score['true'] + score['false']} warnings: no" in simulation.details()
+    warnings = [event for event in simulation.read["events"] if event["ridge"] is None]
+    assert sum(not event["true"] for event in warnings) == score["false"]
     write_table(simulation, tmp_path / "signals.csv")  # of what is told by step alone
     assert "lead" not in (tmp_path / "signals.csv").read_text().split("\n")[0]
 
