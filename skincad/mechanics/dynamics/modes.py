@@ -15,8 +15,8 @@ Reference: the pad with all its masses (tests/mechanics/dynamics/test_modes.py, 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from math import pi
 
 import numpy as np
 from scipy import linalg, sparse
@@ -116,9 +116,11 @@ def _of_half(equations: PadEquations, half: Half) -> tuple[Array, Array]:
     count = FEWEST
     while True:
         squares, shapes = eigsh(stiff, count, mass, sigma=0.0, OPinv=inverse, v0=start)
-        if squares.max() >= HIGHEST**2 or count >= min(MOST, free.size // 2):
+        most = min(MOST, free.size // 2)
+        if squares.max() >= HIGHEST**2 or count >= most:
             break
-        count *= 2
+        # of a plane body about as many modes lie below a frequency as its square says (Weyl), rather fewer
+        count = min(most, math.ceil(count * HIGHEST**2 / float(squares.max())))
     slow = squares <= HIGHEST**2
     whole = np.zeros((equations.stiff.shape[0], int(slow.sum())))
     whole[free] = shapes[:, slow] * np.sqrt(equations.share)
@@ -185,4 +187,4 @@ def mode_step(modes: Modes, dt: float) -> ModeStep:
 
 def slowest_period(modes: Modes) -> float:
     """Return the slowest mode's period, s."""
-    return 2 * pi / float(modes.frequency[0])
+    return 2 * math.pi / float(modes.frequency[0])
