@@ -3,10 +3,10 @@
 `python -m bench.table_amplifiers [SCENE ...]` (default steady-pull and yamada-2002-slip) marches each scene
 once and reads ridges 2 and 3, the paper's, through each amplifier with SEEDS seeded noises. A charge
 amplifier and a follower give the stress; the detector asks for its rate: their samples are differenced.
-Lead: from the first true alarm to gross slip, the longer of the two ridges', without noise, then with it the
-median and the least; `silent`: records without one; `false`: false alarms, without noise and in a record's
-mean. S/N is of a pair as the detector gets it, rms. With `--slower` all that happens takes so many times as
-long: no effect of these scenes knows how fast it goes.
+Lead: from the first true warning, `early`, to gross slip, without noise, then with it the median and the
+least; `silent`: records without one; `false`: false warnings, without noise and in a record's mean. S/N is of
+a pair as the detector gets it, rms. With `--slower` all that happens takes so many times as long: no effect
+of these scenes but the skin's mass knows how fast it goes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from skincad.circuit.model import Circuit, circuit_network, load_circuit
 from skincad.effects.piezo import Chain, fitted, strip_charges
 from skincad.inputs.design import Design
 from skincad.scenes import simulation
-from skincad.scenes.detector import at_rest, detector, fed, score
+from skincad.scenes.detector import EARLY, NOT_AHEAD, at_rest, detector, fed, score
 from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import load_scene
 
@@ -52,7 +52,7 @@ AMPLIFIERS: dict[str, tuple[str, tuple[str, ...], bool]] = {
 
 @dataclass(frozen=True, eq=False)
 class SceneRun:
-    """What one march leaves to read: stresses, truth, time."""
+    """What one march leaves to read: stresses, truth, time; since when a slip is `begun` that lasts."""
 
     name: str
     design: Design
@@ -60,6 +60,7 @@ class SceneRun:
     stress: np.ndarray
     runs: list[list[list[int]]]
     gross: int | None
+    begun: int | None
 
 
 def marched(name: str) -> SceneRun:
@@ -68,7 +69,9 @@ def marched(name: str) -> SceneRun:
     answer = simulation.at_level(scene, LEVELS[1])
     runs = [answer.runs[r - 1] for r in RIDGES]
     march = answer.march
-    return SceneRun(name, scene.design, march.time, march.column("films"), runs, answer.gross_slip_step)
+    gross = answer.gross_slip_step
+    begun = min((a for ridge in answer.runs for a, b in ridge if gross and a <= gross <= b), default=None)
+    return SceneRun(name, scene.design, march.time, march.column("films"), runs, gross, begun)
 
 
 def differenced(outputs: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -92,13 +95,13 @@ def line(found: SceneRun, circuit: Circuit, rate: bool, bandwidth: float) -> str
         clean = differenced(clean, found.time)
         noises = [differenced(each, found.time) for each in noises]
     pair = math.sqrt(2) * float(np.std([each[1:] for each in noises]))
-    d = detector(1 / float(found.time[1]), bandwidth, pair)
+    d = detector(1 / float(found.time[1]), bandwidth, pair, alarms=EARLY)
     leads, false = list[float](), list[int]()
     for noise in [np.zeros_like(clean), *noises]:
         events, _ = fed(d, at_rest(len(RIDGES)), clean + noise)
-        scored = score(d, events, found.time, found.runs, found.gross)
-        leads.append(1e3 * max((lead for lead in scored.lead if lead is not None), default=math.nan))
-        false.append(scored.false)
+        scored = score(d, events, found.time, found.runs, found.gross, found.begun)
+        leads.append(math.nan if scored.gross_lead is None else 1e3 * scored.gross_lead)
+        false.append(scored.reasons.count(NOT_AHEAD))
     signal = float(np.std(clean[..., 0] - clean[..., 1]))
     silent = sum(math.isnan(lead) for lead in leads[1:])
     rows = [lead for lead in leads[1:] if not math.isnan(lead)]

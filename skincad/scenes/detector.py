@@ -279,9 +279,9 @@ def report(
     even: Index | None = None,
     noises: Iterable[Array] = (),
 ) -> dict[str, Any]:
-    """Return the keys `events`, `lead_time_s`, the longest of these, `event_score`, which counts slips and
-    alarms of slips, and, of outputs, `warning_score`, which counts warnings of gross slip, and `detector`, of
-    a march's outputs by ridge, S1 and S2.
+    """Return the keys `events`, `lead_time_s`, the longest of these and the warning's, `event_score`, which
+    counts slips and alarms of slips, and, of outputs, `warning_score`, which counts warnings of gross slip,
+    and `detector`, of a march's outputs by ridge, S1 and S2.
 
     `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
     steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
@@ -290,7 +290,7 @@ def report(
     names, point = list(outputs), POINTS[alarms]
     at = np.arange(time.size) if even is None else even[even < time.size]
     if not names or at.size < 2:
-        nothing = dict.fromkeys(("longest_lead_time_s", "event_score"))
+        nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "event_score"))
         return {"events": [], "lead_time_s": {}, **nothing}
     d = detector(1 / float(time[at[1]] - time[at[0]]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
@@ -328,6 +328,7 @@ def report(
         "lead_time_s": leads(scores),
         **({"lead_time_by_noise": _spreads([leads(scores), *others])} if others else {}),
         "longest_lead_time_s": max((s for s in leads(scores).values() if s is not None), default=None),
+        "warning_lead_time_s": scores.gross_lead,
         "warning_score": {"true": sum(warned), "false": len(warned) - sum(warned)},
         "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {

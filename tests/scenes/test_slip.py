@@ -316,12 +316,13 @@ def test_the_report_has_steps_and_lead_times_by_ridge() -> None:
     detector_data = result["detector"]
     assert detector_data["alarms"] == EARLY
     assert detector_data["share_of_gross_slips_warned_of"] == POINTS[EARLY].warned
-    assert result["longest_lead_time_s"] == result["lead_time_s"]["all"]
+    assert result["longest_lead_time_s"] == result["warning_lead_time_s"] == result["lead_time_s"]["all"]
     held = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs[:1] * 3, None, EARLY)
     assert held["warning_score"] == {"true": 0, "false": 1}
     assert [e["reason"] for e in held["events"]] == [NOT_AHEAD]
     empty = report(TIME[:1], {}, NOISE, WIDTH, runs, None)
-    assert empty == {"events": [], "lead_time_s": {}, "longest_lead_time_s": None, "event_score": None}
+    nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "event_score"))
+    assert empty == {"events": [], "lead_time_s": {}, **nothing}
 
 
 @pytest.mark.parametrize(
