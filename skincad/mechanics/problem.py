@@ -92,7 +92,7 @@ class Bend:
 
 
 @dataclass(frozen=True)
-class Layer:
+class PadLayer:
     """Silicone below a `face`, which runs from side to side to -x, down to the next layer's or the back; of
     moduli in MPa and kg/m3."""
 
@@ -142,7 +142,7 @@ class Pad:
     bend: Bend | None = None
     revolved: bool = False
     focus: float = 0.0
-    layers: tuple[Layer, ...] = ()
+    layers: tuple[PadLayer, ...] = ()
 
     @property
     def materials(self) -> dict[str, tuple[float, float]]:
@@ -161,7 +161,7 @@ class Pad:
         return {"skin": self.density, "film": self.film_density, **behind}
 
     @property
-    def _layers(self) -> dict[str, Layer]:
+    def _layers(self) -> dict[str, PadLayer]:
         return {f"layer{number}": layer for number, layer in enumerate(self.layers, 1)}
 
     @property
@@ -434,7 +434,7 @@ def solid_pad_of(design: Design) -> Pad:
     )
 
 
-def layers_of(design: Design, shape: Section) -> Iterator[Layer]:
+def layers_of(design: Design, shape: Section) -> Iterator[PadLayer]:
     """Yield the layers that a design's shots are in its section.
 
     Raises InputError for a face that meets the outline between the sides, or a slot.
@@ -455,7 +455,7 @@ def layers_of(design: Design, shape: Section) -> Iterator[Layer]:
             rule = f"shot {number}'s face must keep {THINNEST:g} mm from the slots"
             raise InputError(key, rule, value, "a face further behind")
         modulus = stuff.young_modulus.value
-        yield Layer(face, modulus, stuff.poisson_ratio, stuff.density, stuff.law)
+        yield PadLayer(face, modulus, stuff.poisson_ratio, stuff.density, stuff.law)
 
 
 FACE_TOLERANCE = 1e-3  # mm
