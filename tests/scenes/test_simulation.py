@@ -201,17 +201,15 @@ def test_rolling_is_no_slip() -> None:
 def test_rolling_raises_no_false_alarm() -> None:
     """Ridges 2 and 3 slip as they lift off, for a hundredth of the time, and may be told."""
     simulation = on(LEVELS[0], "rolling", "effects.piezo.circuit=yamada-2002", "history.steps=150")
-    assert {event["kind"] for event in simulation.read["events"]} <= {"incipient slip"}
+    assert simulation.gross_slip_step is None
     assert simulation.read["event_score"]["false"] == 0
+    assert simulation.read["warning_score"]["false"] <= 1
 
 
 @pytest.mark.slow
-def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
-    """A hundred times as fast, above the noise. A ridge that lifts off does slip, and may be told.
-
-    Behind `yamada-2002-motional`, 5 dB above its noise, ridge 3 is told wrongly at step 21; behind
-    `yamada-2002`, 33 dB above its own, it is not.
-    """
+def test_rolling_fast_raises_no_alarm_of_a_ridge_that_sticks() -> None:
+    """A hundred times as fast, above the noise. A ridge that lifts off does slip, and may be told; that takes
+    the detector for a slip that lasts, once."""
     fast = (
         "history.time_s=[0.0, 0.001, 0.003, 0.007, 0.009]",
         "readout.bandwidth_Hz=5000.0",
@@ -219,8 +217,9 @@ def test_rolling_fast_raises_no_gross_slip_and_no_false_alarm() -> None:
         "history.steps=600",
     )
     simulation = on(LEVELS[0], "rolling", *fast)
-    assert {event["kind"] for event in simulation.read["events"]} <= {"incipient slip"}
+    assert simulation.gross_slip_step is None
     assert simulation.read["event_score"]["false"] == 0
+    assert simulation.read["warning_score"]["false"] <= 1
     assert min(simulation.read["signal_to_noise_dB"].values()) > 3
     # the issue's, at the scene's own 600 steps
     assert simulation.energy["imbalance"] < 1e-3
