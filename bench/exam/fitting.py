@@ -149,14 +149,14 @@ def of_ridges(told: list[Heard]) -> list[Samples]:
     return parts
 
 
-def of_skins(told: list[Heard]) -> list[Samples]:
-    """Return the samples of all told ridges together."""
+def of_skins(told: list[Heard], *, records: bool = True) -> list[Samples]:
+    """Return the samples of all told ridges together, with `records` of ridges that all stick."""
     parts = []
     for h in told:
         coming = h.ahead[::THIN]
         few = EVENT * h.window / THIN / max(1, int(coming.sum()))
         parts.append((h.felt[::THIN], coming, np.where(coming, AHEAD * np.clip(few, 1.0, MOST), 1.0)))
-    for felt in _sticking():
+    for felt in _sticking() if records else ():
         parts.append((felt, np.zeros(felt.shape[0], bool), np.full(felt.shape[0], STICKING)))
     return parts
 

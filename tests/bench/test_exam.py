@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.exam import fitting, network, rivals
+from bench.exam import fitting, missing, network, rivals
 from bench.exam.cases import Case
 from bench.exam.histories import ENDS, STEPS, history
 from bench.exam.scenes import COUNT, FIRST, LATER, SceneRun, batch, drawn, seeds
@@ -188,6 +188,18 @@ def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch
     table = tomllib.loads(fitting.written(answer, "a test"))
     np.testing.assert_allclose(np.array(table["into"]).T, answer.into, rtol=1e-3)
     np.testing.assert_allclose(table["out"], answer.out, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("what", "last"), [("friction", 0.5), ("forces", 0.525), ("both", 1.05)])
+def test_what_a_network_is_told_stands_beside_what_it_hears(what: str, last: float) -> None:
+    """At the end 2.1 N pull on 4 N, of a friction of 0.5."""
+    nothing = np.zeros((100, 2))
+    h = fitting.Heard(by_hand(), 3, np.ones((100, 2, 5)), nothing, nothing, nothing, nothing[:, 0])
+    felt = missing.told(h, what).felt
+    assert felt.shape == (100, 2, 6)
+    np.testing.assert_array_equal(felt[:, :, :5], h.felt)
+    assert felt[-1, :, 5] == pytest.approx([last, last], rel=1e-6)
+    assert missing.told(h, "nothing") is h
 
 
 @pytest.mark.parametrize("file", [detector.RIDGES, detector.SKIN])
