@@ -294,12 +294,21 @@ def bond(contact: Contact, film: Film | None) -> Iterator[InputError]:
         yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
 
 
-def shots(skin: Base, layers: tuple[Shot, ...], own: Mapping[str, Silicone]) -> Iterator[InputError]:
-    """Yield a shot of a silicone that nobody knows, and faces that meet each other, the back or the skin's
-    own face: THINNEST mm of each silicone must be left everywhere."""
+def shots(
+    skin: Base, features: Features, layers: tuple[Shot, ...], own: Mapping[str, Silicone]
+) -> Iterator[InputError]:
+    """Yield shots under pins, whose models know one silicone; a silicone that nobody knows; and faces that
+    meet each other, the back or the skin's own face: THINNEST mm of each silicone must be left."""
+    if layers and isinstance(features, Pin):
+        rule = "must not be given with [pin]: the models of pins take one silicone"
+        yield InputError("shot", rule, len(layers), "drop [[shot]]")
     below_middle = below_side = 0.0
     for number, shot in enumerate(layers, 1):
-        yield from refusals(partial(check_silicone, shot.name, own))
+        unknown = [*refusals(partial(check_silicone, shot.name, own))]
+        yield from (InputError("shot.name", e.rule, e.value, e.remedy) for e in unknown)
+        if shot.law is not None and not unknown:
+            meant = silicone_of(shot.name, shot.given, own)
+            yield from refusals(partial(check_law, "shot", meant))
         middle, side = face_heights(skin, shot)
         key, value = ("thickness", shot.thickness) if shot.depth is None else ("depth", shot.depth)
         for height, below, top, where in (

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
@@ -196,7 +196,13 @@ class Shot(Material):
         return self
 
 
-Shots = Annotated[tuple[Shot, ...], Field(strict=False, min_length=1, max_length=8)]
+def _some(shots: tuple[Shot, ...]) -> tuple[Shot, ...]:
+    if not shots:
+        raise InputError("", "must have at least 1 item", remedy="leave it out")
+    return shots
+
+
+Shots = Annotated[tuple[Shot, ...], Field(strict=False, max_length=8), AfterValidator(_some)]
 
 
 class Plate(Table):

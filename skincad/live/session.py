@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from skincad.base.errors import InputError
 from skincad.inputs.catalog import load_design
 from skincad.inputs.design import Design
+from skincad.inputs.material import refuse_layers
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import section
 from skincad.studies.subject import Setting, changed, value_of
@@ -40,8 +41,10 @@ class Session:
 
 
 def start_session(subject: Editable) -> Session:
-    """Return the session that a command begins with; raises InputError for a skin without a section."""
+    """Return the session that a command begins with; raises InputError for a skin without a section, or with
+    shots, whose mold it could not show."""
     session = Session(subject)
+    refuse_layers(session.design, "live")
     section(session.design)
     return session
 

@@ -71,7 +71,7 @@ RIDGES, SKIN = "slip_weights_ridges.toml", "slip_weights_skin.toml"
 @dataclass(frozen=True)
 class Detector:
     """`window` samples, `noise` V rms of a pair; alarms at the logarithms of odds `threshold` and `warning`,
-    those of `alarms` of POINTS if not given."""
+    those of SURE if not given."""
 
     window: int
     noise: float

@@ -18,6 +18,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Pin
+from skincad.inputs.guards import shoulder
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
@@ -292,19 +293,18 @@ def _outline(skin: Skin) -> Iterator[Segment]:
     """Outline from the back's left corner, counterclockwise; segments without length are left out."""
     base = skin.base
     radius, x = base.curvature_radius, base.width / 2
-    side = math.asin(x / radius)
-    shoulder = base.thickness - 2 * radius * math.sin(side / 2) ** 2
+    side, rim = math.asin(x / radius), shoulder(base)
     yield Segment(Point(-x, 0.0), Point(x, 0.0), kind="back")
-    yield Segment(Point(x, 0.0), Point(x, shoulder), kind="side")
-    here, angle = Point(x, shoulder), side
+    yield Segment(Point(x, 0.0), Point(x, rim), kind="side")
+    here, angle = Point(x, rim), side
     for placed in reversed(_crossings(skin)):
         right, left = placed.feature.feet
         reach = math.atan2(right.x, radius + right.z)
         yield from _base_arc(skin, here, placed.frame.at(*right), angle - placed.lean - reach)
         yield from placed.outline
         here, angle = placed.frame.at(*left), placed.lean - reach
-    yield from _base_arc(skin, here, Point(-x, shoulder), angle + side)
-    yield Segment(Point(-x, shoulder), Point(-x, 0.0), kind="side")
+    yield from _base_arc(skin, here, Point(-x, rim), angle + side)
+    yield Segment(Point(-x, rim), Point(-x, 0.0), kind="side")
 
 
 def _crossings(skin: Skin) -> list[Placed]:

@@ -13,6 +13,7 @@ from bench import calculix
 from bench.bench_calculix import own
 from skincad import InputError, check, load, load_scene, make, package, simulate
 from skincad.inputs.design import Design
+from skincad.live.session import start_session
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
@@ -93,7 +94,7 @@ def test_the_closed_form_holds_within_its_error(shots: tuple[dict[str, Any], ...
         ([{"young_modulus": 1.0}], "needs either a thickness or a depth"),
         ([{"young_modulus": 1.0, "depth": 1.0, "thickness": 1.0}], "needs either a thickness or a depth"),
         ([{"thickness": 1.0}], "needs a name, a young_modulus or a law"),
-        ([{"name": "nobody", "thickness": 1.0}], "unknown silicone"),
+        ([{"name": "nobody", "thickness": 1.0}], "shot.name: unknown silicone"),
         ([{"young_modulus": 1.0, "thickness": 3.98}], "shot 1's face must be from 0.05 to 3.95 mm"),
         ([{"young_modulus": 1.0, "thickness": 2.0}, {"young_modulus": 1.0, "depth": 3.0}], "shot 2's face"),
         ([{"young_modulus": 2000.0, "thickness": 2.0}], "must be from 0.001 to 100 MPa"),
@@ -113,9 +114,14 @@ def test_a_face_through_a_slot_is_refused() -> None:
         check(deep, model="linear")
 
 
+def test_pins_have_no_shots() -> None:
+    with pytest.raises(InputError, match=r"shot: must not be given with \[pin\]"):
+        load("pillars-9").with_(shot=SOFT_BACK)
+
+
 def test_what_takes_one_silicone_says_so() -> None:
     design = load(FINGER)
-    for what in (make, package):
+    for what in (make, package, start_session):
         with pytest.raises(InputError, match="takes a skin of one silicone"):
             what(design)
     with pytest.raises(InputError, match="shot: must not be given for the reduced model"):
