@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 from skincad.fabrication.job import Job
-from skincad.fabrication.pouring import DEGAS_MIN, STIR_MIN, filling
+from skincad.fabrication.pouring import DEGAS_MIN, STIR_MIN, filling, layer_name, pours
 from skincad.fabrication.strips import lap, strip_count, strip_seconds, strips_per_mix
 
 BEGIN, END = 9.0, 17.0  # h of a working day, assumption
@@ -49,7 +50,7 @@ def tasks(job: Job) -> list[Task]:
     """Return what is done for a cast, in order."""
     material, strips, film = job.silicone, strip_count(job), job.design.film
     cure = 60 * (material.cure_h or 24.0)
-    made = [part for part in job.closed.parts if part.made == "made"]
+    made = [part for part in job.closed.made]
     resin = material.platinum_cure and any(job.process(part).inhibits_platinum for part in made)
     rows = list[Task]()
     if resin:
@@ -61,7 +62,9 @@ def tasks(job: Job) -> list[Task]:
     pour = CLOSING + LAYING * strips + STIR_MIN + DEGAS_MIN + filling(job).seconds / 60
     if film is not None and not drawn_in:
         rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, pour))
-    rows.append(Task("close the mold, mix and fill it", pour, cure))
+    rows += _layers(job)
+    last = pours(job)[-1].silicone
+    rows.append(Task("close the mold, mix and fill it", pour, 60 * (last.cure_h or 24.0)))
     if drawn_in:
         mixes = math.ceil(strips / max(strips_per_mix(job) or strips, 1))
         drawing = strips * strip_seconds(job) / 60 + mixes * STIR_MIN
@@ -73,6 +76,19 @@ def tasks(job: Job) -> list[Task]:
     if film is not None:
         rows.append(Task("test the strips, lead them to the board", WIRING * strips))
     return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING, a_day_after=True)]
+
+
+def _layers(job: Job) -> list[Task]:
+    """What is done for the layers before the last; one that is laid on wet cures with the one behind it."""
+    rows, made = list[Task](), pours(job)
+    for front, back in pairwise(made):
+        hands = CLOSING + STIR_MIN + DEGAS_MIN + filling(job).seconds / 60
+        cure = 60 * (front.silicone.cure_h or 24.0) if front.plug else 0.0
+        rows.append(Task(f"cast {layer_name(front)}", hands, cure))
+        if front.plug:
+            wait = PRIMER_MIN if back.bond == "primer" else 0.0
+            rows.append(Task(f"pull {front.plug}, make the layer's back ready", OPENING, wait))
+    return rows
 
 
 def day_plan(job: Job) -> list[Entry]:

@@ -326,9 +326,8 @@ def estimates(job: Job, prints: Mapping[str, trimesh.Trimesh]) -> tuple[ProcessE
     """Return what each process takes for a mold's parts, in the parts' order; `prints` are the meshes of what
     is made as they lie on the bed, mm, by part name."""
     parts_by_process: dict[str, list[Part]] = {}
-    for part in job.closed.parts:
-        if part.made == "made":
-            parts_by_process.setdefault(job.maker(part), []).append(part)
+    for part in job.closed.made:
+        parts_by_process.setdefault(job.maker(part), []).append(part)
     known = job.processes
     return tuple(_of_process(name, known[name], parts, prints) for name, parts in parts_by_process.items())
 

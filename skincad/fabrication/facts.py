@@ -51,12 +51,14 @@ from skincad.fabrication.pouring import (
     STIR_MIN,
     USUAL_C,
     Filling,
-    batch,
-    cure_words,
+    LayerPour,
     filling,
     groove_time,
+    layer_name,
     minutes_left,
+    minutes_to_lay_on,
     poured_volume,
+    pours,
     small_batch,
     time_words,
     weights,
@@ -305,7 +307,7 @@ class Facts:
     @cached_property
     def parts_made(self) -> list[Part]:
         """The parts that are made."""
-        return [part for part in self.job.closed.parts if part.made == "made"]
+        return [part for part in self.job.closed.made]
 
     @property
     def made(self) -> list[MadePart]:
@@ -338,6 +340,7 @@ class Facts:
         """Which parts of the mold are printed, by what they are called."""
         job, ends = self.job, {"end plates": self.job.end_process} if self.ends else {}
         made = {"cavity": job.cavity_process, **ends, "cover": job.lid_process}
+        made |= {"plugs": job.lid_process} if job.closed.plugs else {}
         return [name for name, process in made.items() if process.layer]
 
     @property
@@ -455,6 +458,34 @@ class Facts:
 
     # silicone
 
+    @cached_property
+    def pours(self) -> list[LayerPour]:
+        """The pours in their order; one, unless the skin is cast in layers."""
+        return pours(self.job)
+
+    @property
+    def earlier(self) -> list[LayerPour]:
+        """Those before the last."""
+        return self.pours[:-1]
+
+    @property
+    def last(self) -> LayerPour:
+        """The last, over which the carrier goes."""
+        return self.pours[-1]
+
+    @property
+    def layered(self) -> bool:
+        """Whether the skin is cast in layers."""
+        return len(self.pours) > 1
+
+    def layer(self, pour: LayerPour) -> str:
+        """What a pour is called."""
+        return layer_name(pour)
+
+    def next_within(self, pour: LayerPour) -> float:
+        """When the layer behind a wet one is on it, min from when that was mixed."""
+        return minutes_to_lay_on(self.job, pour)
+
     @property
     def silicone(self) -> str:
         """Its name."""
@@ -473,7 +504,7 @@ class Facts:
     @property
     def cure(self) -> str:
         """How long it cures, and how warm."""
-        return cure_words(self.job.silicone)
+        return self.last.cure
 
     @property
     def mold_cm3(self) -> float:
@@ -488,15 +519,20 @@ class Facts:
     @property
     def batch_weights(self) -> str:
         """What is weighed for the pour."""
-        return weights(self.job.silicone, batch(self.job))
+        return self.last.weights
 
     @property
     def portions(self) -> list[Portion]:
         """The same, one by one."""
-        total, mix = batch(self.job), self.job.silicone.mix
-        if not mix:
-            return [Portion("mixed", total)]
-        return [Portion(f"{n}, g", total * part / sum(mix)) for n, part in zip("AB", mix, strict=True)]
+        found = list[Portion]()
+        for pour in self.pours:
+            of, mix = f" of {self.layer(pour)}" if self.layered else "", pour.silicone.mix
+            if not mix:
+                found.append(Portion(f"mixed{of}", pour.batch))
+            else:
+                shares = zip("AB", mix, strict=True)
+                found += [Portion(f"{n}{of}, g", pour.batch * part / sum(mix)) for n, part in shares]
+        return found
 
     @cached_property
     def filling(self) -> Filling:

@@ -52,9 +52,7 @@ def process_findings(job: Job) -> list[Finding]:
     """Return what each part's process can't make of it, with the processes that could. Equal parts of
     the two ends make one finding."""
     findings: dict[tuple[str, str], Finding] = {}
-    for part in job.closed.parts:
-        if part.made != "made":
-            continue
+    for part in job.closed.made:
         name = job.maker(part)
         case = Case(job, part, name)
         fresh = [f for f in part_findings(case) if (f.rule, f.where) not in findings]

@@ -26,6 +26,7 @@ from skincad.fabrication.crests import (
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import strip_patterns
+from skincad.fabrication.pouring import pours
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
@@ -130,11 +131,14 @@ def _size(what: str, nominal: float, mold: float, tool: float, crests: Crests, h
 def _mass(job: Job, crests: Crests) -> Measure:
     """What stays on the carrier: skin, rivets, the vent's plug and films. Too light means a bubble or a short
     shot, too heavy means flash."""
-    density, skin = job.silicone.density * 1e-6, job.design.skin
+    made, skin = pours(job), job.design.skin
+    density = 1e-6 * math.fsum(layer.volume * layer.silicone.density for layer in made)
+    density /= math.fsum(layer.volume for layer in made)
     holes = bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET, CutRole.VENT)
     films, glue = _films(job)
     body = density * (job.skin_part.volume + _extra_volume(job) + glue)
-    rubber = body + density * math.fsum(map(partial(_hole_volume, job), holes))
+    behind = made[-1].silicone.density * 1e-6
+    rubber = body + behind * math.fsum(map(partial(_hole_volume, job), holes))
     process = job.cavity_process
     sides = process.tolerance * math.sqrt(2 / 3) * math.hypot(1 / skin.width, 1 / skin.length)  # two, evenly
     shape = body * math.hypot(crests.mean / crests.deviations / skin.thickness, sides)

@@ -12,7 +12,6 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
-from skincad.inputs.material import refuse_layers
 from skincad.mechanics.models.table import model_named
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
@@ -100,7 +99,7 @@ class Build:
         from skincad.fabrication.machine_rules import laid_on_end
         from skincad.fabrication.meshes import laid
 
-        printed = {part.name: part for part in self.closed.parts if part.made == "made"}
+        printed = {part.name: part for part in self.closed.made}
         return {n: laid(self.meshes[n], laid_on_end(self.job, p), p) for n, p in printed.items()}
 
 
@@ -179,7 +178,6 @@ def make(
     """
     from skincad.fabrication.fasteners import mount_of
 
-    refuse_layers(design, "make")
     checked, solids = checked and not preview, solids or not preview
     _check_choices(checked, model, budget)
     _check_scenes(design, scenes)
@@ -281,13 +279,13 @@ def _build(
     designed, closed, choice = job.skin_part, job.closed, job.design.mold
     allowed, chord = asked_chord(job.design), print_chord(job.design)
     with watch.stage("meshes"):
-        meshes = {part.name: mesh(part, chord) for part in closed.parts}
+        meshes = {part.name: mesh(part, chord) for part in (*closed.parts, *closed.plugs)}
         skin = mesh(designed, chord)
     build = Build(job, meshes, skin, (), verdict, scenes)
-    shapes = [(designed, skin), *((part, meshes[part.name]) for part in closed.parts if part.made == "made")]
+    shapes = [(designed, skin), *((part, meshes[part.name]) for part in closed.made)]
     if solids:
         with watch.stage("solids"):
-            for part in (designed, *closed.parts):
+            for part in (designed, *closed.parts, *closed.plugs):
                 build.solid(part)
     if measured:
         with watch.stage("measuring"):
@@ -306,6 +304,7 @@ def _build(
         gap = min(choice.clearance, choice.slit_clearance) or chord
         fine = max(FINEST_CHORD, min(chord, INTERFERENCE_SHARE * gap))
         findings = [*design_findings(job), *interference(closed, fine)]
+        findings += [finding for stage in closed.earlier for finding in interference(stage, fine)]
         findings += [*filling_findings(job), *pouring_findings(job), *strip_findings(job)]
     with watch.stage("estimates"):
         effort = estimates(job, build.laid)

@@ -24,6 +24,7 @@ from skincad.solids.plan import (
     Bore,
     ExtendedCut,
     Part,
+    PartRole,
     Prism,
     RevolvedBody,
     RotatedBody,
@@ -84,7 +85,7 @@ def upright(shape: trimesh.Trimesh) -> trimesh.Trimesh:
 def laid(shape: trimesh.Trimesh, on_end: bool, part: Part | None = None) -> trimesh.Trimesh:
     """Return the mesh as it is printed: on the bed at z = 0, in the middle of x and y; on its y face where
     `on_end`. A `part` that leans in its mold is first turned back, and a block whose ends lean onto one."""
-    placed = shape.copy()
+    placed = upright(shape) if part and part.role is PartRole.PLUG else shape.copy()  # on its plate
     frame = part.body if part else None
     if isinstance(frame, Prism) and frame.grid and on_end:
         frame = RotatedBody(frame, frame.grid.centre, -frame.grid.half, 0.0)

@@ -49,7 +49,7 @@ Order = Callable[[list[Finding], CrestAllowance | None], str]
 def orders(job: Job, solids: bool = True) -> dict[str, Order]:
     """Return the writer of each order by its file's name, known before any work: one for each process, and
     one for what is cut from film and sheet. `solids`: whether there are STEP files and drawings."""
-    makers = dict.fromkeys(job.maker(part) for part in job.closed.parts if part.made == "made")
+    makers = dict.fromkeys(job.maker(part) for part in job.closed.made)
 
     def of_process(name: str) -> Order:
         return lambda findings, crests: _process_order(job, name, findings, crests, solids)
@@ -64,7 +64,7 @@ def _process_order(
     job: Job, name: str, findings: list[Finding], crests: CrestAllowance | None, solids: bool
 ) -> str:
     process, closed = job.processes[name], job.closed
-    parts = [part for part in closed.parts if part.made == "made" and job.maker(part) == name]
+    parts = [part for part in closed.made if job.maker(part) == name]
     items = {item.what: item for item in parts_list(job)}
     supports = any(f.rule == "overhang" and f.where.endswith(f"by {name}") for f in findings)
     return _order(

@@ -13,7 +13,7 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.part_drawing import general_tolerance, material_words, process_words
 from skincad.fabrication.patterns import shim_length
-from skincad.fabrication.pouring import batch
+from skincad.fabrication.pouring import pours
 from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import METRIC, insert_outer, pin_depth
@@ -68,18 +68,17 @@ def parts_csv(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> str:
 
 
 def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
-    for part in job.closed.parts:
-        if part.made == "made":
-            size = " x ".join(f"{side:.2f}" for side in extent(part))
-            volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
-            details = material_words(job, part), volume, part.what
-            cells = [""] * len(ESTIMATED)
-            if (took := estimates.get(part.name)) is not None:
-                numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]
-                cells = [*(f"{number:.4g}" for number in numbers), took.basis]
-            limits, edges = general_tolerance(job, part), "as its drawing says"
-            row = Item("1", part.name, size, by, *details, *cells)
-            yield row._replace(tolerance=limits, condition=edges)
+    for part in job.closed.made:
+        size = " x ".join(f"{side:.2f}" for side in extent(part))
+        volume, by = f"{part.volume / 1000:.4g}", process_words(job, part)
+        details = material_words(job, part), volume, part.what
+        cells = [""] * len(ESTIMATED)
+        if (took := estimates.get(part.name)) is not None:
+            numbers = [n for e in (took.mass, took.time, took.cost) for n in (float(e), e.error or 0.0)]
+            cells = [*(f"{number:.4g}" for number in numbers), took.basis]
+        limits, edges = general_tolerance(job, part), "as its drawing says"
+        row = Item("1", part.name, size, by, *details, *cells)
+        yield row._replace(tolerance=limits, condition=edges)
 
 
 def _bought_items(job: Job) -> Iterator[Item]:
@@ -116,17 +115,20 @@ def _bought_items(job: Job) -> Iterator[Item]:
         size = f"rod {2 * rod.radius:g} x {rod.length:.2f}, ground, its lower end cut square"
         what = "reamed holes of the carrier; they keep the pockets free"
         yield _item(len(cores), "core pin", size, "steel", what)
-    material = job.silicone
-    yield Item(
-        quantity=f"{batch(job):.4g}",
-        unit="g",
-        what="silicone",
-        designation=material.name,
-        made_by="bought",
-        material="",
-        volume="",
-        place="skin, cup and syringe",
-    )
+    grams = dict[str, float]()
+    for pour in pours(job):
+        grams[pour.silicone.name] = grams.get(pour.silicone.name, 0.0) + pour.batch
+    for name, mass in grams.items():
+        yield Item(
+            quantity=f"{mass:.4g}",
+            unit="g",
+            what="silicone",
+            designation=name,
+            made_by="bought",
+            material="",
+            volume="",
+            place="skin, cup and syringe",
+        )
     for need in consumables(job):
         row = _item(need.quantity, need.what, need.size, "", need.use, need.tolerance, need.condition)
         yield row._replace(unit=need.unit)

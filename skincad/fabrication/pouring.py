@@ -11,12 +11,15 @@ Newtonian, a mix that is fresh.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding, warning
+from skincad.fabrication.rules import Finding, error, warning
 from skincad.fabrication.strips import pour
+from skincad.inputs.material import layers
 from skincad.inputs.silicone import Silicone
 from skincad.solids.gate import (
     GRAVITY,
@@ -31,6 +34,7 @@ from skincad.solids.gate import (
     tip,
 )
 from skincad.solids.plan import CutRole, PartRole, bores
+from skincad.solids.shots import behind, bond_of, face
 
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 SCALE = 0.01  # g, assumption: what the scale shows
@@ -39,6 +43,7 @@ LEAST_MIX = 2.0  # g, assumption: of both together; less is not stirred well
 STIR_MIN = 3.0  # min, source: makers' data sheets
 DEGAS_MIN, DEGAS_MBAR = 3.0, 50.0  # source: makers' data sheets, 2 to 3 min at 29 inHg of vacuum
 USUAL_C, COLD_C = 23.0, 18.0  # C, source: data sheets state pot life at 23; assumption: a cool workshop
+RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: makers' data sheets, 3 to 4
 DOUBLING_K = 10.0  # K, assumption: by which a platinum cure gets twice as fast
 LAG = 0.1  # assumption: of the skin's length, by which a groove's front may stay behind
 MOST_MINUTES = 5.0  # assumption: longer than that nobody waits for a groove
@@ -55,9 +60,77 @@ def poured_volume(job: Job) -> float:
     return job.design.mold.cavities * below + math.fsum(over)
 
 
-def batch(job: Job) -> float:
-    """Return what is mixed for the pour, g: what fills the mold, and what stays in cup and syringe."""
-    return poured_volume(job) * job.silicone.density * 1e-6 + DEAD_VOLUME
+@dataclass(frozen=True)
+class LayerPour:
+    """A pour: of a skin's only silicone, or of one of its layers. `number` is its shot's, 0 for the layer in
+    front; `volume` the layer's and `filled` all that it fills, mm3, of all skins; `plug` what lies over it
+    while it cures, "" where the next is laid on it wet or the carrier closes it; `bond` that to the layer in
+    front, "" without one; `level` how far under the ledge it ends, mm, where that is poured by eye."""
+
+    number: int
+    silicone: Silicone
+    volume: float
+    filled: float
+    plug: str = ""
+    bond: str = ""
+    level: float | None = None
+
+    @property
+    def mass(self) -> float:
+        """What it fills, g."""
+        return self.filled * self.silicone.density * 1e-6
+
+    @property
+    def batch(self) -> float:
+        """What is mixed for it, g: what stays in cup and syringe too."""
+        return self.mass + DEAD_VOLUME
+
+    @property
+    def cup(self) -> int:
+        """The mixing cup that it takes, ml: a mix rises to four times its height."""
+        return math.ceil(RISE * self.batch / self.silicone.density * 1000 / 10) * 10
+
+    @property
+    def weights(self) -> str:
+        """What is weighed for it, as words."""
+        return weights(self.silicone, self.batch)
+
+    @property
+    def cure(self) -> str:
+        """How long it cures, and how warm, as words."""
+        return cure_words(self.silicone)
+
+
+def layer_name(layer: LayerPour) -> str:
+    """Return what a pour's layer is called."""
+    return "the layer in front" if layer.number == 0 else f"shot {layer.number}"
+
+
+def pours(job: Job) -> list[LayerPour]:
+    """Return the pours in their order: the layer in front first, at last the one at the back, which fills
+    what the carrier has too."""
+    design, skins = job.cast, job.design.mold.cavities
+    stuffs, shots = layers(design), design.shot or ()
+    count, whole = len(shots), job.closed.first(PartRole.SKIN).volume
+    below = [0.0, *(behind(design, number).volume for number in range(1, count + 1)), whole]
+    taken, found = poured_volume(job), list[LayerPour]()
+    for front in range(count, -1, -1):  # the layer between the faces of the shots `front` and `front + 1`
+        number = 0 if front == count else front + 1
+        volume = skins * (below[front + 1] - below[front])
+        bond = "" if front == count else bond_of(shots[front])
+        wet = front > 0 and bond_of(shots[front - 1]) == "wet"
+        plug = "" if front == 0 or wet else f"plug-{front}"
+        filled = volume
+        if front == 0:
+            filled += taken - skins * whole
+        elif plug:
+            vents, lid = bores(job.closed.part(plug), CutRole.VENT), job.closed.first(PartRole.COVER)
+            filled += skins * math.fsum(bore.volume for bore in vents)
+            filled += math.fsum(bore.volume for bore in bores(lid, CutRole.RESERVOIR))
+        level = face(design, front, design.skin.width / 2)[0].start.z if wet else None
+        stuff = job.silicone if number == 0 else stuffs[number - 1]
+        found.append(LayerPour(number, stuff, volume, filled, plug, bond, level))
+    return found
 
 
 def small_batch(material: Silicone) -> float:
@@ -156,11 +229,35 @@ def time_words(seconds: float) -> str:
 
 def pouring_findings(job: Job) -> list[Finding]:
     """Return the rule `pot life`: that the mold is full before the mix thickens."""
-    left, pot = minutes_left(job), job.silicone.pot_life_min
-    if left is None or pot is None or left >= 0:
-        return []
-    remedy = "a thinner silicone or one with a longer pot life, a wider mold.gate, or a thicker skin"
-    return [warning("pot life", "stirring, degassing and filling", pot - left, pot, "min", remedy)]
+    left, pot, findings = minutes_left(job), job.silicone.pot_life_min, list[Finding]()
+    if left is not None and pot is not None and left < 0:
+        remedy = "a thinner silicone or one with a longer pot life, a wider mold.gate, or a thicker skin"
+        findings.append(warning("pot life", "stirring, degassing and filling", pot - left, pot, "min", remedy))
+    return [*findings, *_between_layers(job)]
+
+
+def _between_layers(job: Job) -> Iterator[Finding]:
+    """Yield what keeps a layer from holding on the one in front of it: that one's pot life, where it is laid
+    on wet, and a tin cure, which keeps platinum silicone from curing."""
+    made = pours(job)
+    for front, back in pairwise(made):
+        needed = minutes_to_lay_on(job, front)
+        pot = front.silicone.pot_life_min
+        if back.bond == "wet" and pot is not None and needed > pot:
+            where = f"shot {back.number}, laid wet on {front.silicone.name}"
+            remedy = "a silicone with a longer pot life in front, or shot.bond = 'primer'"
+            yield error("pot life", where, needed, pot, "min", remedy)
+        if not front.silicone.platinum_cure and back.silicone.platinum_cure:
+            where = f"shot {back.number}, {back.silicone.name}, poured on {front.silicone.name}"
+            remedy = "a tin cure keeps a platinum silicone sticky; take silicones of one cure"
+            yield error("cure inhibition", where, 1.0, 0.0, "", remedy)
+
+
+def minutes_to_lay_on(job: Job, front: LayerPour) -> float:
+    """Return when the next layer is on one that is still wet, min from when that was mixed: both are stirred,
+    degassed and poured, one after the other."""
+    first = filling(job).seconds if front.number == 0 else job.design.mold.fill_time
+    return 2 * (STIR_MIN + DEGAS_MIN) + (first + job.design.mold.fill_time) / 60
 
 
 def _rounded(seconds: float) -> float:

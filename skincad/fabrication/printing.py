@@ -35,8 +35,8 @@ def print_plates(job: Job) -> list[PrintPlate]:
     `build volume` reports it.
     """
     lying: dict[str, list[BedPart]] = {}
-    for part in job.closed.parts:
-        if part.made == "made" and job.process(part).layer:
+    for part in job.closed.made:
+        if job.process(part).layer:
             lying.setdefault(job.maker(part), []).append(_on_bed(job, part))
     rows = [(name, plate) for name, parts in lying.items() for plate in plates(parts, job.processes[name])]
     return [
@@ -78,7 +78,7 @@ def lapping_words(job: Job) -> str:
         "the end plates' inner faces": END_PLATES,
         "the carrier's lower face": {PartRole.CARRIER},
     }
-    printed = {part.role for part in job.closed.parts if part.made == "made" and job.process(part).layer}
+    printed = {part.role for part in job.closed.made if job.process(part).layer}
     lapped = [face for face, roles in faces.items() if roles & printed]
     if not lapped:
         return ""

@@ -17,7 +17,7 @@ from skincad.fabrication.filling import perforated
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import listed
 from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
-from skincad.fabrication.pouring import batch, filling, outlet_words, small_batch
+from skincad.fabrication.pouring import filling, outlet_words, pours, small_batch
 from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.gate import GRAVITY
@@ -32,7 +32,6 @@ THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
-RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: makers' data sheets, 3 to 4
 
 
 class Need(NamedTuple):
@@ -63,24 +62,26 @@ def consumables(job: Job) -> list[Need]:
 
 
 def _filling(job: Job) -> Iterator[Need]:
-    volume = RISE * batch(job) / job.silicone.density * 1000
-    cup = math.ceil(volume / 10) * 10
-    yield Need(1, "mixing cup", f"clear, {cup} ml or more", "a mix rises to four times its height")
+    made = pours(job)
+    size = f"clear, {max(pour.cup for pour in made)} ml or more"
+    yield Need(len(made), "mixing cup", size, "a mix rises to four times its height")
     if job.gate is not None:
         yield Need(1, "syringe", f"{filling(job).syringe} ml, {outlet_words(job.gate)}", "")
         yield Need(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
     if any(process.layer for process in (job.cavity_process, job.end_process, job.lid_process)):
         yield Need(1, "release agent", "for silicone, with a brush", "printed parts")
     if job.silicone.platinum_cure and any(
-        job.process(part).inhibits_platinum for part in job.closed.parts if part.made == "made"
+        job.process(part).inhibits_platinum for part in job.closed.made
     ):
         yield Need(BATHS_ML, "isopropanol", "", "washes resin parts", "ml")
     yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:
         yield Need(1, "soft brush", "2 mm wide or less", "the mix into the grooves")
-    if not perforated(job.closed) and job.design.film is None:
-        yield Need(1, PRIMER, "with a fine brush", "the carrier's lower face", "ml")
+    primed = ["the carrier's lower face"] * (not perforated(job.closed))
+    primed += ["the cured layers' backs"] * any(pour.bond == "primer" for pour in made)
+    if primed and job.design.film is None:
+        yield Need(1, PRIMER, "with a fine brush", " and ".join(primed), "ml")
 
 
 def _films(job: Job) -> Iterator[Need]:
@@ -160,7 +161,7 @@ def _bolts(job: Job) -> list[str]:
         kind = "studs, DIN 976, with a nut each" if lid.rod else "screws, ISO 4762"
         upper = f"M3 {kind}: {lid.pieces} M3 x {lid.length:g} for the cover, into {hold}"
         upper += _under_heads(lid.washers)
-    makers = {job.maker(part): job.process(part) for part in job.closed.parts if part.made == "made"}
+    makers = {job.maker(part): job.process(part) for part in job.closed.made}
     tightest = min(map(torque, makers.values()))
     tight = (
         f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "

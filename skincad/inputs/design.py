@@ -235,7 +235,8 @@ def scaled_skin(design: Design, by: float) -> Design:
     if (table := features[design.features.family]).pocket is not None:
         pocket = _scaled(table.pocket, by, ("depth", "offset"))
         features = {table.family: table.model_copy(update={"pocket": pocket})}
-    tables = {"skin": _scaled(design.skin, by), **features, "slot": slot}
+    shots = design.shot and tuple(_scaled(shot, by) for shot in design.shot)
+    tables = {"skin": _scaled(design.skin, by), **features, "slot": slot, "shot": shots}
     return design.model_copy(update=tables)
 
 

@@ -188,11 +188,19 @@ class Shot(Material):
     depth: float | None = quantity(
         "mm", "of a face that follows the base circle: so far below it", ge=0.05, le=100.0, default=None
     )
+    bond: Literal["primer", "rivets", "wet"] | None = Field(
+        default=None,
+        description="to the layer in front of it: primer on it once it is cured; rivets, which this silicone "
+        "fills behind necks; or wet, poured on it within its pot life; primer if not given",
+    )
 
     @model_validator(mode="after")
     def _one_face(self) -> Self:
         if (self.thickness is None) == (self.depth is None):
             raise InputError("", "needs either a thickness or a depth", remedy="give one of the two")
+        if self.bond == "wet" and self.thickness is None:
+            rule = "must not be 'wet' where the face follows the base circle: what is still liquid lies level"
+            raise InputError("bond", rule, self.bond, "give a thickness, or 'primer'")
         return self
 
 

@@ -15,7 +15,7 @@ from skincad.base.arrays import Array, Mask
 from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.network import PICO, charge, electrode
 from skincad.fabrication.job import Job
-from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
+from skincad.fabrication.pouring import DEAD_VOLUME, LayerPour, pours
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.models import winkler
@@ -233,18 +233,22 @@ def _cavity(job: Job) -> Calculation:
 
 
 def _mass(job: Job) -> list[Calculation]:
-    material, volume = job.silicone, poured_volume(job)
-    grams = volume * material.density * 1e-6
-    mold_mass = Quantity("m", "silicone that the mold takes", grams, "g")
-    total = Quantity("m_t", "silicone to mix", grams + DEAD_VOLUME, "g")
+    return [calculation for layer in pours(job) for calculation in _mass_of(layer, len(pours(job)) > 1)]
+
+
+def _mass_of(layer: LayerPour, one_of_several: bool) -> list[Calculation]:
+    material, grams = layer.silicone, layer.mass
+    whose = f"the layer of {material.name}" if one_of_several else "the mold"
+    mold_mass = Quantity("m", f"silicone that {whose} takes", grams, "g")
+    total = Quantity("m_t", "silicone to mix", layer.batch, "g")
     calculations = [
         Calculation(
-            "Silicone that the mold takes",
+            f"Silicone that {whose} takes",
             mold_mass,
             "rho * V_p",
             (
                 Quantity("rho", f"density of {material.name}", material.density * 1e-3, "g/cm³"),
-                Quantity("V_p", "skin, gate, vents, reservoir, bleeds", MM3 * volume, "cm³"),
+                Quantity("V_p", "skin, gate, vents, reservoir, bleeds", MM3 * layer.filled, "cm³"),
             ),
             "mass is density times volume",
         ),

@@ -144,7 +144,7 @@ def writers(
     design: Design, closed: ClosedMold, solids: bool = True, preview: bool = False
 ) -> dict[str, BuildWriter]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
-    printed = [part.name for part in closed.parts if part.made == "made"]
+    printed = [part.name for part in closed.made]
     strips: dict[str, BuildWriter] = {
         "film/strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
         "film/strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
@@ -233,7 +233,7 @@ def _write_solid(name: str, build: Build, path: Path) -> None:
 
 
 def _write_assembly(build: Build, path: Path) -> None:
-    solids = {part.name: build.solid(part) for part in build.closed.parts}
+    solids = {part.name: build.solid(part) for part in (*build.closed.parts, *build.closed.plugs)}
     write_assembly(assembly(build.closed, solids, build.design.name), path)
 
 

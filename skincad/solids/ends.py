@@ -161,7 +161,7 @@ def gate_bore(design: Design, shape: Section) -> Bore | None:
     Raises InputError where a gate finds no room and an open pour is no way out.
     """
     skin, choice, diameter = design.skin, design.mold, design.mold.gate
-    if choice.pour == "open" or skin.round:
+    if choice.pour == "open" or skin.round or design.shot:
         return None
     most = _gate_room(design, shape, (diameter or WIDTHS[0]) / 2)[1]
     wide = diameter or min(wanted_gate(design, shape), math.floor(10 * most) / 10)  # a drill

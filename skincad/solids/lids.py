@@ -183,7 +183,7 @@ OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the 
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
 
-def _vent(design: Design, place: Layout) -> Bore:
+def vent_bore(design: Design, place: Layout) -> Bore:
     """The vent: in the middle of end b, as near to the end plate as the carrier allows, or to the rim of a
     round skin, which is the highest when the mold is tilted."""
     gap = design.mold.clearance
@@ -269,10 +269,10 @@ class _Openings(NamedTuple):
     cores: list[Bore]
 
 
-def _openings(design: Design, place: Layout) -> _Openings:
+def openings(design: Design, place: Layout) -> _Openings:
     """All openings. Where holes leave the mount or the threads no room, those in their way are left out, as
     long as half of them stay."""
-    vent = _vent(design, place)
+    vent = vent_bore(design, place)
     cup = _reservoir(design, place, vent)
     all_holes = _rivets(design, place, vent, cup)
     mount = mount_bores(design, place)
@@ -288,8 +288,8 @@ def _openings(design: Design, place: Layout) -> _Openings:
     rivets = _beside_mount(design, all_holes, mount)
     beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
     beside += [(hole.start, hole.radius + EDGE / 2) for hole in (*mount, *cores)]
-    pulls = _pulls(design, place, [*beside, *_filled(rivets)])
-    if not pulls and (alone := _pulls(design, place, beside)):
+    pulls = pull_threads(design, place, [*beside, *_filled(rivets)])
+    if not pulls and (alone := pull_threads(design, place, beside)):
         least_distance = TAP_RADIUS + HOLD[1] + EDGE / 2
         corners = [(x * bore.start[0], bore.start[1]) for bore in alone for x in (-1, 1)]
         fewer = [at for at in rivets if all(math.dist(at, corner) > least_distance for corner in corners)]
@@ -359,14 +359,14 @@ def _beside_mount(
 
 def refused_lids(design: Design, place: Layout) -> Iterator[InputError]:
     """Yield an error for the first bore that finds no room in carrier and cover."""
-    yield from refusals(lambda: _openings(design, place))
+    yield from refusals(lambda: openings(design, place))
 
 
 def carrier(design: Design, place: Layout) -> Part:
     """Return the rigid backing in the middle: its holes widen away from the skin, so that the silicone in
     them holds like rivets; blind threads from above lift the skin out, the only grip that it needs, and
     others hold it on a robot."""
-    vent, _, rivets, pulls, mount, cores = _openings(design, place)
+    vent, _, rivets, pulls, mount, cores = openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
     half, flat = place.end - gap, (0.0, place.back)
@@ -375,7 +375,7 @@ def carrier(design: Design, place: Layout) -> Part:
     return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
 
 
-def _pulls(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
+def pull_threads(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
     """Two tapped holes in the carrier's top that end over the silicone, opposite each other, as near to its
     middle as they clear all that silicone fills, by place and radius; none where they don't."""
     thick = place.back
@@ -400,7 +400,7 @@ def cover(design: Design, place: Layout) -> Part:
     plates: once these are off, it is lifted there."""
     thick, end, low = place.lid, place.cover, place.top
     press = lid_fits(design).press
-    _, cup, rivets, *_ = _openings(design, place)
+    _, cup, rivets, *_ = openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
     cuts = (
@@ -421,7 +421,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     outline = loop([Point(*p) for p in (*right, *((-x, -y) for x, y in right))])
     between = pairwise(place.centres)
     holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
-    _, cup, rivets, *_ = _openings(design, place)
+    _, cup, rivets, *_ = openings(design, place)
     low, thick = place.back, place.top - place.back
     body = disc(web, low, place.top) if design.skin.round else Prism(outline, "z", low, place.top, holes)
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)

@@ -60,6 +60,7 @@ from skincad.solids.pins import on_plane
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.round import check_round, lids_layout, round_parts
 from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.solids.shots import check_shots, plugs
 from skincad.solids.skin import Way, cast_skin
 
 if TYPE_CHECKING:
@@ -81,10 +82,21 @@ class ClosedMold:
 
     parts: tuple[Part, ...]
     opening: tuple[Move, ...]
+    earlier: tuple[ClosedMold, ...] = ()  # of a skin in layers: as it is closed for each plug, in order
+
+    @property
+    def plugs(self) -> list[Part]:
+        """What lies in the carrier's place in earlier pours."""
+        return [part for stage in self.earlier for part in stage.of(PartRole.PLUG)]
+
+    @property
+    def made(self) -> list[Part]:
+        """The parts that one makes, the plugs too."""
+        return [part for part in (*self.parts, *self.plugs) if part.made == "made"]
 
     def part(self, name: str) -> Part:
         """Return the part of this name."""
-        return next(p for p in self.parts if p.name == name)
+        return next(p for p in (*self.parts, *self.plugs) if p.name == name)
 
     def of(self, *roles: PartRole) -> list[Part]:
         """Return the parts of these roles."""
@@ -114,7 +126,7 @@ def mold(design: Design) -> ClosedMold:
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *check_round(design)]
+    whole = [*check_bent(design), *check_round(design), *check_shots(design)]
     whole += refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
@@ -130,7 +142,9 @@ def mold(design: Design) -> ClosedMold:
     if design.skin.curvature_radius_y is not None:
         return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
     if design.skin.round:
-        return _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
+        closed = _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
+        stages = [[plug] for plug in plugs(design, shape, lids_layout(design, place))]
+        return _with_plugs(closed, place, stages)
     pieces = [cavity(design, shape, place)] if not on_base else cavity_plate(design, shape, place)
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else pieces
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
@@ -144,7 +158,24 @@ def mold(design: Design) -> ClosedMold:
     rest.append(seal_sheet(design, place))
     rest += base_dowels(design, shape, place) if on_base else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
-    return _with_opening(design, place, (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips), ridges)
+    parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)
+    closed = _with_opening(design, place, parts, ridges)
+    return _with_plugs(closed, place, [_gang(place, [plug]) for plug in plugs(design, shape, place)])
+
+
+def _with_plugs(closed: ClosedMold, place: Layout, stages: list[list[Part]]) -> ClosedMold:
+    """The mold with what it is before the last layer: plugs in the place of skin, carrier and what is in it.
+    They leave upward, once the cover is off; nothing else is opened then."""
+    gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN)
+    kept = [part for part in closed.parts if part.role not in gone]
+    lid = (PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
+    high = 2 * (place.top - place.bottom)
+    off = Move(tuple(part.name for part in kept if part.role in lid), "z", high)
+    earlier = tuple(
+        ClosedMold((*kept, *plugs), (off, Move(tuple(plug.name for plug in plugs), "z", high)))
+        for plugs in stages
+    )
+    return replace(closed, earlier=earlier)
 
 
 def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:

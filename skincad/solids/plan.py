@@ -53,6 +53,7 @@ class PartRole(Enum):
     STRIP = "a film that is cast in", "strip", "bought", _SILVER
     END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL
     COVER_PIN = "dowel between cavity and cover", "pin", "bought", _STEEL
+    PLUG = "what keeps the room of a layer that is poured later", "plug", "made", _GREEN
     CORE_PIN = "what keeps a pocket free", "core pin", "bought", _STEEL
     BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
 
@@ -467,8 +468,10 @@ _Body = TypeVar("_Body", bound=Body)
 
 def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
-    if isinstance(body, RotatedBody | ExtendedCut):
+    if isinstance(body, RotatedBody):
         raise ValueError("a bent mold has one skin and nothing to move aside")
+    if isinstance(body, ExtendedCut):
+        return replace(body, counts=moved(body.counts, x), built=moved(body.built, x))
     if isinstance(body, TurnedBody):
         return replace(body, origin=(body.origin[0] + x, *body.origin[1:]))
     if not isinstance(body, Bore):

@@ -13,7 +13,7 @@ there are that many. A group's hull fills what is between its pins, and touches 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,7 +23,7 @@ import trimesh
 from skincad.base.arrays import Array, Index
 from skincad.fabrication.meshes import mesh, upright
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.problem import PVDF_DENSITY
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, section, skin_of
@@ -31,6 +31,7 @@ from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.pins import pins
 from skincad.solids.plan import Body, Part, PartRole, TurnedBody
+from skincad.solids.shots import behind
 from skincad.solids.skin import along_skin, skin_part
 
 MOST_BODIES = 64  # features
@@ -105,9 +106,18 @@ def links(design: Design, *, bodies: bool = True) -> Links:
     ridges = tuple(
         combine(features[i] for i in group) if len(group) > 1 else features[group[0]] for group in members
     )
-    return Links(
-        carrier.turned(TO_DESIGN), _weight(skin_part(design), density), ridges, _filling(design, density)
-    )
+    skin = _weight(skin_part(design), density)
+    skin = combine([skin, *_layers(design)]) if design.shot else skin
+    return Links(carrier.turned(TO_DESIGN), skin, ridges, _filling(design, density))
+
+
+def _layers(design: Design) -> Iterator[Weight]:
+    """What layers behind the skin's own silicone weigh more than the one in front of each, as if that filled
+    all behind its face."""
+    densities = [*(stuff.density for stuff in layers(design)), silicone(design).density]
+    for number, (own, front) in enumerate(pairwise(densities), 1):
+        part = Part(f"shot-{number}", PartRole.SKIN, behind(design, number))
+        yield _weight(part, (own - front) * G_PER_MM3)
 
 
 def carrier_part(design: Design) -> Part:

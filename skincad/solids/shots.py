@@ -1,0 +1,231 @@
+"""Shots: the layers that a skin is cast in, and the plugs that keep the room of those that come later.
+
+The layer in front is poured first, into the cavity with its shims. A plug lies in the carrier's place
+meanwhile, with the negative of all that is poured behind that layer; it lifts straight off. The last plug is
+the thinnest. At last the carrier goes on, over the layer at the back. A shot that is laid wet on wet needs no
+plug: its face is level, and what is poured before it is weighed.
+
+A plug is one clearance smaller than the trough all round, through which air leaves; its vent lies under the
+cover's cup. Rivets are pegs on a plug that widen from it: silicone stretches over their heads as the plug
+is pulled, and the shot behind fills the holes that they leave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.inputs.guards import face_heights
+from skincad.inputs.material import layers, silicone
+from skincad.inputs.skin_tables import Shot
+from skincad.shape.curves import Loop, Point, Segment, polygon, right_half
+from skincad.shape.skin import Section
+from skincad.solids.layout import EDGE, Layout
+from skincad.solids.lids import openings, pull_threads, vent_bore
+from skincad.solids.pins import pockets
+from skincad.solids.plan import Bore, CutRole, ExtendedCut, Part, PartRole, Prism, TurnedBody
+from skincad.solids.split import path
+
+NECK, HEAD_SHARE = 0.5, 0.25  # mm, assumption: radius of a rivet's neck, and by which its head is wider
+DEEP, LEAST_DEEP = 1.5, 0.6  # mm, assumption: how far a rivet reaches into the layer in front, and at least
+WEB = 0.3  # mm, assumption: least silicone between a rivet and a slot or the skin's face
+LEAST_LAYER = 0.5  # mm, assumption: a thinner one tears as a plug is pulled, and its air stays
+SAFE_SHARE = 0.2  # of the elongation at break, as the undercut rule has it (cavity.py)
+CHORD = 1e-3  # mm, of faces and outlines that distances are measured to
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+_TURN = 32
+
+
+def face(design: Design, number: int, half: float) -> Loop:
+    """Return the face of shot `number` from x = half to -half, mm, as one segment of a loop."""
+    shot = (design.shot or ())[number - 1]
+    middle, _ = face_heights(design.skin, shot)
+    if shot.depth is None:
+        return (Segment(Point(half, middle), Point(-half, middle)),)
+    radius = design.skin.curvature_radius - shot.depth
+    turn = math.asin(half / radius)
+    side = middle - 2 * radius * math.sin(turn / 2) ** 2
+    return (Segment(Point(half, side), Point(-half, side), math.tan(turn / 2)),)
+
+
+def behind(design: Design, number: int) -> Prism | TurnedBody:
+    """Return what of a skin lies behind the face of shot `number`, in the design's frame."""
+    half = design.skin.width / 2
+    line = face(design, number, half)
+    outline = (*path([Point(-half, 0.0), Point(half, 0.0), line[0].start]), *line)
+    outline = (*outline, Segment(line[0].end, Point(-half, 0.0)))
+    if design.skin.round:
+        return TurnedBody(right_half(outline), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    return Prism(outline, "y", -design.skin.length / 2, design.skin.length / 2)
+
+
+def bond_of(shot: Shot) -> str:
+    """Return how a shot is bound to the layer in front of it."""
+    return shot.bond or "primer"
+
+
+def plugged(design: Design) -> list[int]:
+    """Return the numbers of the shots whose room a plug keeps, in the order in which plugs are used."""
+    shots = design.shot or ()
+    return [number for number in range(len(shots), 0, -1) if bond_of(shots[number - 1]) != "wet"]
+
+
+def plugs(design: Design, shape: Section, place: Layout) -> list[Part]:
+    """Return the plugs, ridges down as the mold has them; `design` is what is poured, `place` the layout as
+    the lids see it. Raises InputError where rivets find no room."""
+    return [_plug(design, shape, place, number) for number in plugged(design)]
+
+
+def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
+    """A plate on the carrier's ledge with the shots' negative under it."""
+    gap = design.mold.clearance
+    wide, half = place.trough - gap, design.skin.width / 2 - gap
+    line = face(design, number, half)
+    turned = Segment(
+        Point(line[0].end.x, -line[0].end.z), Point(line[0].start.x, -line[0].start.z), line[0].bulge
+    )
+    rim = [Point(half, 0.0), Point(wide, 0.0), Point(wide, place.back)]
+    rim += [Point(-wide, place.back), Point(-wide, 0.0), Point(-half, 0.0)]
+    outline = (turned, *path([turned.end, *rim, turned.start]))
+    body: Prism | TurnedBody = Prism(outline, "y", gap - place.end, place.end - gap)
+    if design.skin.round:
+        body = TurnedBody(right_half(_from_left(outline)), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    vent, cup = vent_bore(design, place), openings(design, place).cup
+    if design.skin.round:  # whose carrier has it at the very rim
+        x, y, z = vent.start
+        vent = replace(vent, start=(x, y - gap - EDGE / 2, z))
+    filled = [(vent.start, vent.radius), (cup.start, cup.radius)]
+    cuts = (_through(design, number, vent), *pull_threads(design, place, filled))
+    adds = tuple(_rivets(design, shape, place, number))
+    return Part(f"plug-{number}", PartRole.PLUG, body, cuts, adds=adds)
+
+
+def _from_left(outline: Loop) -> Loop:
+    """The loop, begun to the left of x = 0 as `right_half` wants it: with what ends the left side."""
+    return outline if outline[0].start.x < 0.0 else (outline[-1], *outline[:-1])
+
+
+def heights(design: Design, number: int, x: Array, y: Array) -> Array:
+    """Return how high the face of shot `number` lies over the back at `x` and `y`, mm."""
+    shot = (design.shot or ())[number - 1]
+    middle, _ = face_heights(design.skin, shot)
+    if shot.depth is None:
+        return np.full_like(x, middle)
+    radius = design.skin.curvature_radius - shot.depth
+    arm = np.hypot(x, y) if design.skin.round else np.abs(x)
+    return np.asarray(middle - 2 * radius * np.sin(np.arcsin(arm / radius) / 2) ** 2)
+
+
+def _over_disc(design: Design, number: int, at: tuple[float, float], radius: float) -> tuple[float, float]:
+    """Mean and largest height of a shot's face over a disc, mm; by a quadrature that rounding limits."""
+    u, weight = (_NODES + 1) / 2, _WEIGHTS / 2 * (_NODES + 1)
+    turn = 2 * math.pi * np.arange(_TURN) / _TURN
+    x, y = at[0] + radius * np.outer(u, np.cos(turn)), at[1] + radius * np.outer(u, np.sin(turn))
+    mean = float(weight @ heights(design, number, x, y).mean(axis=1))
+    rim = at[0] + radius * np.cos(turn), at[1] + radius * np.sin(turn)
+    top = max(float(heights(design, number, *rim).max()), float(heights(design, number, *_at(at)).max()))
+    return mean, top
+
+
+def _at(at: tuple[float, float]) -> tuple[Array, Array]:
+    return np.array([at[0]]), np.array([at[1]])
+
+
+def _through(design: Design, number: int, vent: Bore) -> ExtendedCut | Bore:
+    """The vent, from a shot's face up: it is built from below that face, whatever its curve."""
+    mean, top = _over_disc(design, number, vent.start[:2], vent.radius)
+    counts = replace(vent, start=(*vent.start[:2], -mean), length=vent.length + mean)
+    if top - mean < 1e-12:
+        return counts
+    low = top + 0.1
+    built = replace(vent, start=(*vent.start[:2], -low), length=vent.length + low)
+    return ExtendedCut(counts, built)
+
+
+def _rivets(design: Design, shape: Section, place: Layout, number: int) -> Iterator[TurnedBody]:
+    """Pegs on a plug that widen away from it. Raises InputError where none has room."""
+    shots = design.shot or ()
+    if bond_of(shots[number - 1]) != "rivets":
+        return
+    in_front = silicone(design) if number == len(shots) else layers(design)[number]
+    head = NECK * (1 + min(HEAD_SHARE, SAFE_SHARE * in_front.elongation_at_break))
+    room = _room_in_front(design, shape, number)
+    found = 0
+    for x, y in openings(design, place).rivets:
+        across = math.hypot(x, y) if design.skin.round else x
+        deep = next((d for d in np.arange(DEEP, LEAST_DEEP - 1e-9, -0.1).tolist() if room(across, d)), None)
+        if deep is not None:
+            found += 1
+            yield _peg(design, number, (x, y), deep, head)
+    if not found:
+        rule = f"'rivets' need {LEAST_DEEP + WEB:g} mm of the layer in front, clear of slots"
+        remedy = "take 'primer', a thicker layer in front, or mold.carrier = 'perforated'"
+        raise InputError("shot.bond", rule, number, remedy)
+
+
+def _room_in_front(design: Design, shape: Section, number: int) -> Callable[[float, float], bool]:
+    """A function that says whether a rivet of some depth, mm, has room at a distance across."""
+    half, count = design.skin.width / 2, len(design.shot or ())
+    front = shapely.Polygon(polygon(shape.outline, CHORD))
+    if number < count:
+        front = shapely.Polygon(polygon(behind(design, number + 1).outline, CHORD))
+    slots = shapely.MultiPolygon([shapely.Polygon(polygon(slot.loop(), CHORD)) for slot in shape.slots])
+
+    def fits(across: float, deep: float) -> bool:
+        low = float(heights(design, number, *_at((across, 0.0)))[0])
+        peg = shapely.box(across - NECK, low, across + NECK, low + deep).buffer(WEB)
+        inside = shapely.box(-half, -WEB, half, low + deep + WEB).contains(peg) and front.contains(
+            peg.intersection(shapely.box(-half, low, half, 1e6))
+        )
+        return bool(inside and not peg.intersects(slots))
+
+    return fits
+
+
+def _peg(
+    design: Design, number: int, at: tuple[float, float], deep: float, head: float
+) -> TurnedBody:
+    """A peg from inside a plug down: a cylinder as far as the face's curve goes, then a cone to its head."""
+    mean, top = _over_disc(design, number, at, NECK)
+    level = float(heights(design, number, *_at(at))[0])
+    sunk, out = 0.2 + level - mean, max(0.05, top - level + 0.02)
+    corners = [Point(0.0, -sunk), Point(NECK, -sunk), Point(NECK, out), Point(head, deep), Point(0.0, deep)]
+    outline = tuple(path([*corners, corners[0]]))
+    buried = math.pi * NECK**2 * (sunk + mean - level)
+    return TurnedBody(outline, (*at, -level), (0.0, 0.0, -1.0), buried)
+
+
+def check_shots(design: Design) -> Iterator[InputError]:
+    """Yield an error for each thing that a mold can't do for a skin's layers; none for a skin of one."""
+    shots = design.shot or ()
+    if not shots:
+        return
+    if design.mold.pour == "syringe" or design.mold.gate is not None:
+        key, value = ("mold.pour", design.mold.pour) if design.mold.pour else ("mold.gate", design.mold.gate)
+        rule = "must not be given with [[shot]], whose layers are poured one by one into the open mold"
+        yield InputError(key, rule, value, "leave it out")
+    if design.skin.curvature_radius_y is not None:
+        rule = "must not be given with [[shot]]: no plug is made for a doubly curved mold"
+        yield InputError("skin.curvature_radius_y", rule, design.skin.curvature_radius_y, "drop [[shot]]")
+    below = 0.0
+    for number, shot in enumerate(shots, 1):
+        key, value = ("thickness", shot.thickness) if shot.depth is None else ("depth", shot.depth)
+        middle, _ = face_heights(design.skin, shot)
+        side = face(design, number, design.skin.width / 2)[0].start.z
+        if side < LEAST_LAYER or middle - below < LEAST_LAYER:
+            rule = f"leaves shot {number} less than {LEAST_LAYER:g} mm, which tears as its plug is pulled"
+            yield InputError(f"shot.{key}", rule, value, "a thicker layer")
+        below = middle
+    deepest = max((bore.length for bore in pockets(design)), default=0.0)
+    first = face(design, 1, design.skin.width / 2)[0].start.z
+    if deepest > first - LEAST_LAYER:
+        family = design.features.family
+        rule = f"must end {LEAST_LAYER:g} mm before the first shot's face, at {first:.4g} mm"
+        yield InputError(f"{family}.pocket.depth", rule, deepest, "take a smaller depth, or a thicker shot")
