@@ -50,7 +50,7 @@ def tasks(job: Job) -> list[Task]:
     """Return what is done for a cast, in order."""
     material, strips, film = job.silicone, strip_count(job), job.design.film
     cure = 60 * (material.cure_h or 24.0)
-    made = [part for part in job.closed.made]
+    made = job.closed.made
     resin = material.platinum_cure and any(job.process(part).inhibits_platinum for part in made)
     rows = list[Task]()
     if resin:

@@ -307,7 +307,7 @@ class Facts:
     @cached_property
     def parts_made(self) -> list[Part]:
         """The parts that are made."""
-        return [part for part in self.job.closed.made]
+        return self.job.closed.made
 
     @property
     def made(self) -> list[MadePart]:
@@ -474,17 +474,22 @@ class Facts:
         return self.pours[-1]
 
     @property
+    def plugs(self) -> list[str]:
+        """The plugs, by name."""
+        return [part.name for part in self.job.closed.plugs]
+
+    @property
     def layered(self) -> bool:
         """Whether the skin is cast in layers."""
         return len(self.pours) > 1
 
-    def layer(self, pour: LayerPour) -> str:
+    def layer(self, of: LayerPour) -> str:
         """What a pour is called."""
-        return layer_name(pour)
+        return layer_name(of)
 
-    def next_within(self, pour: LayerPour) -> float:
+    def next_within(self, of: LayerPour) -> float:
         """When the layer behind a wet one is on it, min from when that was mixed."""
-        return minutes_to_lay_on(self.job, pour)
+        return minutes_to_lay_on(self.job, of)
 
     @property
     def silicone(self) -> str:
@@ -525,13 +530,13 @@ class Facts:
     def portions(self) -> list[Portion]:
         """The same, one by one."""
         found = list[Portion]()
-        for pour in self.pours:
-            of, mix = f" of {self.layer(pour)}" if self.layered else "", pour.silicone.mix
+        for each in self.pours:
+            of, mix = f" of {self.layer(each)}" if self.layered else "", each.silicone.mix
             if not mix:
-                found.append(Portion(f"mixed{of}", pour.batch))
+                found.append(Portion(f"mixed{of}", each.batch))
             else:
                 shares = zip("AB", mix, strict=True)
-                found += [Portion(f"{n}{of}, g", pour.batch * part / sum(mix)) for n, part in shares]
+                found += [Portion(f"{n}{of}, g", each.batch * part / sum(mix)) for n, part in shares]
         return found
 
     @cached_property

@@ -155,15 +155,15 @@ def _details(case: Case) -> Iterator[Finding]:
 
 def _overhang(case: Case) -> Iterator[Finding]:
     """Facets of the print mesh that lean out further than the process can without support, off the bed.
-    Horizontal bores up to the process's bridge are left out: they close by themselves."""
+    Bores up to the process's bridge are left out: horizontal ones and the ends of blind ones close by
+    themselves."""
     process, part = case.process, unturned(case.part)
     if not process.layer:
         return
     end = on_end(part, process)
-    upright = "y" if end else "z"
 
     def closes(cut: Body) -> bool:
-        return isinstance(cut, Bore) and cut.axis != upright and 2 * cut.radius <= process.bridge
+        return isinstance(cut, Bore) and 2 * cut.radius <= process.bridge
 
     cuts = tuple(cut for cut in part.cuts if not closes(plain(cut)))
     angle, area = overhang(replace(part, cuts=cuts), process, end)

@@ -232,7 +232,8 @@ def pouring_findings(job: Job) -> list[Finding]:
     left, pot, findings = minutes_left(job), job.silicone.pot_life_min, list[Finding]()
     if left is not None and pot is not None and left < 0:
         remedy = "a thinner silicone or one with a longer pot life, a wider mold.gate, or a thicker skin"
-        findings.append(warning("pot life", "stirring, degassing and filling", pot - left, pot, "min", remedy))
+        where = "stirring, degassing and filling"
+        findings.append(warning("pot life", where, pot - left, pot, "min", remedy))
     return [*findings, *_between_layers(job)]
 
 

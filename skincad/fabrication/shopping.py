@@ -70,9 +70,7 @@ def _filling(job: Job) -> Iterator[Need]:
         yield Need(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
     if any(process.layer for process in (job.cavity_process, job.end_process, job.lid_process)):
         yield Need(1, "release agent", "for silicone, with a brush", "printed parts")
-    if job.silicone.platinum_cure and any(
-        job.process(part).inhibits_platinum for part in job.closed.made
-    ):
+    if job.silicone.platinum_cure and any(job.process(part).inhibits_platinum for part in job.closed.made):
         yield Need(BATHS_ML, "isopropanol", "", "washes resin parts", "ml")
     yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")

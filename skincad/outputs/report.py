@@ -18,7 +18,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.check import spread_of
 from skincad.mechanics.manufacture import sensitivities
 from skincad.mechanics.models import winkler
-from skincad.mechanics.models.table import MODELS, whole_price
+from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.plate_friction import PlateFriction
 from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits
@@ -298,13 +298,19 @@ def forces_figure(check: ContactCheck, command: str) -> str:
     )
 
 
+def _closed_form(design: Design) -> bool:
+    """Whether the closed form judges this design: it knows ridges on a rectangular skin."""
+    return not unsupported_reason("winkler", design, False)
+
+
 def models_section(build: Build, check: ContactCheck, command: str) -> str:
     """Return the models tried on the way, and their error against time."""
     design = build.design
-    springs, plate = winkler.answer(design, Request(check.force)), PlateFriction(design, check.force, ())
+    plate = PlateFriction(design, check.force, ())
     models = [(run.model, run.all_touch_force, run.unknowns) for run in check.models_tried]
     models.append((check.model, check.all_touch_force, check.unknowns))
-    if "winkler" not in {name for name, *_ in models}:
+    if "winkler" not in {name for name, *_ in models} and _closed_form(design):
+        springs = winkler.answer(design, Request(check.force))
         models.insert(0, ("winkler", springs.all_touch_force, springs.unknowns))
 
     rows, points = [], []
@@ -318,8 +324,9 @@ def models_section(build: Build, check: ContactCheck, command: str) -> str:
     head = ("model", "leaves out", "unknowns", "usual time, linear = 1", "all ridges touch from")
     law = (
         "Times are those usual for a skin with film, in the linear model's; they are not measured in this "
-        "run, so that the same design gives the same report. winkler is the closed form below. The error "
-        "includes what a model leaves out."
+        "run, so that the same design gives the same report. "
+        f"{'winkler is the closed form below. ' if _closed_form(design) else ''}"
+        "The error includes what a model leaves out."
     )
     drawn = ""
     if len(points) > 1:
@@ -362,10 +369,14 @@ def yield_section(build: Build, check: ContactCheck, command: str) -> str:
 
 def sensitivity_section(build: Build, check: ContactCheck | None, source: str) -> str:
     """Return which dimension or modulus moves the force by how much."""
+    head = heading("What moves the force", "sensitivities")
+    if not _closed_form(build.design):
+        words = "Not told here: the closed form that tells it knows ridges alone. To see it for one key:"
+        sweep = f"skincad sweep {source} --vary skin.thickness={build.design.skin.thickness:g}:"
+        return head + paragraph(words) + command_line(f"{sweep}{1.1 * build.design.skin.thickness:.4g}:3")
     closed_form = winkler.all_touch_force(build.design)
     force = check.all_touch_force.value if check else None
     changes = sensitivities(build.design, force or closed_form)
-    head = heading("What moves the force", "sensitivities")
     if not changes:
         return head + paragraph("Nothing does: all of it touches from the first contact on.")
     rows = [(change.key, change.now, change.unit, str(change.change)) for change in changes]

@@ -59,8 +59,8 @@ from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused
 from skincad.solids.pins import on_plane
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.round import check_round, lids_layout, round_parts
-from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.shots import check_shots, plugs
+from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import Way, cast_skin
 
 if TYPE_CHECKING:
@@ -250,7 +250,8 @@ def mold_solids(design: Design) -> dict[str, cq.Workplane]:
     """Return the exact solids of the parts that one makes or casts, by name, in the mold's frame, mm."""
     from skincad.solids.occ import workplane
 
-    return {p.name: workplane(p) for p in mold(design).parts if p.made != "bought"}
+    closed = mold(design)
+    return {p.name: workplane(p) for p in (*closed.parts, *closed.plugs) if p.made != "bought"}
 
 
 def _pins(design: Design, place: Layout) -> list[Part]:

@@ -22,7 +22,7 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.inputs.guards import face_heights
+from skincad.inputs.guards import face_heights, shoulder
 from skincad.inputs.material import layers, silicone
 from skincad.inputs.skin_tables import Shot
 from skincad.shape.curves import Loop, Point, Segment, polygon, right_half
@@ -30,7 +30,7 @@ from skincad.shape.skin import Section
 from skincad.solids.layout import EDGE, Layout
 from skincad.solids.lids import openings, pull_threads, vent_bore
 from skincad.solids.pins import pockets
-from skincad.solids.plan import Bore, CutRole, ExtendedCut, Part, PartRole, Prism, TurnedBody
+from skincad.solids.plan import Bore, ExtendedCut, Part, PartRole, Prism, TurnedBody, disc
 from skincad.solids.split import path
 
 NECK, HEAD_SHARE = 0.5, 0.25  # mm, assumption: radius of a rivet's neck, and by which its head is wider
@@ -38,6 +38,7 @@ DEEP, LEAST_DEEP = 1.5, 0.6  # mm, assumption: how far a rivet reaches into the 
 WEB = 0.3  # mm, assumption: least silicone between a rivet and a slot or the skin's face
 LEAST_LAYER = 0.5  # mm, assumption: a thinner one tears as a plug is pulled, and its air stays
 SAFE_SHARE = 0.2  # of the elongation at break, as the undercut rule has it (cavity.py)
+SUNK = 0.2  # mm, by which what is added to a plug goes into it
 CHORD = 1e-3  # mm, of faces and outlines that distances are measured to
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _TURN = 32
@@ -87,29 +88,35 @@ def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
     """A plate on the carrier's ledge with the shots' negative under it."""
     gap = design.mold.clearance
     wide, half = place.trough - gap, design.skin.width / 2 - gap
-    line = face(design, number, half)
-    turned = Segment(
-        Point(line[0].end.x, -line[0].end.z), Point(line[0].start.x, -line[0].start.z), line[0].bulge
-    )
-    rim = [Point(half, 0.0), Point(wide, 0.0), Point(wide, place.back)]
-    rim += [Point(-wide, place.back), Point(-wide, 0.0), Point(-half, 0.0)]
-    outline = (turned, *path([turned.end, *rim, turned.start]))
-    body: Prism | TurnedBody = Prism(outline, "y", gap - place.end, place.end - gap)
-    if design.skin.round:
-        body = TurnedBody(right_half(_from_left(outline)), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    adds = tuple(_rivets(design, shape, place, number))
     vent, cup = vent_bore(design, place), openings(design, place).cup
-    if design.skin.round:  # whose carrier has it at the very rim
-        x, y, z = vent.start
+    if design.skin.round:
+        x, y, z = vent.start  # of the carrier, whose vent is at the very rim
         vent = replace(vent, start=(x, y - gap - EDGE / 2, z))
+        body, adds = disc(wide, 0.0, place.back), (_core(design, number, half), *adds)
+    else:
+        body = Prism(_outline(design, place, number, (wide, half)), "y", gap - place.end, place.end - gap)
     filled = [(vent.start, vent.radius), (cup.start, cup.radius)]
     cuts = (_through(design, number, vent), *pull_threads(design, place, filled))
-    adds = tuple(_rivets(design, shape, place, number))
     return Part(f"plug-{number}", PartRole.PLUG, body, cuts, adds=adds)
 
 
-def _from_left(outline: Loop) -> Loop:
-    """The loop, begun to the left of x = 0 as `right_half` wants it: with what ends the left side."""
-    return outline if outline[0].start.x < 0.0 else (outline[-1], *outline[:-1])
+def _outline(design: Design, place: Layout, number: int, halves: tuple[float, float]) -> Loop:
+    """A plug's section, ridges down: `halves` mm of its plate and of what is under it."""
+    wide, half = halves
+    (line,) = face(design, number, half)
+    low = Segment(Point(line.end.x, -line.end.z), Point(line.start.x, -line.start.z), line.bulge)
+    rim = [Point(half, 0.0), Point(wide, 0.0), Point(wide, place.back)]
+    rim += [Point(-wide, place.back), Point(-wide, 0.0), Point(-half, 0.0)]
+    return (low, *path([low.end, *rim, low.start]))
+
+
+def _core(design: Design, number: int, half: float) -> TurnedBody:
+    """What is under the plate of a round plug, sunk into it: touching faces would leave a film in a mesh."""
+    (line,) = face(design, number, half)
+    walls = path([line.end, Point(-half, -SUNK), Point(half, -SUNK), line.start])
+    buried = math.pi * half**2 * SUNK
+    return TurnedBody(right_half((*walls, line)), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), buried)
 
 
 def heights(design: Design, number: int, x: Array, y: Array) -> Array:
@@ -189,13 +196,11 @@ def _room_in_front(design: Design, shape: Section, number: int) -> Callable[[flo
     return fits
 
 
-def _peg(
-    design: Design, number: int, at: tuple[float, float], deep: float, head: float
-) -> TurnedBody:
+def _peg(design: Design, number: int, at: tuple[float, float], deep: float, head: float) -> TurnedBody:
     """A peg from inside a plug down: a cylinder as far as the face's curve goes, then a cone to its head."""
     mean, top = _over_disc(design, number, at, NECK)
     level = float(heights(design, number, *_at(at))[0])
-    sunk, out = 0.2 + level - mean, max(0.05, top - level + 0.02)
+    sunk, out = SUNK + level - mean, max(0.05, top - level + 0.02)
     corners = [Point(0.0, -sunk), Point(NECK, -sunk), Point(NECK, out), Point(head, deep), Point(0.0, deep)]
     outline = tuple(path([*corners, corners[0]]))
     buried = math.pi * NECK**2 * (sunk + mean - level)
@@ -214,15 +219,18 @@ def check_shots(design: Design) -> Iterator[InputError]:
     if design.skin.curvature_radius_y is not None:
         rule = "must not be given with [[shot]]: no plug is made for a doubly curved mold"
         yield InputError("skin.curvature_radius_y", rule, design.skin.curvature_radius_y, "drop [[shot]]")
-    below = 0.0
+    below, key, value = (0.0, 0.0), "", None
     for number, shot in enumerate(shots, 1):
         key, value = ("thickness", shot.thickness) if shot.depth is None else ("depth", shot.depth)
         middle, _ = face_heights(design.skin, shot)
         side = face(design, number, design.skin.width / 2)[0].start.z
-        if side < LEAST_LAYER or middle - below < LEAST_LAYER:
-            rule = f"leaves shot {number} less than {LEAST_LAYER:g} mm, which tears as its plug is pulled"
+        if min(side - below[1], middle - below[0]) < LEAST_LAYER:
+            rule = f"leaves shot {number} less than {LEAST_LAYER:g} mm: it tears as it is cast or pulled"
             yield InputError(f"shot.{key}", rule, value, "a thicker layer")
-        below = middle
+        below = middle, side
+    if min(shoulder(design.skin) - below[1], design.skin.thickness - below[0]) < LEAST_LAYER:
+        rule = f"leaves less than {LEAST_LAYER:g} mm of the layer in front, which tears as its plug is pulled"
+        yield InputError(f"shot.{key}", rule, value, "a thicker layer in front")
     deepest = max((bore.length for bore in pockets(design)), default=0.0)
     first = face(design, 1, design.skin.width / 2)[0].start.z
     if deepest > first - LEAST_LAYER:

@@ -27,7 +27,7 @@ from skincad.fabrication.orders import orders
 from skincad.fabrication.part_drawing import general_tolerance, notes, what_matters
 from skincad.fabrication.parts_list import Item, parts_list
 from skincad.fabrication.patterns import cut_words, seal_pattern, shim_notes
-from skincad.fabrication.pouring import batch, filling
+from skincad.fabrication.pouring import filling, pours
 from skincad.fabrication.printing import print_plates
 from skincad.fabrication.rules import slit_play
 from skincad.fabrication.sheet import casting_sheet
@@ -94,8 +94,10 @@ def _of_goods(job: Job, items: dict[str, list[Item]], sheet: str) -> Iterator[st
     # silicone: what is mixed, by portions and together
     (silicone,) = items["silicone"]
     (total, *_), *_ = numbers(r"([\d.]+) g(?:, into one cup| by its data sheet)", sheet) or [(0.0,)]
-    if abs(float(silicone.quantity) - batch(job)) > 5e-4 * batch(job) or abs(total - batch(job)) > 5e-3:
-        yield f"silicone: {silicone.quantity}, {total}, {batch(job)}"
+    (poured,) = pours(job)
+    mixed = poured.batch
+    if abs(float(silicone.quantity) - mixed) > 5e-4 * mixed or abs(total - mixed) > 5e-3:
+        yield f"silicone: {silicone.quantity}, {total}, {mixed}"
     # shims: size, number, length
     for shim in items.get("shim", []):
         thick, deep, long = shim.designation.split(" x ")

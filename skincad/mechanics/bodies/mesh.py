@@ -17,7 +17,7 @@ from netgen.geom2d import SplineGeometry
 from netgen.meshing import NgException
 from scipy import optimize, spatial
 
-from skincad.base.arrays import Array, Index, Mask
+from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError, exhausted
 from skincad.mechanics.problem import Pad
 from skincad.shape.curves import Loop, Point, Segment
@@ -404,11 +404,11 @@ def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadM
 @dataclass(frozen=True, eq=False)
 class PlainMesh:
     """Straight triangles of a section: `points` `(p, 2)` mm, `corners` `(t, 3)` of them, counterclockwise,
-    `film` `(t,)` those of the film, and by boundary its `edges` `(e, 2)`."""
+    `domain` `(t,)` SKIN, FILM, or FILM + a shot's number, and by boundary its `edges` `(e, 2)`."""
 
     points: Array
     corners: Index
-    film: Mask
+    domain: Index
     edges: dict[str, Index]
 
 
@@ -418,7 +418,7 @@ def plain_mesh(pad: Pad, sizes: Sizes) -> PlainMesh:
     points = np.array([[p[0], p[1]] for p in mesh.Points()]) * unit_of(pad)
     elements = list(mesh.Elements2D())
     corners = np.array([[v.nr - 1 for v in element.vertices[:3]] for element in elements], dtype=np.int64)
-    film = np.array([element.index == FILM for element in elements])
+    domain = np.array([element.index for element in elements], dtype=np.int64)
     edges: dict[str, list[list[int]]] = {}
     for edge in mesh.Elements1D():
         ends = [v.nr - 1 for v in edge.vertices[:2]]
@@ -427,4 +427,4 @@ def plain_mesh(pad: Pad, sizes: Sizes) -> PlainMesh:
     (ux, uz), (vx, vz) = (b - a).T, (c - a).T
     turned = ux * vz - uz * vx < 0
     corners[turned] = corners[turned][:, ::-1]
-    return PlainMesh(points, corners, film, {name: np.array(ends) for name, ends in edges.items()})
+    return PlainMesh(points, corners, domain, {name: np.array(ends) for name, ends in edges.items()})

@@ -20,7 +20,7 @@ import math
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 
 from skincad.base.arrays import Array, Index
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.material import layers, silicone
+from skincad.inputs.silicone import Silicone
 from skincad.mechanics.bodies.mesh import PlainMesh, Sizes, height_of, plain_mesh, unit_of
 from skincad.mechanics.bodies.prisms import graded
 from skincad.mechanics.problem import PVDF_DENSITY, Pad, pad_of
@@ -36,6 +37,7 @@ from skincad.outputs.simulators.models import exactly
 from skincad.shape import curves
 from skincad.shape.skin import section, skin_of
 from skincad.solids.plan import RevolvedBody
+from skincad.solids.shots import behind
 from skincad.solids.skin import along_skin
 
 EDGES = tuple(combinations(range(4), 2))  # of a tetrahedron, in the order below
@@ -48,7 +50,6 @@ OUTER_LAYER, GROWTH = 0.15, 1.6
 TRIANGLE, TETRAHEDRON = 9, 11  # Gmsh's exactly of second-order elements
 GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # Gmsh has the middle of edge 23 before that of 13
 VTK_TETRAHEDRON = 24
-REGIONS = ("skin", "film")
 PIXELS_PER_PITCH, MAX_PIXELS = 50, 4096  # pixels: in a pitch, and of an image's longer side
 LEVELS = 65535  # of a pixel; 0 is where there is no skin
 CHORD = 1e-4  # of the pitch, of the polygon that heights are taken from
@@ -83,8 +84,8 @@ def tetrahedra(design: Design, fineness: float = 1.0) -> Tetrahedra:
     corners, count = _sweep(design, flat, levels), len(flat.points)
     cut = _cut(flat.corners, len(levels) - 1, count)
     cut = _outward(corners, cut)
-    film = np.tile(np.repeat(flat.film, len(CUTS)), len(levels) - 1)
-    regions = {"skin": cut[~film], "film": cut[film]}
+    domain = np.tile(np.repeat(flat.domain, len(CUTS)), len(levels) - 1)
+    regions = {name: cut[domain == number] for number, name in enumerate(region_names(design), 1)}
     faces = {_surface(name): _walls(edges, len(levels) - 1, count) for name, edges in flat.edges.items()}
     faces = {name: walls for name, walls in faces.items() if name}
     nodes, edge_of = _middles(corners, cut)
@@ -99,6 +100,11 @@ def tetrahedra(design: Design, fineness: float = 1.0) -> Tetrahedra:
         {name: _second_order(cells, edge_of, MIDDLES[:3]) for name, cells in sorted(faces.items())},
         volumes,
     )
+
+
+def region_names(design: Design) -> list[str]:
+    """Return the regions of a mesh by their domains, 1, 2 and on: skin, film, and the shots from the back."""
+    return ["skin", "film", *(f"shot-{number}" for number in range(1, len(design.shot or ()) + 1))]
 
 
 def section_sizes(pad: Pad, fineness: float) -> Sizes:
@@ -176,15 +182,18 @@ def _second_order(
     return np.hstack([corners, np.array(nodes, dtype=np.int64).reshape(len(corners), len(middles))])
 
 
-def _exact(design: Design, pad: Pad) -> tuple[float, float]:
-    """Exact volumes of skin and film, mm3."""
+def _exact(design: Design, pad: Pad) -> tuple[float, ...]:
+    """Exact volumes of skin, film and shots, mm3."""
     strips = tuple(pad.strips)
-    skin = along_skin(design, pad.section.outline, (*strips, *pad.voids)).volume
-    return skin, math.fsum(along_skin(design, strip, ()).volume for strip in strips)
+    below = [0.0, *(behind(design, number).volume for number in range(1, len(design.shot or ()) + 1))]
+    skin = along_skin(design, pad.section.outline, (*strips, *pad.voids)).volume - below[-1]
+    film = math.fsum(along_skin(design, strip, ()).volume for strip in strips)
+    return (skin, film, *(high - low for low, high in pairwise(below)))
 
 
 def msh(mesh: Tetrahedra) -> str:
-    """Return the mesh as MSH 4.1 text, mm: physical volumes skin and film, surfaces back and crest-1, ..."""
+    """Return the mesh as MSH 4.1 text, mm: physical volumes skin, film and shot-1, ...; surfaces back
+    and crest-1, ..."""
     return "\n".join([*_msh(mesh), ""])
 
 
@@ -224,9 +233,16 @@ def _box(mesh: Tetrahedra, rows: Index) -> str:
 
 
 def vtu(mesh: Tetrahedra) -> str:
-    """Return the tetrahedra as VTU, mm; cell data `region` is 1 in the skin, 2 in the film."""
+    """Return the tetrahedra as VTU, mm; cell data `region` is 1 in the skin, 2 in the film, 3 and on in the
+    shots from the back."""
     cells = np.concatenate(list(mesh.elements.values()))
-    region = np.concatenate([np.full(len(mesh.elements[n]), REGIONS.index(n) + 1) for n in mesh.elements])
+    numbers = {"skin": 1, "film": 2}
+    region = np.concatenate(
+        [
+            np.full(len(rows), numbers.get(name) or 2 + int(name.removeprefix("shot-")))
+            for name, rows in mesh.elements.items()
+        ]
+    )
     arrays: list[tuple[str, str, int, str, Array | Index]] = [
         ("Points", "Float64", 3, "points", mesh.nodes),
         ("Cells", "Int64", 1, "connectivity", cells),
@@ -253,6 +269,16 @@ def _array(kind: str, width: int, name: str, values: Array | Index) -> str:
     return f"<DataArray {head}>{text}</DataArray>"
 
 
+def _stuff(material: Silicone) -> dict[str, Any]:
+    return {
+        "name": material.name,
+        "young_modulus": material.young_modulus.value,
+        "poisson_ratio": material.poisson_ratio,
+        "density": material.density,
+        "law": {"kind": "neo-hooke"} if material.law is None else material.law.model_dump(mode="json"),
+    }
+
+
 def materials(design: Design, mesh: Tetrahedra) -> dict[str, Any]:
     """Return what the regions are made of, with units, and how far the mesh's volume is off."""
     material, film = silicone(design), design.film
@@ -261,14 +287,9 @@ def materials(design: Design, mesh: Tetrahedra) -> dict[str, Any]:
         "volume": {n: {"mesh_mm3": a, "exact_mm3": b} for n, (a, b) in mesh.volumes.items()},
         "volume_deviation": mesh.deviation,
         "held": "surface back is clamped in every check; crest-1, crest-2, ... are what may touch",
-        "skin": {
-            "name": material.name,
-            "young_modulus": material.young_modulus.value,
-            "poisson_ratio": material.poisson_ratio,
-            "density": material.density,
-            "law": {"kind": "neo-hooke"} if material.law is None else material.law.model_dump(mode="json"),
-        },
+        "skin": _stuff(material),
     }
+    data |= {f"shot-{number}": _stuff(stuff) for number, stuff in enumerate(layers(design), 1)}
     if film and "film" in mesh.elements:
         data["film"] = {
             "young_modulus": film.young_modulus,

@@ -18,7 +18,7 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import markdown_text, strict_json
 from skincad.base.result import Result, Writer, item, record, reported
 from skincad.inputs.design import Design
-from skincad.inputs.material import refuse_layers, silicone
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.simulators.links import (
@@ -120,7 +120,6 @@ def package(
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
-    refuse_layers(design, "package")
     names = [kinds] if isinstance(kinds, str) else list(kinds)
     for kind in names:
         if kind not in KINDS:
@@ -303,11 +302,12 @@ def _body(design: Design) -> str:
 
 
 def _numbers(package: Package) -> Iterator[tuple[str, str, str]]:
-    design, material = package.design, silicone(package.design)
+    design = package.design
+    stuffs = [f"{s.density / 1e3:g} g/cm3 of {s.name}" for s in (silicone(design), *layers(design))]
+    stuffs.append(f"{lid_process(design).density:g} g/cm3 of the carrier")
     yield (
         f"mass {package.weighs.mass:.6g} g, centres and inertias",
-        f"the exact solids of skin.step and carrier.step; {material.density / 1e3:g} g/cm3 of "
-        f"{material.name}, {lid_process(design).density:g} g/cm3 of the carrier",
+        f"the exact solids of skin.step and carrier.step; {', '.join(stuffs)}",
         "as designed; parts weigh what their silicone's batch weighs",
     )
     if package.springs:

@@ -1,0 +1,117 @@
+"""The pours of a skin in layers: masses, clocks, the sheet, and what it weighs."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad.fabrication.day_plan import tasks
+from skincad.fabrication.inspection import inspection
+from skincad.fabrication.job import Job
+from skincad.fabrication.parts_list import parts_list
+from skincad.fabrication.pouring import DEAD_VOLUME, minutes_to_lay_on, poured_volume, pouring_findings, pours
+from skincad.fabrication.sheet import casting_sheet, sheet_steps
+from skincad.inputs.design import Design
+from skincad.inputs.silicone import silicones
+
+CORE = {"name": "dragon-skin-30", "thickness": 1.0}
+
+
+def layered(*shots: dict[str, Any], **tables: Any) -> Design:
+    return skincad.load("yamada-2002").with_(shot=shots or (CORE,), **tables)
+
+
+def test_pours_fill_the_mold_once() -> None:
+    job = Job(layered(CORE, {"name": "dragon-skin-20", "thickness": 1.6, "bond": "wet"}))
+    made = pours(job)
+    assert [(pour.number, pour.bond, pour.plug) for pour in made] == [
+        (0, "", ""), (2, "wet", "plug-1"), (1, "primer", ""),
+    ]  # fmt: skip
+    assert made[0].level == pytest.approx(1.6 / (1 - job.shrinkage), rel=1e-9)
+    skin = job.closed.parts[0].volume
+    assert math.fsum(pour.volume for pour in made) == pytest.approx(skin, rel=1e-12)
+    rising = made[1].filled - made[1].volume  # in the plug's vent and the cup, of the pour before the last
+    assert math.fsum(pour.filled for pour in made) - rising == pytest.approx(poured_volume(job), rel=1e-12)
+    for pour in made:
+        assert pour.mass == pytest.approx(pour.filled * pour.silicone.density * 1e-6)
+        assert pour.batch == pour.mass + DEAD_VOLUME
+
+
+def test_one_silicone_is_one_pour() -> None:
+    job = Job(skincad.load("yamada-2002"))
+    (pour,) = pours(job)
+    assert pour.filled == pytest.approx(poured_volume(job), rel=1e-12)
+    assert not pour.plug
+    assert pour.level is None
+
+
+def test_the_sheet_has_each_pour_with_its_mass_clock_and_puck() -> None:
+    job = Job(layered({**CORE, "bond": "rivets", "thickness": 0.9}))
+    job = Job(job.design.with_(material={"name": "dragon-skin-10", "young_modulus": None}))
+    text, steps = casting_sheet(job, [], "", True), sheet_steps(job)
+    front, core = pours(job)
+    for pour, what in ((front, "the layer in front"), (core, "shot 1")):
+        assert pour.weights in steps[f"mix {what}"]
+    assert f"{core.silicone.pot_life_min:g} min" in steps["mix shot 1"]
+    assert "plug-1" in steps["pour the layer in front"]
+    assert "puck" in steps["cure the layer in front"]
+    assert "puck" in steps["cure"]
+    assert "rivets' holes" in steps["bond the layer in front"]
+    assert core.cure in steps["cure"]
+    assert "| shot 1 | dragon-skin-30 |" in text
+    what = [task.what for task in tasks(job)]
+    assert what.index("cast the layer in front") < what.index("close the mold, mix and fill it")
+    bought = {item.designation: float(item.quantity) for item in parts_list(job) if item.what == "silicone"}
+    assert bought == pytest.approx({p.silicone.name: p.batch for p in (front, core)}, rel=1e-3)
+
+
+def test_wet_on_wet_has_to_be_on_within_the_pot_life() -> None:
+    """The front mix is good for 45 min, or, of a silicone that sets within 3, too short for two mixes."""
+    calm = Job(layered({**CORE, "bond": "wet"}, material={"name": "dragon-skin-10", "young_modulus": None}))
+    assert minutes_to_lay_on(calm, pours(calm)[0]) < 20
+    assert not [f for f in pouring_findings(calm) if f.rule == "pot life"]
+    quick = silicones()["dragon-skin-10"]
+    assert quick.pot_life_min == 20
+    slow = calm.design.with_(mold={"fill_time": 900.0})
+    (finding,) = [f for f in pouring_findings(Job(slow)) if f.where.startswith("shot 1, laid wet")]
+    assert finding.severity == "error"
+    assert finding.measured == pytest.approx(12 + 30, rel=1e-6)
+
+
+def test_platinum_silicone_does_not_cure_on_a_tin_cure() -> None:
+    own = {"tin": {"young_modulus": 0.5, "platinum_cure": False}}
+    design = layered(CORE, silicones=own, material={"name": "tin", "young_modulus": None})
+    assert [f.severity for f in pouring_findings(Job(design)) if f.rule == "cure inhibition"] == ["error"]
+    assert not [f for f in pouring_findings(Job(layered())) if f.rule == "cure inhibition"]
+
+
+def test_a_layered_skin_weighs_what_its_layers_do() -> None:
+    """The package's mass, from the kernel's moments, and the inspection's, less rivets and films."""
+    heavy = {"young_modulus": 1.0, "density": 2000.0, "thickness": 1.0}
+    bare = {"film": None, "slot": None, "contact": {"film": None}, "mold": {"carrier": "plain"}}
+    plain, layered_skin = skincad.load("yamada-2002").with_(**bare), layered(heavy, **bare)
+    (one,), (two,) = (
+        [row for row in inspection(Job(design)).measures if row.what.startswith("mass of the skin")]
+        for design in (plain, layered_skin)
+    )
+    skin = plain.skin
+    extra = (2000.0 - Job(plain).silicone.density) * 1e-6 * skin.width * skin.length * 1.0
+    assert two.nominal - one.nominal == pytest.approx(extra, rel=0.1)  # the vent's plug is of the core too
+    masses = [skincad.package(design, "urdf").weighs for design in (plain, layered_skin)]
+    assert masses[1].skin.mass - masses[0].skin.mass == pytest.approx(extra, rel=1e-9)
+    assert masses[1].skin.centre[2] < masses[0].skin.centre[2]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["yamada-2002", "rings-5"])
+def test_a_layered_skin_is_made_whole(name: str, tmp_path: Path) -> None:
+    design = skincad.load(name).with_(shot=({**CORE, "bond": "primer"},))
+    made = skincad.make(design, checked=False)
+    assert not [finding for finding in made.findings if finding.severity == "error"]
+    skincad.write(made, tmp_path / "out")
+    names = {path.name for path in (tmp_path / "out").rglob("*")}
+    assert {"plug-1.step", "plug-1.stl"} <= names

@@ -1,0 +1,111 @@
+"""Skins in layers: their plugs, which keep a later layer's room, and what a mold can't do."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+import skincad
+from skincad import InputError
+from skincad.fabrication.measures import interference
+from skincad.fabrication.meshes import mesh
+from skincad.inputs.design import Design
+from skincad.solids.mold import mold
+from skincad.solids.plan import PartRole
+from skincad.solids.shots import behind, plugged
+from skincad.solids.skin import cast_skin, skin_part
+
+STIFF = {"young_modulus": 2.0, "poisson_ratio": 0.499}
+LEVEL, ARC = {**STIFF, "thickness": 1.0}, {**STIFF, "depth": 1.0}
+CHORD = 1e-3  # mm
+
+
+def layered(name: str, *shots: dict[str, Any], **tables: Any) -> Design:
+    return skincad.load(name).with_(shot=shots, **tables)
+
+
+@pytest.mark.parametrize(
+    ("name", "shot", "pegs"),
+    [
+        ("yamada-2002", LEVEL, 0),
+        ("yamada-2002", {**STIFF, "depth": 1.2, "bond": "rivets"}, 4),
+        ("rings-5", {**STIFF, "thickness": 1.5, "bond": "rivets"}, 20),
+        ("rings-5", {**STIFF, "depth": 2.5}, 0),
+        ("flat-magnet", {**STIFF, "depth": 1.5}, 0),
+    ],
+)
+def test_a_plug_fills_the_room_of_its_shot(name: str, shot: dict[str, Any], pegs: int) -> None:
+    """Its exact solid, its formula and its mesh agree, and it goes in and out of the closed mold. Under its
+    plate it is what lies behind the face, less a clearance all round: at most that thin a rim of it."""
+    design = layered(name, shot)
+    closed = mold(design)
+    (stage,) = closed.earlier
+    (plug,) = stage.of(PartRole.PLUG)
+    solid = skincad.mold_solids(design)[plug.name].val()
+    assert solid.isValid()
+    assert solid.Volume() == pytest.approx(plug.volume, rel=5e-6)  # the kernel's own accuracy
+    assert mesh(plug, CHORD).volume == pytest.approx(plug.volume, rel=3e-4)
+    assert len(plug.adds) - design.skin.round == pegs
+    assert interference(stage, CHORD) == []
+    plate = closed.first(PartRole.CARRIER).body.volume
+    room, gap = behind(design, 1).volume, design.mold.clearance
+    around = 2 * (design.skin.width + design.skin.length) * design.skin.thickness
+    under = solid.Volume() - plate + math.fsum(cut.volume for cut in plug.cuts)
+    assert room - gap * around - 1.0 < under < room * 1.01 + pegs * 2.0
+
+
+def test_layers_fill_the_skin() -> None:
+    """The chords of a round and of a straight skin: what is behind the last face, and the layer in front."""
+    for name in ("yamada-2002", "rings-5"):
+        design = layered(name, LEVEL, {**STIFF, "depth": 0.6})
+        one, two = behind(design, 1).volume, behind(design, 2).volume
+        skin = design.skin
+        area = math.pi * skin.width**2 / 4 if skin.round else skin.width * skin.length
+        assert one == pytest.approx(area * 1.0, rel=1e-12)
+        assert one < two < skin_part(design).volume < cast_skin(design).volume * 1.01
+
+
+def test_plugs_are_used_from_the_front() -> None:
+    """The layer in front is poured first; a shot that is laid on wet needs none."""
+    shots = (LEVEL, {**STIFF, "thickness": 2.0, "bond": "wet"}, {**STIFF, "depth": 1.0})
+    assert plugged(layered("lab-bench", *shots, mold={"gate": None})) == [3, 1]
+    closed = mold(layered("lab-bench", *shots, mold={"gate": None}))
+    assert [part.name for part in closed.plugs] == ["plug-3", "plug-1"]
+    assert all(part.made == "made" for part in closed.plugs)
+    first, last = closed.plugs
+    assert first.volume > last.volume
+    for stage in closed.earlier:
+        assert not stage.of(PartRole.SKIN, PartRole.CARRIER)
+        assert interference(stage, CHORD) == []
+
+
+def test_rivets_hold_behind_a_neck_that_the_silicone_lets_go() -> None:
+    (plug,) = mold(layered("rings-5", {**STIFF, "thickness": 1.5, "bond": "rivets"})).plugs
+    _core, *pegs = plug.adds
+    widths = {max(s.end.x for s in peg.outline) for peg in pegs}
+    necks = {min(s.end.x for s in peg.outline if s.end.x) for peg in pegs}
+    (head,), (neck,) = widths, necks
+    assert neck == 0.5
+    assert head == pytest.approx(1.25 * neck)  # a stretch of 25 %; dragon-skin-20 breaks at 620 %
+
+
+@pytest.mark.parametrize(
+    ("name", "shot", "more", "refusal"),
+    [
+        ("lab-bench", LEVEL, {}, "mold.gate: must not be given with"),
+        ("yamada-2002", LEVEL, {"mold": {"pour": "syringe"}}, "mold.pour: must not be given with"),
+        ("yamada-2002", {**STIFF, "thickness": 0.3}, {}, "shot.thickness: leaves shot 1 less than 0.5 mm"),
+        ("yamada-2002", {**STIFF, "thickness": 3.2, "bond": "rivets"}, {}, "'rivets' need 0.9 mm"),
+        ("flat-magnet", {**STIFF, "thickness": 1.0}, {}, "flat.pocket.depth: must end 0.5 mm before"),
+    ],
+)
+def test_what_a_mold_of_layers_cannot_be(name: str, shot: Any, more: Any, refusal: str) -> None:
+    with pytest.raises(InputError, match=refusal):
+        mold(layered(name, shot, **more))
+
+
+def test_a_face_that_follows_the_base_is_not_laid_on_wet() -> None:
+    with pytest.raises(InputError, match=r"shot\.1?\.?bond|bond: must not be 'wet'"):
+        layered("yamada-2002", {**ARC, "bond": "wet"})
