@@ -176,6 +176,9 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         lift = 0.25 * high if part.role is PartRole.KEEPER else 0.0
         lean = body.angle if isinstance(body, RotatedBody) else 0.0
         return np.array([0.0, out * math.cos(lean), out * math.sin(lean) + lift])
+    if part.role is PartRole.PLUG:  # beside the skin, one over the other
+        number = closed.plugs.index(part)
+        return np.array([-1.6 * side, 0.0, (0.9 - 0.9 * number) * high])
     places = {
         PartRole.COVER: (0.0, 0.0, 2.3 * high),
         PartRole.SEAL: (0.0, 0.0, 2.0 * high),

@@ -36,6 +36,7 @@ from skincad.shape.curves import polygon
 from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
+from skincad.solids.shots import face
 
 Colour = tuple[float, float, float]
 Image = Array
@@ -108,9 +109,18 @@ def _draw_section(axes: Axes, outline: Array) -> None:
     axes.grid(visible=False)
 
 
+def _draw_layers(axes: Axes, design: Design) -> None:
+    """The faces of shots, dashed."""
+    for number in range(1, len(design.shot or ()) + 1):
+        line = polygon(face(design, number, design.skin.width / 2), 1e-3)
+        ends = np.vstack([line, [-line[0, 0], line[0, 1]]])
+        axes.plot(*ends.T, color=OUTLINE, linewidth=THIN, linestyle=(0, (2, 2)))
+
+
 def _draw_whole(axes: Axes, design: Design, shape: Section, outline: Array) -> None:
     """The surface over the whole width, its heights drawn larger so that its curvature is seen, mm."""
     _draw_section(axes, outline)
+    _draw_layers(axes, design)
     for slot in shape.slots:  # too thin, at this scale, for a film within
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor=STRIP if design.film else "white")
     half, top = 0.5 * design.skin.width, float(outline[:, 1].max())
@@ -131,6 +141,7 @@ def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> 
     """The section through the middle features, with its film strips, mm."""
     skin = skin_of(design)
     _draw_section(axes, outline)
+    _draw_layers(axes, design)
     for slot in shape.slots:
         axes.fill(*polygon(slot.loop(), 1e-4).T, facecolor="white", edgecolor=OUTLINE, linewidth=0.5)
         if design.film:
@@ -138,7 +149,8 @@ def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> 
     height = skin.heights[(skin.count - 1) // 2]
     reach, top = min(1.7 * skin.pitch, 0.5 * design.skin.width), float(outline[:, 1].max())
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(top - 0.55 * reach - height, top + 0.12 * reach)
+    low = 0.0 if design.shot else top - 0.55 * reach - height
+    axes.set_ylim(low, top + 0.12 * reach)
     axes.set_aspect("equal")
     strips = ", strips S1 and S2" if shape.slots else ""
     what = f" through the middle {skin.family}s" if skin.heights[0] else ""
@@ -146,7 +158,7 @@ def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> 
 
 
 def _draw_mold(axes: Axes, closed: ClosedMold, meshes: dict[str, trimesh.Trimesh], skin: Skin) -> None:
-    parts = [part for part in closed.parts if part.name in meshes]
+    parts = [part for part in (*closed.parts, *closed.plugs) if part.name in meshes]
     exploded = [meshes[part.name].copy() for part in parts]
     for part, shape in zip(parts, exploded, strict=True):
         shape.vertices = shape.vertices + explosion_offset(part, closed)
