@@ -89,6 +89,7 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs.catalog import display_name
 from skincad.inputs.skin_tables import Film
+from skincad.solids.bone import Bone, bone_of, pinned
 from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PITCH, drawing_end
@@ -221,7 +222,32 @@ class Facts:
     @property
     def cores(self) -> int:
         """How many core pins keep pockets free."""
-        return len(self.job.closed.of(PartRole.CORE_PIN))
+        return len(self.job.closed.of(PartRole.CORE_PIN)) - len(self.bone_pins)
+
+    @cached_property
+    def bone(self) -> Bone | None:
+        """What the skin is cast on; None where that is its carrier."""
+        return bone_of(self.job.cast)
+
+    @property
+    def holder(self) -> str:
+        """What stays on the skin."""
+        return "bone" if self.bone else "carrier"
+
+    @property
+    def bone_primed(self) -> bool:
+        """Whether a primer bonds silicone to the bone."""
+        return self.job.design.mold.bone_bond != "rivets"
+
+    @cached_property
+    def bone_pins(self) -> list[Bore]:
+        """The rods on which a bone stands under the carrier."""
+        return pinned(self.job.cast)
+
+    @property
+    def bone_pin(self) -> float:
+        """Their diameter, mm."""
+        return 2 * self.bone_pins[0].radius
 
     @property
     def core_diameter(self) -> float:
@@ -278,6 +304,8 @@ class Facts:
     @property
     def back(self) -> str:
         """What holds the skin on its carrier, in brackets."""
+        if self.bone:
+            return "the bone in it, and release agent on its lower face"
         return (
             "its holes widen upward and hold the skin like rivets" if self.riveted else "its primed face down"
         )
@@ -429,7 +457,8 @@ class Facts:
     @property
     def agent_on(self) -> list[str]:
         """Where release agent goes."""
-        return [*self.printed, "shims"] if self.shims and not self.film else self.printed
+        names = [*self.printed, *(["the carrier's lower face and window"] if self.bone else [])]
+        return [*names, "shims"] if self.shims and not self.film else names
 
     @property
     def grip(self) -> str:
@@ -443,7 +472,11 @@ class Facts:
     @property
     def pull_off(self) -> float:
         """The pull, N, that shows that the carrier holds the skin: on rivets' necks or a primed face."""
+        if self.bone is not None and self.bone_primed:
+            return BOND_SHARE * BOND_STRENGTH * float(self.bone.shadow(2, 0.0).area)
         necks = bores(self.job.closed.first(PartRole.CARRIER), CutRole.RIVET)
+        if self.bone is not None:
+            necks = list(self.bone.rivets)
         if necks:
             area = math.fsum(math.pi * bore.radius**2 for bore in necks)
             return area * self.job.silicone.young_modulus.value * RIVET_STRAIN

@@ -13,6 +13,7 @@ from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import model_named
+from skincad.solids.bone import least_over
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
@@ -192,6 +193,9 @@ def make(
         with watch.stage("contact check"):
             verdict = check(design, model=model, budget=budget)
     build, reports = _build(job, verdict, tuple(scenes), watch, solids, not preview)
+    if verdict is not None and design.mold.bone is not None:
+        with watch.stage("contact check"):
+            build = replace(build, findings=(*build.findings, *bone_findings(design)))
     return MakeResult(
         name=design.name,
         strict=strict,
@@ -208,6 +212,38 @@ def make(
         mount=mount_of(job),
         estimates=build.estimates,
     )
+
+
+def bone_findings(design: Design) -> list[Finding]:
+    """Return what a flat back at the bone's top changes: the bone is stiffer than no bone and gives way more
+    than that. By the linear model, both times."""
+    from skincad.fabrication.rules import note
+    from skincad.mechanics.check import check
+
+    top = least_over(design)
+    bare = {"mold": dict.fromkeys(("bone", "bone_at", "bone_turn", "bone_bond"))}
+    shots = tuple(
+        shot.model_copy(update={"thickness": shot.thickness - top}) if shot.thickness else shot
+        for shot in design.shot or ()
+    )
+    raised = {"skin": {"thickness": design.skin.thickness - top}, "shot": shots or None}
+    flat = check(design.with_(**bare), model="linear")
+    try:
+        high = check(design.with_(**bare, **raised), model="linear")
+    except InputError:
+        return [
+            note(
+                "bone", "taken as a flat back by the check", top, 0.0, "mm", "no model takes what is over it"
+            )
+        ]
+    words = (
+        f"the check takes the back as flat; with all of it at the bone's top ({top:.3g} mm) all touch at "
+        f"{float(high.all_touch_force):.3g} N in the place of {float(flat.all_touch_force):.3g} N, and at "
+        f"{design.contact.force:g} N the plate comes {float(high.approach):.3g} mm down, not "
+        f"{float(flat.approach):.3g} (linear model): the bone lies between"
+    )
+    limit = float(flat.all_touch_force)
+    return [note("bone", "taken as a flat back by the check", float(high.all_touch_force), limit, "N", words)]
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:

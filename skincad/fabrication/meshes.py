@@ -14,7 +14,7 @@ from manifold3d import Manifold, Mesh64, OpType, triangulate
 from numpy.typing import NDArray
 
 from skincad.base.arrays import Array
-from skincad.base.errors import resource_guard
+from skincad.base.errors import InputError, resource_guard
 from skincad.base.interrupt import safe_point
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
@@ -23,6 +23,7 @@ from skincad.solids.plan import (
     Body,
     Bore,
     ExtendedCut,
+    GivenBody,
     Part,
     PartRole,
     Prism,
@@ -106,6 +107,8 @@ def _placed(shape: Manifold, place: RotatedBody) -> Manifold:
 def _body(body: Body, tolerance: float) -> Manifold:
     if isinstance(body, ExtendedCut):
         return _body(body.built, tolerance)
+    if isinstance(body, GivenBody):
+        return _given(body, tolerance)
     if isinstance(body, RotatedBody):
         return _placed(_body(body.body, tolerance), body)
     if isinstance(body, Bore):
@@ -181,6 +184,26 @@ def _strips(body: Prism | RevolvedBody, tolerance: float, steps: int) -> tuple[A
     )
     sides = [side + top * np.uint64(step) for step in range(steps)]
     return flat, np.vstack([caps[:, ::-1], caps + top * np.uint64(steps), *sides])
+
+
+@lru_cache(maxsize=8)
+def _given(body: GivenBody, tolerance: float) -> Manifold:
+    """The kernel's mesh of a user's solid, its faces joined at their edges."""
+    from skincad.solids.occ import given_solid, tessellate, triangles
+
+    shape = given_solid(body, "mold.bone")
+    tessellate(shape, tolerance)
+    points, faces = triangles(shape, tolerance)
+    joined = trimesh.Trimesh(np.array([point.toTuple() for point in points]), np.array(faces), process=False)
+    joined.merge_vertices(digits_vertex=6)
+    joined.update_faces(joined.nondegenerate_faces())
+    found = Manifold(
+        Mesh64(np.ascontiguousarray(joined.vertices), np.ascontiguousarray(joined.faces.astype(np.uint64)))
+    )
+    if found.is_empty():
+        remedy = "repair it in your CAD program"
+        raise InputError("mold.bone", "makes no closed mesh", body.file.rpartition("/")[2], remedy)
+    return found
 
 
 def _bore(bore: Bore, tolerance: float) -> Manifold:

@@ -21,6 +21,8 @@ from skincad.fabrication.rules import Finding, error, warning
 from skincad.fabrication.strips import pour
 from skincad.inputs.material import layers
 from skincad.inputs.silicone import Silicone
+from skincad.shape.shots import face
+from skincad.solids.bone import bone_of
 from skincad.solids.gate import (
     GRAVITY,
     LUER,
@@ -34,7 +36,7 @@ from skincad.solids.gate import (
     tip,
 )
 from skincad.solids.plan import CutRole, PartRole, bores
-from skincad.solids.shots import behind, bond_of, face
+from skincad.solids.shots import behind, bond_of
 
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 SCALE = 0.01  # g, assumption: what the scale shows
@@ -53,8 +55,9 @@ def poured_volume(job: Job) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
     their bleeds, and the flash in the gap round the carrier; for all skins of a gang, whose cover and seal
     are thicker than those of one."""
-    spaces = void(job).spaces
-    below = math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
+    spaces, bone = void(job).spaces, bone_of(job.cast)
+    below = -(bone.inside if bone else 0.0)
+    below += math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
     lids = job.closed.of(PartRole.COVER, PartRole.SEAL)
     over = [bore.volume for part in lids for bore in bores(part, CutRole.RESERVOIR, CutRole.BLEED)]
     return job.design.mold.cavities * below + math.fsum(over)
@@ -111,8 +114,10 @@ def pours(job: Job) -> list[LayerPour]:
     what the carrier has too."""
     design, skins = job.cast, job.design.mold.cavities
     stuffs, shots = layers(design), design.shot or ()
-    count, whole = len(shots), job.closed.first(PartRole.SKIN).volume
-    below = [0.0, *(behind(design, number).volume for number in range(1, count + 1)), whole]
+    bone = bone_of(design)  # it stands in the layer at the back
+    inside = bone.inside if bone else 0.0
+    count, whole = len(shots), job.closed.first(PartRole.SKIN).volume + inside
+    below = [inside, *(behind(design, number).volume for number in range(1, count + 1)), whole]
     taken, found = poured_volume(job), list[LayerPour]()
     for front in range(count, -1, -1):  # the layer between the faces of the shots `front` and `front + 1`
         number = 0 if front == count else front + 1
@@ -122,7 +127,7 @@ def pours(job: Job) -> list[LayerPour]:
         plug = "" if front == 0 or wet else f"plug-{front}"
         filled = volume
         if front == 0:
-            filled += taken - skins * whole
+            filled += taken - skins * (whole - inside)
         elif plug:
             vents, lid = bores(job.closed.part(plug), CutRole.VENT), job.closed.first(PartRole.COVER)
             filled += skins * math.fsum(bore.volume for bore in vents)

@@ -110,9 +110,19 @@ def design_tables(
     grippers: Own | None = None,
 ) -> dict[str, Any]:
     """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
-    data = read_table(source, "designs")
+    data = _with_bone(read_table(source, "designs"), Path(source))
     data = with_own(with_own(data, "printer", printer), "silicones", silicones)
     return overridden(with_own(data, "grippers", grippers), settings)
+
+
+def _with_bone(data: dict[str, Any], source: Path) -> dict[str, Any]:
+    """A file's tables with the path of its bone from the root, so that it means the same everywhere."""
+    mold = data.get("mold")
+    if source.suffix != ".toml" or not isinstance(mold, dict) or not isinstance(mold.get("bone"), str):
+        return data
+    with suppress(OSError):  # where the working directory is gone
+        return {**data, "mold": {**mold, "bone": str((source.parent / mold["bone"]).absolute())}}
+    return data
 
 
 load = load_design  # as it was called first

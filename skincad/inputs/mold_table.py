@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -11,6 +11,9 @@ from skincad.base.tables import Table, quantity
 from skincad.inputs.process import PROCESSES
 from skincad.inputs.shipped import NAME
 
+_FARTHEST = 1000.0  # mm or deg
+_Number = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
+Place = Annotated[tuple[_Number, _Number, _Number], Field(strict=False)]
 _A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
 
 
@@ -149,6 +152,39 @@ class Mold(Table):
         le=50.0,
         default=None,
     )
+    bone: str | None = Field(
+        default=None,
+        description="a STEP file, mm, of what the skin is cast on, a finger's bone or a mount, in the place "
+        "of the carrier, which then only holds it while silicone cures; its path counts from this file",
+        min_length=1,
+        max_length=4096,
+    )
+    bone_at: Place | None = Field(
+        default=None,
+        description="where the file's origin comes to be, (x, y, z) from the middle of the skin's back, z "
+        "out of the skin; 0, 0, 0 if not given",
+        json_schema_extra={"unit": "mm"},
+    )
+    bone_turn: Place | None = Field(
+        default=None,
+        description="how it is turned about its origin, about x, then y, then z; not if not given",
+        json_schema_extra={"unit": "deg"},
+    )
+    bone_bond: Literal["primer", "rivets"] | None = Field(
+        default=None,
+        description="how silicone holds on the bone: a primer, or rivets, holes of its own that fill; primer "
+        "if not given",
+    )
+
+    @model_validator(mode="after")
+    def _own_bone(self) -> Self:
+        for key in ("bone_at", "bone_turn", "bone_bond"):
+            if self.bone is None and getattr(self, key) is not None:
+                raise InputError(key, "needs mold.bone", getattr(self, key), "name the bone's STEP file")
+        if self.bone is not None and self.carrier == "perforated":
+            remedy = "leave it out: the carrier comes off a bone"
+            raise InputError("carrier", "must be 'plain' with a bone", self.carrier, remedy)
+        return self
 
 
 _OF_PATTERN = {

@@ -50,6 +50,7 @@ from skincad.mechanics.problem import (
 )
 from skincad.mechanics.validity import (
     areas,
+    bone_warnings,
     exceeds_small_strain,
     limits,
     material_warnings,
@@ -115,6 +116,7 @@ def check(
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     crest_offsets = () if measured is None else crest_drops(measured, design)
     notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
+    notes = (*notes, *bone_warnings(design))
     selection = ModelSelection(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
         return selection.auto(tol, budget)

@@ -14,12 +14,13 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Record, item, reported
 from skincad.inputs.design import Design
-from skincad.inputs.guards import THINNEST, face_heights
+from skincad.inputs.guards import THINNEST
 from skincad.inputs.material import layers, silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
 from skincad.shape.curves import Loop, Point, Segment, polygon
+from skincad.shape.shots import face
 from skincad.shape.skin import Section, cell_section, section, skin_of
 
 
@@ -442,10 +443,8 @@ def layers_of(design: Design, shape: Section) -> Iterator[PadLayer]:
     skin, below = design.skin, shapely.Polygon(polygon(shape.outline, FACE_TOLERANCE))
     slots = [shapely.Polygon(polygon(slot.loop(), FACE_TOLERANCE)) for slot in shape.slots]
     for number, (shot, stuff) in enumerate(zip(design.shot or (), layers(design), strict=True), 1):
-        (_, side), x = face_heights(skin, shot), skin.width / 2
-        turn = 0.0 if shot.depth is None else 2 * math.asin(x / (skin.curvature_radius - shot.depth))
-        face = Segment(Point(x, side), Point(-x, side), math.tan(turn / 4))
-        line = shapely.LineString([*polygon((face,), FACE_TOLERANCE).tolist(), [*face.end]])
+        (line_of,) = face(design, number, skin.width / 2)
+        line = shapely.LineString([*polygon((line_of,), FACE_TOLERANCE).tolist(), [*line_of.end]])
         key = f"shot.{'thickness' if shot.depth is None else 'depth'}"
         value = shot.thickness if shot.depth is None else shot.depth
         if not below.buffer(FACE_TOLERANCE).contains(line):
@@ -455,7 +454,7 @@ def layers_of(design: Design, shape: Section) -> Iterator[PadLayer]:
             rule = f"shot {number}'s face must keep {THINNEST:g} mm from the slots"
             raise InputError(key, rule, value, "a face further behind")
         modulus = stuff.young_modulus.value
-        yield PadLayer(face, modulus, stuff.poisson_ratio, stuff.density, stuff.law)
+        yield PadLayer(line_of, modulus, stuff.poisson_ratio, stuff.density, stuff.law)
 
 
 FACE_TOLERANCE = 1e-3  # mm

@@ -239,6 +239,15 @@ def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:
     return tuple(words for words, wrong in notes.items() if wrong)
 
 
+def bone_warnings(design: Design) -> tuple[str, ...]:
+    """Return the warning that a bone is taken as a flat back."""
+    if design.mold.bone is None:
+        return ()
+    return (
+        "mold.bone is taken as a flat back at z = 0; skincad make says what a back at its top would change",
+    )
+
+
 def material_warnings(design: Design) -> tuple[str, ...]:
     """Return the warning that the material's name and its modulus are those of two silicones."""
     if (mismatch := foreign_modulus(design)) is None:

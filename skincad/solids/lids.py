@@ -18,6 +18,7 @@ from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
 from skincad.inputs.mold_table import Mount
 from skincad.shape.curves import Point, loop, rectangle
+from skincad.solids.bone import clear_of, pinned, windowed
 from skincad.solids.fasteners import LEAST_UNDER_HOLE, TAP_RADIUS, blind_thread, pin_depth
 from skincad.solids.inserts import pin
 from skincad.solids.layout import BOLT_RADIUS, EDGE, PIN_DEPTH, Layout, cover_pins, lid_fits, lid_process
@@ -233,7 +234,7 @@ def _bleed(design: Design, hole: tuple[float, float]) -> tuple[float, float]:
 def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[float, float]]:
     """Places (x, y) of the carrier's holes; none for a plain carrier. Raises InputError where a carrier that
     shall have holes has no room for one."""
-    if design.mold.carrier == "plain":
+    if design.mold.carrier == "plain" or design.mold.bone is not None:
         return []
     beside = cup.far_radius + _bleed_radius(design) + EDGE / 2
     small, large, spacing = HOLD
@@ -277,6 +278,9 @@ def openings(design: Design, place: Layout) -> _Openings:
     all_holes = _rivets(design, place, vent, cup)
     mount = mount_bores(design, place)
     cores = core_bores(design, place)
+    if not clear_of(design, 0.0, vent.start[:2], vent.radius):
+        rule = "reaches behind the back where the carrier has its vent, in the middle of end b"
+        raise InputError("mold.bone_at", rule, design.mold.bone_at, "move it, or take a longer skin")
     named = ("the vent", vent), ("the cup", cup), *(("a core pin", core) for core in cores)
     check_mount(design, place, mount, [(name, bore.start, bore.radius) for name, bore in named])
     _check_cores(design, cores, vent)
@@ -304,7 +308,7 @@ def core_bores(design: Design, place: Layout) -> list[Bore]:
     so that they stay where they are pushed in, flush with the carrier's top."""
     return [
         Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius, role=CutRole.CORE)
-        for bore in pockets(design, -1.0)
+        for bore in (*pockets(design, -1.0), *pinned(design))
     ]
 
 
@@ -316,7 +320,7 @@ def core_pins(design: Design, place: Layout) -> list[Part]:
             PartRole.CORE_PIN,
             replace(bore, length=on_grid(bore.length) + place.back, role=None),
         )
-        for i, bore in enumerate(pockets(design, -1.0), 1)
+        for i, bore in enumerate((*pockets(design, -1.0), *pinned(design)), 1)
     ]
 
 
@@ -372,7 +376,8 @@ def carrier(design: Design, place: Layout) -> Part:
     half, flat = place.end - gap, (0.0, place.back)
     wide = place.trough - gap
     body = disc(wide, *flat) if design.skin.round else box(wide, (-half, half), flat)
-    return Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
+    part = Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
+    return windowed(part, design, 0.0, place.back)
 
 
 def pull_threads(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:
@@ -385,7 +390,8 @@ def pull_threads(design: Design, place: Layout, filled: list[tuple[Vector, float
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
         u, v = (x * math.cos(y / x), x * math.sin(y / x)) if design.skin.round else (x, y)
         pair = (-u, -v), (u, v)
-        if all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
+        free = all(clear_of(design, 0.0, p, TAP_RADIUS) for p in pair)
+        if free and all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
             return drilled(CutRole.PULL, "z", pair, LEAST_UNDER_HOLE, thick - LEAST_UNDER_HOLE, TAP_RADIUS)
     return []
 
@@ -408,7 +414,8 @@ def cover(design: Design, place: Layout) -> Part:
         *drilled(CutRole.COVER_PIN, "z", cover_pins(place), low, thick, press),
         *(moved(bore, x) for x in place.centres for bore in over),
     )
-    return Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
+    part = Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
+    return windowed(part, design, low, low + thick)
 
 
 def seal_sheet(design: Design, place: Layout) -> Part:
@@ -428,7 +435,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     bleeds = [_bleed(design, hole) for hole in rivets]
     over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))
     cuts = tuple(moved(bore, x) for x in place.centres for bore in over)
-    return Part("seal", PartRole.SEAL, body, cuts)
+    return windowed(Part("seal", PartRole.SEAL, body, cuts), design, low, place.top)
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:

@@ -42,6 +42,7 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
+from skincad.solids.bone import bone_part, check_bone
 from skincad.solids.cavity import (
     base_dowels,
     cavity,
@@ -126,7 +127,7 @@ def mold(design: Design) -> ClosedMold:
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *check_round(design), *check_shots(design)]
+    whole = [*check_bent(design), *check_round(design), *check_shots(design), *check_bone(design)]
     whole += refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
@@ -156,6 +157,7 @@ def mold(design: Design) -> ClosedMold:
         *_pins(design, place),
     ]
     rest.append(seal_sheet(design, place))
+    rest += [bone] if (bone := bone_part(design)) else []
     rest += base_dowels(design, shape, place) if on_base else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)
@@ -166,7 +168,7 @@ def mold(design: Design) -> ClosedMold:
 def _with_plugs(closed: ClosedMold, place: Layout, stages: list[list[Part]]) -> ClosedMold:
     """The mold with what it is before the last layer: plugs in the place of skin, carrier and what is in it.
     They leave upward, once the cover is off; nothing else is opened then."""
-    gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN)
+    gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.BONE)
     kept = [part for part in closed.parts if part.role not in gone]
     lid = (PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     high = 2 * (place.top - place.bottom)
@@ -219,7 +221,8 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     if not ridges:
         if closed.of(PartRole.BASE):
             steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
-        steps.append(leave("z", high, PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.STRIP))
+        out = (PartRole.SKIN, PartRole.CARRIER, PartRole.BONE, PartRole.CORE_PIN, PartRole.STRIP)
+        steps.append(leave("z", high, *out))
         steps += [leave("z", high, PartRole.CAVITY)] if closed.of(PartRole.BLOCK) else []
         return replace(closed, opening=tuple(steps))
     steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))

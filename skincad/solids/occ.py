@@ -26,6 +26,7 @@ from skincad.solids.plan import (
     Body,
     Bore,
     ExtendedCut,
+    GivenBody,
     Part,
     Prism,
     RevolvedBody,
@@ -38,7 +39,7 @@ from skincad.solids.projection import Arc, Polyline, Projection, Stroke, View, d
 NO_LIBRARY = "cannot open shared object file"  # the dynamic linker's words for a library that is missing
 try:
     import cadquery as cq
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepBuilderAPI import (
         BRepBuilderAPI_MakeEdge,
@@ -59,14 +60,15 @@ try:
     )
     from OCP.BRepTools import BRepTools
     from OCP.Geom import Geom_BezierCurve
-    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Line
+    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Cylinder, GeomAbs_Line
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.HLRAlgo import HLRAlgo_Projector
     from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
-    from OCP.STEPControl import STEPControl_Controller
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_Controller, STEPControl_Reader
     from OCP.TColgp import TColgp_Array1OfPnt
-    from OCP.TopAbs import TopAbs_EDGE, TopAbs_SOLID
+    from OCP.TopAbs import TopAbs_EDGE, TopAbs_REVERSED, TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
@@ -293,7 +295,74 @@ def _spread(x: float, y: float, axis: Axis, level: float = 0.0) -> tuple[float, 
     return {"x": (level, x, y), "y": (x, level, y), "z": (x, y, level)}[axis]
 
 
-def _body(body: Body) -> TopoDS_Shape:
+def given_solid(body: GivenBody, key: str) -> cq.Solid:
+    """Return the solid of a user's STEP file in its pose, mm. Raises InputError, by `key`, for a file that
+    can't be read, and for one without a solid or with several."""
+    return cq.Solid(_placed(_read(body.file, body.stamp, key), body))
+
+
+@lru_cache(maxsize=4)
+def _read(path: str, _stamp: tuple[int, int], key: str) -> TopoDS_Solid:
+    """The file's only solid; by its stamp a changed file is read again."""
+    name = path.replace("\\", "/").rpartition("/")[2]
+    reader = STEPControl_Reader()
+    if reader.ReadFile(path) != IFSelect_RetDone or not reader.TransferRoots():
+        raise InputError(
+            key, "is no STEP file that the CAD kernel reads", name, "export it as STEP AP214, in mm"
+        )
+    solids, explorer = [], TopExp_Explorer(reader.OneShape(), TopAbs_SOLID)
+    while explorer.More():
+        solids.append(TopoDS.Solid_s(explorer.Current()))
+        explorer.Next()
+    if len(solids) != 1:
+        remedy = "export the solid, not its faces" if not solids else "export one body, or unite them"
+        raise InputError(key, f"must hold one solid, and holds {len(solids)}", name, remedy)
+    if not BRepCheck_Analyzer(solids[0]).IsValid():
+        raise InputError(key, "holds a solid that is not valid", name, "repair it in your CAD program")
+    return solids[0]
+
+
+def _placed(shape: TopoDS_Shape, body: GivenBody) -> TopoDS_Shape:
+    move = gp_Trsf()
+    move.SetValues(*body.pose)
+    return BRepBuilderAPI_Transform(shape, move, True).Shape()
+
+
+def volume_in_front(shape: cq.Solid) -> float:
+    """Return the volume of a solid at z > 0, mm3."""
+    box = shape.BoundingBox()
+    if box.zmax <= 0:
+        return 0.0
+    if box.zmin >= 0:
+        return float(shape.Volume())
+    side = 4 * max(abs(v) for v in (box.xmin, box.xmax, box.ymin, box.ymax, box.zmax)) + 1
+    room = cq.Solid.makeBox(side, side, side, cq.Vector(-side / 2, -side / 2, 0.0))
+    return float(shape.intersect(room).Volume())
+
+
+Hole = tuple[float, tuple[float, float, float], float]
+
+
+def holes_of(shape: cq.Solid) -> tuple[Hole, ...]:
+    """Return the round holes along z, each as radius, lowest place of its axis and highest z, mm. A hole is a
+    cylinder's face whose normal points at its axis."""
+    upright = dict[tuple[float, float, float], list[float]]()
+    for face in shape.Faces():
+        surface = BRepAdaptor_Surface(face.wrapped)
+        if surface.GetType() != GeomAbs_Cylinder or face.wrapped.Orientation() != TopAbs_REVERSED:
+            continue
+        cylinder, box = surface.Cylinder(), face.BoundingBox()
+        way, place = cylinder.Axis().Direction(), cylinder.Axis().Location()
+        if math.hypot(way.X(), way.Y()) < 1e-6:
+            key = round(cylinder.Radius(), 6), round(place.X(), 6), round(place.Y(), 6)
+            row = upright.setdefault(key, [math.inf, -math.inf])
+            row[:] = [min(row[0], box.zmin), max(row[1], box.zmax)]
+    return tuple((radius, (x, y, low), high) for (radius, x, y), (low, high) in upright.items())
+
+
+def _body(body: Body) -> TopoDS_Shape:  # one a kind
+    if isinstance(body, GivenBody):
+        return _placed(_read(body.file, body.stamp, "mold.bone"), body)
     if isinstance(body, ExtendedCut):
         return _body(_tool_body(body))
     if isinstance(body, RotatedBody):
@@ -302,6 +371,10 @@ def _body(body: Body) -> TopoDS_Shape:
         return _turned_about(body)
     if isinstance(body, Prism | RevolvedBody):
         return _prism(body) if isinstance(body, Prism) else _revolved(body)
+    return _round(body)
+
+
+def _round(body: Bore) -> TopoDS_Shape:
     direction = gp_Dir(0, 1, 0) if body.axis == "y" else gp_Dir(0, 0, 1)
     place = gp_Ax2(gp_Pnt(*body.start), direction)
     if body.end_radius is None:

@@ -53,6 +53,7 @@ class PartRole(Enum):
     STRIP = "a film that is cast in", "strip", "bought", _SILVER
     END_PIN = "dowel between cavity and end plate", "pin", "bought", _STEEL
     COVER_PIN = "dowel between cavity and cover", "pin", "bought", _STEEL
+    BONE = "what the skin is cast on, the user's own", "bone", "bought", _STEEL
     PLUG = "what keeps the room of a layer that is poured later", "plug", "made", _GREEN
     CORE_PIN = "what keeps a pocket free", "core pin", "bought", _STEEL
     BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
@@ -89,6 +90,7 @@ class CutRole(Enum):
     FEATURE = auto()  # the negative of a pin
     POCKET = auto()  # a skin's, for what it senses by
     EJECT = auto()  # a block's hole, to push the cavity out through
+    WINDOW = auto()  # a lid's, through which a bone reaches
     CORE = auto()  # a carrier's hole for the pin that keeps a pocket free
 
 
@@ -375,10 +377,23 @@ class ExtendedCut:
         return self.counts.role
 
 
-Body = Prism | RevolvedBody | Bore | RotatedBody | ExtendedCut | TurnedBody
+@dataclass(frozen=True)
+class GivenBody:
+    """A solid from a user's STEP file, placed: `pose` is rotation and shift, `(3, 4)` by rows, mm. `volume`
+    is what counts of it, mm3: of a cut what it takes away. `stamp` is what a changed file is known by."""
+
+    file: str
+    pose: tuple[float, ...]
+    volume: float
+    stamp: tuple[int, int] = (0, 0)
+    role: CutRole | None = None
+    axis: ClassVar[Literal["given"]] = "given"
 
 
-def plain(cut: Body) -> Prism | RevolvedBody | Bore | TurnedBody:
+Body = Prism | RevolvedBody | Bore | RotatedBody | ExtendedCut | TurnedBody | GivenBody
+
+
+def plain(cut: Body) -> Prism | RevolvedBody | Bore | TurnedBody | GivenBody:
     """Return what a cut takes away, in its own frame."""
     counts = cut.counts if isinstance(cut, ExtendedCut) else cut
     return counts.body if isinstance(counts, RotatedBody) else counts
@@ -468,8 +483,10 @@ _Body = TypeVar("_Body", bound=Body)
 
 def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
-    if isinstance(body, RotatedBody):
-        raise ValueError("a bent mold has one skin and nothing to move aside")
+    if isinstance(body, RotatedBody | GivenBody):
+        if x == 0.0:
+            return body
+        raise ValueError("a bent mold, or one with a bone, has one skin and nothing to move aside")
     if isinstance(body, ExtendedCut):
         return replace(body, counts=moved(body.counts, x), built=moved(body.built, x))
     if isinstance(body, TurnedBody):

@@ -26,6 +26,7 @@ from skincad.inputs.guards import face_heights, shoulder
 from skincad.inputs.material import layers, silicone
 from skincad.inputs.skin_tables import Shot
 from skincad.shape.curves import Loop, Point, Segment, polygon, right_half
+from skincad.shape.shots import face, heights
 from skincad.shape.skin import Section
 from skincad.solids.layout import EDGE, Layout
 from skincad.solids.lids import openings, pull_threads, vent_bore
@@ -42,18 +43,6 @@ SUNK = 0.2  # mm, by which what is added to a plug goes into it
 CHORD = 1e-3  # mm, of faces and outlines that distances are measured to
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _TURN = 32
-
-
-def face(design: Design, number: int, half: float) -> Loop:
-    """Return the face of shot `number` from x = half to -half, mm, as one segment of a loop."""
-    shot = (design.shot or ())[number - 1]
-    middle, _ = face_heights(design.skin, shot)
-    if shot.depth is None:
-        return (Segment(Point(half, middle), Point(-half, middle)),)
-    radius = design.skin.curvature_radius - shot.depth
-    turn = math.asin(half / radius)
-    side = middle - 2 * radius * math.sin(turn / 2) ** 2
-    return (Segment(Point(half, side), Point(-half, side), math.tan(turn / 2)),)
 
 
 def behind(design: Design, number: int) -> Prism | TurnedBody:
@@ -117,17 +106,6 @@ def _core(design: Design, number: int, half: float) -> TurnedBody:
     walls = path([line.end, Point(-half, -SUNK), Point(half, -SUNK), line.start])
     buried = math.pi * half**2 * SUNK
     return TurnedBody(right_half((*walls, line)), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), buried)
-
-
-def heights(design: Design, number: int, x: Array, y: Array) -> Array:
-    """Return how high the face of shot `number` lies over the back at `x` and `y`, mm."""
-    shot = (design.shot or ())[number - 1]
-    middle, _ = face_heights(design.skin, shot)
-    if shot.depth is None:
-        return np.full_like(x, middle)
-    radius = design.skin.curvature_radius - shot.depth
-    arm = np.hypot(x, y) if design.skin.round else np.abs(x)
-    return np.asarray(middle - 2 * radius * np.sin(np.arcsin(arm / radius) / 2) ** 2)
 
 
 def _over_disc(design: Design, number: int, at: tuple[float, float], radius: float) -> tuple[float, float]:

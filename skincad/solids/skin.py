@@ -14,12 +14,14 @@ from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
+from skincad.solids.bone import cut_of, lifted
 from skincad.solids.pins import cast, pins, pockets
 from skincad.solids.plan import (
     Axis,
     Body,
     Bore,
     ExtendedCut,
+    GivenBody,
     Heading,
     Part,
     PartRole,
@@ -45,7 +47,8 @@ def skin_part(design: Design) -> Part:
     shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
     body = along_skin(design, shape.outline, slots)
-    return Part("skin", PartRole.SKIN, body, pockets(design), adds=pins(design, shape))
+    cuts: tuple[Body, ...] = (*pockets(design), *cut_of(design))
+    return Part("skin", PartRole.SKIN, body, cuts, adds=pins(design, shape))
 
 
 def cast_skin(design: Design, shape: Section | None = None) -> Part:
@@ -54,7 +57,8 @@ def cast_skin(design: Design, shape: Section | None = None) -> Part:
     slots = tuple(flipped(s.loop()) for s in shape.slots)
     body = along_skin(design, flipped(shape.outline), slots, -1.0)
     adds = tuple(cast(pin) for pin in pins(design, shape))
-    return Part("skin", PartRole.SKIN, body, pockets(design, -1.0), adds=adds)
+    cuts: tuple[Body, ...] = (*pockets(design, -1.0), *cut_of(design, -1.0))
+    return Part("skin", PartRole.SKIN, body, cuts, adds=adds)
 
 
 def along_skin(
@@ -100,6 +104,8 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     follows it out of its cavity, and is left out.
     """
     body = part.body
+    if isinstance(body, GivenBody) and axis == "z":
+        return lifted(part, travel)
     if isinstance(body, RotatedBody):
         path = swept(unturned(part), axis, travel, tolerance)
         return turned(path, body.centre, body.angle, body.base)
@@ -159,13 +165,13 @@ def _ends(body: Body) -> tuple[float, float]:
     if isinstance(own_body, Bore):
         low = own_body.start[1 if own_body.axis == "y" else 2]
         return low, low + own_body.length
-    if isinstance(own_body, TurnedBody):
+    if isinstance(own_body, TurnedBody | GivenBody):
         return -math.inf, math.inf
     return own_body.low, own_body.high
 
 
 def _stretched(body: Body, travel: float) -> Body:
-    if isinstance(body, RotatedBody | ExtendedCut | TurnedBody):
+    if isinstance(body, RotatedBody | ExtendedCut | TurnedBody | GivenBody):
         raise ValueError("a turned body is moved in its own frame")
     if isinstance(body, Prism | RevolvedBody):
         return replace(body, low=body.low + min(travel, 0.0), high=body.high + max(travel, 0.0))

@@ -33,10 +33,10 @@ from skincad.outputs.figures.canvas import (
 )
 from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import polygon
+from skincad.shape.shots import face
 from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of, summit
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
-from skincad.solids.shots import face
 
 Colour = tuple[float, float, float]
 Image = Array

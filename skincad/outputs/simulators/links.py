@@ -121,8 +121,10 @@ def _layers(design: Design) -> Iterator[Weight]:
 
 
 def carrier_part(design: Design) -> Part:
-    """Return the carrier as it lies in a mold of one skin, in the mold's frame: `TO_DESIGN` turns it."""
-    return mold(design.with_(mold={"cavities": 1})).first(PartRole.CARRIER)
+    """Return the carrier, or the bone in its place, as it lies in a mold of one skin, in the mold's frame:
+    `TO_DESIGN` turns it."""
+    closed = mold(design.with_(mold={"cavities": 1}))
+    return closed.first(PartRole.BONE if closed.of(PartRole.BONE) else PartRole.CARRIER)
 
 
 def ridge_loop(design: Design, ridge: int) -> Loop:

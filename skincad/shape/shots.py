@@ -1,0 +1,35 @@
+"""The faces of a skin's shots, which are its layers behind the skin's own silicone, from the back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.inputs.design import Design
+from skincad.inputs.guards import face_heights
+from skincad.shape.curves import Loop, Point, Segment
+
+
+def face(design: Design, number: int, half: float) -> Loop:
+    """Return the face of shot `number` from x = half to -half, mm, as one segment of a loop."""
+    shot = (design.shot or ())[number - 1]
+    middle, _ = face_heights(design.skin, shot)
+    if shot.depth is None:
+        return (Segment(Point(half, middle), Point(-half, middle)),)
+    radius = design.skin.curvature_radius - shot.depth
+    turn = math.asin(half / radius)
+    side = middle - 2 * radius * math.sin(turn / 2) ** 2
+    return (Segment(Point(half, side), Point(-half, side), math.tan(turn / 2)),)
+
+
+def heights(design: Design, number: int, x: Array, y: Array) -> Array:
+    """Return how high the face of shot `number` lies over the back at `x` and `y`, mm."""
+    shot = (design.shot or ())[number - 1]
+    middle, _ = face_heights(design.skin, shot)
+    if shot.depth is None:
+        return np.full_like(x, middle)
+    radius = design.skin.curvature_radius - shot.depth
+    arm = np.hypot(x, y) if design.skin.round else np.abs(x)
+    return np.asarray(middle - 2 * radius * np.sin(np.arcsin(arm / radius) / 2) ** 2)

@@ -1,0 +1,333 @@
+"""A bone: the user's own solid, a finger's or a mount, that a skin is cast on.
+
+It stands in the skin from behind. What of it is behind the back goes through a window of the carrier, its
+print, as wide as its shadow there and a clearance more; seal and cover have the same window. A bone that ends
+at the back stands on the carrier by pins in holes of its own that open there. Silicone holds on it by a
+primer, or by filling holes of its own. Once it has cured, the carrier comes off, and the bone is the skin's
+mount.
+
+How thin silicone gets is measured on shadows: of a skin that is straight along y the distance of a bone to
+its outline, slots and ends is that of the bone's shadow along y, and of its reach along y. Range: skins
+straight along y, one in a mold, the bone as its mesh within `CHORD`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.inputs.design import Design
+from skincad.shape.curves import Loop, Point, loop, polygon
+from skincad.shape.shots import face
+from skincad.shape.skin import Section, section
+from skincad.solids.layout import EDGE
+from skincad.solids.plan import Bore, CutRole, ExtendedCut, GivenBody, Part, PartRole, Prism
+
+CHORD = 0.01  # mm, of the mesh that shadows are taken of
+LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and bubbles show in it
+BEHIND = 1e-4  # mm, behind the back: less is on it
+LEAST_HOLES = 2  # that say how a bone stands on its carrier
+LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
+PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
+SAME = 0.01  # mm, to which a hole opens at the back
+UPRIGHT = 1e-6  # of an axis's x and y
+KEY = "mold.bone"
+
+
+@dataclass(frozen=True, eq=False)
+class Bone:
+    """A bone in its pose, in the design's frame, mm: its mesh's triangles `(f, 3, 3)`, the whole volume and
+    that in front of the back, mm3, the radii, lowest places (x, y, z) and tops of round holes along z."""
+
+    body: GivenBody
+    corners: Array
+    volume: float
+    inside: float
+    holes: tuple[tuple[float, tuple[float, float, float], float], ...]
+
+    @property
+    def printed(self) -> bool:
+        """Whether it reaches behind the back."""
+        return bool(self.corners[:, :, 2].min() < -BEHIND)
+
+    @property
+    def pin_holes(self) -> list[Bore]:
+        """The two holes along z that open at the back and lie furthest apart, in which pins of the carrier
+        stand; fewer where there are fewer. Silicone fills the others."""
+        found = [
+            Bore((x, y, 0.0), "z", high, radius, role=CutRole.CORE)
+            for radius, (x, y, low), high in self.holes
+            if abs(low) < SAME and high > 0
+        ]
+        pairs = combinations(found, LEAST_HOLES)
+        return list(max(pairs, key=lambda two: math.dist(two[0].start, two[1].start), default=found))
+
+    @property
+    def rivets(self) -> list[Bore]:
+        """The holes along z that silicone fills."""
+        every = [
+            Bore((x, y, low), "z", high - low, radius) for radius, (x, y, low), high in self.holes if high > 0
+        ]
+        pins = set() if self.printed else {hole.start[:2] for hole in self.pin_holes}
+        return [hole for hole in every if hole.start[:2] not in pins]
+
+    def shadow(self, across: int, low: float = -math.inf, high: float = math.inf) -> Any:
+        """The shadow along the axis `across` (1: y, 2: z) of what lies between two heights, mm: polygons of
+        (x, z) or (x, y)."""
+        other = [0, 3 - across]
+        flat = [piece[:, other] for piece in (_between(t, low, high) for t in self.corners) if len(piece) > 2]
+        faces = [shapely.Polygon(points) for points in flat]
+        return shapely.union_all([face.buffer(1e-9) for face in faces if face.area > 0])
+
+
+def _between(triangle: Array, low: float, high: float) -> Array:
+    """A triangle's part between two heights, `(n, 3)`."""
+    points = triangle
+    for level, sign in ((low, 1.0), (high, -1.0)):
+        if not math.isfinite(level) or not len(points):
+            continue
+        kept, over = [], sign * (points[:, 2] - level)
+        for i in range(len(points)):
+            j = (i + 1) % len(points)
+            if over[i] >= 0:
+                kept.append(points[i])
+            if over[i] * over[j] < 0:
+                share = over[i] / (over[i] - over[j])
+                kept.append(points[i] + share * (points[j] - points[i]))
+        points = np.array(kept).reshape(-1, 3)
+    return points
+
+
+def bone_of(design: Design) -> Bone | None:
+    """Return a design's bone; None without one. Raises InputError for a file that holds no one solid."""
+    name = design.mold.bone
+    if name is None:
+        return None
+    path = Path(name)
+    try:
+        stamp = path.stat()
+    except OSError:
+        raise InputError(KEY, "there is no such file", name, "give the path of a STEP file") from None
+    at, turn = design.mold.bone_at or (0.0, 0.0, 0.0), design.mold.bone_turn or (0.0, 0.0, 0.0)
+    return _bone(str(path), stamp.st_mtime_ns, stamp.st_size, at, turn)
+
+
+Place = tuple[float, float, float]
+
+
+@lru_cache(maxsize=4)
+def _bone(path: str, changed: int, size: int, at: Place, turn: Place) -> Bone:
+    from skincad.solids.occ import given_solid, holes_of, volume_in_front
+
+    body = GivenBody(path, _pose(at, turn), 0.0, (changed, size))
+    shape = given_solid(body, KEY)
+    whole, inside = float(shape.Volume()), volume_in_front(shape)
+    return Bone(replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape))
+
+
+@lru_cache(maxsize=8)
+def _corners(body: GivenBody) -> Array:
+    """The corners of a body's triangles, `(f, 3, 3)` mm."""
+    from skincad.solids.occ import given_solid, tessellate, triangles
+
+    shape = given_solid(body, KEY)
+    tessellate(shape, CHORD)
+    corners, faces = triangles(shape, CHORD)
+    return np.asarray(np.array([corner.toTuple() for corner in corners])[np.array(faces)])
+
+
+def lifted(part: Part, travel: float) -> Part:
+    """Return a column that covers what a given part passes through on its way up, `travel` mm."""
+    if not isinstance(part.body, GivenBody):
+        raise ValueError(f"{part.name} is no given body")
+    points = _corners(part.body).reshape(-1, 3)
+    hull = shapely.MultiPoint(points[:, :2]).convex_hull.exterior.coords[:-1]
+    outline = shapely.Polygon(hull)
+    corners = [Point(x, y) for x, y in hull]
+    ring = loop(corners if outline.exterior.is_ccw else corners[::-1])
+    low, high = float(points[:, 2].min()), float(points[:, 2].max())
+    return replace(part, body=Prism(ring, "z", low + min(travel, 0.0), high + max(travel, 0.0)))
+
+
+def _pose(at: Place, turn: Place) -> tuple[float, ...]:
+    """Rotation and shift, `(3, 4)` by rows."""
+    a, b, c = (math.radians(v) for v in turn)
+    x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
+    y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
+    z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
+    return tuple(np.column_stack([z @ y @ x, at]).ravel().tolist())
+
+
+def cut_of(design: Design, up: float = 1.0) -> tuple[GivenBody | ExtendedCut, ...]:
+    """Return what a bone takes from the skin, and the pins in its holes, ridges up, or down where `up` is -1;
+    nothing without one."""
+    bone = bone_of(design)
+    if bone is None:
+        return ()
+    filled = [
+        replace(bore, start=(bore.start[0], up * bore.start[1], min(0.0, up * bore.length)))
+        for bore in ([] if bone.printed else bone.pin_holes)
+    ]
+    # built into the bone, which is cut away too: faces that are the same would leave a film
+    pins = (ExtendedCut(bore, replace(bore, radius=bore.radius + PLAY)) for bore in filled)
+    return (replace(_turned(bone.body, up), volume=bone.inside), *pins)
+
+
+def _turned(body: GivenBody, up: float) -> GivenBody:
+    """A body of the design's frame in it, or in the mold's, about x."""
+    if up > 0:
+        return body
+    pose = np.array(body.pose).reshape(3, 4) * np.array([[1.0], [-1.0], [-1.0]])
+    return replace(body, pose=tuple(pose.ravel().tolist()))
+
+
+def bone_part(design: Design, up: float = -1.0) -> Part | None:
+    """Return the bone as a part of the mold, or of the skin in the design's frame; None without one."""
+    bone = bone_of(design)
+    return None if bone is None else Part("bone", PartRole.BONE, _turned(bone.body, up))
+
+
+def window(design: Design, low: float, gap: float) -> list[Loop]:
+    """Return the loops, in the mold's (x, y), of the opening for a bone's print in a part that begins `low`
+    mm over the back, `gap` mm wider than it; none where the bone does not reach that."""
+    bone = bone_of(design)
+    if bone is None or bone.corners[:, :, 2].min() > -low - BEHIND:
+        return []
+    shadow = bone.shadow(2, -math.inf, -low - BEHIND)  # it leaves upward, through all that is behind it
+    region = shapely.buffer(shadow, gap + 1e-6, quad_segs=4).simplify(CHORD / 4)
+    return [_loop(piece) for piece in getattr(region, "geoms", [region]) if not piece.is_empty]
+
+
+def _loop(piece: shapely.Polygon) -> Loop:
+    """A polygon's outline without its holes, counterclockwise, upside down as the mold has it."""
+    points = [Point(x, -y) for x, y in piece.exterior.coords[:-1]]
+    outline = shapely.Polygon(points)
+    return loop(points if outline.exterior.is_ccw else points[::-1])
+
+
+def windowed(part: Part, design: Design, low: float, high: float) -> Part:
+    """Return a lid with the window of a bone's print."""
+    gap = design.mold.clearance
+    holes = tuple(Prism(w, "z", low, high, role=CutRole.WINDOW) for w in window(design, low, gap))
+    return replace(part, cuts=(*part.cuts, *holes)) if holes else part
+
+
+def clear_of(design: Design, low: float, at: tuple[float, float], radius: float) -> bool:
+    """Whether a bore keeps its web to a bone's window, in a part that begins `low` mm over the back."""
+    return all(
+        shapely.Polygon(polygon(w, CHORD)).distance(shapely.Point(at)) >= radius + EDGE / 2
+        for w in window(design, low, design.mold.clearance)
+    )
+
+
+def pinned(design: Design) -> list[Bore]:
+    """Return the holes of a bone that ends at the back, in which pins stand, in the mold's frame; none of a
+    bone that is held by its print."""
+    bone = bone_of(design)
+    if bone is None or bone.printed:
+        return []
+    return [
+        replace(b, start=(b.start[0], -b.start[1], -b.length), radius=b.radius - PLAY) for b in bone.pin_holes
+    ]
+
+
+def check_bone(design: Design) -> Iterator[InputError]:
+    """Yield an error for each thing that is wrong with a bone and its pose; none without one."""
+    bone, skin, choice = bone_of(design), design.skin, design.mold
+    if bone is None:
+        return
+    for key, value in (
+        ("skin.curvature_radius_y", skin.curvature_radius_y),
+        ("skin.outline", "round" if skin.round else None),
+        ("mold.cavities", choice.cavities if choice.cavities > 1 else None),
+        ("mold.mount", choice.mount),
+        ("mount", "a table" if design.mount else None),
+    ):
+        if value is not None:
+            remedy = "the bone is the mount" if "mount" in key else "drop mold.bone"
+            yield InputError(key, "must not be given with mold.bone", value, remedy)
+            return
+    shape = section(design)
+    yield from _check_pose(design, bone, shape)
+    if not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
+        rule = f"ends at the back, and has {len(bone.pin_holes)} holes along z that open there"
+        remedy = f"give it {LEAST_HOLES} or more for the carrier's pins, or let it reach behind the back"
+        yield InputError(KEY, rule, choice.bone, remedy)
+    if bone.printed:
+        through = bone.shadow(2, -math.inf, -BEHIND).buffer(choice.clearance)
+        if bone.shadow(2, -BEHIND, SAME).difference(through).area < LEAST_SHOULDER:
+            rule = "has no shoulder at the back, z = 0: nothing stops it in the carrier's window"
+            yield InputError(
+                KEY, rule, choice.bone, "give it one that lies on the carrier, or move it along z"
+            )
+    if choice.bone_bond == "rivets" and not bone.rivets:
+        rule = "'rivets' need a round hole of the bone along z that silicone fills, and it has none"
+        yield InputError("mold.bone_bond", rule, "rivets", "take 'primer', or drill the bone")
+
+
+def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputError]:
+    """Where a bone stands in the skin, and how thin the silicone gets round it."""
+    half, long = design.skin.width / 2, design.skin.length / 2
+    low, high = bone.corners.reshape(-1, 3).min(axis=0), bone.corners.reshape(-1, 3).max(axis=0)
+    at = design.mold.bone_at or (0.0, 0.0, 0.0)
+    if high[2] <= LEAST_SILICONE or bone.inside <= 0.0:
+        rule = f"puts the bone's top at {high[2]:.4g} mm over the back: it must be in the skin"
+        yield InputError("mold.bone_at", rule, list(at), "raise it along z; the file counts in mm")
+        return
+    within = bone.shadow(1, 0.0)
+    ends = bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0].reshape(-1, 3)[:, 1]
+    beside = long - float(np.abs(ends).max())
+    outline = shapely.Polygon(polygon(shape.outline, CHORD / 10))
+    body = shapely.Polygon([(-half, -1e3), (half, -1e3), *_over(design, half)])
+    if not outline.buffer(1e-6).contains(within) or beside < 0:
+        reach = f"{low.round(2).tolist()} to {high.round(2).tolist()}"
+        rule = f"puts the bone outside the skin: it reaches from {reach}"
+        yield InputError("mold.bone_at", rule, list(at), "move it, or take a larger skin")
+        return
+    if not body.contains(within.buffer(LEAST_SILICONE - 1e-6).intersection(shapely.box(-half, 0, half, 1e3))):
+        place = within.difference(body.buffer(-LEAST_SILICONE)).centroid
+        rule = f"leaves a feature no base: at x = {place.x:.3g} mm the bone ends less than "
+        rule += f"{LEAST_SILICONE:g} mm under the base circle"
+        yield InputError("mold.bone_at", rule, list(at), "lower it along z, or take a thicker skin")
+        return
+    edge = shapely.LineString([*_from_corner(outline)])
+    slots = [shapely.Polygon(polygon(slot.loop(), CHORD / 10)) for slot in shape.slots]
+    thin = min([beside, within.distance(edge), *(within.distance(slot) for slot in slots)])
+    if design.shot:
+        line = polygon(face(design, 1, half), CHORD / 10)
+        thin = min(thin, within.distance(shapely.LineString([*line.tolist(), (-half, line[0][1])])))
+    if thin < LEAST_SILICONE - 1e-6:
+        rule = f"leaves {thin:.3g} mm of silicone round the bone, and needs {LEAST_SILICONE:g}"
+        yield InputError("mold.bone_at", rule, list(at), "move it, or take a larger skin or a thicker layer")
+
+
+def _over(design: Design, half: float) -> list[tuple[float, float]]:
+    """The base circle from +x to -x, mm."""
+    radius = design.skin.curvature_radius
+    turn = np.linspace(1.0, -1.0, 201) * math.asin(half / radius)
+    top = design.skin.thickness - 2 * radius * np.sin(turn / 2) ** 2
+    return list(zip((radius * np.sin(turn)).tolist(), top.tolist(), strict=True))
+
+
+def _from_corner(outline: shapely.Polygon) -> Iterator[tuple[float, float]]:
+    """The outline without its back, from one of the back's corners to the other."""
+    points = [(x, z) for x, z in outline.exterior.coords[:-1]]
+    first = max(range(len(points)), key=lambda i: (abs(points[i][1]) < 1e-9, points[i][0]))
+    ring = points[first:] + points[:first]
+    yield from (ring if ring[1][1] > 1e-9 else [ring[0], *reversed(ring[1:])])
+
+
+def least_over(design: Design) -> float:
+    """Return the bone's highest place over the back, mm; 0 without one."""
+    bone = bone_of(design)
+    return 0.0 if bone is None else float(bone.corners[:, :, 2].max())
