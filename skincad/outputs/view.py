@@ -185,6 +185,7 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.COVER_PIN: (0.0, 0.0, 2.3 * high),
         PartRole.CARRIER: (0.0, 0.0, 1.7 * high),
         PartRole.SKIN: (0.0, 0.0, 1.0 * high),
+        PartRole.BONE: (0.0, 0.0, 1.45 * high),
         PartRole.STRIP: (0.0, 0.0, 1.0 * high),
         PartRole.CORE_PIN: (0.0, 0.0, 1.9 * high),
         PartRole.SHIM: (0.0, 2.4 * side, 0.0),

@@ -35,6 +35,7 @@ from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import polygon
 from skincad.shape.shots import face
 from skincad.shape.skin import Section, Skin, pictured_section, section, skin_of, summit
+from skincad.solids.bone import bone_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
 
@@ -110,7 +111,11 @@ def _draw_section(axes: Axes, outline: Array) -> None:
 
 
 def _draw_layers(axes: Axes, design: Design) -> None:
-    """The faces of shots, dashed."""
+    """The faces of shots, dashed, and a bone, as its shadow along y."""
+    if bone := bone_of(design):
+        within = bone.shadow(1, 0.0)
+        for piece in getattr(within, "geoms", [within]):
+            axes.fill(*np.array(piece.exterior.coords).T, facecolor=FRAME, edgecolor=OUTLINE, linewidth=THIN)
     for number in range(1, len(design.shot or ()) + 1):
         line = polygon(face(design, number, design.skin.width / 2), 1e-3)
         ends = np.vstack([line, [-line[0, 0], line[0, 1]]])
@@ -149,7 +154,7 @@ def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> 
     height = skin.heights[(skin.count - 1) // 2]
     reach, top = min(1.7 * skin.pitch, 0.5 * design.skin.width), float(outline[:, 1].max())
     axes.set_xlim(-reach, reach)
-    low = 0.0 if design.shot else top - 0.55 * reach - height
+    low = 0.0 if design.shot or design.mold.bone else top - 0.55 * reach - height
     axes.set_ylim(low, top + 0.12 * reach)
     axes.set_aspect("equal")
     strips = ", strips S1 and S2" if shape.slots else ""
