@@ -18,6 +18,7 @@ from skincad.fabrication.day_plan import day_plan
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import layer_name, pours
 from skincad.inputs.design import Design
+from skincad.scenes.scene import Scene
 
 SIZE, TOUCH, FACE, PROCESS = (22, 24), 2.0, "dragon-skin-10", "sla"
 BACK = {"name": "dragon-skin-30", "thickness": 4.5, "bond": "primer"}
@@ -103,7 +104,7 @@ def packed(design: Design, folder: Path) -> None:
     print(f"  ridges {np.round(touched, 3).tolist()} N")
 
 
-def slips(design: Design) -> None:
+def pull(design: Design) -> Scene:
     """A pull that lets the ridges slip, one after the other."""
     force = design.contact.force
     settings = [
@@ -111,18 +112,24 @@ def slips(design: Design) -> None:
         f"history.normal_force_N=[0.0, {force}, {force}]",
         f"history.tangential_force_N=[0.0, 0.0, {1.2 * force}]",
         "history.time_s=[0.0, 0.02, 0.08]",
-        "history.steps=400",
+        "history.steps=200",
+        "readout.alarms=early",
     ]
-    scene = skincad.load_scene("steady-pull", settings, skin=design)
-    answer = skincad.simulate(scene)
-    print(
-        f"slip: model {answer.model}; gross slip at {answer.march.time[answer.gross_slip_step] * 1e3:.1f} ms"
-    )
-    told = answer.as_json()
+    return skincad.load_scene("steady-pull", settings, skin=design)
+
+
+def slips(design: Design) -> None:
+    """When ridges slip, and when the films warn of it."""
+    answer = skincad.simulate(pull(design))
+    told, end = answer.as_json(), answer.gross_slip_step
+    print(f"slip: gross slip at {1e3 * answer.march.time[end]:.1f} ms" if end else "slip: none")
     for ridge, lead in told["lead_ms"].items():
         if lead["value"] is not None:
             print(f"  ridge {ridge} slips {lead['value']:.1f} ± {lead['error']:.1f} ms before all do")
-    print(f"  the films warn of it {told['warning_lead_time_s']} s ahead")
+    warned = told["warning_lead_time_s"]
+    print(
+        "  the films raise no warning" if warned is None else f"  the films warn {1e3 * warned:.1f} ms ahead"
+    )
 
 
 def main() -> None:
