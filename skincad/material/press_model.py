@@ -1,0 +1,210 @@
+"""Approach against force of a design's good and faulty parts, from which `accept` judges a press.
+
+All curves are those of a pad of the design's own modulus, at forces in its terms: a part of s times that
+modulus sinks at s F as the design does at F. The good curve is that of a pad's test (pad.py): small strain on
+a fine mesh, free ends, finite strain. What a fault changes is solved on one coarse mesh of the section in
+small strain and plane strain; the ratio of the good curve to the coarse one carries it over, so that the
+mesh's error cancels. Bonded strips keep their modulus in a cast of another silicone; that is left out here
+and within `SCALE_ERROR`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Stopwatch
+from skincad.inputs.design import Design
+from skincad.inputs.material import refuse_layers, silicone
+from skincad.inputs.skin_tables import Plate
+from skincad.material.pad import (
+    APPROACH_ERROR,
+    STRAINED_ERROR,
+    PadCurve,
+    finite_strain_curve,
+    small_strain_curve,
+)
+from skincad.mechanics.bodies.mesh import half_of, plane_piece
+from skincad.mechanics.check import spread_of
+from skincad.mechanics.contact.frictionless import Ridges, press
+from skincad.mechanics.models import linear
+from skincad.mechanics.models.corrected import plain_pad
+from skincad.mechanics.models.friction import FULL, TwoPresses, solve, solve_solid
+from skincad.mechanics.problem import Pad, pad_of
+from skincad.shape.skin import skin_of
+
+FINENESS, ORDER = 0.5, 2  # of the coarse mesh; the change by a ridge differs by 3 % on twice as fine a one
+KNOTS, DENSE = 22, 400  # forces solved, closer at the first touch, and of the tables between them
+MISSING = (0.06, 0.12, 0.25, 0.5, 1.0)  # of a ridge's height, that it lacks
+WARPS = (-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4)  # of the height, at the outermost crest
+TILTS = (0.02, 0.05, 0.1, 0.2, 0.4)
+MOST_RIDGES = 6  # whose absence is solved; of more they are spread from an end to the middle
+# Standard deviations: of the approach as a whole (half of what bounds it), with strips left out; of what
+# finite strain changes
+SCALE_ERROR = math.hypot(APPROACH_ERROR / 2, 0.01)
+FRICTION_POINTS = 0.6  # of the largest force, at which the plate's friction is solved
+
+
+@dataclass(frozen=True)
+class PressModel:
+    """Approach, mm, at `force` `(k,)` N of a pad of `young_modulus` MPa, by kinds of parts.
+
+    `good` `(k,)` is the design's; `crests` `(m, k)` change it by one standard deviation of the mold's crest
+    errors, the same for independent modes; `strained` `(k,)` by one of finite strain's error. `ridge`
+    `(ridges, sizes, k)` are curves of a pad that lacks `missing` `(sizes,)` mm of one ridge, whose numbers
+    are `numbers` `(ridges,)`; `warp` and `tilt` `(sizes, k)` of one whose outermost crests are `warps` and
+    `tilts` mm lower. `friction` is the relative change of the approach by a plate on which nothing slips.
+    """
+
+    young_modulus: float
+    modulus_range: tuple[float, float]
+    height: float
+    force: Array
+    good: Array
+    crests: Array
+    strained: Array
+    numbers: tuple[int, ...]
+    last: int
+    mirrored: bool
+    missing: Array
+    ridge: Array
+    warps: Array
+    warp: Array
+    tilts: Array
+    tilt: Array
+    friction: float
+
+    @property
+    def curve(self) -> PadCurve:
+        """The good curve as a pad's test has it."""
+        return PadCurve(self.young_modulus, self.force, self.good, np.ones(self.force.size))
+
+
+def refuse_design(design: Design) -> None:
+    """Raise InputError for a skin whose faults have no curves here."""
+    family = skin_of(design).family
+    if family not in ("ridge", "ring"):
+        rule = "must be ridges or rings to accept a part by a press"
+        raise InputError("design", rule, family, "use fit-material for its modulus")
+    if design.contact.plate.shape not in ("flat", "tilted"):
+        remedy = "press with a flat plate, and leave [contact.plate] out"
+        raise InputError("contact.plate.shape", "must be flat or tilted", design.contact.plate.shape, remedy)
+    refuse_layers(design, "accept")
+
+
+def good_curve(design: Design, largest: float, clock: Stopwatch) -> PadCurve:
+    """Return a good part's curve under a flat plate up to `largest` N, in the design's own modulus."""
+    flat = design.with_(contact={"plate": Plate()}) if design.contact.plate.shape != "flat" else design
+    curve = small_strain_curve(flat, silicone(design).young_modulus.value, clock)
+    return finite_strain_curve(curve, flat, largest, clock)
+
+
+def press_model(
+    design: Design,
+    curve: PadCurve,
+    clock: Stopwatch,
+    plate: Plate | None = None,
+    only: int | None = None,
+) -> PressModel:
+    """Return the curves of good and faulty parts; `curve` is `good_curve`'s, `plate` the one that presses if
+    not a flat one, `only` the number of the one ridge that a narrow bar presses."""
+    pad, spread, skin = pad_of(design), spread_of(design), skin_of(design)
+    forces = float(curve.force[-1]) * (np.arange(1, KNOTS + 1) / KNOTS) ** 2
+    with clock.stage("faults"):
+        flat = _Section(pad, forces, None)
+        section = flat if plate is None and only is None else _Section(pad, forces, plate, only)
+        factor = PchipInterpolator(curve.force, curve.approach)(forces) / flat.approach()
+        ridges, height = len(section.numbers), float(skin.profile.height)
+        mirrored = half_of(pad) is not None and not pad.revolved and plate is None
+        places = np.arange((ridges + 1) // 2 if mirrored else ridges)
+        places = np.unique(np.round(np.linspace(0, places.size - 1, min(places.size, MOST_RIDGES))).astype(int))
+        along = np.linspace(0.0 if pad.revolved else -1.0, 1.0, ridges) if ridges > 1 else np.zeros(1)
+        table = section.tables(factor)
+        one = np.eye(ridges)
+        sigma = spread.crest_sigma
+        modes = [(table(sigma * row) - table(-sigma * row)) / 2 for row in one]
+        missing, warps, tilts = (np.array(shares) * height for shares in (MISSING, WARPS, TILTS))
+        lacking = [[table(size * one[i]) for size in missing] for i in places]
+        dense, good = section.dense, table(np.zeros(ridges))
+        strained = STRAINED_ERROR / 2 * good * (1 - 1 / np.interp(dense, curve.force, curve.strained))
+        warp = np.array([table(size * along**2) for size in warps])
+        tilt = np.array([table(size * along) for size in tilts])
+    with clock.stage("friction"):
+        friction = _friction(design, float(curve.force[-1]))
+    return PressModel(
+        young_modulus=curve.young_modulus,
+        modulus_range=(spread.modulus[0], spread.modulus[2]),
+        height=height,
+        force=dense,
+        good=good,
+        crests=_fewer(np.array(modes)),
+        strained=strained,
+        numbers=tuple(section.numbers[i] for i in places),
+        last=section.numbers[-1],
+        mirrored=mirrored,
+        missing=missing,
+        ridge=np.array(lacking),
+        warps=warps,
+        warp=warp,
+        tilts=tilts,
+        tilt=tilt,
+        friction=friction,
+    )
+
+
+class _Section:
+    """A whole section on a coarse mesh, pressed at `forces` `(n,)` N by a plate."""
+
+    def __init__(self, pad: Pad, forces: Array, plate: Plate | None, only: int | None = None) -> None:
+        used = pad if plate is None else replace(pad, plate=plate)
+        solution = linear.level(plane_piece(used, FINENESS, whole=True), ORDER, float(forces[-1]) / 4)
+        self.ridges: Ridges = solution.ridges
+        self.unit, self.scale, self.forces = solution.unit, solution.scale, forces
+        self.numbers = [int(number) for number in self.ridges.numbers]
+        self.may = None if only is None else self.ridges.of_point == only
+        self.dense = float(forces[-1]) * (np.arange(DENSE) / (DENSE - 1)) ** 2
+
+    def approach(self, drops: Array | None = None) -> Array:
+        """Return the approach `(n,)` mm from the first touch, crests lower by `drops` `(ridges,)` mm."""
+        ridges = self.ridges if drops is None or not drops.any() else self.ridges.lowered(drops / self.unit)
+        approach, start, may = [], None, self.may
+        with one_blas_thread():
+            for force in self.forces:
+                state = press(ridges.flexibility, ridges.gap, float(force) / self.scale, start, may=may)
+                approach.append(state.approach)
+                start = state.active
+        first = 0.0 if may is None else float(ridges.gap[may].min())
+        return (np.array(approach) - first) * self.unit
+
+    def tables(self, factor: Array) -> Callable[[Array], Array]:
+        """Return what gives the table `(k,)` mm at `dense` forces for drops, coarse approaches times `factor`
+        `(n,)`."""
+
+        def table(drops: Array) -> Array:
+            knots = np.append(0.0, factor * self.approach(drops))
+            # against the root of the force, in which the curve is nearly straight
+            roots = np.sqrt(np.append(0.0, self.forces))
+            return np.asarray(PchipInterpolator(roots, knots)(np.sqrt(self.dense)))
+
+        return table
+
+
+def _fewer(modes: Array, most: int = 5) -> Array:
+    """Return few modes `(m, k)` whose sum of squares is nearly that of the modes `(n, k)`."""
+    _, values, rows = np.linalg.svd(modes, full_matrices=False)
+    return np.asarray((values[:, None] * rows)[: min(most, values.size)])
+
+
+def _friction(design: Design, largest: float) -> float:
+    """The relative change of the approach by a plate on which next to nothing slips."""
+    pad, force = plain_pad(design), FRICTION_POINTS * largest
+    solver = solve if pad.revolved else solve_solid
+    both: TwoPresses = solver(pad, FULL, force)
+    return float(both.gripped.approach / both.without.approach - 1)
