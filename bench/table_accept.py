@@ -1,4 +1,4 @@
-"""What `accept` calls of parts with hidden faults: `python -m bench.table_accept 21000 21200 [CHOICE ...]`.
+"""What `accept` calls of parts with hidden faults: `python -m bench.table_accept 21000 21200`.
 
 A seed is two parts of a template, a good one and a faulty one, each pressed ten times up to twice the design's
 force. A good part's modulus is uniform in the material's range, its crests scatter by the mold's process. A
@@ -6,9 +6,9 @@ faulty part has besides one of `FAULTS`, of random size. The rows have normal er
 Parts are made otherwise than the judge's curves: on a mesh twice as fine and of a higher order, with free ends
 of finer layers; a soft back is a layer of another material, voids are holes in the mesh, a dry plate is
 pressed by the marching contact with friction; of parts with other crests finite strain is solved for the part
-itself. CHOICE: `fine` (0.01 N, 0.002 mm), `eye` (ridge and friction ruled out, and no such parts),
-`tilted` or `ridge` (a second curve, by a plate tilted by 3 degrees or by a bar on the middle ridge).
-Thresholds were set on the seeds 20000 to 20199.
+itself. Each part is judged by one press with the command's own errors; with a second curve, by a plate tilted by 3
+degrees or by a bar on the middle ridge; by one press with crests, ridges and friction ruled out, without such
+parts; and all with a finer scale and gauge. Thresholds were set on the seeds 20000 to 20199.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+from scipy.interpolate import interp1d
 
 import skincad
 from bench.exam.scoring import wilson
@@ -31,7 +31,7 @@ from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.measurements import PressCurve
 from skincad.inputs.skin_tables import Plate
-from skincad.material.acceptance import APPROACH_ERROR, FORCE_ERROR, Acceptance, judge
+from skincad.material.acceptance import APPROACH_ERROR, FORCE_ERROR, GOOD_SHARE, Acceptance, judge
 from skincad.material.press_model import PressModel, good_curve, press_model
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import spread_of
@@ -57,6 +57,30 @@ UNDECIDED = "can't tell"
 FINE = (0.01, 0.002)  # N, mm: a laboratory's scale and a dial gauge
 
 
+@dataclass(frozen=True)
+class Setting:
+    """How parts are read: by which presses, with what errors in N and mm, and what causes are ruled out."""
+
+    name: str
+    presses: tuple[str, ...] = ("",)
+    errors: tuple[float, float] = (FORCE_ERROR, APPROACH_ERROR)
+    ruled_out: tuple[str, ...] = ()
+    good_share: float = GOOD_SHARE
+
+
+LOOKED_AT = ("crests", "ridge", "friction")
+SETTINGS = (
+    Setting("one press"),
+    Setting("and a plate tilted by 3 degrees", ("", "tilted")),
+    Setting("and a bar on the middle ridge", ("", "ridge")),
+    Setting("crests, ridges and friction ruled out", ruled_out=LOOKED_AT),
+    Setting("one press, finer", errors=FINE),
+    Setting("and a plate tilted by 3 degrees, finer", ("", "tilted"), FINE),
+    Setting("and a bar on the middle ridge, finer", ("", "ridge"), FINE),
+    Setting("crests, ridges and friction ruled out, finer", errors=FINE, ruled_out=LOOKED_AT),
+)
+
+
 @dataclass(frozen=True, eq=False)
 class Bench:
     """A template with the judge's models by second press, its largest force N, and at `force` `(k,)` N the
@@ -71,19 +95,20 @@ class Bench:
 
 
 @cache
-def bench_of(name: str, second: str) -> Bench:
+def bench_of(name: str) -> Bench:
     """Return a template's bench."""
     design, clock = skincad.load_design(name), Stopwatch(None)
     pad = pad_of(design)
     largest = PRESS * design.contact.force
     curve = good_curve(design, 1.3 * largest, clock)
     largest = min(largest, RANGE * float(curve.force[-1]))
-    models = {"": press_model(design, curve, clock)}
-    if second == "tilted":
-        models[second] = press_model(design, curve, clock, TILT)
-    if second == "ridge":
-        models[second] = press_model(design, curve, clock, None, pad.ridges[len(pad.ridges) // 2])
-    forces = np.array(STRAINED_AT) * 1.25 * largest
+    middle = pad.ridges[len(pad.ridges) // 2]
+    models = {
+        "": press_model(design, curve, clock),
+        "tilted": press_model(design, curve, clock, TILT),
+        "ridge": press_model(design, curve, clock, None, middle),
+    }
+    forces = np.array(STRAINED_AT) * largest
     ends, strained = [], []
     plain = corrected.plain_pad(design)
     meshed = plane_piece(pad, 0.5)
@@ -93,6 +118,11 @@ def bench_of(name: str, second: str) -> Bench:
         ends.append(both.solid.approach / both.plane.approach)
         strained.append(levels(meshed, 3, float(force)).approach / linear.level(meshed, 3, float(force)).approach)
     return Bench(design, models, largest, forces, np.array(ends), np.array(strained))
+
+
+def along(force: Array, values: Array, at: Array) -> Array:
+    """Return values `(k,)` at forces `(k,)` N at others `(n,)`, straight on beyond the last."""
+    return np.asarray(interp1d(force, values, fill_value="extrapolate")(at))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +138,9 @@ class Part:
     stuck: float = 0.0
 
 
-def part_of(rng: np.random.Generator, template: str, fault: str, second: str) -> Part:
+def part_of(rng: np.random.Generator, template: str, fault: str) -> Part:
     """Return a random part."""
-    bench = bench_of(template, second)
+    bench = bench_of(template)
     design = bench.design
     pad, spread, height = pad_of(design), spread_of(design), float(skin_of(design).profile.height)
     low, value, high = spread.modulus
@@ -168,7 +198,7 @@ def with_voids(pad: Pad, count: int, size: float) -> Pad:
 @cache
 def dry(template: str, coefficient: float) -> float:
     """Return the change of a template's approach by friction, on a finer solid than the judge's."""
-    bench = bench_of(template, "")
+    bench = bench_of(template)
     plain = corrected.plain_pad(bench.design)
     both = friction.solve_solid(plain, coefficient, bench.largest / 2, (), Layers(0.6, 2.0, 4), 1.0, 2, 12)
     return both.gripped.approach / both.without.approach - 1
@@ -177,7 +207,7 @@ def dry(template: str, coefficient: float) -> float:
 @cache
 def solved(template: str, plate: str) -> linear.PlaneSolution:
     """Return a template's fine section, condensed."""
-    bench = bench_of(template, "")
+    bench = bench_of(template)
     pad = pad_of(bench.design)
     return section_of(replace(pad, plate=TILT) if plate == "tilted" else pad, bench.largest)
 
@@ -187,9 +217,10 @@ def section_of(pad: Pad, force: float) -> linear.PlaneSolution:
     return linear.level(plane_piece(pad, FINENESS, whole=True), ORDER, force / 2)
 
 
-def approach_of(part: Part, forces: Array, second: str) -> Array:
-    """Return a part's approach `(n,)` mm at forces `(n,)` N under a flat plate, or by the second press."""
-    bench = bench_of(part.template, "")
+def approach_of(part: Part, forces: Array, second: str, strain: float) -> Array:
+    """Return a part's approach `(n,)` mm at forces `(n,)` N under a flat plate, or by the second press;
+    finite strain changes `strain` times what it changes of the design."""
+    bench = bench_of(part.template)
     if part.fault in ("soft back", "voids"):
         pad = replace(part.pad, plate=TILT) if second == "tilted" else part.pad
         solution = section_of(pad, bench.largest)
@@ -205,10 +236,9 @@ def approach_of(part: Part, forces: Array, second: str) -> Array:
     first = 0.0 if may is None else float(lowered.gap[may].min())
     small = (np.array([state.approach for state in states]) - first) * unit
     at = forces / part.scale
-    strained = np.interp(at, np.append(0.0, bench.force), np.append(1.0, bench.strained)) - 1
-    strained = strained * own_strain(part, bench)
+    strained = along(np.append(0.0, bench.force), np.append(1.0, bench.strained), at) - 1
     ends = np.interp(at, bench.force, bench.ends)
-    return np.asarray(small * ends * (1 + strained) * (1 + part.stuck))
+    return np.asarray(small * ends * (1 + strain * strained) * (1 + part.stuck))
 
 
 def own_strain(part: Part, bench: Bench) -> float:
@@ -234,30 +264,29 @@ class Trial:
     curves: dict[str, tuple[Array, Array]]
 
 
-def trial(seed: int, fault: str, second: str) -> Trial:
-    """Return the part of a seed, pressed without errors of reading."""
-    rng = np.random.default_rng([seed, len(fault)])
+def trial(seed: int, fault: str) -> Trial:
+    """Return the part of a seed, pressed without errors of reading: alone, tilted and on one ridge."""
+    rng = np.random.default_rng([seed, [*FAULTS, ""].index(fault)])
     template = TEMPLATES[seed % len(TEMPLATES)]
-    part = part_of(rng, template, fault, second)
-    largest = bench_of(template, second).largest
-    curves = {}
-    for name in dict.fromkeys(("", second)):
+    part = part_of(rng, template, fault)
+    largest, strain, curves = bench_of(template).largest, own_strain(part, bench_of(template)), {}
+    for name in ("", "tilted", "ridge"):
         top = largest / len(part.pad.ridges) * 2 if name == "ridge" else largest
         forces = top * np.arange(1, ROWS + 1) / ROWS
-        curves[name] = forces, approach_of(part, forces, name)
+        curves[name] = forces, approach_of(part, forces, name, strain)
     return Trial(seed, part, curves)
 
 
-def called(of: Trial, errors: tuple[float, float], ruled_out: Iterable[str]) -> Acceptance:
-    """Return what the judge says of a trial read with `errors`, N and mm."""
-    rng = np.random.default_rng([of.seed, 7])
-    rows, second = [], max(of.curves)
-    bench = bench_of(of.part.template, second)
-    for name, (force, approach) in of.curves.items():
-        read = force + errors[0] * rng.standard_normal(ROWS)
-        gone = approach + errors[1] * (rng.standard_normal(ROWS) + rng.standard_normal())
-        rows.append((bench.models[name], PressCurve("", gone, read, *errors)))
-    return judge(of.part.template, rows, set(ruled_out))
+def called(of: Trial, setting: Setting) -> Acceptance:
+    """Return what the judge says of a trial, read with a setting's errors."""
+    rng, rows, bench = np.random.default_rng([of.seed, 7]), [], bench_of(of.part.template)
+    (force_error, approach_error), models = setting.errors, bench.models
+    for name in setting.presses:
+        force, approach = of.curves[name]
+        read = force + force_error * rng.standard_normal(ROWS)
+        gone = approach + approach_error * (rng.standard_normal(ROWS) + rng.standard_normal())
+        rows.append((models[name], PressCurve("", gone, read, force_error, approach_error)))
+    return judge(of.part.template, rows, setting.ruled_out, setting.good_share)
 
 
 def share(hits: int, count: int) -> str:
@@ -300,19 +329,19 @@ def table(results: list[tuple[str, Acceptance]]) -> list[str]:
     return lines
 
 
-def main(first: int, stop: int, choices: list[str]) -> None:
-    """Print the table."""
-    errors = FINE if "fine" in choices else (FORCE_ERROR, APPROACH_ERROR)
-    second = next((name for name in ("tilted", "ridge") if name in choices), "")
-    ruled_out = ("ridge", "friction") if "eye" in choices else ()
-    kinds = [kind for kind, cause in FAULTS.items() if cause not in ruled_out]
-    results = list[tuple[str, Acceptance]]()
+def main(first: int, stop: int) -> None:
+    """Print a table for each setting."""
+    results = dict[Setting, list[tuple[str, Acceptance]]]()
     for seed in range(first, stop):
-        for fault in ("", kinds[seed // len(TEMPLATES) % len(kinds)]):
-            results.append((fault, called(trial(seed, fault, second), errors, ruled_out)))
-    print(f"seeds {first} to {stop - 1}, {errors[0]:g} N, {errors[1]:g} mm, {' '.join(choices) or 'one press'}")
-    print("\n".join(table(results)), flush=True)
+        for fault in ("", list(FAULTS)[seed // len(TEMPLATES) % len(FAULTS)]):
+            of = trial(seed, fault)
+            for setting in SETTINGS:
+                if FAULTS.get(fault) not in setting.ruled_out:
+                    results.setdefault(setting, []).append((fault, called(of, setting)))
+    for setting, rows in results.items():
+        print(f"\n{setting.name}; {setting.errors[0]:g} N, {setting.errors[1]:g} mm, seeds {first} to {stop - 1}")
+        print("\n".join(table(rows)), flush=True)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:])
+    main(int(sys.argv[1]), int(sys.argv[2]))

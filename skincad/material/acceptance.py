@@ -16,14 +16,14 @@ from its mirror image. The thresholds were set on the seeds 20000 to 20199 of be
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from scipy import linalg, special, stats
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError, did_you_mean
+from skincad.base.errors import InputError, did_you_mean, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
@@ -48,7 +48,7 @@ KINDS = {
     "back": "the back is soft: voids, glue or a bending holder",
     "friction": "the plate sticks: wet or powder it",
 }
-GOOD_SHARE = 0.5  # of all parts
+GOOD_SHARE = 0.5  # of all parts, before the press
 IN_FROM, OUT_FROM = 0.95, 0.98  # probability of a good part, and of a fault
 ALONE_FROM = 0.8  # probability of the likeliest cause among faults, from which it is named alone
 MISFIT = 1e-4  # probability of rows so far off; below it no cause fits
@@ -82,12 +82,17 @@ class CauseFit(Record):
 
 @record()
 class Acceptance(Result):
-    """Whether a pressed part is a good one; `verdict` is "in", "out" or "can't tell"."""
+    """Whether a pressed part is a good one; `verdict` is "in", "out" or "can't tell".
+
+    `curve` is the rows' approach and force, `(rows,)` mm and N, `band` forces `(n,)` N and between which
+    approaches `(n,)` mm 95 % of good parts lie.
+    """
 
     shown_by = "skincad.outputs.acceptances:ACCEPTANCE"
     name: str = item(meaning="of the design")
     verdict: str = item(meaning="in, out or can't tell")
     good_probability: float = item(meaning="that the part is good, given the rows")
+    good_share: float = item(meaning="of such parts, before the press")
     cause: str | None = item(meaning="that fits best; null where the part is in, or none fits")
     alone: bool = item(meaning="whether no other cause fits nearly as well", key="cause_alone")
     causes: tuple[CauseFit, ...] = item(meaning="the likeliest first")
@@ -102,6 +107,15 @@ class Acceptance(Result):
     approach_error: float = item("mm", "standard deviation of a reading")
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
+    curve: tuple[Array, Array] = field(compare=False)
+    band: tuple[Array, Array, Array] = field(compare=False)
+
+    @reported(meaning="share of good parts from which this one is in, whatever the verdict")
+    def in_from_share(self) -> float:
+        """The share of good ones among such parts from which this part is in."""
+        good, share = self.good_probability, self.good_share
+        odds = good / max(1 - good, 1e-15) * (1 - share) / share  # by the rows alone
+        return IN_FROM / (IN_FROM + (1 - IN_FROM) * odds)
 
     @reported(meaning="that the part is in")
     def passed(self) -> bool:
@@ -133,6 +147,7 @@ def accept(
     force_error: float = FORCE_ERROR,
     approach_error: float = APPROACH_ERROR,
     ruled_out: Sequence[str] = (),
+    good_share: float = GOOD_SHARE,
     progress: Progress | None = None,
 ) -> Acceptance:
     """Return whether a pressed part of a design is good, and which cause fits best if it is not.
@@ -140,7 +155,8 @@ def accept(
     `press` is a CSV with the columns `approach_mm, force_N`, of at least five rows under load.
     `force_error` N and `approach_error` mm are standard deviations of the readings. Causes that are
     `ruled_out` were excluded otherwise, as a ridge that did not fill by eye; a `contact.friction` of the
-    design rules out friction. Raises InputError for an unusable file, for skins without ridges or rings, and
+    design rules out friction. `good_share` is the share of good ones among such parts, known before: half of
+    them unless given, so that a part is `in` only where its rows speak against every fault. Raises InputError for an unusable file, for skins without ridges or rings, and
     for forces beyond the range of the model.
     """
     clock = Stopwatch(progress)
@@ -149,13 +165,14 @@ def accept(
             raise InputError("ruled_out", "unknown cause", cause, did_you_mean(cause, KINDS))
     if len({*ruled_out}) == len(KINDS):
         raise InputError("ruled_out", "must leave a cause to look for", remedy="leave one of them out")
+    require_number("good_share", good_share, lambda value: 0 < value < 1, "must be above 0 and below 1")
     known = ("friction",) if design.contact.friction is not None else ()
     with clock.stage("read"):
         curve = press if isinstance(press, PressCurve) else press_curve(press, force_error, approach_error)
         refuse_design(design)
     model = model_for(design, curve, clock)
     with clock.stage("judge"):
-        result = judge(design.name, [(model, curve)], {*ruled_out, *known})
+        result = judge(design.name, [(model, curve)], {*ruled_out, *known}, good_share)
     return replace(result, seconds=clock.seconds())
 
 
@@ -194,14 +211,15 @@ def _refuse_units(curve: PressCurve, good: PadCurve) -> None:
         ratio = float(scale)
     if 1 / WRONG_UNIT < ratio < WRONG_UNIT:
         return
-    guesses = [(f"is {key.split('_')[1]} taken for N", by) for key, by in OTHER_UNITS.items()]
-    guesses += [  # a longer approach asks for more force, about in proportion
-        (f"is {key.split('_')[1]} taken for mm", float(good.force_at(np.array([1e-9]))[0]) or usual / max(
-            float(good.force_at(np.array([deepest * by]))[0]), 1e-12)) for key, by in OTHER_LENGTHS.items()
-    ]
-    words, _ = min(guesses, key=lambda guess: abs(np.log(ratio * guess[1])))
+    forces = {f"are forces in {key.split('_')[1]}": (by, 1.0) for key, by in OTHER_UNITS.items()}
+    lengths = {f"are approaches in {key.split('_')[1]}": (1.0, by) for key, by in OTHER_LENGTHS.items()}
+    off = {
+        question: abs(np.log(largest * by / max(float(good.force_at(np.array([deepest * along]))[0]), 1e-12)))
+        for question, (by, along) in {**forces, **lengths}.items()
+    }
     rule = f"must be in mm and N: the rows are {ratio:.3g} times as stiff as the design"
-    raise InputError(curve.name, rule, remedy=f"{words}? Else name the silicone that was cast")
+    question = min(off, key=lambda words: off[words])
+    raise InputError(curve.name, rule, remedy=f"{question}? Else name the silicone that was cast")
 
 
 @dataclass(frozen=True)
@@ -322,7 +340,10 @@ def _sampled(force: Array, tables: Array, at: Array) -> Array:
 
 
 def judge(
-    name: str, curves: Sequence[tuple[PressModel, PressCurve]], ruled_out: Collection[str] = ()
+    name: str,
+    curves: Sequence[tuple[PressModel, PressCurve]],
+    ruled_out: Collection[str] = (),
+    good_share: float = GOOD_SHARE,
 ) -> Acceptance:
     """Return the verdict on one part by one or more presses, each with the model of its plate."""
     models, first = [model for model, _ in curves], curves[0][1]
@@ -334,7 +355,7 @@ def judge(
         for kind, (value, _, _) in logs.items()
     }
     kinds = [kind for kind in KINDS if kind not in ruled_out]
-    prior = {kind: (1 - GOOD_SHARE) / len(kinds) for kind in kinds} | {"good": GOOD_SHARE}
+    prior = {kind: (1 - good_share) / len(kinds) for kind in kinds} | {"good": good_share}
     names = list(prior)
     posterior = special.softmax([evidence[kind] + np.log(prior[kind]) for kind in names])
     probability = dict(zip(names, posterior.tolist(), strict=True))
@@ -358,6 +379,7 @@ def judge(
         name=name,
         verdict=verdict,
         good_probability=good,
+        good_share=good_share,
         cause=None if verdict == "in" or not fits else causes[0].cause,
         alone=fits and causes[0].probability >= ALONE_FROM * faults,
         causes=tuple(causes),
@@ -371,11 +393,25 @@ def judge(
         force_error=first.force_error,
         approach_error=first.approach_error,
         seconds={},
-        warnings=_warnings(models[0], first, largest),
+        warnings=_warnings(models[0], first),
+        curve=(first.approach, first.force),
+        band=_band(models[0], largest),
     )
 
 
-def _warnings(model: PressModel, curve: PressCurve, largest: float) -> tuple[str, ...]:
+def _band(model: PressModel, largest: float) -> tuple[Array, Array, Array]:
+    """Forces `(n,)` N, and the least and largest approach `(n,)` mm of 95 % of good parts, without noise."""
+    force = largest * (np.arange(60) / 59) ** 2
+    ends = []
+    for end, sign in zip(model.modulus_range[::-1], (-1, 1), strict=True):
+        at = force * model.young_modulus / end
+        good = _sampled(model.force, model.good[None], at)[0]
+        modes = _sampled(model.force, np.vstack([model.crests, model.strained]), at)
+        ends.append(good + sign * CONFIDENCE * np.sqrt((modes**2).sum(axis=0) + (SCALE_ERROR * good) ** 2))
+    return force, ends[0], ends[1]
+
+
+def _warnings(model: PressModel, curve: PressCurve) -> tuple[str, ...]:
     notes = ["all crests higher or lower alike can't be seen: the zero of the approach is unknown"]
     if model.mirrored and len(model.numbers) > 1:
         notes.append("a ridge can't be told from its mirror image under a level plate")

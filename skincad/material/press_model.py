@@ -45,6 +45,7 @@ KNOTS, DENSE = 22, 400  # forces solved, closer at the first touch, and of the t
 MISSING = (0.06, 0.12, 0.25, 0.5, 1.0)  # of a ridge's height, that it lacks
 WARPS = (-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4)  # of the height, at the outermost crest
 TILTS = (0.02, 0.05, 0.1, 0.2, 0.4)
+PARTS, SEED = 40, 20021  # with random crests, of which the good curve is the mean; in pairs of opposite signs
 MOST_RIDGES = 6  # whose absence is solved; of more they are spread from an end to the middle
 # Standard deviations: of the approach as a whole (half of what bounds it), with strips left out; of what
 # finite strain changes
@@ -56,8 +57,8 @@ FRICTION_POINTS = 0.6  # of the largest force, at which the plate's friction is 
 class PressModel:
     """Approach, mm, at `force` `(k,)` N of a pad of `young_modulus` MPa, by kinds of parts.
 
-    `good` `(k,)` is the design's; `crests` `(m, k)` change it by one standard deviation of the mold's crest
-    errors, the same for independent modes; `strained` `(k,)` by one of finite strain's error. `ridge`
+    `good` `(k,)` is the mean over the mold's crest errors; `crests` `(m, k)` are their independent modes, of one
+    standard deviation each; `strained` `(k,)` by one of finite strain's error. `ridge`
     `(ridges, sizes, k)` are curves of a pad that lacks `missing` `(sizes,)` mm of one ridge, whose numbers
     are `numbers` `(ridges,)`; `warp` and `tilt` `(sizes, k)` of one whose outermost crests are `warps` and
     `tilts` mm lower. `friction` is the relative change of the approach by a plate on which nothing slips.
@@ -127,15 +128,17 @@ def press_model(
         places = np.unique(np.round(np.linspace(0, places.size - 1, min(places.size, MOST_RIDGES))).astype(int))
         along = np.linspace(0.0 if pad.revolved else -1.0, 1.0, ridges) if ridges > 1 else np.zeros(1)
         table = section.tables(factor)
-        one = np.eye(ridges)
-        sigma = spread.crest_sigma
-        modes = [(table(sigma * row) - table(-sigma * row)) / 2 for row in one]
+        one, nominal = np.eye(ridges), table(np.zeros(ridges))
+        drawn = spread.crest_sigma * np.random.default_rng(SEED).standard_normal((PARTS // 2, ridges))
+        parts = np.array([table(drops) for drops in np.concatenate([drawn, -drawn])])
+        good = parts.mean(axis=0)
+        higher = good - nominal  # what scatter adds on the mean, to faulty parts alike
         missing, warps, tilts = (np.array(shares) * height for shares in (MISSING, WARPS, TILTS))
-        lacking = [[table(size * one[i]) for size in missing] for i in places]
-        dense, good = section.dense, table(np.zeros(ridges))
+        lacking = [[table(size * one[i]) + higher for size in missing] for i in places]
+        dense = section.dense
         strained = STRAINED_ERROR / 2 * good * (1 - 1 / np.interp(dense, curve.force, curve.strained))
-        warp = np.array([table(size * along**2) for size in warps])
-        tilt = np.array([table(size * along) for size in tilts])
+        warp = np.array([table(size * along**2) for size in warps]) + higher
+        tilt = np.array([table(size * along) for size in tilts]) + higher
     with clock.stage("friction"):
         friction = _friction(design, float(curve.force[-1]))
     return PressModel(
@@ -144,7 +147,7 @@ def press_model(
         height=height,
         force=dense,
         good=good,
-        crests=_fewer(np.array(modes)),
+        crests=_fewer((parts - good) / math.sqrt(PARTS)),
         strained=strained,
         numbers=tuple(section.numbers[i] for i in places),
         last=section.numbers[-1],
