@@ -29,9 +29,11 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
 from skincad.inputs.measurements import PressCurve
 from skincad.inputs.skin_tables import Plate
 from skincad.material.acceptance import APPROACH_ERROR, FORCE_ERROR, GOOD_SHARE, Acceptance, judge
+from skincad.material.pad import small_strain_curve
 from skincad.material.press_model import PressModel, good_curve, press_model
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import spread_of
@@ -51,7 +53,8 @@ FAULTS = {  # kind -> the cause that is right
 }  # fmt: skip
 ROWS, PRESS, RANGE = 10, 2.0, 0.8  # times the design's force, at most so much of the model's range
 FINENESS, ORDER, FINE_ENDS = 1.0, 3, Layers(0.6, 2.0, 6)
-STRAINED_AT = (0.3, 0.6, 1.0)
+STRAINED_AT = (0.15, 0.4, 0.7, 1.0, 1.7, 2.6)  # of the largest force, as far as the model goes
+FAR = 3.0  # times the largest force
 TILT = Plate(shape="tilted", tilt=3.0)
 UNDECIDED = "can't tell"
 FINE = (0.01, 0.002)  # N, mm: a laboratory's scale and a dial gauge
@@ -83,11 +86,10 @@ SETTINGS = (
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A template with the judge's models by second press, its largest force N, and at `force` `(k,)` N the
-    factor `(k,)` by which free ends and finite strain change a plane press of small strain."""
+    """A template with its largest force N, and at `force` `(k,)` N the factors `(k,)` by which free ends and
+    finite strain change the approach of a plane press in small strain."""
 
     design: Design
-    models: dict[str, PressModel]
     largest: float
     force: Array
     ends: Array
@@ -97,27 +99,32 @@ class Bench:
 @cache
 def bench_of(name: str) -> Bench:
     """Return a template's bench."""
-    design, clock = skincad.load_design(name), Stopwatch(None)
-    pad = pad_of(design)
-    largest = PRESS * design.contact.force
-    curve = good_curve(design, 1.3 * largest, clock)
-    largest = min(largest, RANGE * float(curve.force[-1]))
-    middle = pad.ridges[len(pad.ridges) // 2]
-    models = {
-        "": press_model(design, curve, clock),
-        "tilted": press_model(design, curve, clock, TILT),
-        "ridge": press_model(design, curve, clock, None, middle),
-    }
-    forces = np.array(STRAINED_AT) * largest
-    ends, strained = [], []
-    plain = corrected.plain_pad(design)
-    meshed = plane_piece(pad, 0.5)
-    levels = Levels()
-    for force in forces:
-        both = corrected.free_ends(plain, float(force), {}, FINE_ENDS)
-        ends.append(both.solid.approach / both.plane.approach)
-        strained.append(levels(meshed, 3, float(force)).approach / linear.level(meshed, 3, float(force)).approach)
-    return Bench(design, models, largest, forces, np.array(ends), np.array(strained))
+    design = skincad.load_design(name)
+    pad, plain, levels = pad_of(design), corrected.plain_pad(design), Levels()
+    first = small_strain_curve(design, silicone(design).young_modulus.value, Stopwatch(None))
+    largest = min(PRESS * design.contact.force, RANGE * float(first.force[-1]))
+    meshed, rows = plane_piece(pad, 0.5), [(0.0, math.nan, 1.0)]
+    for share in STRAINED_AT:
+        force = share * largest
+        try:
+            finite = levels(meshed, 3, force).approach
+        except (InputError, RefusedError):
+            break
+        both = corrected.free_ends(plain, force, {}, FINE_ENDS)
+        rows.append((force, both.solid.approach / both.plane.approach, finite / linear.level(meshed, 3, force).approach))
+    force, ends, strained = np.array(rows).T
+    ends[0] = ends[1]
+    return Bench(design, min(largest, float(force[-1])), force, ends, strained)
+
+
+@cache
+def models_of(name: str, press: str, far: bool) -> PressModel:
+    """Return the judge's model of a template for one press; `far` goes on for parts much softer."""
+    bench = bench_of(name)
+    pad, clock = pad_of(bench.design), Stopwatch(None)
+    curve = good_curve(bench.design, (FAR if far else 1.3) * bench.largest, clock)
+    only = pad.ridges[len(pad.ridges) // 2] if press == "ridge" else None
+    return press_model(bench.design, curve, clock, TILT if press == "tilted" else None, only)
 
 
 def along(force: Array, values: Array, at: Array) -> Array:
@@ -236,7 +243,7 @@ def approach_of(part: Part, forces: Array, second: str, strain: float) -> Array:
     first = 0.0 if may is None else float(lowered.gap[may].min())
     small = (np.array([state.approach for state in states]) - first) * unit
     at = forces / part.scale
-    strained = along(np.append(0.0, bench.force), np.append(1.0, bench.strained), at) - 1
+    strained = along(bench.force, bench.strained, at) - 1
     ends = np.interp(at, bench.force, bench.ends)
     return np.asarray(small * ends * (1 + strain * strained) * (1 + part.stuck))
 
@@ -279,13 +286,17 @@ def trial(seed: int, fault: str) -> Trial:
 
 def called(of: Trial, setting: Setting) -> Acceptance:
     """Return what the judge says of a trial, read with a setting's errors."""
-    rng, rows, bench = np.random.default_rng([of.seed, 7]), [], bench_of(of.part.template)
-    (force_error, approach_error), models = setting.errors, bench.models
+    rng, rows = np.random.default_rng([of.seed, 7]), []
+    force_error, approach_error = setting.errors
+    force, approach = of.curves[""]
+    near = models_of(of.part.template, "", False)
+    far = float(np.interp(approach[-1], near.good, near.force)) > 1.2 * force[-1]
     for name in setting.presses:
         force, approach = of.curves[name]
         read = force + force_error * rng.standard_normal(ROWS)
         gone = approach + approach_error * (rng.standard_normal(ROWS) + rng.standard_normal())
-        rows.append((models[name], PressCurve("", gone, read, force_error, approach_error)))
+        model = models_of(of.part.template, name, far)
+        rows.append((model, PressCurve("", gone, read, force_error, approach_error)))
     return judge(of.part.template, rows, setting.ruled_out, setting.good_share)
 
 

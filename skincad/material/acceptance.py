@@ -44,13 +44,13 @@ FORCE_ERROR, APPROACH_ERROR = 0.05, 0.02  # N and mm, of a kitchen scale and a s
 KINDS = {
     "modulus": "the silicone's modulus is outside its range",
     "crests": "the crests' heights bend or tilt from side to side",
-    "ridge": "a ridge did not fill",
+    "ridge": "a ridge or two did not fill",
     "back": "the back is soft: voids, glue or a bending holder",
     "friction": "the plate sticks: wet or powder it",
 }
 GOOD_SHARE = 0.5  # of all parts, before the press
-IN_FROM, OUT_FROM = 0.95, 0.98  # probability of a good part, and of a fault
-ALONE_FROM = 0.8  # probability of the likeliest cause among faults, from which it is named alone
+IN_FROM, OUT_FROM = 0.95, 0.95  # probability of a good part, and of a fault
+ALONE_FROM = 0.95  # probability of the likeliest cause among faults, from which it is named alone
 MISFIT = 1e-4  # probability of rows so far off; below it no cause fits
 LEAST_RANGE = 0.03  # relative, of a modulus without a range; assumption: how batches of one mix differ
 # What counts as a fault, from its least to its largest; less is what good parts may have
@@ -266,9 +266,18 @@ def _hypotheses(models: Sequence[PressModel], largest: float) -> dict[str, _Hypo
     sizes = np.concatenate([warps, tilts])
     add("crests", sizes, shapes, profiles, np.zeros(sizes.size))
     lacks = _between(model.missing, RIDGE_FAULT * model.height)
-    ridges = [np.concatenate([_at(m.missing, rows, lacks) for rows in m.ridge]) for m in models]
-    names = [_ridge_name(model, number) for number in model.numbers for _ in lacks]
-    add("ridge", np.tile(lacks, len(model.numbers)), names, ridges, np.zeros(len(names)))
+    told = max(models, key=lambda m: len(m.numbers))  # the one that tells a ridge from its image, if any
+    ridges = [
+        np.vstack(
+            [_at(m.missing, m.without(number), lacks) for number in told.numbers]
+            + [m.without_two(pair)[None] for pair in told.pairs]
+        )
+        for m in models
+    ]
+    names = [_ridge_name(told, number) for number in told.numbers for _ in lacks]
+    names += [" and ".join(map(str, pair)) for pair in told.pairs]
+    sizes = np.concatenate([np.tile(lacks, len(told.numbers)), np.full(len(told.pairs), model.height)])
+    add("ridge", sizes, names, ridges, np.zeros(len(names)))
     deep = float(np.interp(largest, model.force, model.good)) / largest
     soft = np.geomspace(*SOFT_BACK, SIZES) * deep
     add("back", soft, [""] * SIZES, [np.tile(m.good, (SIZES, 1)) for m in models], soft)

@@ -45,6 +45,7 @@ KNOTS, DENSE = 22, 400  # forces solved, closer at the first touch, and of the t
 MISSING = (0.06, 0.12, 0.25, 0.5, 1.0)  # of a ridge's height, that it lacks
 WARPS = (-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4)  # of the height, at the outermost crest
 TILTS = (0.02, 0.05, 0.1, 0.2, 0.4)
+MOST_PAIRS = 9  # ridges, of which any two are taken away; of more none are
 PARTS, SEED = 40, 20021  # with random crests, of which the good curve is the mean; in pairs of opposite signs
 MOST_RIDGES = 6  # whose absence is solved; of more they are spread from an end to the middle
 # Standard deviations: of the approach as a whole (half of what bounds it), with strips left out; of what
@@ -57,10 +58,10 @@ FRICTION_POINTS = 0.6  # of the largest force, at which the plate's friction is 
 class PressModel:
     """Approach, mm, at `force` `(k,)` N of a pad of `young_modulus` MPa, by kinds of parts.
 
-    `good` `(k,)` is the mean over the mold's crest errors; `crests` `(m, k)` are their independent modes, of one
-    standard deviation each; `strained` `(k,)` by one of finite strain's error. `ridge`
+    `good` `(k,)` is the mean over the mold's crest errors; `crests` `(parts, k)` are what random ones change,
+    divided by the root of their number, so that their squares sum to the variance; `strained` `(k,)` by one of finite strain's error. `ridge`
     `(ridges, sizes, k)` are curves of a pad that lacks `missing` `(sizes,)` mm of one ridge, whose numbers
-    are `numbers` `(ridges,)`; `warp` and `tilt` `(sizes, k)` of one whose outermost crests are `warps` and
+    are `numbers` `(ridges,)`; `two` `(pairs, k)` of one without the two ridges `pairs`; `warp` and `tilt` `(sizes, k)` of one whose outermost crests are `warps` and
     `tilts` mm lower. `friction` is the relative change of the approach by a plate on which nothing slips.
     """
 
@@ -76,16 +77,23 @@ class PressModel:
     mirrored: bool
     missing: Array
     ridge: Array
+    pairs: tuple[tuple[int, int], ...]
+    two: Array
     warps: Array
     warp: Array
     tilts: Array
     tilt: Array
     friction: float
 
-    @property
-    def curve(self) -> PadCurve:
-        """The good curve as a pad's test has it."""
-        return PadCurve(self.young_modulus, self.force, self.good, np.ones(self.force.size))
+    def without_two(self, pair: tuple[int, int]) -> Array:
+        """Return the curve `(k,)` mm of a pad without these two ridges, or without their mirror images."""
+        image = self.last - pair[1] + 1, self.last - pair[0] + 1
+        return np.asarray(self.two[self.pairs.index(pair if pair in self.pairs else image)])
+
+    def without(self, number: int) -> Array:
+        """Return the curves `(sizes, k)` mm of a pad that lacks some of this ridge, or of its mirror image."""
+        image = self.last - number + 1
+        return np.asarray(self.ridge[self.numbers.index(number if number in self.numbers else image)])
 
 
 def refuse_design(design: Design) -> None:
@@ -123,9 +131,12 @@ def press_model(
         section = flat if plate is None and only is None else _Section(pad, forces, plate, only)
         factor = PchipInterpolator(curve.force, curve.approach)(forces) / flat.approach()
         ridges, height = len(section.numbers), float(skin.profile.height)
-        mirrored = half_of(pad) is not None and not pad.revolved and plate is None
-        places = np.arange((ridges + 1) // 2 if mirrored else ridges)
-        places = np.unique(np.round(np.linspace(0, places.size - 1, min(places.size, MOST_RIDGES))).astype(int))
+        mirror = half_of(pad) is not None and not pad.revolved
+        mirrored = mirror and plate is None and only is None
+        last = (ridges - 1) // 2 if mirror else ridges - 1
+        places = np.unique(np.round(np.linspace(0, last, min(last + 1, MOST_RIDGES))).astype(int))
+        if mirror and not mirrored:
+            places = np.union1d(places, ridges - 1 - places)
         along = np.linspace(0.0 if pad.revolved else -1.0, 1.0, ridges) if ridges > 1 else np.zeros(1)
         table = section.tables(factor)
         one, nominal = np.eye(ridges), table(np.zeros(ridges))
@@ -135,6 +146,8 @@ def press_model(
         higher = good - nominal  # what scatter adds on the mean, to faulty parts alike
         missing, warps, tilts = (np.array(shares) * height for shares in (MISSING, WARPS, TILTS))
         lacking = [[table(size * one[i]) + higher for size in missing] for i in places]
+        pairs = _pairs(ridges, mirrored)
+        two = np.array([table(height * (one[i] + one[j])) + higher for i, j in pairs])
         dense = section.dense
         strained = STRAINED_ERROR / 2 * good * (1 - 1 / np.interp(dense, curve.force, curve.strained))
         warp = np.array([table(size * along**2) for size in warps]) + higher
@@ -147,13 +160,15 @@ def press_model(
         height=height,
         force=dense,
         good=good,
-        crests=_fewer((parts - good) / math.sqrt(PARTS)),
+        crests=(parts - good) / math.sqrt(PARTS),
         strained=strained,
         numbers=tuple(section.numbers[i] for i in places),
         last=section.numbers[-1],
         mirrored=mirrored,
         missing=missing,
         ridge=np.array(lacking),
+        pairs=tuple((section.numbers[i], section.numbers[j]) for i, j in pairs),
+        two=two.reshape(-1, dense.size),
         warps=warps,
         warp=warp,
         tilts=tilts,
@@ -199,10 +214,12 @@ class _Section:
         return table
 
 
-def _fewer(modes: Array, most: int = 5) -> Array:
-    """Return few modes `(m, k)` whose sum of squares is nearly that of the modes `(n, k)`."""
-    _, values, rows = np.linalg.svd(modes, full_matrices=False)
-    return np.asarray((values[:, None] * rows)[: min(most, values.size)])
+def _pairs(ridges: int, mirrored: bool) -> list[tuple[int, int]]:
+    """Return pairs of ridges from 0, of a `mirrored` press one of each pair and its image."""
+    if not 2 < ridges <= MOST_PAIRS:
+        return []
+    every = [(i, j) for i in range(ridges) for j in range(i + 1, ridges)]
+    return [(i, j) for i, j in every if (i, j) <= (ridges - 1 - j, ridges - 1 - i)] if mirrored else every
 
 
 def _friction(design: Design, largest: float) -> float:

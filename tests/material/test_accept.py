@@ -190,6 +190,7 @@ def test_what_it_cannot_judge_is_refused(
         accept(skincad.load(design), file, **options)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_rings_are_judged_too() -> None:
     """Approaches by `check rings-5 --model finite-strain --tol 0.02 --set contact.friction=0.0`."""
     design = skincad.load("rings-5", ["contact.friction=0.0"])
