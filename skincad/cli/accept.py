@@ -9,12 +9,22 @@ import typer
 
 import skincad
 from skincad.base.progress import stage_bar
-from skincad.cli.options import DesignArgument, JsonOption, SetOption, SiliconesOption, as_typed, leave, report, show
+from skincad.cli.options import (
+    DesignArgument,
+    JsonOption,
+    SetOption,
+    SiliconesOption,
+    as_typed,
+    leave,
+    report,
+    show,
+)
 
 
 def accept(
     press: Annotated[
-        Path, typer.Argument(metavar="PRESS", help="A CSV with the columns approach_mm, force_N; ten rows do.")
+        Path,
+        typer.Argument(metavar="PRESS", help="A CSV with the columns approach_mm, force_N; ten rows do."),
     ],
     source: DesignArgument,
     settings: SetOption = [],  # noqa: B006
@@ -35,11 +45,15 @@ def accept(
     ] = [],  # noqa: B006
     good_share: Annotated[
         float,
-        typer.Option("--good-share", metavar="SHARE", help="How many of your parts are good, before this press."),
+        typer.Option(
+            "--good-share", metavar="SHARE", help="How many of your parts are good, before this press."
+        ),
     ] = 0.5,
     update: Annotated[
         Path | None,
-        typer.Option("--update", metavar="FILE", help="Write a copy of the design, its silicone as measured."),
+        typer.Option(
+            "--update", metavar="FILE", help="Write a copy of the design, its silicone as measured."
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -151,7 +151,9 @@ def press_curve(path: Path | str, force_error: float, approach_error: float) -> 
     rows = int(np.count_nonzero(curve.loaded))
     _refuse_falling(curve)
     if rows < FEWEST_PRESSES:
-        rule = f"must have at least {FEWEST_PRESSES} rows with a force above twice its error, {force_error:g} N"
+        rule = (
+            f"must have at least {FEWEST_PRESSES} rows with a force above twice its error, {force_error:g} N"
+        )
         raise InputError(name, rule, rows, "read the force at ten approaches, up to the design's force")
     return curve
 
@@ -162,8 +164,18 @@ def _refuse_falling(curve: PressCurve) -> None:
     slope = 2 * float(np.ptp(curve.force)) / span if span else 0.0  # near the end of a bent curve
     noise = math.hypot(curve.force_error, slope * curve.approach_error)
     checks = (
-        (PRESSED[0], curve.approach, curve.approach_error, "give one loading, its rows in the order of the test"),
-        (PRESSED[1], curve.force, noise, "tare the scale, count compression positive, leave the unloading out"),
+        (
+            PRESSED[0],
+            curve.approach,
+            curve.approach_error,
+            "give one loading, its rows in the order of the test",
+        ),
+        (
+            PRESSED[1],
+            curve.force,
+            noise,
+            "tare the scale, count compression positive, leave the unloading out",
+        ),
     )
     for column, values, error, remedy in checks:
         fall = np.maximum.accumulate(values) - values

@@ -9,8 +9,8 @@ the standard deviations given; the approach's zero, the crests and the model's o
 integrated out in closed form (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
 eq. 2.43).
 
-What no press under one flat plate can see: all crests higher or lower alike (the zero is unknown), and a ridge
-from its mirror image. The thresholds were set on the seeds 20000 to 20199 of bench/table_accept.py.
+What no press under one flat plate can see: all crests higher or lower alike, as the zero is unknown, and a
+ridge from its mirror image. The thresholds were set on the seeds 20000 to 20199 of bench/table_accept.py.
 """
 
 from __future__ import annotations
@@ -132,11 +132,13 @@ class Acceptance(Result):
         """The modulus as a design takes it, MPa."""
         value, error = self.young_modulus.value or 0.0, self.young_modulus.error or 0.0
         low, high = max(value - error, value / 10), value + error
-        return NumberWithRange(value=float(f"{value:.4g}"), low=float(f"{low:.4g}"), high=float(f"{high:.4g}"))
+        return NumberWithRange(
+            value=float(f"{value:.4g}"), low=float(f"{low:.4g}"), high=float(f"{high:.4g}")
+        )
 
     @property
     def measures_modulus(self) -> bool:
-        """Whether the modulus is the silicone's: no other fault is likelier than a good part or its modulus."""
+        """Whether the modulus is the silicone's: no other fault explains the rows better."""
         return self.verdict != "out" or self.cause == "modulus"
 
 
@@ -156,8 +158,8 @@ def accept(
     `force_error` N and `approach_error` mm are standard deviations of the readings. Causes that are
     `ruled_out` were excluded otherwise, as a ridge that did not fill by eye; a `contact.friction` of the
     design rules out friction. `good_share` is the share of good ones among such parts, known before: half of
-    them unless given, so that a part is `in` only where its rows speak against every fault. Raises InputError for an unusable file, for skins without ridges or rings, and
-    for forces beyond the range of the model.
+    them unless given, so that a part is `in` only where its rows speak against every fault. Raises InputError
+    for an unusable file, for skins without ridges or rings, and for forces beyond the range of the model.
     """
     clock = Stopwatch(progress)
     for cause in ruled_out:
@@ -207,7 +209,9 @@ def _refuse_units(curve: PressCurve, good: PadCurve) -> None:
         scale, touch = fit_curve(good, rows).values
         if touch > FIRST_TOUCH * deepest + 5 * curve.approach_error:
             rule = f"must count from the first touch, which is at about {touch:.3g} mm"
-            raise InputError(f"{curve.name}, approach_mm", rule, remedy=f"subtract {touch:.3g} mm from all rows")
+            raise InputError(
+                f"{curve.name}, approach_mm", rule, remedy=f"subtract {touch:.3g} mm from all rows"
+            )
         ratio = float(scale)
     if 1 / WRONG_UNIT < ratio < WRONG_UNIT:
         return
@@ -311,8 +315,8 @@ def _at(solved: Array, tables: Array, sizes: Array) -> Array:
 def log_likelihood(
     hypothesis: _Hypothesis, curves: Sequence[tuple[PressModel, PressCurve]]
 ) -> tuple[Array, Array, Array]:
-    """Return the logarithm of the rows' likelihood, chi-square and zero, each `(s, t)`; the zero in mm is that
-    of the first curve."""
+    """Return the logarithm of the rows' likelihood, chi-square and zero, each `(s, t)`; the zero in mm is
+    that of the first curve."""
     shape = hypothesis.scales.size, hypothesis.sizes.size
     value, misfit, zero = np.empty(shape), np.empty(shape), np.empty(shape)
     for i, scale in enumerate(hypothesis.scales):
@@ -445,7 +449,7 @@ def _cause(
     if kind == "modulus":
         sizes, over, unit = hypothesis.scales * model.young_modulus, weight.sum(axis=1), "MPa"
     else:
-        by_place = {name: 0.0 for name in hypothesis.places}
+        by_place = dict.fromkeys(hypothesis.places, 0.0)
         for name, share in zip(hypothesis.places, weight.sum(axis=0).tolist(), strict=True):
             by_place[name] += share
         place = max(by_place, key=lambda name: by_place[name])

@@ -58,11 +58,13 @@ FRICTION_POINTS = 0.6  # of the largest force, at which the plate's friction is 
 class PressModel:
     """Approach, mm, at `force` `(k,)` N of a pad of `young_modulus` MPa, by kinds of parts.
 
-    `good` `(k,)` is the mean over the mold's crest errors; `crests` `(parts, k)` are what random ones change,
-    divided by the root of their number, so that their squares sum to the variance; `strained` `(k,)` by one of finite strain's error. `ridge`
-    `(ridges, sizes, k)` are curves of a pad that lacks `missing` `(sizes,)` mm of one ridge, whose numbers
-    are `numbers` `(ridges,)`; `two` `(pairs, k)` of one without the two ridges `pairs`; `warp` and `tilt` `(sizes, k)` of one whose outermost crests are `warps` and
-    `tilts` mm lower. `friction` is the relative change of the approach by a plate on which nothing slips.
+    `good` `(k,)` is the mean over the mold's crest errors. `crests` `(parts, k)` are what random ones change,
+    divided by the root of their number, so that their squares sum to the variance. `strained` `(k,)` is one
+    standard deviation of what finite strain changes. `ridge` `(ridges, sizes, k)` are curves of a pad that
+    lacks `missing` `(sizes,)` mm of one ridge, whose numbers are `numbers` `(ridges,)`; `two` `(pairs, k)` of
+    one without the two ridges `pairs`. `warp` and `tilt` `(sizes, k)` are of one whose outermost crests are
+    `warps` and `tilts` mm lower. `last` is the number of the last ridge. `friction` is the relative change of
+    the approach by a plate on which nothing slips.
     """
 
     young_modulus: float
@@ -91,7 +93,7 @@ class PressModel:
         return np.asarray(self.two[self.pairs.index(pair if pair in self.pairs else image)])
 
     def without(self, number: int) -> Array:
-        """Return the curves `(sizes, k)` mm of a pad that lacks some of this ridge, or of its mirror image."""
+        """Return the curves `(sizes, k)` mm of a pad that lacks some of this ridge, or of its image."""
         image = self.last - number + 1
         return np.asarray(self.ridge[self.numbers.index(number if number in self.numbers else image)])
 

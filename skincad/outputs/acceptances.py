@@ -17,7 +17,7 @@ COMMAND = "accept"
 SHOWN_FROM = 0.1  # of the likeliest cause's probability; less likely ones are in the JSON alone
 MOST_GOOD = 0.98  # a share of good parts that a shop may have
 STEPS = {
-    "modulus": "cast another part from a fresh mix, or `--update FILE` if the silicone is meant to be this one",
+    "modulus": "mix again and cast another part; or keep this silicone by `--update FILE`",
     "crests": "measure the crests, and judge them by `skincad check {design} --measured CSV`",
     "ridge": "look at the ridges; vent the mold or degas the silicone",
     "back": "look for voids and loose glue behind the skin; press on a stiff table",
@@ -70,7 +70,7 @@ def cause_lines(result: Acceptance) -> list[str]:
     """Return a line for each cause that is nearly as likely as the likeliest."""
     least = SHOWN_FROM * result.causes[0].probability
     return [
-        f"  {'cause' if number == 0 else '':14} {brief(cause).rstrip(',')}: {100 * cause.probability:.2g} %, "
+        f"  {'cause' if number == 0 else '':14} {brief(cause).rstrip(',')}: {100 * cause.probability:.0f} %, "
         f"chi-square {cause.misfit:.3g} of {result.rows_used}"
         for number, cause in enumerate(result.causes)
         if cause.probability >= least
@@ -82,9 +82,12 @@ def next_step(result: Acceptance) -> str:
     if result.passed:
         return "mount this part."
     if result.verdict == "can't tell" and result.in_from_share <= MOST_GOOD:
-        return f"if {100 * result.in_from_share:.2g} % of your parts are good, this one is in: say so by `--good-share`."
+        share = f"{100 * result.in_from_share:.2g} %"
+        return f"if {share} of your parts are good, this one is in: say so by `--good-share`."
     if result.verdict == "can't tell":
-        causes = " ".join(f"--ruled-out {row.cause}" for row in result.causes if row.cause in ("ridge", "friction"))
+        causes = " ".join(
+            f"--ruled-out {row.cause}" for row in result.causes if row.cause in ("ridge", "friction")
+        )
         looked = f"look at the ridges and wet the plate, then add `{causes}`; or " if causes else ""
         return f"{looked}read finer, and say so by --force-error and --approach-error."
     return f"{STEPS.get(result.cause or '', 'measure the crests, and press again')}."
