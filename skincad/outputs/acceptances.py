@@ -60,7 +60,7 @@ def brief(cause: CauseFit) -> str:
     return {
         "modulus": f"a modulus of {size}",
         "crests": f"a crest error{place} of {size}",
-        "ridge": f"a ridge that did not fill, number {cause.place}, by {size},",
+        "ridge": f"a ridge that did not fill (perhaps {cause.place}), by {size},",
         "back": f"a soft back of {size}",
         "friction": f"a plate that sticks, by {100 * (cause.size.value or 0):.0f} %,",
     }[cause.cause]

@@ -79,7 +79,7 @@ def test_another_silicone_is_out(model: PressModel, modulus: float) -> None:
     assert (result.verdict, result.cause, result.alone, result.exit_status) == ("out", "modulus", True, 1)
     size = result.causes[0].size
     assert abs(size.value - modulus) <= size.error  # type: ignore[operator]
-    assert size.error <= 0.1 * modulus  # type: ignore[operator]
+    assert size.error <= 0.12 * modulus  # type: ignore[operator]
     assert result.measures_modulus
 
 
@@ -100,22 +100,24 @@ def test_a_soft_back_is_out_and_not_the_silicone(model: PressModel) -> None:
     assert "back" not in {row.cause for row in silent.causes}
 
 
-def test_a_ridge_that_did_not_fill_is_found(model: PressModel) -> None:
-    """Ridge 3 whole, on a finer mesh than the judge's; which one is beyond the model's own error."""
+def test_ridges_that_did_not_fill_are_found(model: PressModel) -> None:
+    """Two whole ones of a batch whose modulus is known; which ones is beyond the model's own error.
+
+    The rows are by a finer mesh than the judge's.
+    """
     pad = pad_of(skincad.load("plain-ridges"))
     solution = level(plane_piece(pad, 0.7, whole=True), 3, 4.0)
-    ridges = solution.ridges.lowered(0.5 * np.eye(9)[2] / solution.unit)
+    ridges = solution.ridges.lowered(0.5 * (np.eye(9)[3] + np.eye(9)[5]) / solution.unit)
     lacking, whole = (
         [press(r.flexibility, r.gap, f / solution.scale).approach * solution.unit for f in TEN]
         for r in (ridges, solution.ridges)
     )
-    part = rows(more=np.subtract(lacking, whole), errors=(0.002, 0.0003))
+    part = rows(more=np.subtract(lacking, whole), errors=(0.01, 0.001))
     others = [kind for kind in KINDS if kind != "ridge"]
-    crests = replace(model, crests=0.1 * model.crests)
+    crests = replace(model, crests=0.1 * model.crests, modulus_range=(0.78, 0.82))
     result = judge("plain-ridges", [(crests, part)], others)
     assert (result.verdict, result.cause) == ("out", "ridge")
-    assert result.causes[0].place in ("1 or 9", "2 or 8", "3 or 7", "4 or 6", "5")
-    usual = judge("plain-ridges", [(crests, rows(errors=(0.002, 0.0003)))], others)
+    usual = judge("plain-ridges", [(crests, rows(errors=(0.01, 0.001)))], others)
     assert usual.verdict != "out"
 
 
