@@ -35,7 +35,7 @@ from skincad.inputs.material import silicone
 from skincad.inputs.measurements import PressCurve
 from skincad.inputs.skin_tables import Plate
 from skincad.material.acceptance import APPROACH_ERROR, FORCE_ERROR, GOOD_SHARE, Acceptance, judge
-from skincad.material.pad import small_strain_curve
+from skincad.material.pad import PadCurve, small_strain_curve
 from skincad.material.press_model import PressModel, good_curve, press_model
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import spread_of
@@ -127,13 +127,19 @@ def bench_of(name: str) -> Bench:
 
 
 @cache
+def curve_of(name: str, far: bool) -> PadCurve:
+    """Return the judge's curve of a template's good part."""
+    bench = bench_of(name)
+    return good_curve(bench.design, (FAR if far else 1.3) * bench.largest, Stopwatch(None))
+
+
+@cache
 def models_of(name: str, press: str, far: bool) -> PressModel:
     """Return the judge's model of a template for one press; `far` goes on for parts much softer."""
     bench = bench_of(name)
-    pad, clock = pad_of(bench.design), Stopwatch(None)
-    curve = good_curve(bench.design, (FAR if far else 1.3) * bench.largest, clock)
+    pad, plate = pad_of(bench.design), TILT if press == "tilted" else None
     only = pad.ridges[len(pad.ridges) // 2] if press == "ridge" else None
-    return press_model(bench.design, curve, clock, TILT if press == "tilted" else None, only)
+    return press_model(bench.design, curve_of(name, far), Stopwatch(None), plate, only)
 
 
 def along(force: Array, values: Array, at: Array) -> Array:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -127,11 +128,17 @@ def press_model(
     """Return the curves of good and faulty parts; `curve` is `good_curve`'s, `plate` the one that presses if
     not a flat one, `only` the number of the one ridge that a narrow bar presses."""
     pad, spread, skin = pad_of(design), spread_of(design), skin_of(design)
+    known = design.contact.friction
+    with clock.stage("friction"):
+        coefficient = FULL if known is None else known
+        friction = _friction(design, float(curve.force[-1]), coefficient) if coefficient else 0.0
     forces = float(curve.force[-1]) * (np.arange(1, KNOTS + 1) / KNOTS) ** 2
     with clock.stage("faults"):
         flat = _Section(pad, forces, None)
         section = flat if plate is None and only is None else _Section(pad, forces, plate, only)
         factor = PchipInterpolator(curve.force, curve.approach)(forces) / flat.approach()
+        if known is not None:
+            factor = factor * (1 + friction)
         ridges, height = len(section.numbers), float(skin.profile.height)
         mirror = half_of(pad) is not None and not pad.revolved
         mirrored = mirror and plate is None and only is None
@@ -154,8 +161,6 @@ def press_model(
         strained = STRAINED_ERROR / 2 * good * (1 - 1 / np.interp(dense, curve.force, curve.strained))
         warp = np.array([table(size * along**2) for size in warps]) + higher
         tilt = np.array([table(size * along) for size in tilts]) + higher
-    with clock.stage("friction"):
-        friction = _friction(design, float(curve.force[-1]))
     return PressModel(
         young_modulus=curve.young_modulus,
         modulus_range=(spread.modulus[0], spread.modulus[2]),
@@ -224,9 +229,11 @@ def _pairs(ridges: int, mirrored: bool) -> list[tuple[int, int]]:
     return [(i, j) for i, j in every if (i, j) <= (ridges - 1 - j, ridges - 1 - i)] if mirrored else every
 
 
-def _friction(design: Design, largest: float) -> float:
-    """The relative change of the approach by a plate on which next to nothing slips."""
+@lru_cache(maxsize=2)
+def _friction(design: Design, largest: float, coefficient: float) -> float:
+    """The relative change of the approach by a plate of this coefficient, with FULL one on which next to
+    nothing slips."""
     pad, force = plain_pad(design), FRICTION_POINTS * largest
     solver = solve if pad.revolved else solve_solid
-    both: TwoPresses = solver(pad, FULL, force)
+    both: TwoPresses = solver(pad, coefficient, force)
     return float(both.gripped.approach / both.without.approach - 1)
