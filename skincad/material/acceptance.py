@@ -196,7 +196,9 @@ def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> PressModel
 
 
 def _flat(design: Design) -> Design:
-    return design if design.contact.plate.shape == "flat" else design.with_(contact={"plate": {"shape": "flat"}})
+    return (
+        design if design.contact.plate.shape == "flat" else design.with_(contact={"plate": {"shape": "flat"}})
+    )
 
 
 def _refuse_units(curve: PressCurve, good: PadCurve) -> None:
