@@ -40,6 +40,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "optimise": "studies.study:Optimisation",
     "accuracy": "studies.accuracy.accuracy:Accuracy",
     "fit-material": "material.modulus:MaterialFit",
+    "accept": "material.acceptance:Acceptance",
     "coupon": "fabrication.coupon:CouponKit",
     "coupon --measured": "fabrication.coupon_reading:CouponReading",
     "package": "outputs.simulators.package:Package",

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from skincad.inputs.catalog import load_design as load_design
     from skincad.inputs.catalog import template_names as template_names
     from skincad.inputs.design import Design as Design
+    from skincad.material.acceptance import accept as _accept
     from skincad.material.fit import fit_material as fit_material
     from skincad.mechanics.check import check as _check
     from skincad.mechanics.film.stress import film_stress as _film_stress
@@ -65,6 +66,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "UnclearError": "base.errors:UnclearError",
     "Scene": "scenes.scene:Scene",
     "Study": "studies.study:Study",
+    "accept": "material.acceptance:accept",
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
     "check": "mechanics.check:check",
@@ -141,6 +143,7 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
 
 
 if TYPE_CHECKING:
+    accept = by_name(_accept)
     accuracy = by_name(_accuracy)
     advise = by_name(_advise)
     check = by_name(_check)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,6 +102,88 @@ def _loading(
     left_out = along.size - last
     warnings = (f"{left_out} rows after the largest {pair[0]} are left out",) if left_out else ()
     return MaterialTest(kind, deformation[:last], load[:last], along.size, warnings)
+
+
+FEWEST_PRESSES = 5  # rows above the noise; assumption: fewer leave nothing to judge beside zero and modulus
+NOISES = 4.0  # standard deviations; a step to and fro by more is no noise
+OTHER_UNITS = {"force_g": 9.81e-3, "force_gf": 9.81e-3, "force_kg": 9.81, "force_mN": 1e-3}
+OTHER_LENGTHS = {"approach_um": 1e-3, "approach_cm": 10.0, "approach_m": 1e3}
+
+
+@dataclass(frozen=True)
+class PressCurve:
+    """A cast part's press: `approach` `(n,)` mm from about the first touch, `force` `(n,)` N, as read.
+
+    `force_error` N and `approach_error` mm are the standard deviations of their readings; that of the
+    approach's zero is `approach_error` too.
+    """
+
+    name: str
+    approach: Array
+    force: Array
+    force_error: float
+    approach_error: float
+
+    @property
+    def loaded(self) -> NDArray[np.bool_]:
+        """Which rows `(n,)` bear more than the noise of the force."""
+        return np.asarray(self.force > 2 * self.force_error)
+
+
+def press_curve(path: Path | str, force_error: float, approach_error: float) -> PressCurve:
+    """Return a press from a CSV with the columns `approach_mm, force_N`, its rows in the order of the test.
+
+    Raises InputError for other columns, too few rows under load, and an approach or a force that falls by
+    more than the noise: by NOISES of the standard deviations given.
+    """
+    name = str(path)
+    for option, error, unit in (("force_error", force_error, "N"), ("approach_error", approach_error, "mm")):
+        require_number(option, error, lambda value: 0 < value <= 1e3, f"must be above 0 {unit}")
+    columns = read_columns(path, (*PRESSED, "time_s", *OTHER_UNITS, *OTHER_LENGTHS))
+    for column, factor in {**OTHER_UNITS, **OTHER_LENGTHS}.items():
+        if column in columns:
+            to = PRESSED[column in OTHER_UNITS]
+            rule = f"must have the columns {' and '.join(PRESSED)}"
+            raise InputError(name, rule, column, f"multiply {column} by {factor:g} and call it {to}")
+    if not {*PRESSED} <= columns.keys():
+        raise InputError(name, f"must have the columns {' and '.join(PRESSED)}", ", ".join(columns))
+    curve = PressCurve(name, columns["approach_mm"], columns["force_N"], force_error, approach_error)
+    rows = int(np.count_nonzero(curve.loaded))
+    _refuse_falling(curve)
+    if rows < FEWEST_PRESSES:
+        rule = (
+            f"must have at least {FEWEST_PRESSES} rows with a force above twice its error, {force_error:g} N"
+        )
+        raise InputError(name, rule, rows, "read the force at ten approaches, up to the design's force")
+    return curve
+
+
+def _refuse_falling(curve: PressCurve) -> None:
+    """Raise InputError for the first row whose approach or force falls by more than noise."""
+    span = float(np.ptp(curve.approach))
+    slope = 2 * float(np.ptp(curve.force)) / span if span else 0.0  # near the end of a bent curve
+    noise = math.hypot(curve.force_error, slope * curve.approach_error)
+    checks = (
+        (
+            PRESSED[0],
+            curve.approach,
+            curve.approach_error,
+            "give one loading, its rows in the order of the test",
+        ),
+        (
+            PRESSED[1],
+            curve.force,
+            noise,
+            "tare the scale, count compression positive, leave the unloading out",
+        ),
+    )
+    for column, values, error, remedy in checks:
+        fall = np.maximum.accumulate(values) - values
+        limit = NOISES * math.sqrt(2) * error
+        if values[-1] < values[0] or (fall > limit).any():
+            row = int(np.argmax(fall > limit)) if (fall > limit).any() else values.size - 1
+            where = f"{curve.name}, row {row + 1}"
+            raise InputError(where, f"{column} must not fall", float(values[row]), remedy)
 
 
 NOTCH_FORM, CREST_FORM = "notches.csv", "crests.csv"

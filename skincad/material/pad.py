@@ -175,10 +175,10 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
         solution = linear.level(meshed, FINE.order, force[-1] / 4)
         states = _pressed(solution.ridges, force / solution.scale)
         approach = np.array([state.approach for state in states]) * solution.unit
-    with clock.stage("free ends"):
-        approach = approach * _free_ends(
-            replace(corrected.plain_pad(design), young_modulus=young_modulus), force
-        )
+    if not pad.revolved:  # a disc has no ends
+        with clock.stage("free ends"):
+            plain = replace(corrected.plain_pad(design), young_modulus=young_modulus)
+            approach = approach * _free_ends(plain, force)
     shares = [meshed.on_whole(_shares(state, solution.ridges)) for state in states]
     loaded = np.array(shares).max(axis=1) * solution.scale
     rows = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))

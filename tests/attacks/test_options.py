@@ -23,6 +23,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "simulate": ["yamada-2002-slip"],
     "accuracy": ["yamada-2002"],
     "fit-material": ["bar.csv"],
+    "accept": ["pad.csv", "yamada-2002"],
     "live": ["yamada-2002"],
     "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
     "optimise": ["shape-for-4-N"],
@@ -51,6 +52,7 @@ def numeric() -> list[tuple[str, str]]:
 
 def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
+        ("accept", "--approach-error"), ("accept", "--force-error"), ("accept", "--good-share"),
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
         ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
         ("fit-material", "--up-to"), ("live", "--port"),

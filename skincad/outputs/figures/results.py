@@ -28,6 +28,7 @@ from skincad.outputs.figures.canvas import (
 
 if TYPE_CHECKING:
     from skincad.circuit.bode import CircuitGain
+    from skincad.material.acceptance import Acceptance
     from skincad.material.modulus import MaterialFit
     from skincad.mechanics.manufacture import Sensitivity
     from skincad.mechanics.verdict import ContactCheck
@@ -148,6 +149,31 @@ def fit_figure(fit: MaterialFit) -> Picture:
         axes.set_ylabel("force, N" if pad else "stress, MPa")
         legend(axes)
         figure.suptitle(f"Young's modulus {fit.young_modulus}")
+    return figure
+
+
+def acceptance_figure(result: Acceptance) -> Picture:
+    """Return a figure of a press's rows over the band of good parts, N against mm."""
+    approach, force = result.curve
+    at, low, high = result.band
+    with sheet(FIT_SIZE, 255) as figure:
+        axes = figure.add_subplot()
+        axes.fill_betweenx(at, low, high, color=BLUE, alpha=0.25, linewidth=0, label="95 % of good parts")
+        axes.errorbar(
+            approach,
+            force,
+            2 * result.force_error,
+            2 * result.approach_error,
+            fmt=".",
+            color=VERMILION,
+            markersize=4,
+            linewidth=0.8,
+            label=f"{result.rows} rows of the press",
+        )
+        axes.set_xlabel("approach, mm")
+        axes.set_ylabel("force, N")
+        legend(axes)
+        figure.suptitle(f"{result.name}: {result.verdict}")
     return figure
 
 

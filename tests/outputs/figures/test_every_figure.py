@@ -23,6 +23,7 @@ from matplotlib.transforms import Bbox
 import skincad
 from skincad.base.result import Result
 from skincad.fabrication.meshes import mesh, upright
+from skincad.inputs.measurements import PressCurve
 from skincad.mechanics.manufacture import sensitivities
 from skincad.outputs.figures.canvas import (
     HEAD,
@@ -68,6 +69,12 @@ def pad_test(folder: Path) -> Result:
     return skincad.fit_material(folder / "bar.csv")
 
 
+def press_test(_: Path) -> Result:
+    force = 0.8 * np.arange(1, 11)  # of a part of a softer silicone
+    part = PressCurve("press.csv", 0.12 * force**0.6, force, 0.05, 0.02)
+    return skincad.accept(skincad.load("plain-ridges"), part)
+
+
 SWEPT = {"ridge.levelling": (0, 1), "ridge.pitch": (0.9, 1.2), "mold.process": "all"}
 RANKS: dict[str, Any] = {"all_touch_force_N": "min", "approach_mm": "min"}
 FEW = "history.time_s=[0.0, 0.02]", "history.tangential_force_N=[0.0, 0.1]"
@@ -83,6 +90,7 @@ RESULTS: dict[str, Callable[[Path], Result]] = {
     "check of one ridge": lambda _: skincad.check(yamada(ridge={"count": 1}), model="winkler"),
     "film stress": lambda _: skincad.film_stress(skincad.load("steep-fingertip")),
     "fit": pad_test,
+    "accept": press_test,
     "press": lambda f: small(
         "yamada-2002-press", f, "history.time_s=[0.0, 0.02]", "readout.ridges=[1, 2, 3]"
     ),
@@ -293,7 +301,10 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
     }
     without = {("coupons", "figures")}  # parts, forms and tables
     assert shown - without == {
-        *((name, "figures") for name in ("accuracies", "checks", "fits", "gains", "makes", "simulations")),
+        *(
+            (name, "figures")
+            for name in ("acceptances", "accuracies", "checks", "fits", "gains", "makes", "simulations")
+        ),
         *(("studies", f"{name}_figures") for name in ("front", "solution", "sweep")),
         ("checks", "stress_figures"),
     }
