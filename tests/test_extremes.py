@@ -126,7 +126,9 @@ def test_each_number_at_its_ends(kind: str) -> None:
 def test_any_three_numbers_at_their_ends(kind: str) -> None:
     model, base, told = BASES[kind]
     other = {*FAMILY_TABLES} - {*base()}
-    paths = [path for path in numbers(model) if path[0] not in other]  # a skin has one family
+    poses = {("mold", "bone_at"), ("mold", "bone_turn")}  # of a bone, which the design has not
+    # a skin has one family
+    paths = [path for path in numbers(model) if path[0] not in other and tuple(path[:2]) not in poses]
     dice, accepted = random.Random(20261), 0
     for _ in range(60):
         case, said = base(), []
