@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import skincad
+from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     DesignArgument,
@@ -67,6 +68,9 @@ def accept(
     if update is not None:
         checked_fresh(update, ".toml", "update")
     design = skincad.load(source, settings, silicones=silicones)
+    if update is not None and design.shot:
+        rule, remedy = "must not be given with [[shot]]: a press sees all layers together", "leave it out"
+        raise InputError("update", rule, str(update), remedy)
     with stage_bar(7) as progress:
         result = skincad.accept(
             design,

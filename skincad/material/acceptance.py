@@ -48,6 +48,7 @@ KINDS = {
     "back": "the back is soft: voids, glue or a bending holder",
     "friction": "the plate sticks: wet or powder it",
 }
+LAYERED = "the modulus counts for all layers alike: a press sees them together"
 GOOD_SHARE = 0.5  # of all parts, before the press
 IN_FROM, OUT_FROM = 0.95, 0.95  # probability of a good part, and of a fault
 ALONE_FROM = 0.95  # probability of the likeliest cause among faults, from which it is named alone
@@ -175,7 +176,8 @@ def accept(
     model = model_for(design, curve, clock)
     with clock.stage("judge"):
         result = judge(design.name, [(model, curve)], {*ruled_out, *known}, good_share)
-    return replace(result, seconds=clock.seconds())
+    more = (LAYERED,) if design.shot else ()
+    return replace(result, warnings=(*result.warnings, *more), seconds=clock.seconds())
 
 
 def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> PressModel:

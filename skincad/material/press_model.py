@@ -23,7 +23,7 @@ from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
-from skincad.inputs.material import refuse_layers, silicone
+from skincad.inputs.material import silicone
 from skincad.inputs.skin_tables import Plate
 from skincad.material.pad import (
     APPROACH_ERROR,
@@ -108,7 +108,6 @@ def refuse_design(design: Design) -> None:
     if design.contact.plate.shape not in ("flat", "tilted"):
         remedy = "press with a flat plate, and leave [contact.plate] out"
         raise InputError("contact.plate.shape", "must be flat or tilted", design.contact.plate.shape, remedy)
-    refuse_layers(design, "accept")
 
 
 def good_curve(design: Design, largest: float, clock: Stopwatch) -> PadCurve:

@@ -14,6 +14,7 @@ import skincad
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.progress import Stopwatch
+from skincad.inputs.material import silicone
 from skincad.inputs.measurements import PressCurve, press_curve
 from skincad.material.acceptance import KINDS, accept, judge, model_for
 from skincad.material.press_model import PressModel
@@ -202,3 +203,19 @@ def test_rings_are_judged_too() -> None:
     assert result.verdict != "out"
     assert "friction" not in {row.cause for row in result.causes}  # the coefficient is known
     assert abs(result.young_modulus.value - 0.46) <= result.young_modulus.error  # type: ignore[operator]
+
+
+def test_a_layered_part_is_judged_as_a_whole(tmp_path: Path) -> None:
+    """Layers of the skin's own silicone change nothing but a note."""
+    path, plain = tmp_path / "press.csv", skincad.load("plain-ridges")
+    stuff = silicone(plain)
+    own = {
+        "thickness": 2.0, "young_modulus": stuff.young_modulus.value, "poisson_ratio": stuff.poisson_ratio
+    }  # fmt: skip
+    rows = (f"{0.04 * i:.2f},{0.3 * i:.1f}" for i in range(1, 11))
+    path.write_text("\n".join(["approach_mm,force_N", *rows, ""]))
+    one, two = (skincad.accept(design, path) for design in (plain, plain.with_(shot=(own,))))
+    assert two.verdict == one.verdict
+    assert float(two.young_modulus) == pytest.approx(float(one.young_modulus), rel=5e-3)  # another mesh
+    assert any("all layers alike" in note for note in two.warnings)
+    assert not any("all layers alike" in note for note in one.warnings)
