@@ -1,0 +1,339 @@
+"""Acceptance of a skin by a recording of its films: which strips work, and which are dead, reversed, swapped.
+
+A press must show each strip. It can't show all swaps: strips at mirrored places of a symmetric press give the
+same signal, and the two strips of a ridge nearly the same. Such pairs are named; a pull tells most of them.
+Range: one recording of the scene, begun before its press, driven at 0.7 to 1.45 times the scene's duration.
+Evidence: docs/evidence/recordings.md; test: tests/scenes/test_acceptance.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError, RefusedError
+from skincad.base.estimate import Estimate
+from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Tick
+from skincad.base.result import Record, Result, item, record, reported
+from skincad.effects.piezo import SIDES
+from skincad.inputs.recordings import FilmRecording, check_time, column_name, film_recording
+from skincad.scenes.film_prediction import (
+    MEMBERS,
+    FilmPrediction,
+    Strip,
+    predict_films,
+    recorded_scene,
+)
+from skincad.scenes.scene import Scene
+from skincad.scenes.strip_assignment import (
+    CELLS,
+    DEAD,
+    FEWEST_CELLS,
+    HUM,
+    REVERSED,
+    SPEEDS,
+    WEAK_STATE,
+    WORKS,
+    Alignment,
+    Assignment,
+    ChannelStates,
+    Judge,
+    SignalModel,
+    align,
+    assign,
+    best_score,
+    cell_means,
+    signal_model,
+)
+
+SURE = 0.9  # probability from which a state is told
+SHOWN = 3.0  # of log-likelihood, by which a strip that works must differ from a dead one
+WORLDS_REFINED = 2  # moduli that are looked at closely
+ROUNDS = 8  # of the search for the alignment
+DELAYS = 160  # of a recording, tried for when the scene begins
+FINEST_QUIET = 10  # samples before the press from which noise is taken
+FULL_SCALE = 30.0  # times the prediction, either way: beyond it is another unit
+CANT_TELL, SWAPPED = "can't tell", "swapped"
+
+
+@record()
+class StripState(Record):
+    """What a channel of the recording shows of its strip."""
+
+    ridge: int
+    side: str = item(meaning="S1 or S2")
+    state: str = item(meaning="works, weak, dead, reversed, swapped with another strip, or can't tell")
+    shows: str | None = item(meaning="the other strip that the channel shows, where swapped")
+    probability: float = item("1", "of the state, among all of them", key="probability")
+    second: str = item(meaning="the next likely state")
+    gain: Estimate = item("1", "of the strip over the common gain", key="gain")
+    alike: tuple[str, ...] = item(meaning="strips with which a swap would not show in this recording")
+
+    @property
+    def name(self) -> str:
+        """The strip's name."""
+        return strip_name((self.ridge, self.side))
+
+
+@record(eq=False)
+class RecordingAcceptance(Result):
+    """What a recording says of the strips; `pull` whether it covers more than the press."""
+
+    shown_by = "skincad.outputs.acceptances:RECORDING"
+    scene: Scene
+    strips: tuple[StripState, ...] = item(meaning="by channel")
+    common_gain: Estimate = item("1", "of all strips, recorded over predicted", key="common_gain")
+    delay: Estimate = item("s", "of the recording, when the scene begins")
+    duration: float = item("1", "of the recorded scene over the predicted one", key="duration")
+    pull: bool = item(meaning="whether the recording covers more than the press")
+    seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
+
+    @reported(meaning="of the scene")
+    def name(self) -> str:
+        """The scene's name."""
+        return self.scene.name
+
+    @reported(meaning="whether all strips work")
+    def passed(self) -> bool:
+        """Whether all strips work."""
+        return all(strip.state == WORKS for strip in self.strips)
+
+    @property
+    def exit_status(self) -> int:
+        """0 where all strips work, else 1."""
+        return 0 if self.passed else 1
+
+
+def strip_name(strip: Strip) -> str:
+    """Return a strip's name for people."""
+    return f"ridge {strip[0]} {strip[1]}"
+
+
+def accept_recording(
+    scene: Scene,
+    recording: FilmRecording | Path | str,
+    *,
+    members: int = MEMBERS,
+    tick: Tick | None = None,
+) -> RecordingAcceptance:
+    """Compare a recording of a scene's films with their prediction, and name strips that do not work.
+
+    `recording` is a CSV (see `film_recording`) or its data. `members` simulations with drawn tolerances say
+    how far the prediction may be off. Raises InputError for a recording that cannot be compared.
+    """
+    began = perf_counter()
+    scene = recorded_scene(scene)
+    if not isinstance(recording, FilmRecording):
+        strips = [(ridge, side) for ridge in scene.readout.ridges for side in SIDES]
+        recording = film_recording(recording, strips)
+    prediction = predict_films(scene, members, tick)
+    predicted = perf_counter() - began
+    result = judge(scene, prediction, recording)
+    seconds = {"total": perf_counter() - began, "prediction": predicted}
+    return RecordingAcceptance(**{**_fields(result), "seconds": seconds})
+
+
+def _fields(result: RecordingAcceptance) -> dict[str, object]:
+    return {name: getattr(result, name) for name in result.__dataclass_fields__}
+
+
+def judge(scene: Scene, prediction: FilmPrediction, recording: FilmRecording) -> RecordingAcceptance:
+    """Return what a recording says by a prediction that is there already."""
+    began = perf_counter()
+    with one_blas_thread():
+        _check(prediction, recording)
+        fit = _fitted(prediction, recording)
+    strips = tuple(_state(fit, prediction.strips, c) for c in range(len(prediction.strips)))
+    assignment = fit.assignment
+    step = float(np.median(np.diff(recording.time)))
+    return RecordingAcceptance(
+        scene=scene,
+        strips=strips,
+        common_gain=Estimate(assignment.gain, 2 * assignment.gain_error, ""),
+        delay=Estimate(fit.alignment.delay, max(step, fit.alignment.speed * float(np.diff(fit.model.edges).min())), "s"),
+        duration=fit.alignment.speed,
+        pull=bool(fit.model.edges[-1] > prediction.press_end * (1 + 1e-9)),
+        seconds={"total": perf_counter() - began},
+        warnings=(),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class RecordingFit:
+    """A recording's channels in the model's basis, aligned and assigned; `noise` `(channels,)` V s^0.5."""
+
+    model: SignalModel
+    alignment: Alignment
+    parts: Array
+    noise: Array
+    assignment: Assignment
+
+
+def _check(prediction: FilmPrediction, recording: FilmRecording) -> None:
+    """Raise InputError for a recording too short or too coarse for the press."""
+    if tuple(recording.strips) != prediction.strips:
+        missing = [s for s in prediction.strips if s not in recording.strips]
+        raise InputError(
+            column_name(*(missing or list(recording.strips))[0]), "must be recorded, and no other strip"
+        )
+    check_time(recording.time, "recording, row {}", "time_s")
+    span, press = float(np.ptp(recording.time)), prediction.press_end
+    if span < SPEEDS[0] * press:
+        rule = f"must cover the press, {press:g} s in the scene"
+        raise InputError("time_s", rule, span, "record the whole press; a time in s is named time_s")
+    step = float(np.median(np.diff(recording.time)))
+    if step > press / FEWEST_CELLS:
+        rule = f"must have a step of at most {press / FEWEST_CELLS:.3g} s: the scene's press takes {press:g} s"
+        raise InputError("time_s", rule, step, "sample faster; a time in ms is named time_ms")
+
+
+def _edges(press: float, end: float, step: float) -> Array:
+    """Edges of the cells of the press and what follows until `end` s, none shorter than a sample."""
+    count = int(np.clip(press / step, FEWEST_CELLS, CELLS))
+    edges = np.linspace(0.0, press, count + 1)
+    if end > 1.05 * press:
+        more = int(np.clip((end - press) / step, FEWEST_CELLS, CELLS))
+        edges = np.concatenate([edges, np.linspace(press, end, more + 1)[1:]])
+    return edges
+
+
+def _fitted(prediction: FilmPrediction, recording: FilmRecording) -> RecordingFit:
+    """The recording by the modulus that fits it best: aligned by the press, then by all that it covers."""
+    time, press = recording.time - recording.time[0], prediction.press_end
+    step = float(np.median(np.diff(recording.time)))
+    finest = step / SPEEDS[0]
+    last = np.linspace(0.0, max(0.0, time[-1] - SPEEDS[0] * press), DELAYS)
+    edges = _edges(press, press, finest)
+    firsts = []
+    for outputs in prediction.worlds:
+        model = signal_model(prediction.time, outputs, prediction.changes, edges)
+        firsts.append(align(model, time, recording.volts, last, SPEEDS))
+    order = sorted(range(len(firsts)), key=lambda world: -firsts[world].score)[:WORLDS_REFINED]
+    near = float(last[1]) if last[-1] > 0 else 0.0
+    fits = []
+    for world in order:
+        first = firsts[world]
+        end = min(float(prediction.time[-1]), (time[-1] - first.delay) / first.speed)
+        if end < 0.9 * press:
+            rule = f"must go on until the press ends, {press:g} s after it begins"
+            raise InputError("time_s", rule, float(time[-1]), "record longer")
+        edges = _edges(press, max(press, end), finest)
+        model = signal_model(prediction.time, prediction.worlds[world], prediction.changes, edges)
+        delays = np.unique(np.clip(first.delay + near * np.linspace(-2, 2, 9), 0.0, None))
+        close = align(model, time, recording.volts, delays, first.speed * np.linspace(0.94, 1.06, 7))
+        fits.append(_refined(model, time, recording.volts, close))
+    return max(fits, key=lambda fit: fit.assignment.score)
+
+
+def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) -> RecordingFit:
+    """The alignment near `start` whose assignment is most probable."""
+    clean, white = _without_hum(time, volts, start.delay)
+
+    def parts_at(at: Alignment) -> tuple[Array, Array]:
+        cells = model.project(cell_means(time, clean, at.delay + at.speed * model.edges))
+        parts = cells @ model.basis
+        return parts, cells - parts @ model.basis.T
+
+    _, rest = parts_at(start)
+    spare = max(1, rest.shape[1] - model.basis.shape[1] - 2)
+    floor = 1e-6 * np.linalg.norm(model.mean) / np.sqrt(model.mean.size)
+    noise = np.sqrt(white**2 / start.speed + (rest**2).sum(axis=1) / spare) + floor
+    court = Judge(model, noise)
+
+    def score(at: Alignment) -> float:
+        return best_score(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed)))
+
+    cell = start.speed * float(np.diff(model.edges).min())
+    best, shift, by = Alignment(start.delay, start.speed, score(start)), cell, 0.02
+    for _ in range(ROUNDS):
+        moves = [(shift, 1.0), (-shift, 1.0), (0.0, 1 + by), (0.0, 1 - by)]
+        moved = False
+        for way, factor in moves:
+            there = Alignment(max(0.0, best.delay + way), best.speed * factor, 0.0)
+            if (found := score(there)) > best.score:
+                best, moved = Alignment(there.delay, there.speed, found), True
+        if not moved:
+            shift, by = shift / 2, by / 2
+    parts, _ = parts_at(best)
+    answer = assign(court.likelihoods(parts, _hum(model, best.delay, best.speed)))
+    return RecordingFit(model, best, parts, noise, answer)
+
+
+def _without_hum(time: Array, volts: Array, delay: float) -> tuple[Array, Array]:
+    """The channels without offset and mains' hum, as the quiet part before `delay` s shows them, and the
+    density of what noise is left there `(channels,)` V s^0.5."""
+    quiet = time < delay
+    count = int(quiet.sum())
+    step = float(np.median(np.diff(time)))
+    if count < FINEST_QUIET:
+        jitter = np.median(np.abs(np.diff(volts, axis=1)), axis=1) / 0.6745 / np.sqrt(2)
+        return volts - volts[:, :1], jitter * np.sqrt(step)
+    columns = [np.ones_like(time)]
+    clean, rest = volts, volts[:, quiet]
+    best = np.inf
+    choices = [f for f in HUM if delay * f > 1.0 and f * step < 0.4] if count > 3 * FINEST_QUIET else []
+    for waves in [[], *([f] for f in choices)]:
+        angles = [2 * np.pi * f * time for f in waves]
+        design = np.stack([*columns, *(wave(a) for a in angles for wave in (np.sin, np.cos))], axis=1)
+        weights = np.linalg.lstsq(design[quiet], volts[:, quiet].T, rcond=None)[0]
+        off = volts - (design @ weights).T
+        left = float((np.log((off[:, quiet] ** 2).mean(axis=1) + 1e-300)).sum()) * count / 2
+        left += 2 * len(volts) * len(waves) * np.log(count)  # so that noise alone is no hum
+        if left < best:
+            best, clean, rest = left, off, off[:, quiet]
+    return clean, rest.std(axis=1) * np.sqrt(step)
+
+
+def _hum(model: SignalModel, delay: float, speed: float) -> Array:
+    """The mains' waves in the model's basis `(rank, 4)`, each of energy 1."""
+    middle = delay + speed * (model.edges[1:] + model.edges[:-1]) / 2
+    waves = np.array([wave(2 * np.pi * f * middle) for f in HUM for wave in (np.sin, np.cos)])
+    cells = model.project(waves)
+    return np.asarray((cells / (np.linalg.norm(cells, axis=1, keepdims=True) + 1e-12)) @ model.basis).T
+
+
+def _state(fit: RecordingFit, strips: Sequence[Strip], c: int) -> StripState:
+    """What a channel shows."""
+    channel, assignment = fit.assignment.channels[c], fit.assignment
+    name, other, _ = channel.states[0]
+    chance = channel.probabilities[0]
+    told = chance >= SURE and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
+    if name in (WORKS, REVERSED, WEAK_STATE) and assignment.dead_evidence[c] < SHOWN:
+        told = False
+    pairs = [b if a == c else a for a, b in assignment.alike if c in (a, b)]
+    ridge, side = strips[c]
+    return StripState(
+        ridge=ridge,
+        side=side,
+        state=_words(channel, 0, strips) if told else CANT_TELL,
+        shows=strip_name(strips[other]) if told and other is not None else None,
+        probability=float(chance),
+        second=_words(channel, 1 if told else 0, strips),
+        gain=_gain(fit, c, other if other is not None else c),
+        alike=tuple(strip_name(strips[b]) for b in pairs),
+    )
+
+
+def _words(channel: ChannelStates, rank: int, strips: Sequence[Strip]) -> str:
+    """A state in words."""
+    name, other, sign = channel.states[rank]
+    if other is None:
+        return name
+    return f"swapped with {strip_name(strips[other])}" + ", reversed" * (sign < 0)
+
+
+def _gain(fit: RecordingFit, c: int, strip: int) -> Estimate:
+    """A channel's gain over the common one, by the strip that it shows, with twice its standard error."""
+    mean, common = fit.model.mean[strip], fit.assignment.gain
+    eye = np.eye(mean.size)
+    covariance = common**2 * fit.model.spread[strip] + fit.noise[c] ** 2 * eye
+    weight = np.linalg.solve(covariance, mean)
+    size = float(weight @ mean)
+    return Estimate(float(weight @ fit.parts[c]) / size / common, 2 / np.sqrt(size) / common, "")
