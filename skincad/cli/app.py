@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import skincad
+from skincad.cli.accept import accept
 from skincad.cli.accuracy import accuracy
 from skincad.cli.check import check
 from skincad.cli.circuit import circuit
@@ -25,8 +26,8 @@ from skincad.cli.watch import watch
 
 HELP = "Artificial robot skin: its solids and mold, files to make them, and what it will feel."
 COMMANDS = (
-    templates, new, make, watch, coupon, package, check, circuit, simulate, accuracy, fit_material,
-    solve, sweep, optimise, live,
+    templates, new, make, watch, coupon, package, check, circuit, simulate, accept, accuracy,
+    fit_material, solve, sweep, optimise, live,
 )  # fmt: skip
 
 app = typer.Typer(

@@ -35,6 +35,7 @@ from skincad.scenes.strip_assignment import (
     CELLS,
     DEAD,
     FEWEST_CELLS,
+    FINE,
     HUM,
     REVERSED,
     SPEEDS,
@@ -47,6 +48,7 @@ from skincad.scenes.strip_assignment import (
     SignalModel,
     align,
     assign,
+    best_gain,
     best_score,
     cell_means,
     signal_model,
@@ -56,7 +58,7 @@ SURE = 0.9  # probability from which a state is told
 SHOWN = 3.0  # of log-likelihood, by which a strip that works must differ from a dead one
 WORLDS_REFINED = 2  # moduli that are looked at closely
 ROUNDS = 8  # of the search for the alignment
-DELAYS = 160  # of a recording, tried for when the scene begins
+DELAYS = 100  # of a recording, tried for when the scene begins
 FINEST_QUIET = 10  # samples before the press from which noise is taken
 FULL_SCALE = 30.0  # times the prediction, either way: beyond it is another unit
 CANT_TELL, SWAPPED = "can't tell", "swapped"
@@ -210,25 +212,27 @@ def _fitted(prediction: FilmPrediction, recording: FilmRecording) -> RecordingFi
     step = float(np.median(np.diff(recording.time)))
     finest = step / SPEEDS[0]
     last = np.linspace(0.0, max(0.0, time[-1] - SPEEDS[0] * press), DELAYS)
-    edges = _edges(press, press, finest)
-    firsts = []
-    for outputs in prediction.worlds:
-        model = signal_model(prediction.time, outputs, prediction.changes, edges)
-        firsts.append(align(model, time, recording.volts, last, SPEEDS))
+    rest = int(np.clip(0.02 * time.size, 3, FINEST_QUIET))
+    volts = recording.volts - recording.volts[:, :rest].mean(axis=1, keepdims=True)
+    edges = _edges(press, float(prediction.time[-1]), finest)
+    cells = np.array([cell_means(prediction.time, world, edges) for world in prediction.worlds])
+    pressed = int(np.searchsorted(edges, 0.95 * press))
+    firsts = align(edges, pressed, cells, time, volts, last, SPEEDS)
     order = sorted(range(len(firsts)), key=lambda world: -firsts[world].score)[:WORLDS_REFINED]
+    if not np.isfinite(firsts[order[0]].score):
+        rule = f"must go on until the press ends, {press:g} s after it begins"
+        raise InputError("time_s", rule, float(time[-1]), "record longer")
     near = float(last[1]) if last[-1] > 0 else 0.0
     fits = []
     for world in order:
         first = firsts[world]
-        end = min(float(prediction.time[-1]), (time[-1] - first.delay) / first.speed)
-        if end < 0.9 * press:
-            rule = f"must go on until the press ends, {press:g} s after it begins"
-            raise InputError("time_s", rule, float(time[-1]), "record longer")
-        edges = _edges(press, max(press, end), finest)
-        model = signal_model(prediction.time, prediction.worlds[world], prediction.changes, edges)
         delays = np.unique(np.clip(first.delay + near * np.linspace(-2, 2, 9), 0.0, None))
-        close = align(model, time, recording.volts, delays, first.speed * np.linspace(0.94, 1.06, 7))
-        fits.append(_refined(model, time, recording.volts, close))
+        speeds = first.speed * np.linspace(0.94, 1.06, 7)
+        close = align(edges, pressed, cells[[world]], time, volts, delays, speeds)[0]
+        end = max(press, min(float(prediction.time[-1]), (time[-1] - close.delay) / close.speed))
+        covered = _edges(press, end, finest)
+        model = signal_model(prediction.time, prediction.worlds[world], prediction.changes, covered)
+        fits.append(_refined(model, time, volts, close))
     return max(fits, key=lambda fit: fit.assignment.score)
 
 
@@ -237,15 +241,16 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
     clean, white = _without_hum(time, volts, start.delay)
 
     def parts_at(at: Alignment) -> tuple[Array, Array]:
-        cells = model.project(cell_means(time, clean, at.delay + at.speed * model.edges))
+        cells = model.weighted(cell_means(time, clean, at.delay + at.speed * model.edges))
         parts = cells @ model.basis
         return parts, cells - parts @ model.basis.T
 
-    _, rest = parts_at(start)
+    shown, rest = parts_at(start)
     spare = max(1, rest.shape[1] - model.basis.shape[1] - 2)
     floor = 1e-6 * np.linalg.norm(model.mean) / np.sqrt(model.mean.size)
     noise = np.sqrt(white**2 / start.speed + (rest**2).sum(axis=1) / spare) + floor
-    court = Judge(model, noise)
+    size = np.linalg.norm(shown, axis=1)
+    court = Judge(model, noise, size)
 
     def score(at: Alignment) -> float:
         return best_score(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed)))
@@ -261,8 +266,9 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
                 best, moved = Alignment(there.delay, there.speed, found), True
         if not moved:
             shift, by = shift / 2, by / 2
-    parts, _ = parts_at(best)
-    answer = assign(court.likelihoods(parts, _hum(model, best.delay, best.speed)))
+    parts, waves = parts_at(best)[0], _hum(model, best.delay, best.speed)
+    fine = best_gain(court.likelihoods(parts, waves)) * FINE
+    answer = assign(Judge(model, noise, size, fine).likelihoods(parts, waves))
     return RecordingFit(model, best, parts, noise, answer)
 
 
@@ -295,7 +301,7 @@ def _hum(model: SignalModel, delay: float, speed: float) -> Array:
     """The mains' waves in the model's basis `(rank, 4)`, each of energy 1."""
     middle = delay + speed * (model.edges[1:] + model.edges[:-1]) / 2
     waves = np.array([wave(2 * np.pi * f * middle) for f in HUM for wave in (np.sin, np.cos)])
-    cells = model.project(waves)
+    cells = model.weighted(waves)
     return np.asarray((cells / (np.linalg.norm(cells, axis=1, keepdims=True) + 1e-12)) @ model.basis).T
 
 

@@ -3,7 +3,7 @@
 A channel's signal over a grid of cells of the scene's time is taken as normal round each strip's predicted
 signal times a common gain; its covariance is that of simulations with modulus, friction and crests drawn from
 their tolerances, each strip's own scatter of gain, and noise. Heavy tails (Student's t) allow for what no
-simulation has. Offset and drift are projected out. Channels are independent but for gain, delay and speed,
+simulation has, and for some offset and drift. Channels are independent but for gain, delay and speed,
 and for each strip's lying behind one channel at most: a linear assignment (Jonker and Volgenant, Computing 38
 (1987) 325) finds the most probable one, and one more for each state of each channel gives its probability.
 """
@@ -21,18 +21,21 @@ from skincad.base.arrays import Array, Index
 
 CELLS = 120  # of the press, and as many of what follows: the narrowest peak of the templates has three
 FEWEST_CELLS = 12  # of the press
-BASIS = 32  # signals by which all predictions are described
-SPEEDS = np.geomspace(0.7, 1.45, 17)  # duration of a recorded scene over the predicted one
+BASIS = 16  # signals by which all predictions are described
+SPEEDS = np.geomspace(0.7, 1.45, 13)  # duration of a recorded scene over the predicted one
 SPEED_SPREAD = 0.15  # of its logarithm
 SPEED_COST = 0.01  # of the share explained, at that spread
-GAINS = np.geomspace(0.33, 3.0, 16)  # common to all strips
+GAINS = np.geomspace(0.4, 2.5, 13)  # common to all strips
+FINE = np.geomspace(0.84, 1.19, 9)  # round the best of them
 GAIN_SPREAD = 0.4  # of its logarithm: d31, amplifier and modulus
 SCATTER = 0.1  # of each strip's gain
-FLOOR = 0.05  # of a signal: what no drawn simulation has
-TAIL = 6.0  # degrees of freedom of Student's t
+CHANGES = 1.5  # by which drawn changes are taken as larger: few are drawn
+FLOOR = 0.06  # of a signal: what no drawn simulation has
+WANDER = 0.03  # of all signals: offset and drift that the rest before the press does not show
+TAIL = 20.0  # degrees of freedom of Student's t
 WEAK, WEAK_SPREAD = 0.35, 0.15  # gain of a weak strip over the common one
 DEAD_LEAK = 0.03  # gain of a dead one
-SURPRISE = 2.0  # size of an unexplained signal over the predicted ones
+SURPRISE = 1.5  # power of an unexplained signal over the recorded one
 WORKS, REVERSED, WEAK_STATE, DEAD, UNEXPLAINED = "works", "reversed", "weak", "dead", "unexplained"
 PRIOR = {WORKS: 0.93, REVERSED: 0.02, WEAK_STATE: 0.01, DEAD: 0.03, UNEXPLAINED: 0.002}
 SWAP_PRIOR, SWAP_REVERSED = 0.02, 0.1  # of some pair; of a reversed one among those
@@ -45,12 +48,12 @@ class SignalModel:
     """Predicted signals over the cells between `edges` `(cells + 1,)` s of the scene, in a basis
     `(cells, rank)`: `mean` `(strips, rank)` and `spread` `(strips, rank, rank)`; V s^0.5.
 
-    `free` `(cells, 2)` is what offset and drift are.
+    `wander` `(rank, 2)` is an offset and a drift of V s^0.5 1.
     """
 
     edges: Array
     basis: Array
-    free: Array
+    wander: Array
     mean: Array
     spread: Array
 
@@ -59,10 +62,9 @@ class SignalModel:
         """How many strips there are."""
         return len(self.mean)
 
-    def project(self, cells: Array) -> Array:
-        """Return signals `(n, cells)` V without offset and drift, weighted by the root of a cell's width."""
-        weighted = cells * np.sqrt(np.diff(self.edges))
-        return np.asarray(weighted - (weighted @ self.free) @ self.free.T)
+    def weighted(self, cells: Array) -> Array:
+        """Return signals `(n, cells)` V weighted by the root of a cell's width, V s^0.5."""
+        return np.asarray(cells * np.sqrt(np.diff(self.edges)))
 
 
 def signal_model(time: Array, outputs: Array, changes: Array, edges: Array) -> SignalModel:
@@ -70,16 +72,15 @@ def signal_model(time: Array, outputs: Array, changes: Array, edges: Array) -> S
     of them `(members, strips, steps)` V."""
     width = np.sqrt(np.diff(edges))
     middle = (edges[1:] + edges[:-1]) / 2
-    free = np.linalg.qr(np.stack([width, width * middle / edges[-1]], axis=1))[0]
-    cells = np.array([cell_means(time, member, edges) for member in (outputs, *changes)])
-    blank = SignalModel(edges, np.zeros((len(width), 0)), free, np.zeros((0, 0)), np.zeros((0, 0, 0)))
-    signals = np.array([blank.project(member) for member in cells])
+    signals = np.array([cell_means(time, member, edges) * width for member in (outputs, *changes)])
     flat = signals.reshape(-1, len(width))
     rank = min(BASIS, *flat.shape)
     basis = np.linalg.svd(flat, full_matrices=False)[2][:rank].T
     mean, off = (signals @ basis)[0], (signals @ basis)[1:]
     spread = np.einsum("msa,msb->sab", off, off) / max(1, len(off))
-    return SignalModel(edges, basis, free, mean, spread)
+    slow = np.stack([width, width * middle / edges[-1]])
+    wander = basis.T @ (slow / np.linalg.norm(slow, axis=1, keepdims=True)).T
+    return SignalModel(edges, basis, wander, mean, spread)
 
 
 def cell_means(time: Array, signals: Array, edges: Array) -> Array:
@@ -103,30 +104,37 @@ class Alignment:
     score: float
 
 
-def align(model: SignalModel, time: Array, signals: Array, delays: Array, speeds: Array) -> Alignment:
-    """Return the delay and speed at which each strip best explains its own channel of a recording
-    `(channels, samples)`, with either sign; few channels show another strip."""
+def align(
+    edges: Array, press: int, worlds: Array, time: Array, signals: Array, delays: Array, speeds: Array
+) -> list[Alignment]:
+    """Return for each of some `worlds` `(worlds, strips, cells)` V the delay and speed at which each strip
+    best explains its own channel of a recording `(channels, samples)` that begins at 0 V.
+
+    Either sign does, and few channels show another strip. Cells behind the recording's end do not count, but
+    the first `press` must lie before it.
+    """
     step = np.gradient(time)
-    energy = ((signals - np.median(signals, axis=1, keepdims=True)) ** 2 * step).sum(axis=1) + 1e-300
-    own = _subspaces(model)
-    best = Alignment(0.0, 1.0, -np.inf)
+    energy = np.concatenate([np.zeros((len(signals), 1)), np.cumsum(signals**2 * step, axis=1)], axis=1)
+    width = np.diff(edges)
+    best = [Alignment(0.0, 1.0, -np.inf) for _ in worlds]
     for speed in speeds:
         for delay in delays:
-            parts = model.project(cell_means(time, signals, delay + speed * model.edges)) @ model.basis
-            share = speed * (np.einsum("ca,cak->ck", parts, own) ** 2).sum(axis=1) / energy
-            score = float(share.mean()) - SPEED_COST * (np.log(speed) / SPEED_SPREAD) ** 2
-            if score > best.score:
-                best = Alignment(float(delay), float(speed), score)
+            count = int(np.searchsorted(edges, (time[-1] - delay) / speed * (1 + 1e-9), side="right")) - 1
+            if count < press:
+                continue
+            places = delay + speed * edges[: count + 1]
+            weighted = cell_means(time, signals, places) * (speed * width[:count])
+            until = energy[:, np.searchsorted(time, places[-1])] + 1e-300
+            shown = worlds[:, :, :count]
+            overlap = np.einsum("wck,ck->wc", shown, weighted) ** 2
+            size = np.einsum("wck,wck,k->wc", shown, shown, speed * width[:count]) + 1e-300
+            scores = np.minimum(overlap / size / until, 1.0).mean(axis=1)
+            scores -= SPEED_COST * (np.log(speed) / SPEED_SPREAD) ** 2
+            best = [
+                Alignment(float(delay), float(speed), float(score)) if score > old.score else old
+                for score, old in zip(scores, best, strict=True)
+            ]
     return best
-
-
-def _subspaces(model: SignalModel) -> Array:
-    """Each strip's signal and its two largest changes `(strips, rank, 3)`, of length 1 and orthogonal."""
-    rows = []
-    for mean, spread in zip(model.mean, model.spread, strict=True):
-        changes = np.linalg.eigh(spread)[1][:, -2:]
-        rows.append(np.linalg.qr(np.column_stack([mean, changes]))[0])
-    return np.array(rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +143,7 @@ class Likelihoods:
     reversed `(gains, channels, strips)`, and of its own strip's being weak or dead, or of neither
     `(gains, channels)`."""
 
+    gains: Array
     upright: Array
     reversed: Array
     weak: Array
@@ -154,48 +163,54 @@ class _Normal:
     def of(cls, covariance: Array) -> _Normal:
         return cls(np.linalg.inv(covariance), np.linalg.slogdet(covariance)[1])
 
-    def student(self, off: Array) -> Array:
-        """Log-density of Student's t at `off` `(..., rank)`, without its constant."""
+    def log_density(self, off: Array, tail: float = TAIL) -> Array:
+        """Log-density at `off` `(..., rank)`, without its constant: of Student's t with `tail` degrees of
+        freedom, or normal with infinitely many."""
         quad = np.einsum("...a,...a->...", off, np.matmul(self.inverse, off[..., None])[..., 0])
-        rank = off.shape[-1]
-        return np.asarray(-0.5 * self.size - (TAIL + rank) / 2 * np.log1p(quad / TAIL))
+        if np.isinf(tail):
+            return np.asarray(-0.5 * (self.size + quad))
+        return np.asarray(-0.5 * self.size - (tail + off.shape[-1]) / 2 * np.log1p(quad / tail))
 
 
 class Judge:
-    """The distributions of channels with `noise` `(channels,)` V s^0.5 about a model's strips: made once,
-    for recordings aligned in many ways."""
+    """The distributions of channels about a model's strips, made once, for recordings aligned in many ways.
 
-    def __init__(self, model: SignalModel, noise: Array) -> None:
-        self.model = model
+    `noise` `(channels,)` V s^0.5 is a number's, `size` `(channels,)` that of the whole signals. What no
+    simulation has goes with a channel's own size, so that no state gains by a smaller one.
+    """
+
+    def __init__(self, model: SignalModel, noise: Array, size: Array, gains: Array = GAINS) -> None:
+        self.model, self.gains = model, gains
         rank = model.mean.shape[1]
         eye = np.eye(rank)
-        size = np.einsum("sa,sa->s", model.mean, model.mean)
+        power = np.einsum("sa,sa->s", model.mean, model.mean)
         own = np.einsum("sa,sb->sab", model.mean, model.mean)
-        shape = model.spread + (FLOOR**2 * size / rank)[:, None, None] * eye
-        white = (noise**2)[:, None, None] * eye
-        gain = GAINS[:, None, None, None] ** 2
-        self.white = white
-        live = (shape + SCATTER**2 * own)[None]
-        self.live = _Normal.of(gain[:, None] * live[:, None] + white[:, None])
-        self.weak = _Normal.of(gain * (WEAK**2 * shape + WEAK_SPREAD**2 * own) + white)
-        self.silent_covariance = gain * DEAD_LEAK**2 * own + white
+        unknown = CHANGES**2 * model.spread / power[:, None, None] + FLOOR**2 / rank * eye
+        unknown = (size**2)[:, None, None, None] * unknown  # (channels, strips, rank, rank)
+        wander = (WANDER**2 * power.mean()) * (model.wander @ model.wander.T)
+        white = (noise**2)[:, None, None] * eye + wander
+        gain = gains[:, None, None, None] ** 2
+        at = np.arange(len(noise))
+        self.live = _Normal.of(unknown + white[:, None] + gain[:, None] * SCATTER**2 * own)
+        self.weak = _Normal.of(unknown[at, at] + white + gain * WEAK_SPREAD**2 * own)
+        self.silent_covariance = np.minimum(gain, 1.0) * DEAD_LEAK**2 * own + white
         self.silent = _Normal.of(self.silent_covariance)
-        broad = gain * SURPRISE**2 * size.mean() / rank * eye
-        self.broad = _Normal.of(broad + white)
+        self.broad = _Normal.of((SURPRISE * size**2 / rank)[:, None, None] * eye + white)
 
     def likelihoods(self, parts: Array, hum: Array) -> Likelihoods:
         """Return the likelihoods of channels `(channels, rank)` V s^0.5 in the model's basis, with `hum`
         `(rank, k)` signals of the mains that a dead strip may show."""
-        mean, gain = self.model.mean, GAINS[:, None, None]
+        mean, gain = self.model.mean, self.gains[:, None, None]
         shown = (gain * mean)[:, None]
         strength = (parts**2).sum(axis=1)[:, None, None]
-        loud = _Normal.of(self.silent_covariance + strength * (hum @ hum.T)).student(parts[None])
+        loud = _Normal.of(self.silent_covariance + strength * (hum @ hum.T)).log_density(parts[None], np.inf)
         return Likelihoods(
-            upright=self.live.student(parts[:, None] - shown),
-            reversed=self.live.student(parts[:, None] + shown),
-            weak=self.weak.student(parts - WEAK * gain * mean),
-            dead=np.logaddexp(self.silent.student(parts[None]), loud - HUM_COST),
-            unexplained=self.broad.student(parts[None]),
+            gains=self.gains,
+            upright=self.live.log_density(parts[:, None] - shown),
+            reversed=self.live.log_density(parts[:, None] + shown),
+            weak=self.weak.log_density(parts - WEAK * gain * mean),
+            dead=np.logaddexp(self.silent.log_density(parts[None], np.inf), loud - HUM_COST),
+            unexplained=np.broadcast_to(self.broad.log_density(parts, np.inf), (len(self.gains), len(parts))),
         )
 
 
@@ -249,11 +264,18 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
 def best_score(like: Likelihoods) -> float:
     """Return the log-posterior of the most probable assignment at the most probable gain."""
     table, _ = costs(like)
-    return max(-_total(cost) + prior for cost, prior in zip(table, _gain_prior(), strict=True))
+    return max(-_total(cost) + prior for cost, prior in zip(table, _gain_prior(like.gains), strict=True))
 
 
-def _gain_prior() -> Array:
-    return np.asarray(-0.5 * (np.log(GAINS) / GAIN_SPREAD) ** 2)
+def best_gain(like: Likelihoods) -> float:
+    """Return the most probable common gain."""
+    table, _ = costs(like)
+    scores = [-_total(cost) for cost in table] + _gain_prior(like.gains)
+    return float(like.gains[int(np.argmax(scores))])
+
+
+def _gain_prior(gains: Array) -> Array:
+    return np.asarray(-0.5 * (np.log(gains) / GAIN_SPREAD) ** 2)
 
 
 def _total(cost: Array) -> float:
@@ -263,13 +285,13 @@ def _total(cost: Array) -> float:
 def assign(like: Likelihoods) -> Assignment:
     """Return the most probable state of each channel, with the probabilities of all."""
     table, own = costs(like)
-    prior = _gain_prior()
+    prior = _gain_prior(like.gains)
     whole = np.array([-_total(cost) for cost in table]) + prior
     near = np.flatnonzero(whole > whole.max() - 8.0)
     count, strips = like.upright.shape[1:]
     channels = tuple(_channel(c, table, own, near, prior, like) for c in range(count))
     weights = np.exp(whole - logsumexp(whole))
-    logs = np.log(GAINS)
+    logs = np.log(like.gains)
     middle = float(weights @ logs)
     top = int(whole.argmax())
     rows, columns = linear_sum_assignment(table[top])
