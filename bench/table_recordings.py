@@ -1,4 +1,4 @@
-"""What a recording tells of dead, reversed and swapped strips: `python -m bench.table_recordings 23000 23200`.
+"""Dead, reversed and swapped strips by a recording: `python -m bench.table_recordings 23000 23200`.
 
 A synthetic recording a seed, of four scenes with one, three or all monitored ridges. Its truth is another
 simulation than the judge's: modulus, friction and speed up to 20 % off, crests by the mold's process; one in
@@ -44,7 +44,7 @@ SCENES = {  # name: template, circuit, settings
     "fast pull": ("steady-pull", "transimpedance", ("history.steps=300",)),
     "lab bench": ("yamada-2002-press-and-pull", "voltage-follower", ("skin=lab-bench", "history.steps=80")),
 }
-VARIANTS = 10  # truths of each scene and hundred thousands of seeds
+VARIANTS = 10  # truths of each scene and thousand of seeds
 OFF = 0.2  # relative: modulus, friction, speed
 KINDS = "dead", "hum", "reversed", "swapped"
 
@@ -130,9 +130,14 @@ def case_of(seed: int, folder: Path) -> Case:
     chosen = set(draw.choice(ridges, count, replace=False).tolist())
     at = [i for i, (r, _) in enumerate(whole.strips) if r in chosen]
     prediction = replace(
-        whole, strips=tuple(whole.strips[i] for i in at), worlds=whole.worlds[:, at], changes=whole.changes[:, at]
+        whole,
+        strips=tuple(whole.strips[i] for i in at),
+        worlds=whole.worlds[:, at],
+        changes=whole.changes[:, at],
     )
-    outputs = truth.outputs[at] * draw.normal(1.0, 0.1, (len(at), 1)) * np.exp(draw.uniform(*np.log([0.6, 1.6])))
+    outputs = (
+        truth.outputs[at] * draw.normal(1.0, 0.1, (len(at), 1)) * np.exp(draw.uniform(*np.log([0.6, 1.6])))
+    )
     states, kinds, outputs, humming = faulted(draw, prediction, outputs)
     press = prediction.press_end
     step, delay = press / draw.uniform(60, 400), press * draw.uniform(0.1, 1.0)
@@ -224,7 +229,13 @@ def main() -> None:
     for (group, name), tally in sorted(tallies.items(), key=lambda row: (row[0][0] or "z", row[0][1])):
         count = sum(tally.values())
         low, high = wilson(tally["right"], count)
-        cells = [f"{group}: {name}" if group else name, count, tally["right"], tally["undecided"], tally["wrong"]]
+        cells = [
+            f"{group}: {name}" if group else name,
+            count,
+            tally["right"],
+            tally["undecided"],
+            tally["wrong"],
+        ]
         print("| " + " | ".join(map(str, cells)) + f" | {low:.0%} to {high:.0%} |")
 
 

@@ -35,9 +35,10 @@ def read_columns(
     """Return the columns of a CSV by name, each `(rows,)`, all numbers finite.
 
     The first row tells what separates columns: comma, semicolon or tab. Decimals have a point or, where no
-    comma separates columns, all of them a comma. Columns whose names match `ignored` are passed over, whatever
-    their cells are; `refuse` gives an unknown column's remedy where it knows a better one. Raises InputError for a file that cannot be read, a column
-    not in `allowed`, or a value that is no number, with its row.
+    comma separates columns, all of them a comma. Columns whose names match `ignored` are passed over,
+    whatever their cells are; `refuse` gives an unknown column's remedy where it knows a better one. Raises
+    InputError for a file that cannot be read, a column not in `allowed`, or a value that is no number, with
+    its row.
     """
     name = str(path)
     text = text_of(Path(path), name, LARGEST_FILE, "CSV").replace("\r\n", "\n").replace("\r", "\n")
@@ -99,7 +100,7 @@ def _numbers(
     numbers = []
     for i, row in enumerate(rows, 1):
         if len(row) > places[-1]:
-            row += [""] * (columns - len(row))  # last cells that nobody reads may be empty
+            row.extend([""] * (columns - len(row)))  # last cells that nobody reads may be empty
         if len(row) != columns:
             many = separator == "," and len(row) > columns
             remedy = NO_COMMAS if many else f"separate them by {SEPARATORS[separator]}, as in the first row"

@@ -57,13 +57,17 @@ def film_recording(path: Path | str, strips: Sequence[tuple[int, str]]) -> FilmR
     for short, long in wanted.items():
         if (short in columns) == (long in columns):
             rule = "must be given once" if short in columns else "is missing"
-            remedy = "give a column for each strip of readout.ridges, or name the ridges that you recorded there"
+            remedy = (
+                "give a column for each strip of readout.ridges, or name the ridges that you recorded there"
+            )
             raise InputError(f"{name}, column '{short}'", rule, remedy=remedy)
         volts.append(columns[short if short in columns else long])
     time = columns[times[0]] * TIMES[times[0]]
     if time.size < FEWEST_ROWS:
         rule = f"must have at least {FEWEST_ROWS} rows"
-        raise InputError(name, rule, int(time.size), "record the whole press, with a moment of rest before it")
+        raise InputError(
+            name, rule, int(time.size), "record the whole press, with a moment of rest before it"
+        )
     check_time(time, f"{name}, row {{}}", times[0])
     return FilmRecording(tuple(strips), time, np.array(volts))
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from skincad.outputs.delivery import Presentation
-from skincad.scenes.acceptance import CANT_TELL, WORKS, RecordingAcceptance, StripState
+from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance, StripState
+from skincad.scenes.strip_assignment import WORKS
 
 COMMAND = "accept"
 MOST_PAIRS = 4  # that are named in the answer
 
 
 def lines(result: RecordingAcceptance) -> list[str]:
-    """Return the verdict, a line for each strip that does not clearly work, and what the recording can't tell."""
+    """Return the verdict, the strips that do not clearly work, and what the recording can't tell."""
     working = sum(strip.state == WORKS for strip in result.strips)
     verdict = "ACCEPTED" if result.passed else "NOT ACCEPTED"
     faults = [strip for strip in result.strips if strip.state != WORKS]

@@ -8,26 +8,27 @@ Evidence: docs/evidence/recordings.md; test: tests/scenes/test_acceptance.py.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError, RefusedError
+from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported
-from skincad.effects.piezo import SIDES
 from skincad.inputs.recordings import FilmRecording, check_time, column_name, film_recording
 from skincad.scenes.film_prediction import (
     MEMBERS,
     FilmPrediction,
     Strip,
+    monitored_strips,
     predict_films,
+    press_end,
     recorded_scene,
 )
 from skincad.scenes.scene import Scene
@@ -54,12 +55,18 @@ from skincad.scenes.strip_assignment import (
     signal_model,
 )
 
-SURE = 0.9  # probability from which a state is told
+SURE = 0.83  # probability from which a state is told
+LONE_SWAP = 0.97  # the same of a strip behind another channel whose own strip is not behind this one
 SHOWN = 3.0  # of log-likelihood, by which a strip that works must differ from a dead one
 WORLDS_REFINED = 2  # moduli that are looked at closely
 ROUNDS = 8  # of the search for the alignment
 DELAYS = 100  # of a recording, tried for when the scene begins
 FINEST_QUIET = 10  # samples before the press from which noise is taken
+ALIKE_SHAPE = 0.8  # cosine with the prediction from which a small signal is one
+SPARE_CELLS = 20  # cells from which what no basis describes gives the noise
+FEWEST_WAVES, WIDEST_CELL = 2.0, 0.4  # of the hum, in a recording and in a cell, to take it out
+HUM_LEFT = 0.7  # of what is left, where hum is taken out: noise alone loses less
+SLOWEST = 0.75  # of the scene's duration, or as much longer
 FULL_SCALE = 30.0  # times the prediction, either way: beyond it is another unit
 CANT_TELL, SWAPPED = "can't tell", "swapped"
 
@@ -68,7 +75,7 @@ CANT_TELL, SWAPPED = "can't tell", "swapped"
 class StripState(Record):
     """What a channel of the recording shows of its strip."""
 
-    ridge: int
+    ridge: int = item(meaning="ridge, from 1")
     side: str = item(meaning="S1 or S2")
     state: str = item(meaning="works, weak, dead, reversed, swapped with another strip, or can't tell")
     shows: str | None = item(meaning="the other strip that the channel shows, where swapped")
@@ -133,37 +140,35 @@ def accept_recording(
     began = perf_counter()
     scene = recorded_scene(scene)
     if not isinstance(recording, FilmRecording):
-        strips = [(ridge, side) for ridge in scene.readout.ridges for side in SIDES]
-        recording = film_recording(recording, strips)
+        recording = film_recording(recording, monitored_strips(scene))
+    check_recording(monitored_strips(scene), press_end(scene), recording)
     prediction = predict_films(scene, members, tick)
     predicted = perf_counter() - began
     result = judge(scene, prediction, recording)
     seconds = {"total": perf_counter() - began, "prediction": predicted}
-    return RecordingAcceptance(**{**_fields(result), "seconds": seconds})
-
-
-def _fields(result: RecordingAcceptance) -> dict[str, object]:
-    return {name: getattr(result, name) for name in result.__dataclass_fields__}
+    return replace(result, seconds=seconds)
 
 
 def judge(scene: Scene, prediction: FilmPrediction, recording: FilmRecording) -> RecordingAcceptance:
     """Return what a recording says by a prediction that is there already."""
     began = perf_counter()
     with one_blas_thread():
-        _check(prediction, recording)
+        check_recording(prediction.strips, prediction.press_end, recording)
         fit = _fitted(prediction, recording)
+        _check_units(fit, prediction.strips)
     strips = tuple(_state(fit, prediction.strips, c) for c in range(len(prediction.strips)))
     assignment = fit.assignment
     step = float(np.median(np.diff(recording.time)))
+    cell = fit.alignment.speed * float(np.diff(fit.model.edges).min())
     return RecordingAcceptance(
         scene=scene,
         strips=strips,
         common_gain=Estimate(assignment.gain, 2 * assignment.gain_error, ""),
-        delay=Estimate(fit.alignment.delay, max(step, fit.alignment.speed * float(np.diff(fit.model.edges).min())), "s"),
+        delay=Estimate(fit.alignment.delay, max(step, cell), "s"),
         duration=fit.alignment.speed,
         pull=bool(fit.model.edges[-1] > prediction.press_end * (1 + 1e-9)),
         seconds={"total": perf_counter() - began},
-        warnings=(),
+        warnings=tuple(_warnings(fit, recording)),
     )
 
 
@@ -178,22 +183,47 @@ class RecordingFit:
     assignment: Assignment
 
 
-def _check(prediction: FilmPrediction, recording: FilmRecording) -> None:
-    """Raise InputError for a recording too short or too coarse for the press."""
-    if tuple(recording.strips) != prediction.strips:
-        missing = [s for s in prediction.strips if s not in recording.strips]
-        raise InputError(
-            column_name(*(missing or list(recording.strips))[0]), "must be recorded, and no other strip"
-        )
+def check_recording(strips: Sequence[Strip], press: float, recording: FilmRecording) -> None:
+    """Raise InputError for a recording of other strips than `strips`, or one too short or too coarse for a
+    press of `press` s."""
+    odd = [s for s in (*strips, *recording.strips) if (s in strips) != (s in recording.strips)]
+    if odd or recording.volts.shape != (len(strips), recording.time.size):
+        rule = "must be recorded as each strip of readout.ridges is, and no other"
+        raise InputError(column_name(*(odd or list(strips))[0]), rule, remedy="give a column a strip")
     check_time(recording.time, "recording, row {}", "time_s")
-    span, press = float(np.ptp(recording.time)), prediction.press_end
+    span = float(np.ptp(recording.time))
     if span < SPEEDS[0] * press:
         rule = f"must cover the press, {press:g} s in the scene"
         raise InputError("time_s", rule, span, "record the whole press; a time in s is named time_s")
     step = float(np.median(np.diff(recording.time)))
     if step > press / FEWEST_CELLS:
-        rule = f"must have a step of at most {press / FEWEST_CELLS:.3g} s: the scene's press takes {press:g} s"
+        rule = (
+            f"must have a step of at most {press / FEWEST_CELLS:.3g} s: the scene's press takes {press:g} s"
+        )
         raise InputError("time_s", rule, step, "sample faster; a time in ms is named time_ms")
+
+
+def _check_units(fit: RecordingFit, strips: Sequence[Strip]) -> None:
+    """Raise InputError for voltages that no gain explains: another unit."""
+    ratio = np.linalg.norm(fit.parts, axis=1) / np.linalg.norm(fit.model.mean, axis=1)
+    cosine = np.abs((fit.parts * fit.model.mean).sum(axis=1))
+    cosine /= np.linalg.norm(fit.parts, axis=1) * np.linalg.norm(fit.model.mean, axis=1) + 1e-300
+    middle = float(np.median(ratio))
+    if middle > FULL_SCALE or (middle < 1 / FULL_SCALE and float(np.median(cosine)) > ALIKE_SHAPE):
+        rule = f"must be in volts, and within a factor of {FULL_SCALE:g} of the prediction"
+        remedy = "divide millivolts by 1000, or correct the scene's circuit"
+        raise InputError(column_name(*strips[0]), rule, f"{middle:.3g} times the prediction", remedy)
+
+
+def _warnings(fit: RecordingFit, recording: FilmRecording) -> Iterator[str]:
+    """What to know of a recording."""
+    if int((recording.time - recording.time[0] < fit.alignment.delay).sum()) < FINEST_QUIET:
+        yield "there is no rest before the press, so noise and offset are guessed: record a moment of it"
+    if fit.alignment.speed in (SPEEDS[0], SPEEDS[-1]) or not SLOWEST < fit.alignment.speed < 1 / SLOWEST:
+        yield (
+            f"the recorded scene takes {fit.alignment.speed:.2f} times as long as predicted: "
+            "give the scene the times that you drove"
+        )
 
 
 def _edges(press: float, end: float, step: float) -> Array:
@@ -242,13 +272,13 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
 
     def parts_at(at: Alignment) -> tuple[Array, Array]:
         cells = model.weighted(cell_means(time, clean, at.delay + at.speed * model.edges))
-        parts = cells @ model.basis
-        return parts, cells - parts @ model.basis.T
+        return _split(model, cells, at)
 
     shown, rest = parts_at(start)
-    spare = max(1, rest.shape[1] - model.basis.shape[1] - 2)
+    spare = max(1, rest.shape[1] - model.basis.shape[1] - 4)
     floor = 1e-6 * np.linalg.norm(model.mean) / np.sqrt(model.mean.size)
-    noise = np.sqrt(white**2 / start.speed + (rest**2).sum(axis=1) / spare) + floor
+    left = (rest**2).sum(axis=1) / spare
+    noise = np.sqrt(left if spare >= SPARE_CELLS else left + white**2 / start.speed) + floor
     size = np.linalg.norm(shown, axis=1)
     court = Judge(model, noise, size)
 
@@ -297,6 +327,27 @@ def _without_hum(time: Array, volts: Array, delay: float) -> tuple[Array, Array]
     return clean, rest.std(axis=1) * np.sqrt(step)
 
 
+def _split(model: SignalModel, cells: Array, at: Alignment) -> tuple[Array, Array]:
+    """A recording's cells `(channels, cells)` V s^0.5 in the model's basis, and what is left of them, both
+    without the hum of the mains that this rest shows."""
+    basis = model.basis
+    parts = cells @ basis
+    rest = cells - parts @ basis.T
+    middle = at.delay + at.speed * (model.edges[1:] + model.edges[:-1]) / 2
+    width = at.speed * float(np.diff(model.edges).max())
+    for f in HUM:
+        if at.speed * model.edges[-1] * f < FEWEST_WAVES or width * f > WIDEST_CELL:
+            continue
+        waves = model.weighted(np.array([np.sin(2 * np.pi * f * middle), np.cos(2 * np.pi * f * middle)]))
+        beyond = waves - (waves @ basis) @ basis.T
+        weights = np.linalg.lstsq(beyond.T, rest.T, rcond=None)[0].T
+        left = rest - weights @ beyond
+        humming = (left**2).sum(axis=1) < HUM_LEFT * (rest**2).sum(axis=1)
+        parts = np.where(humming[:, None], parts - weights @ (waves @ basis), parts)
+        rest = np.where(humming[:, None], left, rest)
+    return parts, rest
+
+
 def _hum(model: SignalModel, delay: float, speed: float) -> Array:
     """The mains' waves in the model's basis `(rank, 4)`, each of energy 1."""
     middle = delay + speed * (model.edges[1:] + model.edges[:-1]) / 2
@@ -310,7 +361,8 @@ def _state(fit: RecordingFit, strips: Sequence[Strip], c: int) -> StripState:
     channel, assignment = fit.assignment.channels[c], fit.assignment
     name, other, _ = channel.states[0]
     chance = channel.probabilities[0]
-    told = chance >= SURE and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
+    mutual = other is None or fit.assignment.channels[other].states[0][:2] == (SWAPPED, c)
+    told = chance >= (SURE if mutual else LONE_SWAP) and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
     if name in (WORKS, REVERSED, WEAK_STATE) and assignment.dead_evidence[c] < SHOWN:
         told = False
     pairs = [b if a == c else a for a, b in assignment.alike if c in (a, b)]

@@ -50,21 +50,23 @@ class FilmPrediction:
     press_end: float
 
 
-def predict_films(scene: Scene, members: int = MEMBERS, tick: Tick | None = None) -> FilmPrediction:
-    """Return the outputs of a scene's films, for moduli of the silicone's range, and of `members` scenes
+def predict_films(
+    scene: Scene, members: int = MEMBERS, tick: Tick | None = None, *, moduli: int = MODULI
+) -> FilmPrediction:
+    """Return the outputs of a scene's films, for `moduli` of the silicone's range, and of `members` scenes
     within the other tolerances.
 
     Raises InputError for a scene without films, circuit or monitored ridges, RefusedError where too few of
     the simulations reach the end of the press.
     """
     scene = recorded_scene(scene)
-    strips = tuple((ridge, side) for ridge in scene.readout.ridges for side in SIDES)
+    strips = monitored_strips(scene)
     draw, end = np.random.default_rng(SEED), press_end(scene)
     low, value, high = modulus_range(scene.design)
     nominal = at_level(scene, LEVELS[0], tick)
     if nominal.march.time[-1] < end:
         raise RefusedError(f"the scene stops before its press ends: {nominal.march.stopped}")
-    others = [m for m in np.geomspace(low, high, MODULI).tolist() if abs(m / value - 1) > ALMOST]
+    others = [m for m in np.geomspace(low, high, moduli).tolist() if abs(m / value - 1) > ALMOST]
     runs = [(m, run) for m in others if (run := _run(with_modulus(scene, m), end, tick))]
     drawn = [run for _ in range(members) if (run := _run(varied(scene, draw), end, tick))]
     if len(drawn) < FEWEST_MEMBERS * members:
@@ -94,10 +96,15 @@ def _run(scene: Scene | None, end: float, tick: Tick | None) -> Simulation | Non
     return run if run and run.march.time[-1] >= end else None
 
 
+def monitored_strips(scene: Scene) -> tuple[Strip, ...]:
+    """Return the strips of the monitored ridges."""
+    return tuple((ridge, side) for ridge in scene.readout.ridges for side in SIDES)
+
+
 def recorded_scene(scene: Scene) -> Scene:
     """Return the scene as its films are predicted: without noise, at small strain."""
     if "piezo" not in scene.effects:
-        remedy = "add [effects.piezo] with your circuit, as circuit = \"transimpedance\""
+        remedy = 'add [effects.piezo] with your circuit, as circuit = "transimpedance"'
         raise InputError("effects.piezo", "is missing: a recording is compared with outputs", remedy=remedy)
     if not scene.readout.ridges:
         raise InputError("readout.ridges", "must name the recorded ridges", remedy="list them, as [2, 3]")

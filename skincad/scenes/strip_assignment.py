@@ -40,7 +40,7 @@ WORKS, REVERSED, WEAK_STATE, DEAD, UNEXPLAINED = "works", "reversed", "weak", "d
 PRIOR = {WORKS: 0.93, REVERSED: 0.02, WEAK_STATE: 0.01, DEAD: 0.03, UNEXPLAINED: 0.002}
 SWAP_PRIOR, SWAP_REVERSED = 0.02, 0.1  # of some pair; of a reversed one among those
 HUM = 50.0, 60.0  # Hz
-HUM_COST = float(np.log(4.0))  # of a dead strip that hums
+HUM_COST = float(np.log(2.0))  # of a dead strip that hums
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def signal_model(time: Array, outputs: Array, changes: Array, edges: Array) -> S
     signals = np.array([cell_means(time, member, edges) * width for member in (outputs, *changes)])
     flat = signals.reshape(-1, len(width))
     rank = min(BASIS, *flat.shape)
-    basis = np.linalg.svd(flat, full_matrices=False)[2][:rank].T
+    basis = np.linalg.eigh(flat.T @ flat)[1][:, ::-1][:, :rank]
     mean, off = (signals @ basis)[0], (signals @ basis)[1:]
     spread = np.einsum("msa,msb->sab", off, off) / max(1, len(off))
     slow = np.stack([width, width * middle / edges[-1]])
@@ -153,15 +153,17 @@ class Likelihoods:
 
 @dataclass(frozen=True, eq=False)
 class _Normal:
-    """Normal distributions `(...)` with their means' `factor` of a strip's signal, `inverse` covariance
-    `(..., rank, rank)` and its log-determinant `size` `(...)`."""
+    """Normal distributions `(...)`: the `inverse` of their covariance `(..., rank, rank)` and its
+    log-determinant `size` `(...)`."""
 
     inverse: Array
     size: Array
 
     @classmethod
     def of(cls, covariance: Array) -> _Normal:
-        return cls(np.linalg.inv(covariance), np.linalg.slogdet(covariance)[1])
+        """Return those of covariances `(..., rank, rank)`."""
+        inverse = np.asarray(np.linalg.inv(covariance), float)
+        return cls(inverse, np.asarray(np.linalg.slogdet(covariance)[1], float))
 
     def log_density(self, off: Array, tail: float = TAIL) -> Array:
         """Log-density at `off` `(..., rank)`, without its constant: of Student's t with `tail` degrees of
@@ -243,9 +245,9 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
     """Return minus the log-posteriors `(gains, channels, strips + 2 channels)` of each channel's place: a
     strip, dead, unexplained; and those of the states on the own strip `(gains, channels, 3)`."""
     gains, count, strips = like.upright.shape
-    pair = np.sqrt(SWAP_PRIOR / max(1, count * (count - 1) // 2))
     table = np.full((gains, count, strips + 2 * count), 1e9)
-    table[:, :, :strips] = -np.logaddexp(like.upright, like.reversed + np.log(SWAP_REVERSED)) - np.log(pair)
+    table[:, :, :strips] = -np.logaddexp(like.upright, like.reversed + np.log(SWAP_REVERSED))
+    table[:, :, :strips] -= np.log(_half_swap(count))
     at = np.arange(count)
     own = np.stack(
         [
@@ -261,10 +263,16 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
     return table, own
 
 
+def _half_swap(count: int) -> float:
+    """Prior probability of one of the two channels of a swapped pair, of `count` channels."""
+    return float(np.sqrt(SWAP_PRIOR / max(1, count * (count - 1) // 2)))
+
+
 def best_score(like: Likelihoods) -> float:
     """Return the log-posterior of the most probable assignment at the most probable gain."""
     table, _ = costs(like)
-    return max(-_total(cost) + prior for cost, prior in zip(table, _gain_prior(like.gains), strict=True))
+    pairs = zip(table, _gain_prior(like.gains), strict=True)
+    return max(-_total(cost) + float(prior) for cost, prior in pairs)
 
 
 def best_gain(like: Likelihoods) -> float:
@@ -288,7 +296,7 @@ def assign(like: Likelihoods) -> Assignment:
     prior = _gain_prior(like.gains)
     whole = np.array([-_total(cost) for cost in table]) + prior
     near = np.flatnonzero(whole > whole.max() - 8.0)
-    count, strips = like.upright.shape[1:]
+    count = len(like.upright[0])
     channels = tuple(_channel(c, table, own, near, prior, like) for c in range(count))
     weights = np.exp(whole - logsumexp(whole))
     logs = np.log(like.gains)
@@ -303,9 +311,7 @@ def assign(like: Likelihoods) -> Assignment:
     return Assignment(channels, gain, gain * spread, float(whole.max()), alike, evidence)
 
 
-def _channel(
-    c: int, table: Array, own: Array, near: Index, prior: Array, like: Likelihoods
-) -> ChannelStates:
+def _channel(c: int, table: Array, own: Array, near: Index, prior: Array, like: Likelihoods) -> ChannelStates:
     """The states of one channel by the best assignment that each allows."""
     count, strips = like.upright.shape[1:]
     scores: dict[tuple[str, int | None, int], list[float]] = {}
@@ -313,7 +319,12 @@ def _channel(
     for g in near:
         for column in [*range(strips), strips + c, strips + count + c]:
             rest = np.delete(table[g][others], column, axis=1)
-            base = prior[g] - _total(rest)
+            rows, places = linear_sum_assignment(rest)
+            base = prior[g] - float(rest[rows, places].sum())
+            if column < strips and column != c:
+                partner = int(places[int(np.searchsorted(others, column))])
+                if partner >= strips - 1:  # behind the removed column: dead or unexplained, a fault more
+                    base += np.log(_half_swap(count))
             for state, cost in _states(c, column, g, table, own, like):
                 scores.setdefault(state, []).append(base - cost)
     logs = {state: float(logsumexp(rows)) for state, rows in scores.items()}
@@ -339,7 +350,7 @@ def _states(
 
 def _alike(rows: Index, columns: Index, like: Likelihoods, g: int) -> Iterator[tuple[int, int]]:
     """Pairs of channels on strips whose exchange costs less than ALIKE of log-likelihood."""
-    count, strips = like.upright.shape[1:]
+    strips = like.upright.shape[2]
     best = np.maximum(like.upright[g], like.reversed[g])
     shown = {int(c): int(j) for c, j in zip(rows, columns, strict=True) if j < strips}
     for a in shown:
