@@ -65,6 +65,7 @@ FINEST_QUIET = 10  # samples before the press from which noise is taken
 ALIKE_SHAPE = 0.8  # cosine with the prediction from which a small signal is one
 SPARE_CELLS = 20  # cells from which what no basis describes gives the noise
 FEWEST_WAVES, WIDEST_CELL = 2.0, 0.4  # of the hum, in a recording and in a cell, to take it out
+LOUD_LEFT = 0.4  # of its power, of a channel that mostly hums
 HUM_LEFT = 0.7  # of what is left, where hum is taken out: noise alone loses less
 SLOWEST = 0.75  # of the scene's duration, or as much longer
 FULL_SCALE = 30.0  # times the prediction, either way: beyond it is another unit
@@ -244,10 +245,11 @@ def _fitted(prediction: FilmPrediction, recording: FilmRecording) -> RecordingFi
     last = np.linspace(0.0, max(0.0, time[-1] - SPEEDS[0] * press), DELAYS)
     rest = int(np.clip(0.02 * time.size, 3, FINEST_QUIET))
     volts = recording.volts - recording.volts[:, :rest].mean(axis=1, keepdims=True)
+    still = _without_loud_hum(time, volts)
     edges = _edges(press, float(prediction.time[-1]), finest)
     cells = np.array([cell_means(prediction.time, world, edges) for world in prediction.worlds])
     pressed = int(np.searchsorted(edges, 0.95 * press))
-    firsts = align(edges, pressed, cells, time, volts, last, SPEEDS)
+    firsts = align(edges, pressed, cells, time, still, last, SPEEDS)
     order = sorted(range(len(firsts)), key=lambda world: -firsts[world].score)[:WORLDS_REFINED]
     if not np.isfinite(firsts[order[0]].score):
         rule = f"must go on until the press ends, {press:g} s after it begins"
@@ -258,7 +260,7 @@ def _fitted(prediction: FilmPrediction, recording: FilmRecording) -> RecordingFi
         first = firsts[world]
         delays = np.unique(np.clip(first.delay + near * np.linspace(-2, 2, 9), 0.0, None))
         speeds = first.speed * np.linspace(0.94, 1.06, 7)
-        close = align(edges, pressed, cells[[world]], time, volts, delays, speeds)[0]
+        close = align(edges, pressed, cells[[world]], time, still, delays, speeds)[0]
         end = max(press, min(float(prediction.time[-1]), (time[-1] - close.delay) / close.speed))
         covered = _edges(press, end, finest)
         model = signal_model(prediction.time, prediction.worlds[world], prediction.changes, covered)
@@ -300,6 +302,20 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
     fine = best_gain(court.likelihoods(parts, waves)) * FINE
     answer = assign(Judge(model, noise, size, fine).likelihoods(parts, waves))
     return RecordingFit(model, best, parts, noise, answer)
+
+
+def _without_loud_hum(time: Array, volts: Array) -> Array:
+    """The channels `(channels, samples)` V, those that mostly hum without their hum."""
+    still = volts
+    for f in HUM:
+        if time[-1] * f < FEWEST_WAVES:
+            continue
+        angle = 2 * np.pi * f * time
+        waves = np.stack([np.ones_like(time), np.sin(angle), np.cos(angle)], axis=1)
+        left = still - (waves @ np.linalg.lstsq(waves, still.T, rcond=None)[0]).T
+        loud = left.var(axis=1) < LOUD_LEFT * still.var(axis=1)
+        still = np.where(loud[:, None], left, still)
+    return still
 
 
 def _without_hum(time: Array, volts: Array, delay: float) -> tuple[Array, Array]:

@@ -110,12 +110,13 @@ def align(
     """Return for each of some `worlds` `(worlds, strips, cells)` V the delay and speed at which each strip
     best explains its own channel of a recording `(channels, samples)` that begins at 0 V.
 
-    Either sign does, and few channels show another strip. Cells behind the recording's end do not count, but
+    Either sign does, and few channels show another strip. A channel counts by its size. Cells behind the recording's end do not count, but
     the first `press` must lie before it.
     """
     step = np.gradient(time)
     energy = np.concatenate([np.zeros((len(signals), 1)), np.cumsum(signals**2 * step, axis=1)], axis=1)
-    width = np.diff(edges)
+    weight = np.sqrt(energy[:, -1] / energy[:, -1].max()) if energy[:, -1].any() else np.ones(len(signals))
+    weight, width = weight / weight.sum(), np.diff(edges)
     best = [Alignment(0.0, 1.0, -np.inf) for _ in worlds]
     for speed in speeds:
         for delay in delays:
@@ -128,7 +129,7 @@ def align(
             shown = worlds[:, :, :count]
             overlap = np.einsum("wck,ck->wc", shown, weighted) ** 2
             size = np.einsum("wck,wck,k->wc", shown, shown, speed * width[:count]) + 1e-300
-            scores = np.minimum(overlap / size / until, 1.0).mean(axis=1)
+            scores = np.minimum(overlap / size / until, 1.0) @ weight
             scores -= SPEED_COST * (np.log(speed) / SPEED_SPREAD) ** 2
             best = [
                 Alignment(float(delay), float(speed), float(score)) if score > old.score else old
