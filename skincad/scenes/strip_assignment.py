@@ -38,6 +38,7 @@ DEAD_LEAK = 0.03  # gain of a dead one
 SURPRISE = 1.5  # power of an unexplained signal over the recorded one
 WORKS, REVERSED, WEAK_STATE, DEAD, UNEXPLAINED = "works", "reversed", "weak", "dead", "unexplained"
 PRIOR = {WORKS: 0.93, REVERSED: 0.02, WEAK_STATE: 0.01, DEAD: 0.03, UNEXPLAINED: 0.002}
+SAME_RIDGE = 0.5  # of all swaps
 SWAP_PRIOR, SWAP_REVERSED = 0.02, 0.1  # of some pair; of a reversed one among those
 HUM = 50.0, 60.0  # Hz
 HUM_COST = float(np.log(2.0))  # of a dead strip that hums
@@ -248,7 +249,7 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
     gains, count, strips = like.upright.shape
     table = np.full((gains, count, strips + 2 * count), 1e9)
     table[:, :, :strips] = -np.logaddexp(like.upright, like.reversed + np.log(SWAP_REVERSED))
-    table[:, :, :strips] -= np.log(_half_swap(count))
+    table[:, :, :strips] -= _log_half_swap(count)
     at = np.arange(count)
     own = np.stack(
         [
@@ -264,9 +265,16 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
     return table, own
 
 
-def _half_swap(count: int) -> float:
-    """Prior probability of one of the two channels of a swapped pair, of `count` channels."""
-    return float(np.sqrt(SWAP_PRIOR / max(1, count * (count - 1) // 2)))
+def _log_half_swap(count: int) -> Array:
+    """Log-prior `(channels, channels)` of one of the two channels of each swapped pair.
+
+    Half of all swaps are taken to be of the two strips of a ridge, whose pads lie side by side (assumption).
+    """
+    ridge = np.arange(count) // 2
+    same, pairs = ridge[:, None] == ridge, count // 2
+    others = max(1, count * (count - 1) // 2 - pairs)
+    share = np.where(same, SAME_RIDGE / pairs, (1 - SAME_RIDGE) / others)
+    return np.asarray(np.log(SWAP_PRIOR * share) / 2)
 
 
 def best_score(like: Likelihoods) -> float:
@@ -325,7 +333,7 @@ def _channel(c: int, table: Array, own: Array, near: Index, prior: Array, like: 
             if column < strips and column != c:
                 partner = int(places[int(np.searchsorted(others, column))])
                 if partner >= strips - 1:  # behind the removed column: dead or unexplained, a fault more
-                    base += np.log(_half_swap(count))
+                    base += _log_half_swap(count)[c, column]
             for state, cost in _states(c, column, g, table, own, like):
                 scores.setdefault(state, []).append(base - cost)
     logs = {state: float(logsumexp(rows)) for state, rows in scores.items()}
