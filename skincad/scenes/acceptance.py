@@ -57,6 +57,7 @@ from skincad.scenes.strip_assignment import (
 
 SURE = 0.83  # probability from which a state is told
 LONE_SWAP = 0.97  # the same of a strip behind another channel whose own strip is not behind this one
+MOST_OF_DEAD = 0.25  # gain over the common one: what shows as much of its strip is not dead
 SHOWN = 3.0  # of log-likelihood, by which a strip that works must differ from a dead one
 WORLDS_REFINED = 2  # moduli that are looked at closely
 ROUNDS = 8  # of the search for the alignment
@@ -381,6 +382,9 @@ def _state(fit: RecordingFit, strips: Sequence[Strip], c: int) -> StripState:
     told = chance >= (SURE if mutual else LONE_SWAP) and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
     if name in (WORKS, REVERSED, WEAK_STATE) and assignment.dead_evidence[c] < SHOWN:
         told = False
+    gain = _gain(fit, c, other if other is not None else c)
+    if name == DEAD and abs(float(gain)) > MOST_OF_DEAD:
+        told = False
     pairs = [b if a == c else a for a, b in assignment.alike if c in (a, b)]
     ridge, side = strips[c]
     return StripState(
@@ -390,7 +394,7 @@ def _state(fit: RecordingFit, strips: Sequence[Strip], c: int) -> StripState:
         shows=strip_name(strips[other]) if told and other is not None else None,
         probability=float(chance),
         second=_words(channel, 1 if told else 0, strips),
-        gain=_gain(fit, c, other if other is not None else c),
+        gain=gain,
         alike=tuple(strip_name(strips[b]) for b in pairs),
     )
 

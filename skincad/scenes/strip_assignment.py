@@ -111,8 +111,8 @@ def align(
     """Return for each of some `worlds` `(worlds, strips, cells)` V the delay and speed at which each strip
     best explains its own channel of a recording `(channels, samples)` that begins at 0 V.
 
-    Either sign does, and few channels show another strip. A channel counts by its size. Cells behind the recording's end do not count, but
-    the first `press` must lie before it.
+    Either sign does, and few channels show another strip. A channel counts by its size. Cells behind the
+    recording's end do not count, but the first `press` must lie before it.
     """
     step = np.gradient(time)
     energy = np.concatenate([np.zeros((len(signals), 1)), np.cumsum(signals**2 * step, axis=1)], axis=1)
