@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,12 +25,20 @@ NO_COMMAS = "write decimals with a point, or separate columns by semicolons"
 _NUMBER = re.compile(r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?", re.ASCII)
 
 
-def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, Array]:
+def read_columns(
+    path: Path | str,
+    allowed: tuple[str, ...],
+    *,
+    ignored: re.Pattern[str] | None = None,
+    refuse: Callable[[str], str] = lambda _: "",
+) -> dict[str, Array]:
     """Return the columns of a CSV by name, each `(rows,)`, all numbers finite.
 
     The first row tells what separates columns: comma, semicolon or tab. Decimals have a point or, where no
-    comma separates columns, all of them a comma. Raises InputError for a file that cannot be read, a column
-    not in `allowed`, or a value that is no number, with its row.
+    comma separates columns, all of them a comma. Columns whose names match `ignored` are passed over,
+    whatever their cells are; `refuse` gives an unknown column's remedy where it knows a better one. Raises
+    InputError for a file that cannot be read, a column not in `allowed`, or a value that is no number, with
+    its row.
     """
     name = str(path)
     text = text_of(Path(path), name, LARGEST_FILE, "CSV").replace("\r\n", "\n").replace("\r", "\n")
@@ -39,23 +48,32 @@ def read_columns(path: Path | str, allowed: tuple[str, ...]) -> dict[str, Array]
         )
     lines = [line for line in text.split("\n") if line.strip() and not line.lstrip().startswith("#")]
     try:
-        separator, header = _header(name, lines[:1], allowed)
-        numbers = _numbers(name, lines[1:], separator, len(header))
+        separator, header = _header(name, lines[:1], allowed, ignored, refuse)
+        places = [i for i, column in enumerate(header) if not (ignored and ignored.fullmatch(column))]
+        numbers = _numbers(name, lines[1:], separator, len(header), places)
     except csv.Error as failure:
         raise InputError(name, f"is not CSV ({failure})") from None
     if not numbers:
         raise InputError(name, "has no rows of numbers", remedy=f"first row: {','.join(allowed)}")
     table = np.array(numbers)
-    return {column: table[:, i] for i, column in enumerate(header)}
+    return {header[place]: table[:, i] for i, place in enumerate(places)}
 
 
-def _header(name: str, lines: list[str], allowed: tuple[str, ...]) -> tuple[str, list[str]]:
+def _header(
+    name: str,
+    lines: list[str],
+    allowed: tuple[str, ...],
+    ignored: re.Pattern[str] | None,
+    refuse: Callable[[str], str],
+) -> tuple[str, list[str]]:
     """What separates columns, and their names: as most of the names are known, or else as most come apart."""
     split = {mark: next(map(_cells, csv.reader(lines, delimiter=mark)), []) for mark in SEPARATORS}
     separator, header = max(split.items(), key=lambda found: (len({*found[1]} & {*allowed}), len(found[1])))
     for column in header:
+        if ignored and ignored.fullmatch(column):
+            continue
         if column not in allowed:
-            remedy = did_you_mean(column, allowed)
+            remedy = refuse(column) or did_you_mean(column, allowed)
             if len(header) == 1:
                 remedy = f"separate columns by {', '.join(SEPARATORS.values())}: {','.join(allowed)}"
             raise InputError(f"{name}, column {column[:80]!r}", "unknown", remedy=remedy)
@@ -72,17 +90,22 @@ def _cells(row: list[str]) -> list[str]:
     return cells
 
 
-def _numbers(name: str, lines: list[str], separator: str, columns: int) -> list[list[float]]:
-    """The rows of numbers, as many in each as there are columns; rows of empty cells are passed over."""
+def _numbers(
+    name: str, lines: list[str], separator: str, columns: int, places: list[int]
+) -> list[list[float]]:
+    """The rows of numbers at these places, as many cells in each as there are columns; rows of empty cells
+    are passed over."""
     decimal = "," if separator != "," and any("," in line for line in lines) else "."
     rows = filter(None, map(_cells, csv.reader(lines, delimiter=separator)))
     numbers = []
     for i, row in enumerate(rows, 1):
+        if len(row) > places[-1]:
+            row.extend([""] * (columns - len(row)))  # last cells that nobody reads may be empty
         if len(row) != columns:
             many = separator == "," and len(row) > columns
             remedy = NO_COMMAS if many else f"separate them by {SEPARATORS[separator]}, as in the first row"
             raise InputError(f"{name}, row {i}", f"must have {columns} values", len(row), remedy)
-        numbers.append([_number(f"{name}, row {i}", cell, decimal) for cell in row])
+        numbers.append([_number(f"{name}, row {i}", row[place], decimal) for place in places])
     return numbers
 
 

@@ -216,6 +216,8 @@ def test_a_layered_part_is_judged_as_a_whole(tmp_path: Path) -> None:
     path.write_text("\n".join(["approach_mm,force_N", *rows, ""]))
     one, two = (skincad.accept(design, path) for design in (plain, plain.with_(shot=(own,))))
     assert two.verdict == one.verdict
-    assert float(two.young_modulus) == pytest.approx(float(one.young_modulus), rel=5e-3)  # another mesh
+    assert float(two.young_modulus) == pytest.approx(
+        float(one.young_modulus), rel=1e-2
+    )  # another mesh, two of them
     assert any("all layers alike" in note for note in two.warnings)
     assert not any("all layers alike" in note for note in one.warnings)
