@@ -1,9 +1,9 @@
-"""The whole way once, from a wish to slip, every number printed: `python -m bench.whole_way FOLDER`, 3 min.
+"""The whole way once, from a wish to slip, every number printed: `python -m bench.whole_way FOLDER`, 4 min.
 
 A soft face on a harder back, cast on a bone of our own that a franka-hand's two screws hold; the files are in
-FOLDER. What is measured is made up: the coupon's pad says how stiff the silicone is, to 10 %; the cast part is
-one whose front was mixed wrongly and is 60 % softer, pressed with a kitchen scale and a screw, ten points with
-their noise, seed 1. docs/evidence/whole-way.md shows what it prints.
+FOLDER. What is measured is made up: the coupon's pad says how stiff the silicone is, to 10 %; the cast part
+is one whose front was mixed wrongly and is 60 % softer, pressed with a kitchen scale and a screw, ten points
+with their noise, seed 1. docs/evidence/whole-way.md shows what it prints.
 """
 
 from __future__ import annotations
