@@ -66,6 +66,7 @@ try:
     from OCP.HLRAlgo import HLRAlgo_Projector
     from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
     from OCP.IFSelect import IFSelect_RetDone
+    from OCP.Message import Message, Message_PrinterOStream
     from OCP.STEPControl import STEPControl_Controller, STEPControl_Reader
     from OCP.TColgp import TColgp_Array1OfPnt
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_REVERSED, TopAbs_SOLID
@@ -109,6 +110,8 @@ def _load_messages() -> None:
 
 
 _load_messages()
+# a STEP file that it can't read is refused in a line of ours: the kernel's own would go to stdout
+Message.DefaultMessenger_s().RemovePrinters(Message_PrinterOStream.get_type_descriptor_s())
 
 
 def solid(part: Part) -> cq.Solid:

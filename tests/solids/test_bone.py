@@ -22,6 +22,7 @@ from skincad.solids.mold import mold
 from skincad.solids.occ import solid, volume
 from skincad.solids.plan import CutRole, PartRole
 from skincad.solids.skin import skin_part
+from tests.refusals import refused_command
 
 CHORD = 1e-3  # mm
 STEM, PLATE = (5.0, 6.0, 12.0), (12.0, 14.0, 1.5)
@@ -164,6 +165,15 @@ STRAIGHT = cq.Workplane("XY").box(5, 6, 8)
 def test_what_a_bone_cannot_be(tmp_path: Path, shape: Any, keys: dict[str, Any], refusal: str) -> None:
     with pytest.raises(InputError, match=refusal):
         mold(boned(tmp_path, shape, **keys))
+
+
+def test_a_file_that_is_no_step_is_refused_in_one_line(tmp_path: Path) -> None:
+    """The kernel writes nothing of its own beside it."""
+    (tmp_path / "no.step").write_text("solid")
+    text = skincad.load("lab-bench").to_toml()
+    (tmp_path / "pad.toml").write_text(text.replace("[mold]", '[mold]\nbone = "no.step"', 1))
+    line = refused_command("make", "pad.toml", "--no-check", cwd=tmp_path)
+    assert "mold.bone: is no STEP file" in line
 
 
 def test_a_bone_that_is_not_there(tmp_path: Path) -> None:
