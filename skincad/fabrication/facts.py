@@ -497,11 +497,6 @@ class Facts:
         return pours(self.job)
 
     @property
-    def earlier(self) -> list[LayerPour]:
-        """Those before the last."""
-        return self.pours[:-1]
-
-    @property
     def last(self) -> LayerPour:
         """The last, over which the carrier goes."""
         return self.pours[-1]

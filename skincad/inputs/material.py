@@ -27,7 +27,9 @@ def refuse_layers(design: Design, what: str) -> None:
     """Raise InputError where `what` takes a skin of one silicone and the design has shots."""
     if design.shot:
         rule = f"must not be given: {what} takes a skin of one silicone"
-        raise InputError("shot", rule, len(design.shot), "drop [[shot]]; check and simulate take it")
+        raise InputError(
+            "shot", rule, len(design.shot), "drop [[shot]]; check, simulate, make and package take it"
+        )
 
 
 def foreign_modulus(design: Design) -> tuple[Silicone, NumberWithRange, str] | None:

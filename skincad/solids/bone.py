@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from scipy.spatial.transform import Rotation
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
@@ -40,7 +41,6 @@ LEAST_HOLES = 2  # that say how a bone stands on its carrier
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
 PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
 SAME = 0.01  # mm, to which a hole opens at the back
-UPRIGHT = 1e-6  # of an axis's x and y
 KEY = "mold.bone"
 
 
@@ -84,10 +84,14 @@ class Bone:
     def shadow(self, across: int, low: float = -math.inf, high: float = math.inf) -> Any:
         """The shadow along the axis `across` (1: y, 2: z) of what lies between two heights, mm: polygons of
         (x, z) or (x, y)."""
-        other = [0, 3 - across]
-        flat = [piece[:, other] for piece in (_between(t, low, high) for t in self.corners) if len(piece) > 2]
-        faces = [shapely.Polygon(points) for points in flat]
-        return shapely.union_all([face.buffer(1e-9) for face in faces if face.area > 0])
+        return _shadow(self, across, low, high)
+
+
+@lru_cache(maxsize=32)
+def _shadow(bone: Bone, across: int, low: float, high: float) -> Any:
+    kept = (_between(triangle, low, high) for triangle in bone.corners)
+    faces = [shapely.Polygon(piece[:, [0, 3 - across]]) for piece in kept if len(piece) > 2]
+    return shapely.union_all([face.buffer(1e-9) for face in faces if face.area > 0])
 
 
 def _between(triangle: Array, low: float, high: float) -> Array:
@@ -161,11 +165,8 @@ def lifted(part: Part, travel: float) -> Part:
 
 def _pose(at: Place, turn: Place) -> tuple[float, ...]:
     """Rotation and shift, `(3, 4)` by rows."""
-    a, b, c = (math.radians(v) for v in turn)
-    x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
-    y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
-    z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
-    return tuple(np.column_stack([z @ y @ x, at]).ravel().tolist())
+    rotation = Rotation.from_euler("xyz", turn, degrees=True).as_matrix()
+    return tuple(np.column_stack([rotation, at]).ravel().tolist())
 
 
 def cut_of(design: Design, up: float = 1.0) -> tuple[GivenBody | ExtendedCut, ...]:

@@ -304,7 +304,8 @@ def _body(design: Design) -> str:
 def _numbers(package: Package) -> Iterator[tuple[str, str, str]]:
     design = package.design
     stuffs = [f"{s.density / 1e3:g} g/cm3 of {s.name}" for s in (silicone(design), *layers(design))]
-    stuffs.append(f"{lid_process(design).density:g} g/cm3 of the carrier")
+    whose = "the bone, taken to be of the lids' material" if design.mold.bone else "the carrier"
+    stuffs.append(f"{lid_process(design).density:g} g/cm3 of {whose}")
     yield (
         f"mass {package.weighs.mass:.6g} g, centres and inertias",
         f"the exact solids of skin.step and carrier.step; {', '.join(stuffs)}",
