@@ -192,7 +192,7 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
         f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "
         "the mean of "
         f"{READINGS_NEAR_EDGE}: "
-        "that verdict counts. Or take a finer process or more margin (`ridge.levelling`)."
+        f"that verdict counts. Or take a finer process or more margin (`{skin.family}.levelling`)."
     )
 
 
