@@ -1,10 +1,10 @@
-"""Dead, reversed and swapped strips by a recording: `python -m bench.table_recordings 24000 24200`.
+"""Dead, reversed and swapped strips by a recording: `python -m bench.table_recordings 25000 25200`.
 
 A synthetic recording a seed, of four scenes with one, three or all monitored ridges. Its truth is another
 simulation than the judge's: modulus, friction and speed up to 20 % off, crests by the mold's process; one in
 ten with finite strain where `simulate` takes it. Each strip's gain scatters by 10 %, all have a common one of
-0.6 to 1.6, noise, offset, drift, a start delay and a sampling of their own. Thresholds were chosen on seeds
-22000 to 22199. Simulations are kept in the folder given last, out/recordings by default.
+0.6 to 1.6, noise, offset, drift, a start delay and a sampling of their own. Constants were chosen on seeds
+22000 to 22199 and 23000 to 23199. Simulations are kept in the folder given last, out/recordings by default.
 
 A recording is right if all its strips are: each fault named, all others said to work. It is undecided if a
 strip has "can't tell", or if two strips are swapped that are named as alike. Else it is wrong.

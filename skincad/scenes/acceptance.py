@@ -44,7 +44,6 @@ from skincad.scenes.strip_assignment import (
     WORKS,
     Alignment,
     Assignment,
-    ChannelStates,
     Judge,
     SignalModel,
     align,
@@ -54,10 +53,12 @@ from skincad.scenes.strip_assignment import (
     cell_means,
     signal_model,
 )
+from skincad.scenes.strip_posterior import SWAPPED, ChannelStates, Posterior, posterior
 
-SURE = 0.83  # probability from which a state is told
+SURE = 0.75  # probability from which a state is told
 LONE_SWAP = 0.97  # the same of a strip behind another channel whose own strip is not behind this one
-MOST_OF_DEAD = 0.25  # gain over the common one: what shows as much of its strip is not dead
+MOST_OF_DEAD = 0.25  # gain over the common one: what shows more of its strip is not dead,
+CLEAR = 20.0  # if that is as many times its error: hum shows some by chance
 SHOWN = 3.0  # of log-likelihood, by which a strip that works must differ from a dead one
 WORLDS_REFINED = 2  # moduli that are looked at closely
 ROUNDS = 8  # of the search for the alignment
@@ -70,7 +71,7 @@ LOUD_LEFT = 0.4  # of its power, of a channel that mostly hums
 HUM_LEFT = 0.7  # of what is left, where hum is taken out: noise alone loses less
 SLOWEST = 0.75  # of the scene's duration, or as much longer
 FULL_SCALE = 30.0  # times the prediction, either way: beyond it is another unit
-CANT_TELL, SWAPPED = "can't tell", "swapped"
+CANT_TELL = "can't tell"
 
 
 @record()
@@ -158,7 +159,10 @@ def judge(scene: Scene, prediction: FilmPrediction, recording: FilmRecording) ->
         check_recording(prediction.strips, prediction.press_end, recording)
         fit = _fitted(prediction, recording)
         _check_units(fit, prediction.strips)
-    strips = tuple(_state(fit, prediction.strips, c) for c in range(len(prediction.strips)))
+        shown = posterior(
+            fit.model, fit.parts, fit.noise, fit.hum, fit.assignment.gain, fit.assignment.places
+        )
+    strips = tuple(_state(fit, shown, prediction.strips, c) for c in range(len(prediction.strips)))
     assignment = fit.assignment
     step = float(np.median(np.diff(recording.time)))
     cell = fit.alignment.speed * float(np.diff(fit.model.edges).min())
@@ -176,12 +180,14 @@ def judge(scene: Scene, prediction: FilmPrediction, recording: FilmRecording) ->
 
 @dataclass(frozen=True, eq=False)
 class RecordingFit:
-    """A recording's channels in the model's basis, aligned and assigned; `noise` `(channels,)` V s^0.5."""
+    """A recording's channels in the model's basis, aligned and assigned; `noise` `(channels,)` V s^0.5, and
+    `hum` `(rank, k)` the mains' waves."""
 
     model: SignalModel
     alignment: Alignment
     parts: Array
     noise: Array
+    hum: Array
     assignment: Assignment
 
 
@@ -264,7 +270,7 @@ def _fitted(prediction: FilmPrediction, recording: FilmRecording) -> RecordingFi
         close = align(edges, pressed, cells[[world]], time, still, delays, speeds)[0]
         end = max(press, min(float(prediction.time[-1]), (time[-1] - close.delay) / close.speed))
         covered = _edges(press, end, finest)
-        model = signal_model(prediction.time, prediction.worlds[world], prediction.changes, covered)
+        model = signal_model(prediction.time, prediction.worlds, world, prediction.changes, covered)
         fits.append(_refined(model, time, volts, close))
     return max(fits, key=lambda fit: fit.assignment.score)
 
@@ -302,7 +308,7 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
     parts, waves = parts_at(best)[0], _hum(model, best.delay, best.speed)
     fine = best_gain(court.likelihoods(parts, waves)) * FINE
     answer = assign(Judge(model, noise, size, fine).likelihoods(parts, waves))
-    return RecordingFit(model, best, parts, noise, answer)
+    return RecordingFit(model, best, parts, noise, waves, answer)
 
 
 def _without_loud_hum(time: Array, volts: Array) -> Array:
@@ -373,19 +379,19 @@ def _hum(model: SignalModel, delay: float, speed: float) -> Array:
     return np.asarray((cells / (np.linalg.norm(cells, axis=1, keepdims=True) + 1e-12)) @ model.basis).T
 
 
-def _state(fit: RecordingFit, strips: Sequence[Strip], c: int) -> StripState:
+def _state(fit: RecordingFit, shown: Posterior, strips: Sequence[Strip], c: int) -> StripState:
     """What a channel shows."""
-    channel, assignment = fit.assignment.channels[c], fit.assignment
+    channel = shown.channels[c]
     name, other, _ = channel.states[0]
     chance = channel.probabilities[0]
-    mutual = other is None or fit.assignment.channels[other].states[0][:2] == (SWAPPED, c)
+    mutual = other is None or shown.channels[other].states[0][:2] == (SWAPPED, c)
     told = chance >= (SURE if mutual else LONE_SWAP) and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
-    if name in (WORKS, REVERSED, WEAK_STATE) and assignment.dead_evidence[c] < SHOWN:
+    if name in (WORKS, REVERSED, WEAK_STATE) and shown.dead_evidence[c] < SHOWN:
         told = False
     gain = _gain(fit, c, other if other is not None else c)
-    if name == DEAD and abs(float(gain)) > MOST_OF_DEAD:
+    if name == DEAD and abs(float(gain)) > max(MOST_OF_DEAD, CLEAR * (gain.error or 0.0)):
         told = False
-    pairs = [b if a == c else a for a, b in assignment.alike if c in (a, b)]
+    pairs = [b if a == c else a for a, b in shown.alike if c in (a, b)]
     ridge, side = strips[c]
     return StripState(
         ridge=ridge,

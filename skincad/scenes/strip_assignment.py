@@ -1,16 +1,15 @@
-"""Which strip each channel of a recording shows: alignment, likelihoods, and the most probable assignment.
+"""Which strip each channel of a recording shows at first sight: alignment, likelihoods, and an assignment.
 
 A channel's signal over a grid of cells of the scene's time is taken as normal round each strip's predicted
 signal times a common gain; its covariance is that of simulations with modulus, friction and crests drawn from
 their tolerances, each strip's own scatter of gain, and noise. Heavy tails (Student's t) allow for what no
-simulation has, and for some offset and drift. Channels are independent but for gain, delay and speed,
+simulation has, and for some offset and drift. Channels are independent here but for gain, delay and speed,
 and for each strip's lying behind one channel at most: a linear assignment (Jonker and Volgenant, Computing 38
-(1987) 325) finds the most probable one, and one more for each state of each channel gives its probability.
+(1987) 325) finds the most probable one. From there `strip_posterior` judges all channels together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +30,7 @@ GAIN_SPREAD = 0.4  # of its logarithm: d31, amplifier and modulus
 SCATTER = 0.1  # of each strip's gain
 CHANGES = 1.5  # by which drawn changes are taken as larger: few are drawn
 FLOOR = 0.06  # of a signal: what no drawn simulation has
+LATE, LONG, GAIN_STEP = 0.5, 0.01, 0.1  # cells, relative twice: what alignment and common gain leave open
 WANDER = 0.03  # of all signals: offset and drift that the rest before the press does not show
 TAIL = 20.0  # degrees of freedom of Student's t
 WEAK, WEAK_SPREAD = 0.35, 0.15  # gain of a weak strip over the common one
@@ -49,7 +49,8 @@ class SignalModel:
     """Predicted signals over the cells between `edges` `(cells + 1,)` s of the scene, in a basis
     `(cells, rank)`: `mean` `(strips, rank)` and `spread` `(strips, rank, rank)`; V s^0.5.
 
-    `wander` `(rank, 2)` is an offset and a drift of V s^0.5 1.
+    `wander` `(rank, 2)` is an offset and a drift of V s^0.5 1. `shared` `(factors, strips, rank)` is what one
+    standard deviation of each common factor changes: each drawn member, the other moduli, delay, speed, gain.
     """
 
     edges: Array
@@ -57,6 +58,7 @@ class SignalModel:
     wander: Array
     mean: Array
     spread: Array
+    shared: Array
 
     @property
     def strips(self) -> int:
@@ -68,12 +70,17 @@ class SignalModel:
         return np.asarray(cells * np.sqrt(np.diff(self.edges)))
 
 
-def signal_model(time: Array, outputs: Array, changes: Array, edges: Array) -> SignalModel:
-    """Return the model of outputs `(strips, steps)` V at `time` `(steps,)` s, with what tolerances change
-    of them `(members, strips, steps)` V."""
+def signal_model(time: Array, worlds: Array, world: int, changes: Array, edges: Array) -> SignalModel:
+    """Return the model of outputs `worlds[world]` `(strips, steps)` V at `time` `(steps,)` s, with what
+    tolerances change of them `(members, strips, steps)` V, and as common factors what other worlds do."""
     width = np.sqrt(np.diff(edges))
-    middle = (edges[1:] + edges[:-1]) / 2
-    signals = np.array([cell_means(time, member, edges) * width for member in (outputs, *changes)])
+    middle, cell = (edges[1:] + edges[:-1]) / 2, float(np.diff(edges).min())
+
+    def weighted(signals: Array, at: Array) -> Array:
+        return np.array([cell_means(time, member, at) * width for member in signals])
+
+    outputs = worlds[[world]]
+    signals = weighted(np.concatenate([outputs, changes]), edges)
     flat = signals.reshape(-1, len(width))
     rank = min(BASIS, *flat.shape)
     basis = np.linalg.eigh(flat.T @ flat)[1][:, ::-1][:, :rank]
@@ -81,7 +88,12 @@ def signal_model(time: Array, outputs: Array, changes: Array, edges: Array) -> S
     spread = np.einsum("msa,msb->sab", off, off) / max(1, len(off))
     slow = np.stack([width, width * middle / edges[-1]])
     wander = basis.T @ (slow / np.linalg.norm(slow, axis=1, keepdims=True)).T
-    return SignalModel(edges, basis, wander, mean, spread)
+    delayed = (weighted(outputs, edges + LATE * cell) - weighted(outputs, edges - LATE * cell)) / 2
+    longer = (weighted(outputs, edges * (1 + LONG)) - weighted(outputs, edges * (1 - LONG))) / 2
+    others = weighted(np.delete(worlds, world, axis=0), edges).reshape(-1, *signals.shape[1:]) - signals[0]
+    shared = [off / np.sqrt(max(1, len(off))), (GAIN_STEP * mean)[None]]
+    shared += [moved @ basis for moved in (others, delayed, longer)]
+    return SignalModel(edges, basis, wander, mean, spread, np.concatenate(shared))
 
 
 def cell_means(time: Array, signals: Array, edges: Array) -> Array:
@@ -219,37 +231,23 @@ class Judge:
 
 
 @dataclass(frozen=True, eq=False)
-class ChannelStates:
-    """A channel's states with their probabilities, the most probable first: a name, and the strip (from 0)
-    that it shows with its sign where that is another's."""
-
-    states: tuple[tuple[str, int | None, int], ...]
-    probabilities: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Assignment:
-    """States of all channels, the common gain, and the log-probability of it all; `alike` pairs of channels
-    whose strips could change places without the data's saying so."""
+    """The strip that each channel shows `(channels,)`, or the number of strips and more for none; the common
+    gain, and the log-probability of it all."""
 
-    channels: tuple[ChannelStates, ...]
+    places: Index
     gain: float
     gain_error: float
     score: float
-    alike: tuple[tuple[int, int], ...]
-    dead_evidence: Array
 
 
-ALIKE = 3.0  # of log-likelihood: below it the data do not tell two assignments apart
-
-
-def costs(like: Likelihoods) -> tuple[Array, Array]:
+def costs(like: Likelihoods) -> Array:
     """Return minus the log-posteriors `(gains, channels, strips + 2 channels)` of each channel's place: a
-    strip, dead, unexplained; and those of the states on the own strip `(gains, channels, 3)`."""
+    strip, dead, unexplained."""
     gains, count, strips = like.upright.shape
     table = np.full((gains, count, strips + 2 * count), 1e9)
     table[:, :, :strips] = -np.logaddexp(like.upright, like.reversed + np.log(SWAP_REVERSED))
-    table[:, :, :strips] -= _log_half_swap(count)
+    table[:, :, :strips] -= log_half_swap(count)
     at = np.arange(count)
     own = np.stack(
         [
@@ -262,10 +260,10 @@ def costs(like: Likelihoods) -> tuple[Array, Array]:
     table[:, at, at] = own.min(axis=2)
     table[:, at, strips + at] = -like.dead - np.log(PRIOR[DEAD])
     table[:, at, strips + count + at] = -like.unexplained - np.log(PRIOR[UNEXPLAINED])
-    return table, own
+    return table
 
 
-def _log_half_swap(count: int) -> Array:
+def log_half_swap(count: int) -> Array:
     """Log-prior `(channels, channels)` of one of the two channels of each swapped pair.
 
     Half of all swaps are taken to be of the two strips of a ridge, whose pads lie side by side (assumption).
@@ -279,14 +277,14 @@ def _log_half_swap(count: int) -> Array:
 
 def best_score(like: Likelihoods) -> float:
     """Return the log-posterior of the most probable assignment at the most probable gain."""
-    table, _ = costs(like)
+    table = costs(like)
     pairs = zip(table, _gain_prior(like.gains), strict=True)
     return max(-_total(cost) + float(prior) for cost, prior in pairs)
 
 
 def best_gain(like: Likelihoods) -> float:
     """Return the most probable common gain."""
-    table, _ = costs(like)
+    table = costs(like)
     scores = [-_total(cost) for cost in table] + _gain_prior(like.gains)
     return float(like.gains[int(np.argmax(scores))])
 
@@ -300,71 +298,13 @@ def _total(cost: Array) -> float:
 
 
 def assign(like: Likelihoods) -> Assignment:
-    """Return the most probable state of each channel, with the probabilities of all."""
-    table, own = costs(like)
-    prior = _gain_prior(like.gains)
-    whole = np.array([-_total(cost) for cost in table]) + prior
-    near = np.flatnonzero(whole > whole.max() - 8.0)
-    count = len(like.upright[0])
-    channels = tuple(_channel(c, table, own, near, prior, like) for c in range(count))
+    """Return the most probable assignment."""
+    table = costs(like)
+    whole = np.array([-_total(cost) for cost in table]) + _gain_prior(like.gains)
     weights = np.exp(whole - logsumexp(whole))
     logs = np.log(like.gains)
     middle = float(weights @ logs)
-    top = int(whole.argmax())
-    rows, columns = linear_sum_assignment(table[top])
-    alike = tuple(_alike(rows, columns, like, top))
-    at = np.arange(count)
-    evidence = np.maximum(like.upright[top], like.reversed[top])[at, at] - like.dead[top]
+    places = linear_sum_assignment(table[int(whole.argmax())])[1]
     spread = float(np.sqrt(weights @ (logs - middle) ** 2))
     gain = float(np.exp(middle))
-    return Assignment(channels, gain, gain * spread, float(whole.max()), alike, evidence)
-
-
-def _channel(c: int, table: Array, own: Array, near: Index, prior: Array, like: Likelihoods) -> ChannelStates:
-    """The states of one channel by the best assignment that each allows."""
-    count, strips = like.upright.shape[1:]
-    scores: dict[tuple[str, int | None, int], list[float]] = {}
-    others = np.delete(np.arange(count), c)
-    for g in near:
-        for column in [*range(strips), strips + c, strips + count + c]:
-            rest = np.delete(table[g][others], column, axis=1)
-            rows, places = linear_sum_assignment(rest)
-            base = prior[g] - float(rest[rows, places].sum())
-            if column < strips and column != c:
-                partner = int(places[int(np.searchsorted(others, column))])
-                if partner >= strips - 1:  # behind the removed column: dead or unexplained, a fault more
-                    base += _log_half_swap(count)[c, column]
-            for state, cost in _states(c, column, g, table, own, like):
-                scores.setdefault(state, []).append(base - cost)
-    logs = {state: float(logsumexp(rows)) for state, rows in scores.items()}
-    total = float(logsumexp(list(logs.values())))
-    ordered = sorted(logs, key=lambda state: -logs[state])
-    return ChannelStates(tuple(ordered), tuple(float(np.exp(logs[s] - total)) for s in ordered))
-
-
-def _states(
-    c: int, column: int, g: int, table: Array, own: Array, like: Likelihoods
-) -> Iterator[tuple[tuple[str, int | None, int], float]]:
-    """Each state that a place stands for, with its cost."""
-    count, strips = like.upright.shape[1:]
-    if column == c:
-        for k, name in enumerate((WORKS, REVERSED, WEAK_STATE)):
-            yield (name, None, -1 if name == REVERSED else 1), float(own[g, c, k])
-    elif column < strips:
-        sign = 1 if like.upright[g, c, column] > like.reversed[g, c, column] + np.log(SWAP_REVERSED) else -1
-        yield ("swapped", column, sign), float(table[g, c, column])
-    else:
-        yield (DEAD if column < strips + count else UNEXPLAINED, None, 1), float(table[g, c, column])
-
-
-def _alike(rows: Index, columns: Index, like: Likelihoods, g: int) -> Iterator[tuple[int, int]]:
-    """Pairs of channels on strips whose exchange costs less than ALIKE of log-likelihood."""
-    strips = like.upright.shape[2]
-    best = np.maximum(like.upright[g], like.reversed[g])
-    shown = {int(c): int(j) for c, j in zip(rows, columns, strict=True) if j < strips}
-    for a in shown:
-        for b in shown:
-            if a < b:
-                now = best[a, shown[a]] + best[b, shown[b]]
-                if now - best[a, shown[b]] - best[b, shown[a]] < ALIKE:
-                    yield a, b
+    return Assignment(places, gain, gain * spread, float(whole.max()))
