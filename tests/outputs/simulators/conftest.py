@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -25,8 +26,14 @@ class PackageFolder:
         skincad.write(package, folder)
 
 
+@cache
+def packaged(name: str, parent: Path) -> PackageFolder:
+    """A design for MuJoCo and URDF, made once: a fixture is made anew when another design came between."""
+    package = skincad.package(DESIGNS[name], ("mujoco", "urdf"))
+    return PackageFolder(package, parent / name)
+
+
 @pytest.fixture(scope="session", params=DESIGNS)
 def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> PackageFolder:
     """Each design for MuJoCo and URDF."""
-    package = skincad.package(DESIGNS[request.param], ("mujoco", "urdf"))
-    return PackageFolder(package, tmp_path_factory.mktemp("package") / "p")
+    return packaged(request.param, tmp_path_factory.getbasetemp())
