@@ -73,3 +73,12 @@ def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:
         assert dict(matplotlib.rcParams) == before
         assert matplotlib.get_backend() == "svg"
     assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("group")
+def test_tests_of_a_group_run_on_one_worker(request: pytest.FixtureRequest) -> None:
+    """pytest-xdist sorts by a node id that it wrote the group to; pytest 9.2 let it write and forgot."""
+    if not request.config.getoption("loadgroup", default=False):
+        pytest.skip("only --dist loadgroup has groups")
+    assert request.node.nodeid.endswith("@group")
