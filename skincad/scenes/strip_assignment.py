@@ -211,7 +211,8 @@ class Judge:
         self.weak = _Normal.of(unknown[at, at] + white + gain * WEAK_SPREAD**2 * own)
         self.silent_covariance = np.minimum(gain, 1.0) * DEAD_LEAK**2 * own + white
         self.silent = _Normal.of(self.silent_covariance)
-        self.broad = _Normal.of((SURPRISE * size**2 / rank)[:, None, None] * eye + white)
+        surprise = SURPRISE * np.maximum(size**2, DEAD_LEAK**2 * power)  # a smaller one is a dead strip
+        self.broad = _Normal.of((surprise / rank)[:, None, None] * eye + white)
 
     def likelihoods(self, parts: Array, hum: Array) -> Likelihoods:
         """Return the likelihoods of channels `(channels, rank)` V s^0.5 in the model's basis, with `hum`

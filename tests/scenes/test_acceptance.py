@@ -38,6 +38,12 @@ def test_one_dead(channel: int) -> None:
     assert states(recording(dead=channel)) == {**dict.fromkeys(NAMES, "works"), NAMES[channel]: "dead"}
 
 
+def test_a_channel_of_zeros_is_dead() -> None:
+    made = recording()
+    made.volts[2] = 0.0
+    assert states(made)[NAMES[2]] == "dead"
+
+
 @pytest.mark.parametrize("channel", [1, 4])
 def test_one_reversed(channel: int) -> None:
     result = judge(scene(), prediction(), recording(reversed_=channel))
