@@ -30,7 +30,8 @@ GAIN_SPREAD = 0.4  # of its logarithm: d31, amplifier and modulus
 SCATTER = 0.1  # of each strip's gain
 CHANGES = 1.5  # by which drawn changes are taken as larger: few are drawn
 FLOOR = 0.06  # of a signal: what no drawn simulation has
-LATE, LONG, GAIN_STEP = 0.5, 0.01, 0.1  # cells, relative twice: what alignment and common gain leave open
+LATE = 0.5  # cells, standard deviation that alignment leaves of the delay
+LONG, GAIN_STEP = 0.01, 0.1  # relative, that it leaves of the duration, and the search of the common gain
 WANDER = 0.03  # of all signals: offset and drift that the rest before the press does not show
 TAIL = 20.0  # degrees of freedom of Student's t
 WEAK, WEAK_SPREAD = 0.35, 0.15  # gain of a weak strip over the common one
@@ -233,8 +234,8 @@ class Judge:
 
 @dataclass(frozen=True, eq=False)
 class Assignment:
-    """The strip that each channel shows `(channels,)`, or the number of strips and more for none; the common
-    gain, and the log-probability of it all."""
+    """The strip (from 0) that each channel shows `(channels,)`, or a number beyond the last where none;
+    the common gain, and the log-probability of it all."""
 
     places: Index
     gain: float

@@ -41,9 +41,7 @@ OWN_FLOOR = 0.03  # of a signal: what neither a factor nor its own spread has
 ALIKE = 3.0  # of log-likelihood: below it the data do not tell two assignments apart
 NEIGHBOURS = 6  # likeliest ones, whose neighbours count too
 SWAPPED = "swapped"
-State = tuple[
-    str, int | None, int
-]  # its name, and where swapped the strip (from 0) that shows, with its sign
+State = tuple[str, int | None, int]  # name, the other strip (from 0) where swapped, and its sign
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,17 +72,16 @@ def posterior(
     like = Judge(model, noise, np.linalg.norm(parts, axis=1), np.array([gain])).likelihoods(parts, hum)
     n, at = len(parts), np.arange(len(parts))
     alone = np.stack([like.dead[0], like.unexplained[0]], axis=1)
-    own = np.maximum(like.upright, like.reversed)[0, at, at]
+    evidence = np.maximum(like.upright, like.reversed)[0, at, at] - like.dead[0]
     upright = like.upright[0] >= like.reversed[0]
     seen = np.where(start < n, start, at)
     places = np.where(start < n, np.where(upright[at, seen], seen, n + seen), 2 * n + 1)
     first = _Joint(model, parts, noise, gain, alone, np.ones(len(parts)))
-    found = first.climbed(places)
-    other = first.climbed(np.where(upright[at, at], at, n + at))
-    found = max(found, other, key=lambda way: float(first.scores(way[None])[0]))
-    joint = _Joint(model, parts, noise, gain, alone, first.softness(found))
-    best = joint.climbed(found)
-    return Posterior(joint.states(best), tuple(joint.alike(best)), own - like.dead[0])
+    peaks = [first.climbed(begin) for begin in (places, np.where(upright[at, at], at, n + at))]
+    peak = max(peaks, key=lambda assignment: float(first.scores(assignment[None])[0]))
+    joint = _Joint(model, parts, noise, gain, alone, first.softness(peak))
+    best = joint.climbed(peak)
+    return Posterior(joint.states(best), tuple(joint.alike(best)), evidence)
 
 
 class _Joint:
@@ -166,14 +163,14 @@ class _Joint:
     def steps(self, places: Index) -> Index:
         """Assignments `(m, channels)` one step away: a channel's state, or two channels' places."""
         n = self.count
-        found = [places]
+        rows = [places]
         for c in range(n):
             for state in (c, n + c, 2 * n, 2 * n + 1, 2 * n + 2):
-                found.append(_with(places, {c: state}))
+                rows.append(_with(places, {c: state}))
             if places[c] != 2 * n:
                 others = (d for d in range(c) if places[d] != 2 * n)
-                found += [_with(places, {c: places[d], d: places[c]}) for d in others]
-        table = np.unique(np.array(found), axis=0)
+                rows += [_with(places, {c: places[d], d: places[c]}) for d in others]
+        table = np.unique(np.array(rows), axis=0)
         strips = np.where(table < 2 * n, table % n, np.where(table == 2 * n, np.arange(n), n + np.arange(n)))
         ordered = np.sort(strips, axis=1)
         return np.asarray(table[(ordered[:, 1:] != ordered[:, :-1]).all(axis=1)])
@@ -196,8 +193,8 @@ class _Joint:
         at = np.arange(n)
         precision, total = self._integrals(places[None])
         factors = np.linalg.solve(precision[0], total[0])
-        own = np.where(self.value[at, at] >= self.value[at, n + at], at, n + at)
-        seen = np.where(places > 2 * n, own, places)
+        in_place = np.where(self.value[at, at] >= self.value[at, n + at], at, n + at)
+        seen = np.where(places > 2 * n, in_place, places)
         bend = self.bend[at, self._bends(seen)]
         left = -2 * self.value[at, seen] - self.scale[at, seen]
         left += np.einsum("f,cfg,g->c", factors, bend, factors) - 2 * self.slope[at, seen] @ factors
