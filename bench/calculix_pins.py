@@ -1,5 +1,6 @@
 """A skin of pins in CalculiX: its solid in gmsh's tetrahedra of ten nodes, pressed by a rigid flat plate that
-is driven to one approach after another, and may then be pulled along x against friction.
+is driven to one approach after another, and may then be pulled along x against friction. Layers of other
+silicones are solids of their own that share their nodes.
 
 Small strain unless asked, penalty contact, and sides that are free. Both programs are processes of their own,
 as in calculix.py. Of a skin that two planes mirror only a quarter is meshed, and pulled a half.
@@ -18,10 +19,13 @@ from numpy.typing import NDArray
 
 from bench.calculix import run_program
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.models.reduced import pin_tops
+from skincad.shape.shots import heights
 from skincad.shape.skin import skin_of
 from skincad.solids.occ import unchecked_solid
+from skincad.solids.plan import Part, PartRole
+from skincad.solids.shots import behind
 from skincad.solids.skin import skin_part
 
 PENALTY = 300.0  # MPa/mm: 0.1 MPa sink in by 3e-4 mm
@@ -36,11 +40,12 @@ EDGE = 1e-6  # mm, from a plane, on which a node is
 
 @dataclass(frozen=True)
 class Tetrahedra:
-    """Nodes `(n, 3)` mm, elements `(m, 10)` in CalculiX's order counted from 0, and per pin its (element,
-    face) pairs that may meet the plate."""
+    """Nodes `(n, 3)` mm, elements `(m, 10)` in CalculiX's order counted from 0, by the `shot` `(m,)` that
+    they are in, 0 in front, and per pin its (element, face) pairs that may meet the plate."""
 
     nodes: NDArray[np.float64]
     elements: NDArray[np.int64]
+    shot: NDArray[np.int64]
     faces: dict[int, list[tuple[int, int]]]
 
 
@@ -98,6 +103,9 @@ def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrah
 
     shape = unchecked_solid(skin_part(design))
     cq.exporters.export(cq.Workplane(shape), str(folder / "skin.step"))
+    for number in range(1, len(design.shot or ()) + 1):
+        layer = Part(f"shot-{number}", PartRole.SKIN, behind(design, number))
+        cq.exporters.export(cq.Workplane(unchecked_solid(layer)), str(folder / f"shot-{number}.step"))
     (folder / "pins.geo").write_text("\n".join(_geometry(design, size, planes)))
     run_program(["gmsh", "-3", "-order", "2", "-format", "msh22", "-nt", "1", "pins.geo"], folder)
     text = (folder / "pins.msh").read_text()
@@ -112,20 +120,39 @@ def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrah
     used, elements = np.unique(values, return_inverse=True)
     nodes = np.array([place[int(n)] for n in used])
     elements = elements.reshape(values.shape)
-    return Tetrahedra(nodes, elements, _tips(design, nodes, elements))
+    shot = _shots(design, nodes, elements)
+    if np.unique(shot).size != 1 + len(design.shot or ()):
+        raise RuntimeError("gmsh loses a layer of the skin")
+    return Tetrahedra(nodes, elements, shot, _tips(design, nodes, elements))
+
+
+def _shots(design: Design, nodes: NDArray[np.float64], elements: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The shot that each element is in: the first whose face its middle is behind; 0 for none."""
+    x, y, z = nodes[elements[:, :4]].mean(axis=1).T
+    if (radius := design.skin.curvature_radius_y) is not None:
+        axis = design.skin.thickness - radius
+        y, z = 0 * y, axis + np.hypot(y, z - axis)
+    found = np.zeros(len(elements), dtype=np.int64)
+    for number in range(len(design.shot or ()), 0, -1):
+        found[z < heights(design, number, x, y)] = number
+    return found
 
 
 def _geometry(design: Design, size: float, planes: int) -> Iterator[str]:
     skin = design.skin
     yield 'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "MM";'
-    yield 's() = ShapeFromFile("skin.step");'
-    if planes:
-        low = -skin.width if planes == 1 else 0.0
-        yield f"Box(1000) = {{{low}, 0, -1, {skin.width - low}, {skin.length}, {skin.thickness + 50}}};"
-        yield "q() = BooleanIntersection{ Volume{s()}; Delete; }{ Volume{1000}; Delete; };"
-        yield "Physical Volume(1) = {q()};"
-    else:
-        yield "Physical Volume(1) = {s()};"
+    names = ["skin", *(f"shot-{number}" for number in range(1, len(design.shot or ()) + 1))]
+    low = -skin.width if planes == 1 else 0.0
+    for number, name in enumerate(names):
+        yield f's{number}() = ShapeFromFile("{name}.step");'
+        if planes:
+            box = f"{low}, 0, -1, {skin.width - low}, {skin.length}, {skin.thickness + 50}"
+            yield f"Box({1000 + number}) = {{{box}}};"
+            both = f"Volume{{s{number}()}}; Delete; }}{{ Volume{{{1000 + number}}}; Delete;"
+            yield f"s{number}() = BooleanIntersection{{ {both} }};"
+        if number:
+            yield f"s0() = BooleanFragments{{ Volume{{s0()}}; Delete; }}{{ Volume{{s{number}()}}; Delete; }};"
+    yield "Physical Volume(1) = {s0()};"
     for i, placed in enumerate(skin_of(design).placed, 1):
         x, y, z = placed.tip
         yield f"Field[{i}] = Ball; Field[{i}].XCenter = {x!r}; Field[{i}].YCenter = {y!r};"
@@ -182,7 +209,7 @@ def _deck(
     friction: float,
     large: bool,
 ) -> Iterator[str]:
-    material, nodes = silicone(design), mesh.nodes
+    nodes = mesh.nodes
     count, top = len(nodes), float(pin_tops(design).max())
     low, high = nodes[:, :2].min(axis=0) - 1.0, nodes[:, :2].max(axis=0) + 1.0
     (a, b), (c, d) = low.tolist(), high.tolist()
@@ -192,9 +219,10 @@ def _deck(
     yield from (
         f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate([*nodes.tolist(), *plate], 1)
     )
-    yield "*ELEMENT, TYPE=C3D10, ELSET=skin"
-    for i, row in enumerate((mesh.elements + 1).tolist(), 1):
-        yield ", ".join(str(n) for n in (i, *row))
+    for number in np.unique(mesh.shot).tolist():
+        yield f"*ELEMENT, TYPE=C3D10, ELSET=shot{number}"
+        for i in np.flatnonzero(mesh.shot == number).tolist():
+            yield ", ".join(str(n) for n in (i + 1, *(mesh.elements[i] + 1).tolist()))
     last = len(mesh.elements) + 1
     yield "*ELEMENT, TYPE=C3D8, ELSET=plate"
     yield ", ".join(str(n) for n in (last, *range(count + 1, count + 9)))
@@ -205,14 +233,17 @@ def _deck(
     for axis in cut:
         on = np.setdiff1d(np.flatnonzero(np.abs(nodes[:, axis]) < EDGE) + 1, back)
         yield from [f"*NSET, NSET=cut{axis + 1}", *map(str, on)]
-    young, poisson = material.young_modulus.value, material.poisson_ratio
-    yield "*MATERIAL, NAME=silicone"
-    if large:
-        yield f"*HYPERELASTIC, NEO HOOKE\n{young / 4 / (1 + poisson)!r}, {6 * (1 - 2 * poisson) / young!r}"
-    else:
-        yield f"*ELASTIC\n{young!r}, {poisson!r}"
+    for number, stuff in enumerate((silicone(design), *layers(design))):
+        young, poisson = stuff.young_modulus.value, stuff.poisson_ratio
+        yield f"*MATERIAL, NAME=silicone{number}"
+        if large:
+            first = young / 4 / (1 + poisson)
+            yield f"*HYPERELASTIC, NEO HOOKE\n{first!r}, {6 * (1 - 2 * poisson) / young!r}"
+        else:
+            yield f"*ELASTIC\n{young!r}, {poisson!r}"
+        yield f"*SOLID SECTION, ELSET=shot{number}, MATERIAL=silicone{number}"
     yield "*MATERIAL, NAME=steel\n*ELASTIC\n2e5, 0.3"
-    yield "*SOLID SECTION, ELSET=skin, MATERIAL=silicone\n*SOLID SECTION, ELSET=plate, MATERIAL=steel"
+    yield "*SOLID SECTION, ELSET=plate, MATERIAL=steel"
     yield f"*SURFACE, NAME=under\n{last}, S1"
     yield f"*SURFACE INTERACTION, NAME=smooth\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY:f}"
     if friction:

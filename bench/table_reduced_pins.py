@@ -2,7 +2,9 @@
 
 `python -m bench.table_reduced_pins [first] [end] [ratio]`: about half a minute a design. Nine or twenty-five
 graded pins on flat, bent and doubly curved bases; Poisson's ratio 0.49 in both, or another: CalculiX has no
-hybrid elements. `python -m bench.table_reduced_pins times`: seconds of a check by the number of pins.
+hybrid elements. `python -m bench.table_reduced_pins layers [first] [end]`: on a back of another silicone, a
+twentieth to twenty times as stiff. `python -m bench.table_reduced_pins times`: seconds of a check by the
+number of pins.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ import numpy as np
 import skincad
 from bench import calculix_pins
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.guards import shoulder
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.models import reduced
 from skincad.shape.skin import skin_of
 
@@ -59,6 +62,15 @@ def random_pins(seed: int) -> Design:
         mold={"process": "sla", "pour": "open"},
         contact={"force": 1.0, "friction": 0.0},
     )
+
+
+def layered(seed: int) -> Design:
+    """Return one of the designs with a back of another silicone, by its number."""
+    design, rng = random_pins(seed), np.random.default_rng((seed, 1))
+    deep = round(float(rng.uniform(0.25, 0.6)) * shoulder(design.skin), 3)
+    modulus = round(silicone(design).young_modulus.value * float(20 ** rng.uniform(-1, 1)), 4)
+    where = str(rng.choice(["thickness", "depth"]))
+    return design.with_(shot=[{where: deep, "young_modulus": modulus, "poisson_ratio": 0.49}])
 
 
 def compared(design: Design) -> tuple[float, float, float, float]:
@@ -107,13 +119,24 @@ def main() -> None:
             spent = f"{perf_counter() - began:.1f} s, {process_time() - cpu:.1f} s of processors"
             print(f"{result.name}: {spent}; all touch at {result.all_touch_force}", flush=True)
         return
-    first, end = (int(word) for word in (sys.argv[1:3] or ("0", "16")))
-    ratio = float(sys.argv[3]) if len(sys.argv) > 3 else 0.49
+    words, make = sys.argv[1:], random_pins
+    if words[:1] == ["layers"]:
+        words, make = words[1:], layered
+    first, end = (int(word) for word in (words[:2] or ("0", "16")))
+    ratio = float(words[2]) if len(words) > 2 else 0.49
     print(f"{'':20}{'all touch at, N':>17}{'off':>8}{'approach':>10}{'share':>8}{'s':>6}")
     for seed in range(first, end):
-        design, began = random_pins(seed).with_(material={"poisson_ratio": ratio}), perf_counter()
-        force, off, approach, share = compared(design)
-        row = f"{seed:3} {design.name:16}{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}"
+        design, began = make(seed).with_(material={"poisson_ratio": ratio}), perf_counter()
+        try:
+            force, off, approach, share = compared(design)
+        except RuntimeError as failure:
+            print(f"{seed:3} {design.name:16} {str(failure).splitlines()[0]}", flush=True)
+            continue
+        name = design.name
+        if design.shot:
+            stiff = layers(design)[0].young_modulus.value / silicone(design).young_modulus.value
+            name += f", {stiff:.2g}"
+        row = f"{seed:3} {name:16}{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}"
         print(f"{row}{perf_counter() - began:6.0f}", flush=True)
 
 

@@ -153,8 +153,9 @@ def left_out(design: Design, path: PlatePath) -> list[LeftOutEffect]:
     pad, ends = pin_pad(design), limits(design)
     sways = float(pad.sways(np.abs(path.pulled), path.pressed).max(initial=0.0))
     strain = ends.strain(float(path.pressed.max(initial=0.0)))
+    edges = reduced.further(design) * reduced.PIN_ERRORS.share
     words = f"pins sway by {sways:.2g} of their height, and are strained by {strain:.2g}"
     return [
-        LeftOutEffect("free_ends", "of the base, whose sides bulge", reduced.PIN_ERRORS.share),
+        LeftOutEffect("free_ends", "of the base, whose sides bulge", edges),
         LeftOutEffect("finite_strain", words, STIFFENS * sways**2 + STRAINED * strain),
     ]

@@ -497,6 +497,16 @@ class Facts:
         return pours(self.job)
 
     @property
+    def first_cored(self) -> str:
+        """In what core pins stand first: a plug that has holes for them, or the carrier."""
+        return next((of.plug for of in self.pours if of.cored), "the carrier")
+
+    def next_holder(self, of: LayerPour) -> str:
+        """In what core pins stand after the plug of a pour."""
+        later = self.pours[self.pours.index(of) + 1 :]
+        return next((other.plug for other in later if other.cored), "the carrier")
+
+    @property
     def last(self) -> LayerPour:
         """The last, over which the carrier goes."""
         return self.pours[-1]

@@ -36,7 +36,7 @@ from skincad.solids.gate import (
     tip,
 )
 from skincad.solids.plan import CutRole, PartRole, bores
-from skincad.solids.shots import behind, bond_of
+from skincad.solids.shots import bond_of, room
 
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 SCALE = 0.01  # g, assumption: what the scale shows
@@ -68,7 +68,8 @@ class LayerPour:
     """A pour: of a skin's only silicone, or of one of its layers. `number` is its shot's, 0 for the layer in
     front; `volume` the layer's and `filled` all that it fills, mm3, of all skins; `plug` what lies over it
     while it cures, "" where the next is laid on it wet or the carrier closes it; `bond` that to the layer in
-    front, "" without one; `level` how far under the ledge it ends, mm, where that is poured by eye."""
+    front, "" without one; `level` how far under the ledge it ends, mm, where that is poured by eye; `cored`
+    whether core pins stand in the plug."""
 
     number: int
     silicone: Silicone
@@ -77,6 +78,7 @@ class LayerPour:
     plug: str = ""
     bond: str = ""
     level: float | None = None
+    cored: bool = False
 
     @property
     def mass(self) -> float:
@@ -114,10 +116,8 @@ def pours(job: Job) -> list[LayerPour]:
     what the carrier has too."""
     design, skins = job.cast, job.design.mold.cavities
     stuffs, shots = layers(design), design.shot or ()
-    bone = bone_of(design)  # it stands in the layer at the back
-    inside = bone.inside if bone else 0.0
-    count, whole = len(shots), job.closed.first(PartRole.SKIN).volume + inside
-    below = [inside, *(behind(design, number).volume for number in range(1, count + 1)), whole]
+    count, whole = len(shots), job.closed.first(PartRole.SKIN).volume
+    below = [0.0, *(room(design, number).volume for number in range(1, count + 1)), whole]
     taken, found = poured_volume(job), list[LayerPour]()
     for front in range(count, -1, -1):  # the layer between the faces of the shots `front` and `front + 1`
         number = 0 if front == count else front + 1
@@ -127,14 +127,16 @@ def pours(job: Job) -> list[LayerPour]:
         plug = "" if front == 0 or wet else f"plug-{front}"
         filled = volume
         if front == 0:
-            filled += taken - skins * (whole - inside)
+            filled += taken - skins * whole
         elif plug:
             vents, lid = bores(job.closed.part(plug), CutRole.VENT), job.closed.first(PartRole.COVER)
             filled += skins * math.fsum(bore.volume for bore in vents)
             filled += math.fsum(bore.volume for bore in bores(lid, CutRole.RESERVOIR))
         level = face(design, front, design.skin.width / 2)[0].start.z if wet else None
         stuff = job.silicone if number == 0 else stuffs[number - 1]
-        found.append(LayerPour(number, stuff, volume, filled, plug, bond, level))
+        with_plug = (stage for stage in job.closed.earlier if plug in [p.name for p in stage.parts])
+        cored = any(stage.of(PartRole.CORE_PIN) for stage in with_plug)
+        found.append(LayerPour(number, stuff, volume, filled, plug, bond, level, cored))
     return found
 
 

@@ -99,7 +99,7 @@ class Design(Document):
             guards.profile(self.features),
             guards.strips(skin, slot, film, mold),
             guards.bond(self.contact, film),
-            guards.shots(skin, self.features, self.shot or (), self.silicones or {}),
+            guards.shots(skin, self.shot or (), self.silicones or {}),
         )
         if broken := [error for check in checks for error in check]:
             raise together(broken)

@@ -294,14 +294,9 @@ def bond(contact: Contact, film: Film | None) -> Iterator[InputError]:
         yield InputError("contact.film", "'bonded' needs a [film]", remedy="add [film] or say 'loose'")
 
 
-def shots(
-    skin: Base, features: Features, layers: tuple[Shot, ...], own: Mapping[str, Silicone]
-) -> Iterator[InputError]:
-    """Yield shots under pins, whose models know one silicone; a silicone that nobody knows; and faces that
-    meet each other, the back or the skin's own face: THINNEST mm of each silicone must be left."""
-    if layers and isinstance(features, Pin):
-        rule = "must not be given with [pin]: the models of pins take one silicone"
-        yield InputError("shot", rule, len(layers), "drop [[shot]]")
+def shots(skin: Base, layers: tuple[Shot, ...], own: Mapping[str, Silicone]) -> Iterator[InputError]:
+    """Yield a silicone that nobody knows, and faces that meet each other, the back or the skin's own face:
+    THINNEST mm of each silicone must be left."""
     below_middle = below_side = 0.0
     for number, shot in enumerate(layers, 1):
         unknown = [*refusals(partial(check_silicone, shot.name, own))]

@@ -1,6 +1,6 @@
 """Numbers that were read off runs, in one table: neither physics with a source nor an assumption.
 
-A fit says nothing about designs that are unlike those behind it. What makes designs alike here are six
+A fit says nothing about designs that are unlike those behind it. What makes designs alike here are seven
 numbers without a unit (`shape_of`); a set of designs holds the range of each. A verdict by a model whose
 fits saw nothing like the design says so, and a scene's estimate is then called uncalibrated.
 
@@ -10,12 +10,13 @@ values.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
 from skincad.inputs.design import Design
-from skincad.inputs.material import silicone
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.validity import mean_width
 from skincad.shape.skin import skin_of
 
@@ -26,20 +27,23 @@ NUMBERS = {
     "length": "length by base thickness",
     "curvature": "width by radius",
     "poisson": "Poisson's ratio",
+    "layers": "modulus of a layer by the skin's own",
 }
 ROUNDING = 1e-9  # relative; a design at a range's end is within
 
 
 def shape_of(design: Design) -> dict[str, float]:
     """Return the design's numbers, keys as in NUMBERS."""
-    skin, table = skin_of(design), design.skin
+    skin, table, own = skin_of(design), design.skin, silicone(design)
+    moduli = (stuff.young_modulus.value / own.young_modulus.value for stuff in layers(design))
     return {
         "ridges": float(skin.count),
         "slenderness": max(skin.heights) / mean_width(design),
         "base": table.thickness / skin.pitch,
         "length": table.length / table.thickness,
         "curvature": table.width / table.curvature_radius,
-        "poisson": silicone(design).poisson_ratio,
+        "poisson": own.poisson_ratio,
+        "layers": max(moduli, key=lambda ratio: abs(math.log(ratio)), default=1.0),
     }
 
 
@@ -78,8 +82,10 @@ class Fit:
         return {key: (min(of[key][0] for of in sets), max(of[key][1] for of in sets)) for key in sets[0]}
 
 
-def _ranges(*of: tuple[float, float]) -> dict[str, tuple[float, float]]:
-    return dict(zip(NUMBERS, of, strict=True))
+def _ranges(
+    *of: tuple[float, float], layers: tuple[float, float] = (1.0, 1.0)
+) -> dict[str, tuple[float, float]]:
+    return dict(zip(NUMBERS, (*of, layers), strict=True))
 
 
 DESIGNS = {
@@ -110,6 +116,18 @@ DESIGNS = {
     "pins": Designs(
         "bench.table_reduced_pins, seeds 0 to 11 and 100 to 111, six with 0.499",
         _ranges((9, 25), (0.5159, 1.587), (0.425, 1.29), (2.413, 7.238), (0.0, 0.3723), (0.49, 0.499)),
+    ),
+    "layered pins": Designs(
+        "bench.table_reduced_pins layers, seeds 300 to 312 and 320 to 334",
+        _ranges(
+            (9, 25),
+            (0.5194, 1.717),
+            (0.389, 1.228),
+            (2.344, 9.563),
+            (0.0, 0.3851),
+            (0.49, 0.49),
+            layers=(0.05543, 14.6),
+        ),
     ),
 }
 SEEN = "templates", "variants", "campaign"
@@ -173,7 +191,7 @@ FITS = (
     Fit(
         "mechanics.models.reduced:PIN_ERRORS",
         "errors of one force a pin against CalculiX",
-        ("pins",),
+        ("pins", "layered pins"),
         ("reduced",),
         family="pin",
     ),
@@ -246,11 +264,11 @@ def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
         return f"it has [{family}]"
     for fit in fits:
         if model in fit.models or (effect and effect == fit.effect):
-            if design.shot:
-                found["shot"] = "layers of other silicones (seen: none)"
             for key, (low, high) in fit.ranges.items():
                 margin = ROUNDING * abs(high)
                 if not low - margin <= numbers[key] <= high + margin:
                     name = f"{family}s" if key == "ridges" else NUMBERS[key]
                     found[key] = f"{name} {numbers[key]:.5g} (seen: {low:.5g} to {high:.5g})"
+                    if key == "layers" and low == high:
+                        found[key] = "layers of other silicones (seen: none)"
     return ", ".join(found.values())

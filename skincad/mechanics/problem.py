@@ -384,9 +384,9 @@ def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: f
 
     Valid under a flat plate that is square to the pin's axis.
     """
-    material = silicone(design)
+    material, shape = silicone(design), cell_section(design, radius, number, curvature_radius)
     return Pad(
-        section=cell_section(design, radius, number, curvature_radius),
+        section=shape,
         length=2 * radius,
         young_modulus=material.young_modulus.value,
         poisson_ratio=material.poisson_ratio,
@@ -394,6 +394,7 @@ def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: f
         density=material.density,
         law=material.law,
         revolved=True,
+        layers=tuple(layers_of(design, shape, radius)),
     )
 
 
@@ -431,19 +432,19 @@ def solid_pad_of(design: Design) -> Pad:
         law=material.law,
         bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
         revolved=design.skin.round,
-        layers=tuple(layers_of(design, shape)),
+        layers=tuple(layers_of(design, shape, design.skin.width / 2)),
     )
 
 
-def layers_of(design: Design, shape: Section) -> Iterator[PadLayer]:
-    """Yield the layers that a design's shots are in its section.
+def layers_of(design: Design, shape: Section, half: float) -> Iterator[PadLayer]:
+    """Yield the layers that a design's shots are in a section of it, which is `half` mm wide to either side.
 
     Raises InputError for a face that meets the outline between the sides, or a slot.
     """
-    skin, below = design.skin, shapely.Polygon(polygon(shape.outline, FACE_TOLERANCE))
+    below = shapely.Polygon(polygon(shape.outline, FACE_TOLERANCE))
     slots = [shapely.Polygon(polygon(slot.loop(), FACE_TOLERANCE)) for slot in shape.slots]
     for number, (shot, stuff) in enumerate(zip(design.shot or (), layers(design), strict=True), 1):
-        (line_of,) = face(design, number, skin.width / 2)
+        (line_of,) = face(design, number, half)
         line = shapely.LineString([*polygon((line_of,), FACE_TOLERANCE).tolist(), [*line_of.end]])
         key = f"shot.{'thickness' if shot.depth is None else 'depth'}"
         value = shot.thickness if shot.depth is None else shot.depth

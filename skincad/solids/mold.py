@@ -144,8 +144,7 @@ def mold(design: Design) -> ClosedMold:
         return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
     if design.skin.round:
         closed = _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
-        stages = [[plug] for plug in plugs(design, shape, lids_layout(design, place))]
-        return _with_plugs(closed, place, stages)
+        return _with_plugs(closed, place, plugs(design, shape, lids_layout(design, place)))
     pieces = [cavity(design, shape, place)] if not on_base else cavity_plate(design, shape, place)
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else pieces
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
@@ -162,11 +161,12 @@ def mold(design: Design) -> ClosedMold:
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)
     closed = _with_opening(design, place, parts, ridges)
-    return _with_plugs(closed, place, [_gang(place, [plug]) for plug in plugs(design, shape, place)])
+    return _with_plugs(closed, place, [_gang(place, stage) for stage in plugs(design, shape, place)])
 
 
 def _with_plugs(closed: ClosedMold, place: Layout, stages: list[list[Part]]) -> ClosedMold:
-    """The mold with what it is before the last layer: plugs in the place of skin, carrier and what is in it.
+    """The mold with what it is before the last layer: plugs, and core pins in them, in the place of skin,
+    carrier and what is in it.
     They leave upward, once the cover is off; nothing else is opened then."""
     gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.BONE)
     kept = [part for part in closed.parts if part.role not in gone]

@@ -28,10 +28,12 @@ from skincad.inputs.skin_tables import Shot
 from skincad.shape.curves import Loop, Point, Segment, polygon, right_half
 from skincad.shape.shots import face, heights
 from skincad.shape.skin import Section
+from skincad.solids.bone import cut_of
 from skincad.solids.layout import EDGE, Layout
-from skincad.solids.lids import openings, pull_threads, vent_bore
+from skincad.solids.lids import core_bores, core_pins, openings, pull_threads, vent_bore
 from skincad.solids.pins import pockets
-from skincad.solids.plan import Bore, ExtendedCut, Part, PartRole, Prism, TurnedBody, disc
+from skincad.solids.plan import Bore, ExtendedCut, Part, PartRole, Prism, RevolvedBody, TurnedBody, disc
+from skincad.solids.skin import along_skin
 from skincad.solids.split import path
 
 NECK, HEAD_SHARE = 0.5, 0.25  # mm, assumption: radius of a rivet's neck, and by which its head is wider
@@ -45,15 +47,32 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _TURN = 32
 
 
-def behind(design: Design, number: int) -> Prism | TurnedBody:
+def behind(design: Design, number: int) -> Prism | RevolvedBody | TurnedBody:
     """Return what of a skin lies behind the face of shot `number`, in the design's frame."""
     half = design.skin.width / 2
     line = face(design, number, half)
     outline = (*path([Point(-half, 0.0), Point(half, 0.0), line[0].start]), *line)
     outline = (*outline, Segment(line[0].end, Point(-half, 0.0)))
-    if design.skin.round:
-        return TurnedBody(right_half(outline), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    return Prism(outline, "y", -design.skin.length / 2, design.skin.length / 2)
+    return along_skin(design, outline, ())
+
+
+def room(design: Design, number: int) -> Part:
+    """Return what is cast behind the face of shot `number`: without pockets and a bone."""
+    holes = (_up_to(design, number, bore) for bore in pockets(design))
+    return Part(f"shot-{number}", PartRole.SKIN, behind(design, number), (*holes, *cut_of(design)))
+
+
+def _up_to(design: Design, number: int, pocket: Bore) -> Bore | ExtendedCut:
+    """What of a pocket lies behind a shot's face; it is built beyond a face that it goes through."""
+    if not _passes(design, number, pocket):
+        return pocket
+    mean, top = _over_disc(design, number, pocket.start[:2], pocket.radius)
+    return ExtendedCut(replace(pocket, length=mean), replace(pocket, length=max(pocket.length, top + SUNK)))
+
+
+def _passes(design: Design, number: int, pocket: Bore) -> bool:
+    """Whether a pocket goes through a shot's face."""
+    return pocket.length > _over_disc(design, number, pocket.start[:2], pocket.radius)[0]
 
 
 def bond_of(shot: Shot) -> str:
@@ -67,14 +86,19 @@ def plugged(design: Design) -> list[int]:
     return [number for number in range(len(shots), 0, -1) if bond_of(shots[number - 1]) != "wet"]
 
 
-def plugs(design: Design, shape: Section, place: Layout) -> list[Part]:
-    """Return the plugs, ridges down as the mold has them; `design` is what is poured, `place` the layout as
-    the lids see it. Raises InputError where rivets find no room."""
-    return [_plug(design, shape, place, number) for number in plugged(design)]
+def plugs(design: Design, shape: Section, place: Layout) -> list[list[Part]]:
+    """Return the plugs, ridges down as the mold has them, each with the core pins that stand in it; `design`
+    is what is poured, `place` the layout as the lids see it. Raises InputError where rivets find no room."""
+    deep = {number: [_passes(design, number, bore) for bore in pockets(design)] for number in plugged(design)}
+    return [
+        [_plug(design, shape, place, number), *(core_pins(design, place) if any(passing) else ())]
+        for number, passing in deep.items()
+    ]
 
 
 def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
-    """A plate on the carrier's ledge with the shots' negative under it."""
+    """A plate on the carrier's ledge with the shots' negative under it. Core pins of pockets that go through
+    the shot's face stand in it as they do in the carrier."""
     gap = design.mold.clearance
     wide, half = place.trough - gap, design.skin.width / 2 - gap
     adds = tuple(_rivets(design, shape, place, number))
@@ -85,8 +109,12 @@ def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
         body, adds = disc(wide, 0.0, place.back), (_core(design, number, half), *adds)
     else:
         body = Prism(_outline(design, place, number, (wide, half)), "y", gap - place.end, place.end - gap)
+    passing = [_passes(design, number, pocket) for pocket in pockets(design)]
+    cores = [core for core, deep in zip(core_bores(design, place), passing, strict=False) if deep]
     filled = [(vent.start, vent.radius), (cup.start, cup.radius)]
-    cuts = (_through(design, number, vent), *pull_threads(design, place, filled))
+    filled += [(core.start, core.radius + EDGE / 2) for core in cores]
+    through = (_through(design, number, bore) for bore in (vent, *cores))
+    cuts = (*through, *pull_threads(design, place, filled))
     return Part(f"plug-{number}", PartRole.PLUG, body, cuts, adds=adds)
 
 
@@ -123,14 +151,14 @@ def _at(at: tuple[float, float]) -> tuple[Array, Array]:
     return np.array([at[0]]), np.array([at[1]])
 
 
-def _through(design: Design, number: int, vent: Bore) -> ExtendedCut | Bore:
-    """The vent, from a shot's face up: it is built from below that face, whatever its curve."""
-    mean, top = _over_disc(design, number, vent.start[:2], vent.radius)
-    counts = replace(vent, start=(*vent.start[:2], -mean), length=vent.length + mean)
+def _through(design: Design, number: int, bore: Bore) -> ExtendedCut | Bore:
+    """A bore of the carrier, from a shot's face up: it is built from below that face, whatever its curve."""
+    mean, top = _over_disc(design, number, bore.start[:2], bore.radius)
+    counts = replace(bore, start=(*bore.start[:2], -mean), length=bore.length + mean)
     if top - mean < 1e-12:
         return counts
     low = top + 0.1
-    built = replace(vent, start=(*vent.start[:2], -low), length=vent.length + low)
+    built = replace(bore, start=(*bore.start[:2], -low), length=bore.length + low)
     return ExtendedCut(counts, built)
 
 
@@ -209,9 +237,12 @@ def check_shots(design: Design) -> Iterator[InputError]:
     if min(shoulder(design.skin) - below[1], design.skin.thickness - below[0]) < LEAST_LAYER:
         rule = f"leaves less than {LEAST_LAYER:g} mm of the layer in front, which tears as its plug is pulled"
         yield InputError(f"shot.{key}", rule, value, "a thicker layer in front")
-    deepest = max((bore.length for bore in pockets(design)), default=0.0)
-    first = face(design, 1, design.skin.width / 2)[0].start.z
-    if deepest > first - LEAST_LAYER:
-        family = design.features.family
-        rule = f"must end {LEAST_LAYER:g} mm before the first shot's face, at {first:.4g} mm"
-        yield InputError(f"{family}.pocket.depth", rule, deepest, "take a smaller depth, or a thicker shot")
+    for number in range(1, len(shots) + 1):
+        for pocket in pockets(design):
+            mean, top = _over_disc(design, number, pocket.start[:2], pocket.radius)
+            low = 2 * mean - top
+            if low - LEAST_LAYER < pocket.length < top + LEAST_LAYER:
+                rule = f"must end {LEAST_LAYER:g} mm before or beyond shot {number}'s face, at {mean:.4g} mm"
+                key = f"{design.features.family}.pocket.depth"
+                yield InputError(key, rule, pocket.length, "another depth, or another thickness of the shot")
+                break

@@ -17,6 +17,7 @@ from skincad.fabrication.pouring import DEAD_VOLUME, minutes_to_lay_on, poured_v
 from skincad.fabrication.sheet import casting_sheet, sheet_steps
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
+from skincad.solids.skin import skin_part
 
 CORE = {"name": "dragon-skin-30", "thickness": 1.0}
 
@@ -69,6 +70,23 @@ def test_the_sheet_has_each_pour_with_its_mass_clock_and_puck() -> None:
     assert bought == pytest.approx({p.silicone.name: p.batch for p in (front, core)}, rel=1e-3)
 
 
+def test_the_sheet_moves_core_pins_from_plug_to_plug() -> None:
+    """pillars-9's pockets go through the shot's face; in the layer at the back alone they need no plug."""
+    job = Job(skincad.load("pillars-9").with_(shot=({**CORE, "thickness": 1.0}, {**CORE, "thickness": 2.0})))
+    steps = sheet_steps(job)
+    assert "push the core pins into plug-2 from above, flush with its top." in steps["prepare"]
+    assert (
+        "out of plug-2 upward, and push them into plug-1, flush with its top."
+        in steps["cure the layer in front"]
+    )
+    assert "out of plug-1 upward, and push them into the carrier" in steps["cure shot 2"]
+    assert "they stand 3.00 mm out below" in steps["cure shot 2"]
+    inside = Job(
+        job.design.with_(shot=({**CORE, "thickness": 2.0},), pin={"pocket": {"diameter": 1.6, "depth": 1.0}})
+    )
+    assert "push the core pins into the carrier from above" in sheet_steps(inside)["prepare"]
+
+
 def test_wet_on_wet_has_to_be_on_within_the_pot_life() -> None:
     """The front mix is good for 45 min, or, of a silicone that sets within 3, too short for two mixes."""
     calm = Job(layered({**CORE, "bond": "wet"}, material={"name": "dragon-skin-10", "young_modulus": None}))
@@ -106,8 +124,23 @@ def test_a_layered_skin_weighs_what_its_layers_do() -> None:
     assert masses[1].skin.centre[2] < masses[0].skin.centre[2]
 
 
+@pytest.mark.parametrize("depth", [1.0, 3.0])
+def test_layers_weigh_what_is_left_beside_pockets(depth: float) -> None:
+    """Pockets that end in the shot, and pockets that go through its face: pillars-9's layers weigh the sum of
+    their volumes times their densities."""
+    heavy = {"young_modulus": 1.0, "density": 2000.0, "thickness": 1.0 if depth > 2.0 else 2.0}
+    design = skincad.load("pillars-9").with_(shot=(heavy,), pin={"pocket": {"diameter": 1.6, "depth": depth}})
+    weighs = skincad.package(design, "urdf").weighs
+    own = Job(design).silicone.density
+    skin = design.skin
+    behind = (skin.width * skin.length - 9 * math.pi * 0.8**2) * heavy["thickness"]
+    behind += 9 * math.pi * 0.8**2 * max(0.0, heavy["thickness"] - depth)
+    whole = skin_part(design).volume
+    assert weighs.skin.mass == pytest.approx(1e-6 * (own * (whole - behind) + 2000.0 * behind), rel=1e-9)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["yamada-2002", "rings-5"])
+@pytest.mark.parametrize("name", ["yamada-2002", "rings-5", "pillars-9"])
 def test_a_layered_skin_is_made_whole(name: str, tmp_path: Path) -> None:
     design = skincad.load(name).with_(shot=({**CORE, "bond": "primer"},))
     made = skincad.make(design, checked=False)

@@ -56,11 +56,17 @@ def of_pins() -> Iterable[Design]:
     return [*designs, designs[2].with_(material={"poisson_ratio": 0.499})]
 
 
+def of_layered_pins() -> Iterable[Design]:
+    return map(table_reduced_pins.layered, [*range(300, 313), *range(320, 335)])
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("draw", [of_templates, of_verdicts, of_campaign, of_scenes, of_pins])
+@pytest.mark.parametrize(
+    "draw", [of_templates, of_verdicts, of_campaign, of_scenes, of_pins, of_layered_pins]
+)
 def test_designs_drawn_again_fill_their_ranges(draw: Callable[[], Iterable[Design]]) -> None:
     """To 0.5 %: the table has four digits."""
-    ranges = DESIGNS[draw.__name__.removeprefix("of_")].ranges
+    ranges = DESIGNS[draw.__name__.removeprefix("of_").replace("_", " ")].ranges
     for key, found in hull(draw()).items():
         assert found == pytest.approx(ranges[key], rel=5e-3, abs=1e-3), key
 
@@ -78,6 +84,8 @@ def test_templates_and_their_neighbours_are_like_what_was_seen() -> None:
 def test_a_verdict_on_an_unlike_design_says_so() -> None:
     soft = reference().with_(material={"name": None, "young_modulus": 0.4, "poisson_ratio": 0.2})
     assert unlike(soft, model="linear") == "Poisson's ratio 0.2 (seen: 0.3 to 0.49999)"
+    layered = reference().with_(shot=({"thickness": 1.0, "young_modulus": 2.0},))
+    assert unlike(layered, model="linear") == "layers of other silicones (seen: none)"
     for model in ("winkler", "linear"):
         said = [w for w in check(soft, model=model).warnings if w.startswith("no design on which")]
         assert said == [

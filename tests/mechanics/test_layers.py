@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench import calculix
+from bench import calculix, table_reduced, table_reduced_pins
 from bench.bench_calculix import own
 from skincad import InputError, check, load, load_scene, simulate
 from skincad.inputs.design import Design
 from skincad.live.session import start_session
 from skincad.mechanics.bodies.mesh import plane_piece
-from skincad.mechanics.models import linear
-from skincad.mechanics.problem import pad_of
+from skincad.mechanics.models import corrected, linear, reduced
+from skincad.mechanics.problem import Request, pad_of
 from skincad.shape.skin import skin_of
 from tests.mechanics.designs import filleted
 
@@ -114,17 +114,92 @@ def test_a_face_through_a_slot_is_refused() -> None:
         check(deep, model="linear")
 
 
-def test_pins_have_no_shots() -> None:
-    with pytest.raises(InputError, match=r"shot: must not be given with \[pin\]"):
-        load("pillars-9").with_(shot=SOFT_BACK)
+def pins(*shots: dict[str, Any], **tables: Any) -> Design:
+    """Nine pins, the outer ones lower, on 2 mm of a silicone that gives a little in volume."""
+    skin = {"curvature_radius": 1e8, "thickness": 2.0, "width": 12.0, "length": 12.0, **tables}
+    pin = {"columns": 3, "rows": 3, "pitch": 4.0, "root_diameter": 2.2, "tip_diameter": 1.8, "crown": 0.3}
+    return Design(
+        name="pins", skin=skin, pin={**pin, "heights": [2.5, 2.4]}, mold={"process": "sla"},
+        material={"young_modulus": 0.5, "poisson_ratio": 0.49}, shot=shots or None, contact={"force": 0.3},
+    )  # fmt: skip
 
 
-def test_what_takes_one_silicone_says_so() -> None:
-    design = load(FINGER)
+def test_pins_on_layers_of_their_own_silicone_are_pins_without() -> None:
+    """Another mesh of each cell: 1e-3."""
+    same = {"young_modulus": 0.5, "poisson_ratio": 0.49}
+    one, other = check(pins()), check(pins({**same, "thickness": 0.7}, {**same, "depth": 0.6}))
+    assert one.model == other.model == "reduced"
+    for a, b in ((one.all_touch_force, other.all_touch_force), (one.approach, other.approach)):
+        assert b.value == pytest.approx(a.value, rel=1e-3)
+        assert b.error == pytest.approx(a.error, rel=0.05)
+
+
+def test_pins_sink_deeper_into_a_softer_back_and_their_errors_grow() -> None:
+    """By the fourth root of 10; on a stiffer back they are those without layers."""
+    plain, soft, stiff = (
+        reduced.answer(pins(*shots), Request(0.3)).approach
+        for shots in (
+            (),
+            ({"thickness": 1.0, "young_modulus": 0.05},),
+            ({"depth": 1.0, "young_modulus": 5.0},),
+        )
+    )
+    assert stiff.value < plain.value < soft.value  # type: ignore[operator]
+    relative = [(of.error or 0.0) / (of.value or 1.0) for of in (plain, soft, stiff)]
+    assert relative[1] / relative[0] == pytest.approx(10**0.25, rel=1e-9)
+    assert relative[2] == pytest.approx(relative[0], rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
+@pytest.mark.parametrize(
+    ("shot", "bent"),
+    [
+        ({"thickness": 1.0, "young_modulus": 0.05, "poisson_ratio": 0.49}, {}),
+        ({"depth": 1.0, "young_modulus": 4.0, "poisson_ratio": 0.49}, {}),
+        (
+            {"depth": 0.8, "young_modulus": 0.1, "poisson_ratio": 0.49},
+            {"curvature_radius": 60.0, "curvature_radius_y": 60.0, "thickness": 2.6},
+        ),
+    ],
+)
+def test_calculix_presses_pins_on_layers_alike(
+    shot: dict[str, Any], bent: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Within both errors: the reduced model's, and 2 % of CalculiX's mesh, which one pin shows."""
+    monkeypatch.setattr(table_reduced_pins, "FINENESS", 5)
+    design = pins(shot, **bent)
+    _, first, approach, share = table_reduced_pins.compared(design)
+    errors, further = reduced.PIN_ERRORS, reduced.further(design)
+    assert abs(first) <= further * errors.threshold + 0.02
+    assert abs(approach) <= further * errors.approach + 0.02
+    assert share <= further * errors.share + 0.02
+    plain, layered = (reduced.pressed(reduced.pin_model(of), 0.3)[1] for of in (pins(**bent), design))
+    assert abs(layered / plain - 1) > 0.02  # the layer counts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "shot", [{"thickness": 2.0, "young_modulus": 4.0}, {"depth": 1.5, "young_modulus": 0.1}]
+)
+def test_many_ridges_on_layers_are_judged_as_the_corrected_model_does(shot: dict[str, Any]) -> None:
+    """Within the reduced model's errors against it."""
+    design = table_reduced.longer(load("plain-ridges"), 45, {}).with_(shot=(shot,))
+    request, errors = Request(design.contact.force), reduced.ERRORS
+    quick, full = (model.answer(design, request) for model in (reduced, corrected))
+    wider = reduced.further(design)
+    for ours, theirs, known in (
+        (quick.all_touch_force, full.all_touch_force, errors.threshold),
+        (quick.approach, full.approach, errors.approach),
+    ):
+        assert ours.value == pytest.approx(theirs.value, rel=wider * known)
+    shares = [np.array([ridge.value for ridge in of.ridge_force]) for of in (quick, full)]
+    assert np.abs(shares[0] - shares[1]).max() <= wider * errors.share * shares[1].mean()
+
+
+def test_a_live_session_takes_one_silicone_and_says_so() -> None:
     with pytest.raises(InputError, match="takes a skin of one silicone"):
-        start_session(design)
-    with pytest.raises(InputError, match="shot: must not be given for the reduced model"):
-        check(design, model="reduced")
+        start_session(load(FINGER))
 
 
 def test_a_file_with_shots_is_read_as_it_was_written(tmp_path: Path) -> None:

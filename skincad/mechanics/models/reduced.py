@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
+from itertools import combinations
 from time import perf_counter
 
 import numpy as np
@@ -30,6 +31,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import places
+from skincad.inputs.material import layers, silicone
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import Errors, added_compliance
@@ -53,7 +55,7 @@ ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)
 # Of pins against CalculiX (bench/table_reduced_pins.py): 9 and 25 graded pins on flat, bent and doubly curved
 # bases, of Poisson's ratio 0.49; 0.499 is alike. Set on 12 designs (at most 4.2 % of the all-touch force,
 # 4.7 % of the approach, 7.3 % of the mean share), judged on 12 others (5.3, 4.7 and 6.6 %). Base's edges and
-# roots count
+# roots count; on softer layers more, as `further` says
 PIN_ERRORS = Errors(approach=0.08, threshold=0.08, share=0.12)
 
 
@@ -80,12 +82,12 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         forces, approach = pressed(model, request.force)
         first = all_touch_force(model)
     seconds["reduced"] = perf_counter() - began
-    known = PIN_ERRORS if pins else ERRORS
-    error = known.share * request.force / forces.size
+    known, wider = PIN_ERRORS if pins else ERRORS, further(design)
+    error = wider * known.share * request.force / forces.size
     return Answer(
         touching=int(np.count_nonzero(forces > 0)),
-        all_touch_force=Estimate(first, known.threshold * first, "N"),
-        approach=Estimate(approach, known.approach * approach, "mm"),
+        all_touch_force=Estimate(first, wider * known.threshold * first, "N"),
+        approach=Estimate(approach, wider * known.approach * approach, "mm"),
         ridge_force=tuple(Estimate(float(force), error, "N") for force in forces),
         unknowns=forces.size,
         residual=SETTLED,
@@ -96,13 +98,21 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 def cell_of(design: Design) -> Design:
     """Return the design with as few features as feel each other, as far from the ends of its base."""
     skin = skin_of(design)
-    far = max(REACH[0] * design.skin.thickness, REACH[1] * design.skin.length)
+    far = further(design) * max(REACH[0] * design.skin.thickness, REACH[1] * design.skin.length)
     reach = math.ceil(far / skin.pitch)
     count = max(2 * reach + 1, FEWEST)
     if count >= skin.count:
         return design
     shorter = (skin.count - count) * skin.pitch
     return design.with_(ridge={"count": count}, skin={"width": design.skin.width - shorter})
+
+
+def further(design: Design) -> float:
+    """Return how much further a load is felt where a layer lies on a softer one, and so how much more the
+    ends of the base change: a plate on springs bends over a length that grows with the fourth root of its
+    modulus over theirs. Timoshenko and Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed., sec. 57."""
+    moduli = [stuff.young_modulus.value for stuff in (*layers(design), silicone(design))]
+    return math.sqrt(math.sqrt(max([1.0, *(front / back for back, front in combinations(moduli, 2))])))
 
 
 def feature_model(

@@ -31,7 +31,7 @@ from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.pins import pins
 from skincad.solids.plan import Body, Part, PartRole, TurnedBody
-from skincad.solids.shots import behind
+from skincad.solids.shots import room
 from skincad.solids.skin import along_skin, skin_part
 
 MOST_BODIES = 64  # features
@@ -116,8 +116,7 @@ def _layers(design: Design) -> Iterator[Weight]:
     all behind its face."""
     densities = [*(stuff.density for stuff in layers(design)), silicone(design).density]
     for number, (own, front) in enumerate(pairwise(densities), 1):
-        part = Part(f"shot-{number}", PartRole.SKIN, behind(design, number))
-        yield _weight(part, (own - front) * G_PER_MM3)
+        yield _weight(room(design, number), (own - front) * G_PER_MM3)
 
 
 def carrier_part(design: Design) -> Part:
