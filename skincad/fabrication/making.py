@@ -13,6 +13,7 @@ from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import model_named
+from skincad.shape.skin import skin_of
 from skincad.solids.bone import least_over
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import PartRole
@@ -216,9 +217,10 @@ def make(
 
 def bone_findings(design: Design) -> list[Finding]:
     """Return what a flat back at the bone's top changes: the bone is stiffer than no bone and gives way more
-    than that. By the linear model, both times."""
+    than that. By the linear model both times, of pins by the reduced one."""
     from skincad.fabrication.rules import note
     from skincad.mechanics.check import check
+    from skincad.mechanics.models.table import unsupported_reason
 
     top = least_over(design)
     bare = {"mold": dict.fromkeys(("bone", "bone_at", "bone_turn", "bone_bond"))}
@@ -227,23 +229,26 @@ def bone_findings(design: Design) -> list[Finding]:
         for shot in design.shot or ()
     )
     raised = {"skin": {"thickness": design.skin.thickness - top}, "shot": shots or None}
-    flat = check(design.with_(**bare), model="linear")
+    model = "reduced" if unsupported_reason("linear", design, measured=False) else "linear"
+    flat = check(design.with_(**bare), model=model)
     try:
-        high = check(design.with_(**bare, **raised), model="linear")
+        high = check(design.with_(**bare, **raised), model=model)
     except InputError:
         return [
             note(
                 "bone", "taken as a flat back by the check", top, 0.0, "mm", "no model takes what is over it"
             )
         ]
+    before, after, unit = flat.all_touch_force, high.all_touch_force, "N"
+    touch = f"all touch at {float(after):.3g} N in the place of {float(before):.3g} N, and "
+    if skin_of(design).symmetry == "none":
+        before, after, unit, touch = flat.approach, high.approach, "mm", ""
     words = (
-        f"the check takes the back as flat; with all of it at the bone's top ({top:.3g} mm) all touch at "
-        f"{float(high.all_touch_force):.3g} N in the place of {float(flat.all_touch_force):.3g} N, and at "
+        f"the check takes the back as flat; with all of it at the bone's top ({top:.3g} mm) {touch}at "
         f"{design.contact.force:g} N the plate comes {float(high.approach):.3g} mm down, not "
-        f"{float(flat.approach):.3g} (linear model): the bone lies between"
+        f"{float(flat.approach):.3g} ({model} model): the bone lies between"
     )
-    limit = float(flat.all_touch_force)
-    return [note("bone", "taken as a flat back by the check", float(high.all_touch_force), limit, "N", words)]
+    return [note("bone", "taken as a flat back by the check", float(after), float(before), unit, words)]
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:

@@ -6,15 +6,16 @@ at the back stands on the carrier by pins in holes of its own that open there. S
 primer, or by filling holes of its own. Once it has cured, the carrier comes off, and the bone is the skin's
 mount.
 
-How thin silicone gets is measured on shadows: of a skin that is straight along y the distance of a bone to
-its outline, slots and ends is that of the bone's shadow along y, and of its reach along y. Range: skins
-straight along y, one in a mold, the bone as its mesh within `CHORD`.
+How thin silicone gets is measured in the skin's section. Of a skin that is straight along y the distance of a
+bone to its outline, slots and ends is that of the bone's shadow along y, and of its reach along y; of a round
+one it is that of the bone as turned about z. Range: skins that are not doubly curved, the bone as its mesh
+within `CHORD`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -32,13 +33,15 @@ from skincad.shape.curves import Loop, Point, loop, polygon
 from skincad.shape.shots import face
 from skincad.shape.skin import Section, section
 from skincad.solids.layout import EDGE
-from skincad.solids.plan import Bore, CutRole, ExtendedCut, GivenBody, Part, PartRole, Prism
+from skincad.solids.pins import pockets
+from skincad.solids.plan import Bore, CutRole, ExtendedCut, GivenBody, Part, PartRole, Prism, moved
 
 CHORD = 0.01  # mm, of the mesh that shadows are taken of
 LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and bubbles show in it
 BEHIND = 1e-4  # mm, behind the back: less is on it
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
+TURN_EDGE = 0.25  # mm, of a triangle that is turned: its chord is 2 um off at 5 mm from the axis
 PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
 SAME = 0.01  # mm, to which a hole opens at the back
 KEY = "mold.bone"
@@ -85,6 +88,36 @@ class Bone:
         """The shadow along the axis `across` (1: y, 2: z) of what lies between two heights, mm: polygons of
         (x, z) or (x, y)."""
         return _shadow(self, across, low, high)
+
+    def in_section(self, *, turned: bool) -> Any:
+        """What of it is in front of the back, in the skin's section: polygons of (x, z), of its shadow along
+        y or, `turned` about z, of the distance from the axis and z."""
+        return _turned_shadow(self) if turned else self.shadow(1, 0.0)
+
+
+@lru_cache(maxsize=32)
+def _turned_shadow(bone: Bone) -> Any:
+    corners = bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    faces = []
+    for triangle, length in zip(corners, longest, strict=True):
+        for piece in _divided(triangle, max(1, math.ceil(length / TURN_EDGE))):
+            kept = _between(piece, 0.0, math.inf)
+            if len(kept):
+                away = np.column_stack([np.hypot(kept[:, 0], kept[:, 1]), kept[:, 2]])
+                faces.append(shapely.MultiPoint(away).convex_hull.buffer(1e-9))
+    return shapely.union_all(faces)
+
+
+def _divided(triangle: Array, parts: int) -> Array:
+    """A triangle in `parts` squared alike `(parts^2, 3, 3)`."""
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(parts), np.arange(parts), indexing="ij"))
+    up, down = i + j < parts, i + j < parts - 1
+    first = np.stack([[i[up], j[up]], [i[up] + 1, j[up]], [i[up], j[up] + 1]])
+    second = np.stack([[i[down] + 1, j[down] + 1], [i[down], j[down] + 1], [i[down] + 1, j[down]]])
+    share = np.concatenate([first, second], axis=2).transpose(2, 0, 1) / parts  # (pieces, corners, 2)
+    a, b, c = triangle
+    return np.asarray(a + share[..., :1] * (b - a) + share[..., 1:] * (c - a))
 
 
 @lru_cache(maxsize=32)
@@ -216,10 +249,11 @@ def _loop(piece: shapely.Polygon) -> Loop:
     return loop(points if outline.exterior.is_ccw else points[::-1])
 
 
-def windowed(part: Part, design: Design, low: float, high: float) -> Part:
-    """Return a lid with the window of a bone's print."""
+def windowed(part: Part, design: Design, low: float, high: float, centres: Sequence[float] = (0.0,)) -> Part:
+    """Return a lid with the window of a bone's print, over each of the skins at `centres` mm along x."""
     gap = design.mold.clearance
-    holes = tuple(Prism(w, "z", low, high, role=CutRole.WINDOW) for w in window(design, low, gap))
+    holes = [Prism(w, "z", low, high, role=CutRole.WINDOW) for w in window(design, low, gap)]
+    holes = [moved(hole, x) for x in centres for hole in holes]
     return replace(part, cuts=(*part.cuts, *holes)) if holes else part
 
 
@@ -249,8 +283,6 @@ def check_bone(design: Design) -> Iterator[InputError]:
         return
     for key, value in (
         ("skin.curvature_radius_y", skin.curvature_radius_y),
-        ("skin.outline", "round" if skin.round else None),
-        ("mold.cavities", choice.cavities if choice.cavities > 1 else None),
         ("mold.mount", choice.mount),
         ("mount", "a table" if design.mount else None),
     ):
@@ -260,6 +292,7 @@ def check_bone(design: Design) -> Iterator[InputError]:
             return
     shape = section(design)
     yield from _check_pose(design, bone, shape)
+    yield from _check_pockets(design, bone)
     if not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
         rule = f"ends at the back, and has {len(bone.pin_holes)} holes along z that open there"
         remedy = f"give it {LEAST_HOLES} or more for the carrier's pins, or let it reach behind the back"
@@ -285,9 +318,9 @@ def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputErr
         rule = f"puts the bone's top at {high[2]:.4g} mm over the back: it must be in the skin"
         yield InputError("mold.bone_at", rule, list(at), "raise it along z; the file counts in mm")
         return
-    within = bone.shadow(1, 0.0)
+    within = bone.in_section(turned=design.skin.round)
     ends = bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0].reshape(-1, 3)[:, 1]
-    beside = long - float(np.abs(ends).max())
+    beside = math.inf if design.skin.round else long - float(np.abs(ends).max())
     outline = shapely.Polygon(polygon(shape.outline, CHORD / 10))
     body = shapely.Polygon([(-half, -1e3), (half, -1e3), *_over(design, half)])
     if not outline.buffer(1e-6).contains(within) or beside < 0:
@@ -310,6 +343,21 @@ def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputErr
     if thin < LEAST_SILICONE - 1e-6:
         rule = f"leaves {thin:.3g} mm of silicone round the bone, and needs {LEAST_SILICONE:g}"
         yield InputError("mold.bone_at", rule, list(at), "move it, or take a larger skin or a thicker layer")
+
+
+def _check_pockets(design: Design, bone: Bone) -> Iterator[InputError]:
+    """A pocket that runs into a bone, or leaves too little silicone beside it."""
+    for pocket in pockets(design):
+        x, y, _ = pocket.start
+        low = bone.shadow(2, -math.inf, pocket.length + LEAST_SILICONE)
+        beside = low.distance(shapely.Point(x, y)) - pocket.radius if not low.is_empty else math.inf
+        if beside < LEAST_SILICONE:
+            rule = f"leaves {max(beside, 0.0):.3g} mm of silicone beside the bone at ({x:.4g}, {y:.4g}), and "
+            rule += f"needs {LEAST_SILICONE:g}"
+            yield InputError(
+                f"{design.features.family}.pocket", rule, remedy="leave it out, or move the bone"
+            )
+            return
 
 
 def _over(design: Design, half: float) -> list[tuple[float, float]]:

@@ -415,7 +415,7 @@ def cover(design: Design, place: Layout) -> Part:
         *(moved(bore, x) for x in place.centres for bore in over),
     )
     part = Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
-    return windowed(part, design, low, low + thick)
+    return windowed(part, design, low, low + thick, place.centres)
 
 
 def seal_sheet(design: Design, place: Layout) -> Part:
@@ -435,7 +435,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     bleeds = [_bleed(design, hole) for hole in rivets]
     over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))
     cuts = tuple(moved(bore, x) for x in place.centres for bore in over)
-    return windowed(Part("seal", PartRole.SEAL, body, cuts), design, low, place.top)
+    return windowed(Part("seal", PartRole.SEAL, body, cuts), design, low, place.top, place.centres)
 
 
 def cover_dowels(design: Design, place: Layout) -> list[Part]:

@@ -156,7 +156,7 @@ def mold(design: Design) -> ClosedMold:
         *_pins(design, place),
     ]
     rest.append(seal_sheet(design, place))
-    rest += [bone] if (bone := bone_part(design)) else []
+    rest += _gang(place, [bone] if (bone := bone_part(design)) else [])
     rest += base_dowels(design, shape, place) if on_base else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)

@@ -483,10 +483,13 @@ _Body = TypeVar("_Body", bound=Body)
 
 def moved(body: _Body, x: float) -> _Body:
     """Return a body moved by `x` mm along x."""
-    if isinstance(body, RotatedBody | GivenBody):
+    if isinstance(body, RotatedBody):
         if x == 0.0:
             return body
-        raise ValueError("a bent mold, or one with a bone, has one skin and nothing to move aside")
+        raise ValueError("a bent mold has one skin and nothing to move aside")
+    if isinstance(body, GivenBody):
+        shift = body.pose[3] + x
+        return replace(body, pose=(*body.pose[:3], shift, *body.pose[4:]))
     if isinstance(body, ExtendedCut):
         return replace(body, counts=moved(body.counts, x), built=moved(body.built, x))
     if isinstance(body, TurnedBody):

@@ -29,6 +29,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, flipped, right_half
 from skincad.shape.skin import Section, summit
+from skincad.solids.bone import bone_part
 from skincad.solids.cavity import cavity, negative
 from skincad.solids.layout import STOCK, Layout
 from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, seal_sheet
@@ -72,6 +73,7 @@ def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     blocks = [whole] if design.mold.block_process is None else _parted(design, shape, place, whole)
     rest = [carrier(design, lids), *core_pins(design, lids), cover(design, lids)]
     rest += [*cover_dowels(design, lids), seal_sheet(design, lids)]
+    rest += [bone] if (bone := bone_part(design)) else []
     return [cast_skin(design, shape), *blocks, *rest]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -42,13 +43,13 @@ def plate() -> cq.Workplane:
     return drilled.faces(">Z").workplane().pushPoints([(0, -4), (0, 4)]).hole(1.5)
 
 
-def boned(folder: Path, shape: cq.Workplane | str, **mold_keys: Any) -> Design:
+def boned(folder: Path, shape: cq.Workplane | str, name: str = "lab-bench", **mold_keys: Any) -> Design:
     path = folder / "bone.step"
     if isinstance(shape, str):
         path.write_text(shape)
     else:
         cq.exporters.export(shape, str(path))
-    return skincad.load("lab-bench").with_(mold={"bone": str(path), "gate": None, **mold_keys})
+    return skincad.load(name).with_(mold={"bone": str(path), "gate": None, **mold_keys})
 
 
 def test_a_bone_takes_its_room_of_the_skin(tmp_path: Path) -> None:
@@ -114,6 +115,51 @@ def test_a_bone_in_a_layered_skin_stands_in_the_layer_at_the_back(tmp_path: Path
         mold(boned(tmp_path, stem(3.2)).with_(shot=(shot,)))
 
 
+@pytest.mark.parametrize("shape", [stem(), plate()], ids=["stem", "plate"])
+def test_a_round_skin_is_cast_on_a_bone(tmp_path: Path, shape: cq.Workplane) -> None:
+    """The kernel's solid, the formula and the mesh agree; it opens; a layer behind takes the bone too."""
+    design = boned(tmp_path, shape, name="rings-5")
+    part = skin_part(design)
+    assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-8)
+    assert mesh(part, CHORD).volume == pytest.approx(part.volume, rel=3e-4)
+    closed = mold(design.with_(shot=({"name": "dragon-skin-30", "thickness": 2.6},)))
+    for stage in (closed, *closed.earlier):
+        assert interference(stage, CHORD) == []
+    assert len(closed.of(PartRole.BONE)) == 1
+
+
+def test_silicone_round_a_bone_in_a_round_skin_is_measured_as_it_turns(tmp_path: Path) -> None:
+    """A corner of the block at (10.4, 5) mm, and the rim at 12 mm; a straight skin's side would be 1.6 mm
+    away."""
+    left = 12.0 - math.hypot(10.4, 5.0)
+    assert 0.4 < left < 0.5
+    with pytest.raises(InputError, match=rf"leaves {left:.3g} mm of silicone round the bone"):
+        mold(boned(tmp_path, stem(), name="rings-5", bone_at=[6.4, 0.0, 0.0]))
+    assert interference(mold(boned(tmp_path, stem(), name="rings-5", bone_at=[0.0, 5.0, 0.0])), CHORD) == []
+
+
+@pytest.mark.parametrize("shape", [stem(), plate()], ids=["stem", "plate"])
+def test_each_skin_of_a_gang_has_its_bone(tmp_path: Path, shape: cq.Workplane) -> None:
+    design = boned(tmp_path, shape, cavities=2)
+    closed, one = mold(design), mold(design.with_(mold={"cavities": 1}))
+    assert interference(closed, CHORD) == []
+    assert len(closed.of(PartRole.BONE)) == 2
+    assert len(closed.of(PartRole.CORE_PIN)) == 2 * len(one.of(PartRole.CORE_PIN))
+    for role in (PartRole.COVER, PartRole.SEAL):
+        two, alone = (
+            [cut for cut in of.first(role).cuts if cut.role is CutRole.WINDOW] for of in (closed, one)
+        )
+        assert len(two) == 2 * len(alone)
+
+
+def test_pockets_keep_clear_of_a_bone(tmp_path: Path) -> None:
+    """The block ends at y = -5 mm, the pocket of the pin at y = -6 begins 0.8 mm before its axis."""
+    with pytest.raises(
+        InputError, match=r"pin.pocket: leaves 0.2 mm of silicone beside the bone at \(0, -6\)"
+    ):
+        mold(boned(tmp_path, stem(), name="pillars-9"))
+
+
 def test_the_sheet_says_what_to_do_with_a_bone(tmp_path: Path) -> None:
     steps = sheet_steps(Job(boned(tmp_path, stem())))
     assert "Prime the bone" in steps["bone"]
@@ -131,6 +177,23 @@ def test_a_check_says_that_it_takes_a_flat_back(tmp_path: Path) -> None:
     (finding,) = [f for f in skincad.make(design, model="linear").findings if f.rule == "bone"]
     thin = skincad.load("lab-bench").with_(skin={"thickness": 6.0})
     assert finding.measured == pytest.approx(float(skincad.check(thin, model="linear").all_touch_force))
+
+
+@pytest.mark.parametrize(
+    ("name", "tables", "words"),
+    [
+        ("pillars-9", {"pin": {"pocket": None}}, "N, and at 2 N the plate comes"),
+        ("rings-5", {}, "N, and at 8 N the plate comes"),
+        ("flat-magnet", {"flat": {"pocket": None}}, r"\(2 mm\) at 4 N the plate comes"),
+    ],
+)
+def test_what_a_higher_back_changes_is_said_of_every_family(
+    tmp_path: Path, name: str, tables: Any, words: str
+) -> None:
+    design = boned(tmp_path, stem(), name=name).with_(**tables)
+    (finding,) = [f for f in skincad.make(design).findings if f.rule == "bone"]
+    assert re.search(words, finding.remedy)
+    assert not [f for f in skincad.make(design, checked=False).findings if f.severity == "error"]
 
 
 def test_a_bone_is_a_packages_link(tmp_path: Path) -> None:
@@ -158,12 +221,12 @@ STRAIGHT = cq.Workplane("XY").box(5, 6, 8)
         (STRAIGHT, {}, "mold.bone: has no shoulder at the back"),
         (cq.Workplane("XY").box(6, 6, 2, centered=(True, True, False)), {}, "mold.bone: ends at the back"),
         (stem(), {"bone_bond": "rivets"}, "mold.bone_bond: 'rivets' need a round hole"),
+        (stem(), {"name": "pins-dome"}, "skin.curvature_radius_y: must not be given with mold.bone"),
         (
             stem(),
             {"bone_at": [0.0, -6.0, 0.0], "vent": 2.0},
             "mold.bone_at: reaches behind the back where the carrier",
         ),
-        (stem(), {"cavities": 2}, "mold.cavities: must not be given with mold.bone"),
     ],
 )
 def test_what_a_bone_cannot_be(tmp_path: Path, shape: Any, keys: dict[str, Any], refusal: str) -> None:
