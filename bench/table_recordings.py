@@ -1,4 +1,4 @@
-"""Dead, reversed and swapped strips by a recording: `python -m bench.table_recordings 25000 25200`.
+"""Dead, reversed and swapped strips by a recording: `python -m bench.table_recordings 26000 26200`.
 
 A synthetic recording a seed, of four scenes with one, three or all monitored ridges. Its truth is another
 simulation than the judge's: modulus, friction and speed up to 20 % off, crests by the mold's process; one in

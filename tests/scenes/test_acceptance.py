@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bench.table_recordings import judged
 from skincad.base.errors import InputError
 from skincad.inputs.recordings import FilmRecording
-from skincad.scenes.acceptance import judge
+from skincad.scenes.acceptance import CANT_TELL, judge
 from skincad.scenes.film_prediction import press_end, recorded_scene
 from skincad.scenes.strip_assignment import cell_means
 from tests.refusals import refused
@@ -69,6 +71,33 @@ def test_mirrored_strips_are_alike_in_a_press_alone() -> None:
     assert "ridge 3 S2" in result.strips[0].alike
     whole = judge(scene(), prediction(), made)
     assert "ridge 3 S2" not in whole.strips[0].alike
+
+
+def test_ridges_that_change_places_crosswise_are_not_told_by_a_press_alone() -> None:
+    """A press on a crest that is lower than its mirror image shows the same; a pull after it tells."""
+    loud = np.array([1.5, 1.5, 1.0, 1.0, 0.7, 0.7])[:, None]
+    uneven = replace(prediction(), worlds=prediction().worlds * loud, changes=prediction().changes * loud)
+    made = recording()
+    volts = (made.volts * loud)[[5, 4, 2, 3, 1, 0]]
+    pressed = made.time <= DELAY + prediction().press_end
+    alone = judge(scene(), uneven, FilmRecording(made.strips, made.time[pressed], volts[:, pressed]))
+    assert [strip.state for strip in alone.strips] == [
+        CANT_TELL, CANT_TELL, "works", "works", CANT_TELL, CANT_TELL,
+    ]  # fmt: skip
+    whole = judge(scene(), uneven, FilmRecording(made.strips, made.time, volts))
+    shown = [NAMES[5], NAMES[4], None, None, NAMES[1], NAMES[0]]
+    assert [strip.shows for strip in whole.strips] == shown
+
+
+def test_a_swap_by_a_press_alone_is_never_said_to_be_sure() -> None:
+    made = recording(swapped=(2, 5))
+    pressed = made.time <= DELAY + prediction().press_end
+    result = judge(
+        scene(), prediction(), FilmRecording(made.strips, made.time[pressed], made.volts[:, pressed])
+    )
+    assert result.strips[2].shows == NAMES[5]
+    assert result.strips[2].probability == 0.95
+    assert judge(scene(), prediction(), made).strips[2].probability > 0.95
 
 
 def test_millivolts_are_refused() -> None:
