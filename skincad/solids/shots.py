@@ -151,15 +151,13 @@ def _at(at: tuple[float, float]) -> tuple[Array, Array]:
     return np.array([at[0]]), np.array([at[1]])
 
 
-def _through(design: Design, number: int, bore: Bore) -> ExtendedCut | Bore:
-    """A bore of the carrier, from a shot's face up: it is built from below that face, whatever its curve."""
+def _through(design: Design, number: int, bore: Bore) -> ExtendedCut:
+    """A bore of the carrier, from a shot's face up. It is built from below that face, whatever its curve, to
+    above the plug: at the same height a film of rounding would stay."""
     mean, top = _over_disc(design, number, bore.start[:2], bore.radius)
     counts = replace(bore, start=(*bore.start[:2], -mean), length=bore.length + mean)
-    if top - mean < 1e-12:
-        return counts
-    low = top + 0.1
-    built = replace(bore, start=(*bore.start[:2], -low), length=bore.length + low)
-    return ExtendedCut(counts, built)
+    low = top + SUNK
+    return ExtendedCut(counts, replace(bore, start=(*bore.start[:2], -low), length=bore.length + low + SUNK))
 
 
 def _rivets(design: Design, shape: Section, place: Layout, number: int) -> Iterator[TurnedBody]:

@@ -93,6 +93,7 @@ def test_core_pins_stand_in_a_plug_whose_shot_their_pockets_go_through() -> None
         assert len([cut for cut in plug.cuts if cut.role is CutRole.CORE]) == 9
         assert {*(pin.name for pin in pins), plug.name} == set(stage.opening[-1].parts)
         assert interference(stage, CHORD) == []
+        assert mesh(plug, CHORD).euler_number == 2 - 2 * (9 + 1)  # with the vent: no film closes a hole
     shallow = mold(
         layered("pillars-9", {**STIFF, "thickness": 2.0}, pin={"pocket": {"diameter": 1.6, "depth": 1.0}})
     )

@@ -132,11 +132,12 @@ def _draw_whole(axes: Axes, design: Design, shape: Section, outline: Array) -> N
     points = pictured_section(design, 1e-3)
     between = (points[:, 1] > 1e-6) & (np.abs(points[:, 0]) < (1 - 1e-6) * half)
     low = float(points[between, 1].min(initial=top))  # a plane face has corners alone
+    low = 0.0 if design.shot or design.mold.bone else low
     relief = max(top - low, _LEAST_RELIEF * top)
     scale = max(k for k in _HEIGHT_SCALES if k == 1 or k * relief <= _RELIEF * 2 * half)
     axes.axhline(top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
     axes.set_xlim(-1.02 * half, 1.02 * half)
-    axes.set_ylim(top - 1.35 * relief, top + 0.12 * relief)
+    axes.set_ylim(max(top - 1.35 * relief, -0.03 * top), top + 0.12 * relief)
     axes.set_aspect(scale)
     stated = f"heights x {scale}" if scale > 1 else "true to scale"
     axes.set_title(f"section over the whole width, {stated}; dashed: a flat plate at first touch")
