@@ -32,7 +32,7 @@ from skincad.solids.bone import cut_of
 from skincad.solids.layout import EDGE, Layout
 from skincad.solids.lids import core_bores, core_pins, openings, pull_threads, vent_bore
 from skincad.solids.pins import pockets
-from skincad.solids.plan import Bore, ExtendedCut, Part, PartRole, Prism, RevolvedBody, TurnedBody, disc
+from skincad.solids.plan import Body, Bore, ExtendedCut, Part, PartRole, Prism, RevolvedBody, TurnedBody, disc
 from skincad.solids.skin import along_skin
 from skincad.solids.split import path
 
@@ -114,7 +114,7 @@ def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
     filled = [(vent.start, vent.radius), (cup.start, cup.radius)]
     filled += [(core.start, core.radius + EDGE / 2) for core in cores]
     through = (_through(design, number, bore) for bore in (vent, *cores))
-    cuts = (*through, *pull_threads(design, place, filled))
+    cuts: tuple[Body, ...] = (*through, *pull_threads(design, place, filled))
     return Part(f"plug-{number}", PartRole.PLUG, body, cuts, adds=adds)
 
 
