@@ -98,7 +98,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
 def cell_of(design: Design) -> Design:
     """Return the design with as few features as feel each other, as far from the ends of its base."""
     skin = skin_of(design)
-    far = further(design) * max(REACH[0] * design.skin.thickness, REACH[1] * design.skin.length)
+    far = max(REACH[0] * design.skin.thickness, REACH[1] * design.skin.length)
     reach = math.ceil(far / skin.pitch)
     count = max(2 * reach + 1, FEWEST)
     if count >= skin.count:

@@ -156,6 +156,8 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         yield f"skin.curvature_radius_y: {words}"
     if name == "reduced" and skin.symmetry == "extruded" and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"
+    if name == "reduced" and skin.symmetry == "extruded" and design.shot:
+        yield "shot: must not be given with [ridge] for the reduced model, which takes one silicone there"
     if measured and not model.measured:
         yield f"measured: is not judged by the {name} model"
 
