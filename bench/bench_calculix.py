@@ -22,9 +22,8 @@ from threadpoolctl import threadpool_limits
 from bench import calculix
 from bench.calculix import PressedPad
 from skincad import load
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics import Pad, pad_of, plane_piece
 from skincad.mechanics.models import finite_strain, linear
-from skincad.mechanics.problem import Pad, pad_of
 
 FORCE = 4.0  # N
 LEVELS = ((0.25, 2), (0.5, 2), (0.5, 3), (1.0, 3), (1.0, 4), (2.0, 4), (2.0, 5))  # fineness, order

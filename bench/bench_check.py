@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.measure import REPEATS, alone, best, factorise, free_block, system
 from skincad import load
-from skincad.mechanics.models.table import MODELS
+from skincad.mechanics import MODELS
 
 DESIGN = "yamada-2002"
 SMOOTH = "contact.friction=0"  # what each model leaves out, not what all do

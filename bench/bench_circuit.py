@@ -10,10 +10,10 @@ from scipy.signal import butter, lfilter
 from threadpoolctl import threadpool_limits
 
 from bench.measure import best
-from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.response import noise_samples, response
-from skincad.circuit.state import band_limited, recorded, run, stepper
-from skincad.scenes.detector import at_rest, detector, fed
+from skincad.circuit import band_limited, circuit_network, load_circuit, noise_samples, recorded, run, stepper
+from skincad.circuit.response import response
+from skincad.scenes import fed
+from skincad.scenes.detector import at_rest, detector
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.measure import best, factorise, free_block, system
 from skincad import load
-from skincad.mechanics.bodies.condense import condense
+from skincad.mechanics import condense
 
 
 def solve_each(block: sparse.csc_matrix, contact: int) -> np.ndarray:

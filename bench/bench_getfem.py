@@ -17,12 +17,21 @@ from numpy.typing import NDArray
 from bench import getfem
 from bench.getfem import FrictionalPad
 from skincad import load
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.frictional import halved
-from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
-from skincad.mechanics.film.sliding import ContactPad, sliding
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.problem import Pad, pad_of
+from skincad.mechanics import (
+    Compliance,
+    ContactPad,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
+    Pad,
+    default_sizes,
+    halved,
+    pad_of,
+    piece_of,
+    sliding,
+    triangles,
+)
+from skincad.mechanics.contact.state import at_rest
 
 FORCE, FRICTION = 4.0, 0.5  # N, coefficient
 PRESSES, STRIDES = 4, 25  # steps of the force, of the travel

@@ -13,7 +13,7 @@ from typing import Any
 
 from bench.measure import alone, slope
 from skincad import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 
 RIDGES = (9, 21, 51, 101)
 MOST_STRIPED = 51  # ridges; the strips' triangles make the meshes seven times larger
@@ -49,9 +49,8 @@ def solved(fineness: float, order: int) -> dict[str, Any]:
     """Return the time by stage and the size of one level on nine ridges."""
     from time import perf_counter
 
-    from skincad.mechanics.bodies.mesh import plane_piece
+    from skincad.mechanics import pad_of, plane_piece
     from skincad.mechanics.models.linear import level
-    from skincad.mechanics.problem import pad_of
 
     design = load("plain-ridges")
     pad = pad_of(design)

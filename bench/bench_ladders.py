@@ -17,19 +17,19 @@ from unittest.mock import patch
 import numpy as np
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.design import Design
-from skincad.mechanics.models import table
-from skincad.mechanics.models.table import (
+from skincad.base import InputError, RefusedError
+from skincad.inputs import Design
+from skincad.mechanics import (
     MODELS,
+    Answer,
+    Request,
     expected_seconds,
     prerequisites,
     run,
     unsupported_reason,
 )
-from skincad.mechanics.problem import Answer, Request
-from skincad.studies.accuracy.contact import MESH
-from skincad.studies.accuracy.ladder import LADDERS, ladder_of
+from skincad.mechanics.models import table
+from skincad.studies import LADDERS, MESH, ladder_of
 
 REPEATS = 3
 

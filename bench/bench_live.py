@@ -17,13 +17,9 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, sleep
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.live.desk import ReplyTiming
-from skincad.live.page import Page
-from skincad.live.serve import free_port
-from skincad.live.shapes import view
-from skincad.live.worker import preload
-from skincad.studies.subject import changed
+from skincad.inputs import Design
+from skincad.live import Page, ReplyTiming, free_port, preload, view
+from skincad.studies import changed
 from tests.live.browser import looking
 from tests.outputs.browser import CHROMIUM
 

@@ -15,14 +15,12 @@ from time import perf_counter
 from threadpoolctl import threadpool_limits
 
 from bench.measure import best
-from skincad.effects.kinds import MarchedPad
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import triangles
-from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import REFINEMENTS, filled_pad
+from skincad.effects import MarchedPad
+from skincad.inputs import Design
+from skincad.mechanics import filled_pad, piece_of, sliding, triangles
+from skincad.mechanics.film.stress import REFINEMENTS
+from skincad.scenes import Scene, load_scene
 from skincad.scenes.march import march
-from skincad.scenes.scene import Scene, load_scene
 
 STEPS, FEWER = 100, {"finite strain": 20}
 ORDER = 2

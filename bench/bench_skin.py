@@ -16,11 +16,8 @@ from time import perf_counter
 import cadquery as cq
 
 import skincad
-from skincad.shape.curves import Loop, Point, Segment, loop
-from skincad.shape.skin import section, skin_of
-from skincad.solids.occ import solid, unchecked_solid
-from skincad.solids.plan import Part, PartRole, Prism
-from skincad.solids.skin import skin_part
+from skincad.shape import Loop, Point, Segment, loop, section, skin_of
+from skincad.solids import Part, PartRole, Prism, skin_part, solid, unchecked_solid
 
 
 def pieces(design: skincad.Design) -> list[Part]:

@@ -15,8 +15,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import skincad
-from skincad.studies.query import Query, evaluate
-from skincad.studies.running import Log
+from skincad.studies import Log, Query, evaluate
 
 DESIGN, LENGTHS = "yamada-2002", (8.0, 14.0)
 

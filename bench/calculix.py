@@ -22,10 +22,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import Sizes, at_faces, default_sizes, half_of, on_whole
-from skincad.mechanics.problem import Pad
-from skincad.shape.curves import Segment
+from skincad.laws import Ogden
+from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of
+from skincad.mechanics.bodies.mesh import on_whole
+from skincad.shape import Segment
 
 # gone
 

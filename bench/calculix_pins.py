@@ -18,15 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.calculix import run_program
-from skincad.inputs.design import Design
-from skincad.inputs.material import layers, silicone
-from skincad.mechanics.models.reduced import pin_tops
-from skincad.shape.shots import heights
-from skincad.shape.skin import skin_of
-from skincad.solids.occ import unchecked_solid
-from skincad.solids.plan import Part, PartRole
-from skincad.solids.shots import behind
-from skincad.solids.skin import skin_part
+from skincad.inputs import Design, layers
+from skincad.inputs.material import silicone
+from skincad.mechanics import pin_tops
+from skincad.shape import heights, skin_of
+from skincad.solids import Part, PartRole, behind, skin_part, unchecked_solid
 
 PENALTY = 300.0  # MPa/mm: 0.1 MPa sink in by 3e-4 mm
 UPWARD = 0.2  # of a face's normal, from which it may meet the plate

@@ -18,15 +18,11 @@ import typer
 from mkdocs.structure.files import File
 
 import skincad
-from skincad.base.result import Record, ReportedProperty, declared_items, key_of
-from skincad.base.tables import Table
+from skincad.base import Record, ReportedProperty, Table, declared_items, key_of
 from skincad.cli.app import app
 from skincad.effects import EFFECTS, effect
-from skincad.inputs.design import Design
-from skincad.inputs.gripper import Gripper
-from skincad.inputs.process import Process
-from skincad.inputs.silicone import Silicone
-from skincad.outputs.tomls import table_entries
+from skincad.inputs import Design, Gripper, Process, Silicone
+from skincad.outputs import table_entries
 
 RESULTS = {  # a command, and the record that its --json prints
     "new": "studies.wish:WishResult",
@@ -89,9 +85,9 @@ def python_page() -> str:
 
 def toml_page() -> str:
     """Return the page of TOML keys: unit, range, default and meaning of each."""
-    from skincad.circuit.model import Circuit
-    from skincad.scenes.scene import Scene
-    from skincad.studies.study import Study
+    from skincad.circuit import Circuit
+    from skincad.scenes import Scene
+    from skincad.studies import Study
 
     lines = [
         "# TOML keys", "", "Every key of every file that skincad reads. `skincad new FILE --template NAME`",

@@ -17,18 +17,22 @@ from typing import TypeVar
 import numpy as np
 
 from bench.campaign.random_designs import drawn
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
+from skincad.base import Array, Estimate, InputError, RefusedError
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.bodies.mesh import plane_piece
-from skincad.mechanics.left_out import LeftOut, free_ends
-from skincad.mechanics.left_out import finite_strain as small_strain
+from skincad.mechanics import (
+    Answer,
+    LeftOut,
+    Pad,
+    Request,
+    free_ends,
+    pad_of,
+    plane_piece,
+    small_strain_violation,
+)
+from skincad.mechanics import finite_strain as small_strain
 from skincad.mechanics.models import corrected, finite_strain, linear, solid, winkler
 from skincad.mechanics.models.linear import REFINEMENTS, level
-from skincad.mechanics.problem import Answer, Pad, Request, pad_of
-from skincad.mechanics.validity import small_strain_violation
 
 STRAINS = 0.003, 0.05  # of ridges that share the force evenly
 TOPS = 10  # every tenth seed is held against the top refinement too

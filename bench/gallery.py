@@ -16,9 +16,10 @@ import tomlkit
 from PIL import Image
 
 import skincad
-from skincad.inputs.catalog import template_names
-from skincad.outputs.gallery import forces, page
-from skincad.studies.query import first_able
+from skincad.inputs import template_names
+from skincad.outputs import forces
+from skincad.outputs.gallery import page
+from skincad.studies import first_able
 
 ROOT = Path(__file__).parent.parent
 FILE = ROOT / "templates" / "gallery.toml"

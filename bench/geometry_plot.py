@@ -13,12 +13,11 @@ from pathlib import Path
 import numpy as np
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.outputs.figures.canvas import Axes, save, sheet
+from skincad.inputs import Design
+from skincad.outputs import Axes, save, sheet
 
 # gone
-from skincad.shape.curves import polygon
-from skincad.shape.skin import section, skin_of
+from skincad.shape import polygon, section, skin_of
 
 SKIN, FILM, INK, HELP = "#eebda5", "#b3432b", "#14447a", "#8a8a8a"
 WORDS = {"color": INK, "family": "monospace"}

@@ -19,9 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench import calculix
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.problem import Pad
+from skincad.mechanics import Drive, Pad, Sizes, default_sizes
 
 PACKAGES = ("python3-getfem", "gmsh")
 PYTHON = "/usr/bin/python3"  # Debian's, whose package it is

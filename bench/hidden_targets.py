@@ -16,9 +16,7 @@ from time import perf_counter
 import numpy as np
 
 import skincad
-from skincad.studies.query import Query, evaluate
-from skincad.studies.solving import solve
-from skincad.studies.subject import value_of
+from skincad.studies import Query, evaluate, solve, value_of
 
 START, MODEL = "lab-bench", "corrected"
 RANGES = {

@@ -12,8 +12,7 @@ import argparse
 import numpy as np
 
 import skincad
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import Simulation, marched, read_out, simulate
+from skincad.scenes import Scene, Simulation, marched, read_out, simulate
 
 SEEDS = range(1000, 1020)
 FINE = 0.01  # of the largest differential stress

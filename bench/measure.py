@@ -16,10 +16,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import pad_of, plane_piece
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import plane_piece
-from skincad.mechanics.problem import pad_of
 
 REPEATS = 3
 ORDER = 3

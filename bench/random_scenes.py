@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from bench.exam.skins import templates
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design, load
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.ringing import shear_frequency
-from skincad.scenes.scene import Scene, load_scene
-from skincad.shape.skin import skin_of
+from skincad.mechanics import shear_frequency
+from skincad.scenes import Scene, load_scene
+from skincad.shape import skin_of
 
 SHIPPED = 0.25  # share of scenes on a template's skin
 TILTED, LARGEST_TILT = 0.3, 45.0  # share of skins whose slots lean, and how far, deg

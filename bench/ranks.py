@@ -17,10 +17,8 @@ from pathlib import Path
 import numpy as np
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.studies.query import Query, evaluate
-from skincad.studies.subject import changed
-from skincad.studies.sweeping import model_error
+from skincad.inputs import Design
+from skincad.studies import Query, changed, evaluate, model_error
 
 KEY, BEST = "all_touch_force_N", "solid-finite-strain"
 VARIED = {  # a study of pads like the paper's, films aside

@@ -12,12 +12,11 @@ import sys
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.design import Design
-from skincad.mechanics.manufacture import KEYS, intervals
+from skincad.base import InputError, RefusedError
+from skincad.inputs import Design
+from skincad.mechanics import KEYS, Request, intervals
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.winkler import all_touch_force
-from skincad.mechanics.problem import Request
 
 BY, FINEST = 0.03, 5e-3
 

@@ -20,21 +20,28 @@ from scipy.sparse.linalg import splu
 
 import skincad
 from bench.table_strain import flat_design
-from skincad.base.arrays import Array, Mask
-from skincad.base.errors import InputError
-from skincad.base.machine import one_blas_thread
-from skincad.inputs.design import Design
+from skincad.base import Array, InputError, Mask, one_blas_thread
+from skincad.inputs import Design
+from skincad.mechanics import (
+    COARSE_LAYERS,
+    ContactError,
+    Errors,
+    FrontFactors,
+    NodalContact,
+    Request,
+    Ridges,
+    body_of,
+    coarse_sizes,
+    factored,
+    finite_strain,
+    fronts_of,
+    meshed_piece,
+    plain_pad,
+    press,
+    run,
+)
 from skincad.mechanics.bodies import solid_law
-from skincad.mechanics.bodies.condense import FrontFactors, factored
-from skincad.mechanics.bodies.mesh import meshed_piece
-from skincad.mechanics.bodies.prisms import fronts_of
-from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
-from skincad.mechanics.left_out import finite_strain
-from skincad.mechanics.models.corrected import Errors, plain_pad
-from skincad.mechanics.models.solid import coarse_sizes
-from skincad.mechanics.models.solid_finite_strain import COARSE_LAYERS, body_of
-from skincad.mechanics.models.table import run
-from skincad.mechanics.problem import ContactError, Request
+from skincad.mechanics.contact.frictionless import all_touch_force
 
 STEPS, NEWTON_STEPS, RESIDUAL = 10, 25, 1e-8
 MOST = 16_000  # unknowns

@@ -26,26 +26,24 @@ from scipy.interpolate import interp1d
 
 import skincad
 from bench.exam.scoring import wilson
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Stopwatch
-from skincad.inputs.design import Design
+from skincad.base import Array, InputError, RefusedError, Stopwatch, one_blas_thread
+from skincad.inputs import Design, Plate, PressCurve
 from skincad.inputs.material import silicone
-from skincad.inputs.measurements import PressCurve
-from skincad.inputs.skin_tables import Plate
-from skincad.material.acceptance import APPROACH_ERROR, FORCE_ERROR, GOOD_SHARE, Acceptance, judge
-from skincad.material.pad import PadCurve, small_strain_curve
-from skincad.material.press_model import PressModel, good_curve, press_model
-from skincad.mechanics.bodies.mesh import plane_piece
-from skincad.mechanics.check import spread_of
-from skincad.mechanics.contact.frictionless import press
+from skincad.material import (
+    FORCE_ERROR,
+    GOOD_SHARE,
+    Acceptance,
+    PadCurve,
+    PressModel,
+    good_curve,
+    judge,
+    small_strain_curve,
+)
+from skincad.material.acceptance import APPROACH_ERROR
+from skincad.material.press_model import press_model
+from skincad.mechanics import Layers, Levels, Pad, PadLayer, pad_of, plane_piece, press, spread_of
 from skincad.mechanics.models import corrected, friction, linear
-from skincad.mechanics.models.finite_strain import Levels
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.problem import Pad, PadLayer, pad_of
-from skincad.shape.curves import Point, Segment
-from skincad.shape.skin import skin_of
+from skincad.shape import Point, Segment, skin_of
 
 TEMPLATES = ("yamada-2002", "lab-bench", "fingertip-soft", "plain-ridges", "steep-fingertip", "home-printer")
 FAULTS = {  # kind -> the cause that is right

@@ -13,17 +13,12 @@ import argparse
 from threadpoolctl import threadpool_limits
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.base import InputError
+from skincad.inputs import Design, template_names
+from skincad.mechanics import AUTO, NEGLIGIBLE, ContactCheck, load, pad_of, plane_piece
 from skincad.mechanics.check import check
 from skincad.mechanics.models.linear import REFINEMENTS, level
-from skincad.mechanics.models.table import AUTO, load
-from skincad.mechanics.problem import NEGLIGIBLE, pad_of
-from skincad.mechanics.verdict import ContactCheck
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import simulate
+from skincad.scenes import load_scene, simulate
 
 BUDGETS = 1.0, 3.0, 10.0
 WHOLE = 0.2, 0.05, 0.01  # of model and mesh

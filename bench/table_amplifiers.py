@@ -18,13 +18,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from skincad.circuit.model import Circuit, circuit_network, load_circuit
-from skincad.effects.piezo import Chain, fitted, strip_charges
-from skincad.inputs.design import Design
-from skincad.scenes import simulation
-from skincad.scenes.detector import EARLY, NOT_AHEAD, at_rest, detector, fed, score
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
+from skincad.circuit import Circuit, circuit_network, load_circuit
+from skincad.effects import Chain, fitted, strip_charges
+from skincad.inputs import Design
+from skincad.scenes import EARLY, LEVELS, NOT_AHEAD, fed, load_scene, score, simulation
+from skincad.scenes.detector import at_rest, detector
 
 RIDGES = (2, 3)  # paper: strips in the second and third ridge from a side
 SEEDS = range(40)

@@ -17,9 +17,7 @@ from typing import NamedTuple
 
 import skincad
 from bench.table_processes import by, counts
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.inputs.process import PROCESSES
+from skincad.inputs import PROCESSES, Design, template_names
 from tests.conftest import Made
 from tests.consumers import CONSUMERS, Job
 

@@ -26,26 +26,11 @@ from bench.exam.cases import Case, case
 from bench.exam.scenes import SceneRun, kept, seeds
 from bench.exam.scoring import HEAD, Alarm, Mark, line, mark, rate
 from bench.exam.skins import EXAM
-from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.response import total_density
-from skincad.circuit.state import corner
-from skincad.effects.piezo import fitted
-from skincad.inputs.catalog import load_design
-from skincad.scenes.detector import (
-    AHEAD,
-    BACK,
-    EARLY,
-    INCIPIENT,
-    POINTS,
-    SEEN,
-    SURE,
-    Detector,
-    at_rest,
-    detector,
-    fed,
-    statistic,
-    taken,
-)
+from skincad.circuit import circuit_network, corner, load_circuit, total_density
+from skincad.effects import fitted
+from skincad.inputs import load_design
+from skincad.scenes import AHEAD, BACK, EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, fed, statistic, taken
+from skincad.scenes.detector import at_rest, detector
 
 CIRCUITS = ("transimpedance", "yamada-2002")
 SEEDS = (1, 2, 3)  # of the noise

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import astuple, is_dataclass
 from typing import Any
 
-from skincad.mechanics.fits import DESIGNS, FITS, NUMBERS
+from skincad.mechanics import DESIGNS, FITS, NUMBERS
 
 
 def as_text(value: Any) -> str:

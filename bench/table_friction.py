@@ -14,13 +14,11 @@ import numpy as np
 
 from bench.campaign.random_designs import drawn
 from bench.error_bars import force_of
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.mechanics.left_out import friction
-from skincad.mechanics.models.corrected import plain_pad
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.mechanics import NEGLIGIBLE, ContactError, friction, plain_pad
 from skincad.mechanics.models.friction import solve
-from skincad.mechanics.problem import NEGLIGIBLE, ContactError
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 
 COEFFICIENTS = 0.2, 0.5, 1.0
 MOST_RIDGES = 60  # more take minutes

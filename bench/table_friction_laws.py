@@ -17,9 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import Scene, load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.scenes import LEVELS, Scene, Simulation, at_level, load_scene
 
 CAP = 2.0  # times the coefficient: up to half of the mean pressure Coulomb holds; from 4 on sets cycle
 POWER = -1 / 3

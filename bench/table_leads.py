@@ -17,24 +17,24 @@ from typing import Any
 import numpy as np
 
 from bench.table_swaying import drawn
-from skincad.base.errors import InputError
-from skincad.base.machine import one_blas_thread
-from skincad.effects.finite_strain import FiniteStrain
-from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.film.stick import PadPiece, piece_of
-from skincad.scenes.errors import Slips, slip_errors, slips_of
-from skincad.scenes.march import March, march
-from skincad.scenes.models import (
+from skincad.base import InputError, one_blas_thread
+from skincad.effects import FiniteStrain, SmallStrain
+from skincad.mechanics import PadPiece, default_sizes, piece_of, triangles
+from skincad.scenes import (
     BySource,
     ComparisonRuns,
+    March,
+    Scene,
+    Slips,
     chosen_steps,
     coarse_steps,
+    friction_cone,
     left_out_effects,
     piece_for,
+    slip_errors,
+    slips_of,
 )
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import friction_cone
+from skincad.scenes.march import march
 
 FINENESS, FINER, JUDGED, ORDER, STEPS = 0.3, 0.45, 0.6, 2, 240
 TIME_MS = (0.0, 1.0, 4.0, 4.5, 6.0)

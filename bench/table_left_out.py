@@ -22,14 +22,11 @@ from threadpoolctl import threadpool_limits
 
 from bench.exam.scoring import wilson
 from bench.random_scenes import random_scene
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.dynamics.ringing import skin_mass
-from skincad.scenes.march import LEVELS, March, march
-from skincad.scenes.models import MarchSetup, left_out_effects, march_on, path_of, piece_for
-from skincad.scenes.scene import Scene
-from skincad.shape.skin import skin_of
+from skincad.base import Array, InputError
+from skincad.mechanics import default_sizes, skin_mass, triangles
+from skincad.scenes import LEVELS, March, MarchSetup, Scene, left_out_effects, march_on, path_of, piece_for
+from skincad.scenes.march import march
+from skincad.shape import skin_of
 
 EFFECTS = ("film", "free_ends", "inertia")
 QUASI_STATIC = 60  # steps of a march without masses, which does not see time

@@ -20,20 +20,32 @@ import numpy as np
 from bench.exam.scoring import wilson
 from bench.table_leads import TIME_MS, history, leads
 from bench.table_swaying import drawn
-from skincad.base.errors import InputError
-from skincad.base.machine import one_blas_thread
-from skincad.effects.modal import ModalPad
-from skincad.effects.small_strain import CondensedPad, SmallStrain
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.dynamics.modes import at_points, resolved, slow_modes
-from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
-from skincad.mechanics.film.stick import PadPiece
-from skincad.scenes.errors import slip_errors, slips_of
-from skincad.scenes.march import March, march
-from skincad.scenes.models import ComparisonRuns, coarse_steps, halts_of, path_of, piece_for
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import friction_cone
-from skincad.shape.skin import skin_of
+from skincad.base import InputError, one_blas_thread
+from skincad.effects import CondensedPad, ModalPad, SmallStrain
+from skincad.mechanics import (
+    PadPiece,
+    at_points,
+    default_sizes,
+    layer_period,
+    resolved,
+    skin_mass,
+    slow_modes,
+    triangles,
+)
+from skincad.scenes import (
+    ComparisonRuns,
+    March,
+    Scene,
+    coarse_steps,
+    friction_cone,
+    halts_of,
+    path_of,
+    piece_for,
+    slip_errors,
+    slips_of,
+)
+from skincad.scenes.march import march
+from skincad.shape import skin_of
 
 FINENESS, ORDERS, STEPS = 0.25, (2, 3), 300
 PERIODS, MASSES = (0.5, 6.0), (0.2, 5.0)

@@ -16,11 +16,9 @@ from typing import Any
 import numpy as np
 
 from bench.campaign.random_designs import Dice
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.inputs.process import PROCESSES
-from skincad.inputs.silicone import silicones
-from skincad.shape.skin import section
+from skincad.base import InputError
+from skincad.inputs import PROCESSES, Design, silicones
+from skincad.shape import section
 from skincad.solids.mold import mold
 
 COUNT = 2000

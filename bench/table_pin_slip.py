@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 import skincad
 from bench import calculix_pins
 from skincad.effects.pin_pad import pin_pad
-from skincad.inputs.design import Design
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.contact.tips import advance, unloaded
+from skincad.inputs import Design
+from skincad.mechanics import Drive, advance
+from skincad.mechanics.contact.tips import unloaded
 
 FRICTION, DOWN = 0.3, 0.2  # mm, after half of it
 PULLS = 0.1, 0.2, 0.3, 0.4, 0.5  # mm

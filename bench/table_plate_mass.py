@@ -15,9 +15,7 @@ from time import perf_counter
 
 import numpy as np
 
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene
 
 SCENE = "yamada-2002-slip"
 MASSES = (0.1, 1.0, 10.0, 400.0)  # g

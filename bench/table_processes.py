@@ -10,12 +10,8 @@ import sys
 import time
 
 import skincad
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.inputs.process import PROCESSES
+from skincad.fabrication import Finding, Job, design_findings
+from skincad.inputs import PROCESSES, Design, template_names
 
 
 def rows() -> dict[tuple[str, str], list[Finding]]:

@@ -13,9 +13,19 @@ import numpy as np
 from scipy.optimize import least_squares
 from threadpoolctl import threadpool_limits
 
-from skincad.circuit.calibrate import ANY_RATIO, BOUNDS, FILM_RATIO, FITTED, paper_target
-from skincad.circuit.network import Complex, Constants, Real, network
-from skincad.circuit.response import decibels, response
+from skincad.circuit import (
+    ANY_RATIO,
+    BOUNDS,
+    FILM_RATIO,
+    FITTED,
+    Complex,
+    Constants,
+    Real,
+    decibels,
+    paper_target,
+)
+from skincad.circuit.network import network
+from skincad.circuit.response import response
 from tests.circuit.paper import printed_response
 
 STARTS, SEED, STEPS = 24, 2002, 300  # as the calibration's

@@ -24,19 +24,22 @@ from threadpoolctl import threadpool_limits
 
 import skincad
 from bench.exam.scoring import wilson
-from skincad.inputs.recordings import FilmRecording
-from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance, judge, strip_name
-from skincad.scenes.film_prediction import (
+from skincad.inputs import FilmRecording
+from skincad.scenes import (
+    CANT_TELL,
+    LEVELS,
     FilmPrediction,
+    RecordingAcceptance,
+    Scene,
+    at_level,
+    judge,
     modulus_range,
     predict_films,
     recorded_scene,
+    strip_name,
     varied,
     with_modulus,
 )
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import at_level
 
 SCENES = {  # name: template, circuit, settings
     "press": ("yamada-2002-press", "transimpedance", ()),

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 import skincad
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import Request
 from skincad.mechanics.models import corrected, reduced
-from skincad.mechanics.problem import Request
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 
 PADS: tuple[tuple[str, int, dict[str, Any]], ...] = (
     ("plain-ridges", 45, {}),

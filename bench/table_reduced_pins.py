@@ -17,11 +17,10 @@ import numpy as np
 
 import skincad
 from bench import calculix_pins
-from skincad.inputs.design import Design
-from skincad.inputs.guards import shoulder
-from skincad.inputs.material import layers, silicone
+from skincad.inputs import Design, layers, shoulder
+from skincad.inputs.material import silicone
 from skincad.mechanics.models import reduced
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 
 FINENESS = 6  # elements over a tip
 LEVELS = 0.92, 0.98  # of the approach at which all touch

@@ -10,10 +10,17 @@ from __future__ import annotations
 import sys
 
 from bench.table_strain import FINENESS, FINER, Judge, flat_design
-from skincad.base.errors import InputError
-from skincad.mechanics.models.corrected import errors_of, plain_pad, relative_changes
-from skincad.mechanics.models.friction import SOLID_ORDER, SOLID_STEPS, solve_solid
-from skincad.mechanics.problem import ContactError, pad_of
+from skincad.base import InputError
+from skincad.mechanics import (
+    SOLID_ORDER,
+    SOLID_STEPS,
+    ContactError,
+    errors_of,
+    pad_of,
+    plain_pad,
+    relative_changes,
+    solve_solid,
+)
 
 MOST = 40_000  # unknowns of the coarse solid
 COEFFICIENTS = 0.3, 1.0

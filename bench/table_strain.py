@@ -12,23 +12,22 @@ import numpy as np
 
 from bench.campaign.random_designs import drawn
 from bench.error_bars import force_of
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.mechanics.models.corrected import (
-    CoarseAnswer,
-    Errors,
-    errors_of,
-    plain_pad,
-    relative_changes,
-)
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.models.solid_finite_strain import (
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.mechanics import (
     COARSE_ERRORS,
     COARSE_LAYERS,
     COARSE_PARTS,
-    solve,
+    CoarseAnswer,
+    ContactError,
+    Errors,
+    Layers,
+    errors_of,
+    pad_of,
+    plain_pad,
+    relative_changes,
 )
-from skincad.mechanics.problem import ContactError, pad_of
+from skincad.mechanics.models.solid_finite_strain import solve
 
 MOST = 9_000  # unknowns of the coarse solid; the finer one's are ten times as many
 FINER, FINENESS = Layers(0.3, 1.8, 3), 1.3

@@ -15,17 +15,11 @@ from typing import Any
 import numpy as np
 
 from bench.random_scenes import between, random_skin
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError
-from skincad.effects.finite_strain import FiniteStrain
-from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.left_out import sway_force
-from skincad.scenes.march import March, march
-from skincad.scenes.models import left_out_effects, piece_for
-from skincad.scenes.scene import Scene, load_scene
+from skincad.base import Array, InputError
+from skincad.effects import FiniteStrain, SmallStrain
+from skincad.mechanics import Drive, default_sizes, piece_of, sway_force, triangles
+from skincad.scenes import March, Scene, left_out_effects, load_scene, piece_for
+from skincad.scenes.march import march
 
 FINENESS, ORDER = 0.3, 2
 PRESSED, STEPS = 4, 10  # of which the first press

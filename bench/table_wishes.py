@@ -17,15 +17,10 @@ from time import perf_counter
 from typing import Any
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
-from skincad.inputs.gripper import grippers
-from skincad.inputs.process import PROCESSES
-from skincad.inputs.silicone import silicones
-from skincad.studies.wish import film_of, meets, room
-from skincad.studies.wish_shapes import FILM_ROOM, LEAST_RIDGES, SLOT, SLOT_SHARE, WIRE_SLIT
+from skincad.base import InputError, RefusedError
+from skincad.fabrication import Job, design_findings
+from skincad.inputs import PROCESSES, Design, grippers, silicones
+from skincad.studies import FILM_ROOM, LEAST_RIDGES, SLOT, SLOT_SHARE, WIRE_SLIT, film_of, meets, room
 
 JUDGE = "corrected-finite-strain"  # whose yield is known to some percent, whatever the clock says
 TRIALS, CHECKS = 400, 4  # random designs for a wish that is not met; of them checked

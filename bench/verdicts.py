@@ -19,10 +19,9 @@ from time import perf_counter
 import numpy as np
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.design import Design
-from skincad.mechanics.validity import limits
-from skincad.mechanics.verdict import ContactCheck, is_decided
+from skincad.base import InputError, RefusedError
+from skincad.inputs import Design
+from skincad.mechanics import ContactCheck, is_decided, limits
 
 BEST = "solid-finite-strain"
 STRAINS = 0.02, 0.3  # nominal, of ridges that shared the force evenly

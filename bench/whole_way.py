@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 
 import skincad
+from skincad.fabrication import Job, layer_name, pours
 from skincad.fabrication.coupon import coupon
 from skincad.fabrication.day_plan import day_plan
-from skincad.fabrication.job import Job
-from skincad.fabrication.pouring import layer_name, pours
-from skincad.inputs.design import Design
-from skincad.scenes.scene import Scene
+from skincad.inputs import Design
+from skincad.scenes import Scene
 
 SIZE, TOUCH, FACE, PROCESS = (22, 24), 2.0, "dragon-skin-10", "sla"
 BACK = {"name": "dragon-skin-30", "thickness": 4.5, "bond": "primer"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import skincad
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from tests.small_scene import last_of_each
 
 

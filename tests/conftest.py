@@ -7,13 +7,11 @@ import gc
 import io
 import os
 import pickle
-import re
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
@@ -25,10 +23,12 @@ import pytest
 import typer
 
 import skincad
-from skincad.fabrication.making import MakeResult, PartReport
-from skincad.inputs.design import Design
-from skincad.outputs.delivery import Delivery
+from skincad.fabrication import MakeResult, PartReport
+from skincad.inputs import Design
+from skincad.outputs import Delivery
 from tests.processes import LIMIT
+
+pytest_plugins = ["tests.tiers"]
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -128,22 +128,6 @@ def pytest_configure() -> None:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
     gc.disable()  # until all tests are collected: no import leaves garbage worth looking for
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Quick files first, then dear ones by `seconds.toml`, the longest first, that the workers end together;
-    slow tests likewise."""
-    known = tomllib.loads((Path(__file__).parent / "seconds.toml").read_text())
-
-    def seconds(item: pytest.Item) -> float:
-        name = re.split(r"[@\[]", item.nodeid.removeprefix("tests/"))[0]  # no parameters, no worker's group
-        if item.get_closest_marker("slow"):
-            return known["slow"].get(name, 0.0)
-        return known["fast"].get(name.partition("::")[0], 0.0)
-
-    slow = {item: bool(item.get_closest_marker("slow")) for item in items}
-    # of slow ones the short and unknown come last; of the fast files the unknown, which are quick, come first
-    items.sort(key=lambda item: (slow[item], not slow[item] and seconds(item) > 0, -seconds(item)))
 
 
 def pytest_collection_finish() -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import skincad
-from skincad.inputs.catalog import read_table, template_names
-from skincad.inputs.design import Design
+from skincad.inputs import Design, read_table, template_names
 
 _SKIN = {"thickness": 4.0, "width": 20.0, "length": 20.0}
 _REST = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}, "contact": {"force": 4.0}}

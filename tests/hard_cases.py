@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from bench.campaign.cases import Case, Figures, figures
-from skincad.base.tables import table_of, unit_of
-from skincad.inputs.catalog import overridden, read_table
-from skincad.inputs.design import Design
+from skincad.base import table_of, unit_of
+from skincad.inputs import Design, overridden, read_table
 
 FILE = Path(__file__).parent / "hard_cases.toml"
 FOLDERS = {"simulate": "scenes", "circuit": "circuits"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import skincad
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from tests.bent_skin import bent
 from tests.families import RIDGED
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from skincad.effects.kinds import PlatePath, SceneOutline
-from skincad.inputs.design import Design
+from skincad.effects import PlatePath, SceneOutline
+from skincad.inputs import Design
 
 DOWN, ALONG = 10.0, 4.0  # N/mm, of the pad
 

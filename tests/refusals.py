@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from tests.conftest import run_skincad
 
 

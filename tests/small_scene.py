@@ -9,8 +9,8 @@ from types import ModuleType
 import pytest
 
 from skincad import effects
-from skincad.inputs.catalog import template_text
-from skincad.scenes.scene import Scene, load_scene
+from skincad.inputs import template_text
+from skincad.scenes import Scene, load_scene
 
 
 def small_skin(text: str) -> str:

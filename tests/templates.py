@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 import skincad
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
+from skincad.inputs import Design, template_names
 from tests.families import RIDGED
 
 # as yamada-2002, by edm; lab-bench and home-printer as plain-ridges, by sla

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.studies.subject import load_subject
+from skincad.base import InputError
+from skincad.studies import load_subject
 
 LOADERS = {
     "design": (skincad.load_design, "plain-ridges"),

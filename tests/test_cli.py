@@ -14,8 +14,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from skincad.base.errors import InputError
-from skincad.base.outfolder import checked_folder
+from skincad.base import InputError, checked_folder
 from skincad.cli.app import app
 from tests.conftest import run_skincad, skincad_process
 from tests.processes import python, started

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from skincad.base.outfolder import files_below
+from skincad.base import files_below
 from tests.conftest import skincad_process
 from tests.processes import python
 

@@ -12,11 +12,11 @@ import pytest
 from PIL import Image
 
 from bench.geometry_plot import geometry_plot
-from skincad.circuit.model import Circuit
+from skincad.circuit import Circuit
 from skincad.effects import EFFECTS, effect
-from skincad.inputs.design import Design
-from skincad.outputs.tomls import table_entries
-from skincad.scenes.scene import Scene
+from skincad.inputs import Design
+from skincad.outputs import table_entries
+from skincad.scenes import Scene
 
 ROOT = Path(__file__).parent.parent
 CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")

@@ -7,10 +7,8 @@ from pathlib import Path
 import matplotlib
 import pytest
 
-from skincad.circuit.bode import gain
-from skincad.circuit.model import load_circuit
-from skincad.outputs.figures.canvas import save
-from skincad.outputs.figures.results import gain_figure
+from skincad.circuit import gain, load_circuit
+from skincad.outputs import gain_figure, save
 from tests.processes import python
 
 FILES = {

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.outfolder import files_below
+from skincad.base import files_below
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples").glob("*.ipynb"))
 WALK = "wish-to-skin"  # the one that writes

@@ -16,21 +16,14 @@ import pytest
 import tomlkit
 
 from bench.campaign.strategies import numbers
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.tables import Table, table_of
-from skincad.circuit.bode import gain
-from skincad.circuit.model import Circuit, circuit_network
-from skincad.effects import EFFECTS, effect
-from skincad.effects.piezo import Chain
-from skincad.inputs.catalog import overridden, read_table, template_text
-from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import FAMILY_TABLES
+from skincad.base import InputError, RefusedError, Table, table_of
+from skincad.circuit import Circuit, circuit_network, gain
+from skincad.effects import EFFECTS, Chain, effect
+from skincad.inputs import FAMILY_TABLES, Design, overridden, read_table, template_text
+from skincad.mechanics import filled_pad
 from skincad.mechanics.check import check
-from skincad.mechanics.film.stress import filled_pad
-from skincad.outputs.delivery import write
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import Readout, ScenePlate, load_scene
-from skincad.scenes.simulation import at_level
+from skincad.outputs import write
+from skincad.scenes import LEVELS, Readout, ScenePlate, at_level, load_scene
 from tests.small_scene import small_skin
 
 HUGE, TINY = 1e300, 5e-324  # where a field has no limit of its own

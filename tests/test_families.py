@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.inputs.catalog import display_name
+from skincad.inputs import display_name
+from skincad.live import apply_moves, start_session
 from skincad.live.controls import controls
-from skincad.live.session import apply_moves, start_session
-from skincad.shape.families import FAMILIES
-from skincad.shape.skin import skin_of
+from skincad.shape import FAMILIES, skin_of
 from tests.conftest import run_skincad
 from tests.refusals import assert_a_line
 

@@ -23,8 +23,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.outfolder import checked_folder, files_below, replaced
+from skincad.base import InputError, checked_folder, files_below, replaced
 from tests.conftest import run_skincad
 from tests.processes import python, started
 from tests.refusals import refused_command

@@ -6,7 +6,7 @@ import pytest
 
 from bench.campaign.cases import figures
 from bench.campaign.invariants import sane
-from skincad.base.errors import InputError, RefusedError
+from skincad.base import InputError, RefusedError
 from tests.hard_cases import Entry, entries, watched
 
 ALL = tuple(entries())

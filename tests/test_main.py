@@ -18,12 +18,10 @@ from types import SimpleNamespace
 import pytest
 
 from skincad import __main__ as process
-from skincad.base import interrupt
-from skincad.base.errors import ExhaustedError, FaultError, InputError, RefusedError
+from skincad.base import ExhaustedError, FaultError, InputError, RefusedError, interrupt
 from skincad.cli import main
 from skincad.cli.process import TRACEBACK
-from skincad.outputs.delivery import ready
-from skincad.outputs.tomls import write_new
+from skincad.outputs import ready, write_new
 from tests.processes import python, started
 
 # no library that takes long to load: advice is sought with scipy

@@ -10,10 +10,8 @@ from collections.abc import Callable
 import pytest
 
 import skincad
+from skincad.mechanics import default_sizes, pad_of, section_forms, triangles
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.bodies.prisms import section_forms
-from skincad.mechanics.problem import pad_of
 
 # MB a call of what malloc has given out and not got back: exact, unlike the resident size. A point of an
 # element's map that stays is 160 bytes, 0.05 and 1.3 MB a call here; NGSolve's own tables grow by below 0.002

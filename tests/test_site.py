@@ -12,7 +12,7 @@ from mkdocs.config import load_config
 import skincad
 from bench.docs_reference import RESULTS
 from skincad.cli.app import app
-from skincad.inputs.feature_tables import Flat, Pin, Pocket, Ridge, Ring
+from skincad.inputs import Flat, Pin, Pocket, Ridge, Ring
 from tests.outputs.browser import shown
 
 ROOT = Path(__file__).parent.parent

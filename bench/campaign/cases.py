@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import tomlkit
 
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design, load
 
 CHORD = 2e-3  # mm, asked of print meshes
 ONE_MESH = 1e-3  # s; a budget that buys the coarsest mesh alone
@@ -50,8 +49,7 @@ def section_figures(case: Case) -> Figures:
     """The exact section alone: area by Green's theorem and of a polygon within 1e-6 mm, slots."""
     import shapely
 
-    from skincad.shape.curves import area, polygon
-    from skincad.shape.skin import section
+    from skincad.shape import area, polygon, section
 
     shape = section(case.design)
     outline = shapely.Polygon(polygon(shape.outline, 1e-6))
@@ -69,9 +67,8 @@ def section_figures(case: Case) -> Figures:
 
 def solid_figures(case: Case) -> Figures:
     """The skin's exact solid and its print mesh."""
-    from skincad.fabrication.meshes import mesh
-    from skincad.solids.occ import solid
-    from skincad.solids.skin import skin_part
+    from skincad.fabrication import mesh
+    from skincad.solids import skin_part, solid
 
     part = skin_part(case.design)
     exact, printed = solid(part), mesh(part, CHORD)  # KernelError unless valid, of the formula's volume
@@ -137,9 +134,7 @@ def scene_file(case: Case) -> Iterator[Path]:
 
 def scene_figures(case: Case) -> Figures:
     """What `simulate` says, by default on the coarsest mesh; lists over steps, entry 0 unloaded."""
-    from skincad.scenes.models import marches_masses
-    from skincad.scenes.scene import load_scene
-    from skincad.scenes.simulation import simulate
+    from skincad.scenes import load_scene, marches_masses, simulate
 
     with scene_file(case) as file:
         scene = load_scene(file)
@@ -177,9 +172,7 @@ def scene_figures(case: Case) -> Figures:
 def circuit_figures(case: Case) -> Figures:
     """What `circuit` says, beside the gain in fractions at three frequencies, both in dB."""
     from bench.campaign import rational
-    from skincad.circuit.bode import film_load, gain
-    from skincad.circuit.model import Circuit
-    from skincad.circuit.response import decibels
+    from skincad.circuit import Circuit, decibels, film_load, gain
 
     circuit = Circuit(**case.tables)
     circuit_gain = gain(circuit)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from bench.campaign.cases import Case, figures
 from bench.campaign.invariants import Fault, faults
-from skincad.base.errors import InputError, RefusedError
+from skincad.base import InputError, RefusedError
 
 MEMORY = 4 * 2**30  # bytes above what the libraries have mapped already
 SECONDS = 150  # of processor time; the slowest sound cases take a fifth

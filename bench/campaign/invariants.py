@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from bench.campaign.cases import CHORD, ONE_MESH, Case, Figures, figures
-from skincad.base.errors import InputError, RefusedError
+from skincad.base import InputError, RefusedError
+from skincad.inputs import SOFTEST, STIFFEST
 from skincad.inputs.material import silicone
-from skincad.inputs.silicone import SOFTEST, STIFFEST
-from skincad.mechanics.validity import LARGEST_STRAIN
-from skincad.shape.skin import skin_of
+from skincad.mechanics import LARGEST_STRAIN
+from skincad.shape import skin_of
 
 Fault = tuple[str, str]
 NEXT = {"winkler": "linear", "linear": "corrected", "corrected": "solid"}

@@ -12,14 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.inputs import PROCESSES, Design, silicones
 from skincad.inputs.material import silicone
-from skincad.inputs.process import PROCESSES
-from skincad.inputs.silicone import silicones
-from skincad.mechanics.models.winkler import crest_gaps, ridge_stiffness
-from skincad.mechanics.problem import pad_of
-from skincad.shape.skin import skin_of
+from skincad.mechanics import crest_gaps, pad_of, ridge_stiffness
+from skincad.shape import skin_of
 from skincad.solids.mold import mold
 
 MOST_DRAWS = 200  # of one seed; every second draw or so is a design

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from skincad.circuit.network import Constants
+from skincad.circuit import Constants
 
 
 @dataclass(frozen=True)

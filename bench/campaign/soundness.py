@@ -19,16 +19,20 @@ from manifold3d import Manifold
 
 from bench.campaign.poured_by_solids import Kit, poured_by_solids
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.filling import filling_findings
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold, mesh
-from skincad.fabrication.pouring import poured_volume
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
+from skincad.fabrication import (
+    Job,
+    casting_sheet,
+    design_findings,
+    filling_findings,
+    interference,
+    manifold,
+    mesh,
+    poured_volume,
+)
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
-from skincad.solids.mold import ClosedMold, mold
+from skincad.solids import ClosedMold
+from skincad.solids.mold import mold
 
 CHORD = 2e-3  # mm, asked of the print meshes
 # a design may well have these errors: it is told, and nothing is wrong with its parts
@@ -73,7 +77,7 @@ def faults(design: Design, *, kernel: bool = True) -> Iterator[str]:
 
 
 def _solid_faults(closed: ClosedMold) -> Iterator[str]:
-    from skincad.solids.occ import solid  # loads the CAD kernel
+    from skincad.solids import solid
 
     for part in closed.parts:
         shape = solid(

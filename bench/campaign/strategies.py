@@ -16,9 +16,9 @@ from pydantic import BaseModel
 
 from bench.campaign import random_designs
 from bench.campaign.cases import Case
-from skincad.base.tables import Table, table_of
-from skincad.circuit.model import Circuit
-from skincad.inputs.design import Design
+from skincad.base import Table, table_of
+from skincad.circuit import Circuit
+from skincad.inputs import Design
 
 NEVER = {"name", "process", "end_plate_process", "lid_process"}
 MOST_RIDGES = 25  # of what is solved: a pad of hundreds is the catalogue's

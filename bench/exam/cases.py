@@ -14,11 +14,9 @@ import numpy as np
 from scipy.signal import fftconvolve
 
 from bench.exam.scenes import SceneRun
-from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.response import total_density
-from skincad.circuit.state import corner
-from skincad.effects.piezo import Chain, fitted, strip_charges
-from skincad.scenes.errors import intervals
+from skincad.circuit import circuit_network, corner, load_circuit, total_density
+from skincad.effects import Chain, fitted, strip_charges
+from skincad.scenes import intervals
 
 
 @dataclass(frozen=True, eq=False)

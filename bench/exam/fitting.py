@@ -28,7 +28,7 @@ from bench.exam.scoring import HEAD, Alarm, lasting, line, mark, near
 from bench.exam.shipped import shipped
 from bench.exam.skins import DESIGN
 from bench.exam.sticking import BAND, RATE, sticking
-from skincad.circuit.state import delay
+from skincad.circuit import delay
 from skincad.scenes import detector, slip_features
 
 CIRCUIT = "transimpedance"

@@ -19,7 +19,7 @@ from bench.exam.network import fitted
 from bench.exam.scenes import kept, seeds
 from bench.exam.scoring import HEAD, line, mark
 from bench.exam.skins import DESIGN
-from skincad.scenes.detector import BACK, SEEN
+from skincad.scenes import BACK, SEEN
 
 TOLD = "nothing", "friction", "forces", "both"
 LEVELS = 1.0, 2.0, 3.0

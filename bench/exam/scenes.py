@@ -19,12 +19,9 @@ from threadpoolctl import threadpool_limits
 
 from bench.exam.histories import STEPS, History, history
 from bench.exam.skins import DESIGN, EXAM, SETS, Skin, skins
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.inputs.material import silicone
-from skincad.scenes.errors import slips_of
-from skincad.scenes.march import LEVELS
-from skincad.scenes.models import MarchSetup, halts_of, march_on, piece_for
-from skincad.scenes.scene import Scene
+from skincad.scenes import LEVELS, MarchSetup, Scene, halts_of, march_on, piece_for, slips_of
 
 COUNT = {DESIGN: 240, EXAM: 320}  # scenes
 LATER = 360, 200  # more to fit on, by batch, each of other skins

@@ -8,9 +8,7 @@ import numpy as np
 
 from bench.exam.scenes import SceneRun
 from bench.exam.skins import Skin
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
+from skincad.scenes import LEVELS, at_level, load_scene
 
 TOLD = 2, 3  # paper: strips in the second and third ridge from a side
 PULLS = ("hold", "readout.bandwidth_Hz=5000.0", "history.steps=400")

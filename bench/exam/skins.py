@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import load_design, template_names
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.inputs import Design, load_design, template_names
 
 DESIGN, EXAM = "design", "exam"
 SETS = (DESIGN, EXAM)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from skincad.circuit.state import band_limited
+from skincad.circuit import band_limited
 
 RATE, BAND = 1e5, 5e3  # Hz
 STEPS, COUNT = 600, 60

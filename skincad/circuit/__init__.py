@@ -1,1 +1,18 @@
 """The film and its amplifier: network, gain by frequency, calibration, response in time, noise; in SI."""
+
+from skincad.base.faces import face
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    bode: COLUMNS CircuitGain film_load gain told_rig without_rig
+    calibrate: ANY_RATIO BOUNDS FILM_RATIO FITTED PAPER_ABOVE PAPER_BELOW PAPER_CUTOFF PAPER_HIGH
+        PAPER_LOW paper_target
+    model: Circuit circuit_network constants load_circuit
+    network: Complex Constants Network PICO Real capacitance charge electrode netlist
+    response: Slopes decibels noise_samples total_density
+    state: FilteredSignal PASS Recording Stepper band_limited corner delay evenly_spaced longest_step
+        recorded run sizes state_space stepper
+    """,
+)

@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.faces import face
 
 if TYPE_CHECKING:
     from skincad.effects.kinds import Effect
@@ -42,3 +43,20 @@ def effect(name: str) -> type[Effect]:
     module, _, kind = EFFECTS[name].where.partition(":")
     kind_class: type[Effect] = getattr(import_module(module), kind)
     return kind_class
+
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    chosen_steps: ChosenPad
+    finite_strain: FiniteStrain
+    friction: Friction
+    kinds: Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
+        ReaderContext RidgePath SceneOutline SectionPad Share Step Term
+    modal: ModalPad
+    piezo: Chain Piezo SIDES fitted strip_charges
+    pin_pad: SLIDING STICKING left_out
+    small_strain: CondensedPad SmallStrain condensed
+    """,
+)

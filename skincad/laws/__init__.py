@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.faces import face
 
 if TYPE_CHECKING:
     from skincad.laws.gent import Gent as Gent
@@ -33,14 +34,6 @@ LAWS = {
     "gent": "skincad.laws.gent:Gent",
     "ogden": "skincad.laws.ogden:Ogden",
 }
-
-
-def __getattr__(name: str) -> Any:
-    """Import a law by its class's name when it is first used."""
-    for kind, home in LAWS.items():
-        if home.endswith(f":{name}"):
-            return law(kind)
-    raise AttributeError(f"module 'skincad.laws' has no attribute '{name}'")
 
 
 def law(kind: str) -> type[Rubber]:
@@ -65,3 +58,17 @@ def law_of(table: Mapping[str, Any]) -> Rubber:
         if broken.key != law_class.__name__.lower():  # a rule of one constant
             raise
         raise InputError("", broken.rule, broken.value, broken.remedy, broken.others) from None
+
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    gent: Gent
+    mooney_rivlin: MooneyRivlin
+    neo_hooke: NeoHooke
+    ogden: Ogden
+    rubber: Candidate LONGEST Rubber SHORTEST
+    yeoh: Yeoh
+    """,
+)

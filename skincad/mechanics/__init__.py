@@ -1,1 +1,59 @@
 """Whether the ridges touch, and how hard: finite elements on the section and unilateral contact."""
+
+from skincad.base.faces import face
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    bodies.condense: FrontFactors condense factored
+    bodies.film_field: StripStress strip_stress
+    bodies.mesh: PlainMesh Sizes at_faces default_sizes half_of height_of meshed_piece plain_mesh
+        plane_piece triangles unit_of
+    bodies.plane_body: Functions excess
+    bodies.prisms: fronts_of graded section_forms
+    bodies.solid_body: SolidBody
+    bodies.solid_law: excess_at
+    check: exceeds_model mesh_tolerance require_force spread_of
+    contact.frictional: halved in_halves joined solve_contact
+    contact.frictional_pad: FrictionalPad FrictionalState Tangential advance_to frictional_pad_of
+    contact.frictionless: NodalContact Ridges press
+    contact.frozen_tangent: Drift FrozenTangentPad FrozenTangentState UPDATE_INTERVAL
+    contact.ridge_model: ridge_forces ridge_model
+    contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing
+        law_of
+    contact.tips: SWAY TipState Tips advance
+    dynamics.modes: ModeStep Modes at_points mode_step resolved slow_modes
+    dynamics.pad: linear
+    dynamics.ringing: FREE_TOP MasslessRun RETARDATION layer_period plate_ringing shear_frequency
+        skin_mass
+    dynamics.steps: DynamicState Dynamics LENGTH_DIGITS MAX_HALVINGS Matter friction_work plate_inertia
+        plate_state plate_work rest_state scheme
+    film.fields: DeformedSection RidgeField WholeState collision on_sides
+    film.response: FilmResponse SPANS film_response
+    film.sliding: ContactPad of_ends sliding
+    film.stick: PadPiece piece_of
+    film.stress: FilmStress FilmStresses check_request filled_pad film_stress film_stresses
+    fits: DESIGNS FITS NUMBERS unlike
+    left_out: FRICTION LeftOut finite_strain force_changes free_ends friction sway_amplification
+        sway_force
+    manufacture: KEYS Sensitivity intervals sensitivities
+    models.corrected: CoarseAnswer Errors added_compliance errors_of plain_pad relative_changes
+    models.finite_strain: Levels
+    models.friction: FULL SOLID_ORDER SOLID_STEPS TwoPresses solve_solid
+    models.linear: LevelSolver
+    models.pin_cell: crown_radius hertz lone
+    models.reduced: pin_model pin_tops pressed
+    models.solid: Layers SolidSolution coarse_sizes condensed_pad forms_of solve_level
+    models.solid_finite_strain: COARSE_ERRORS COARSE_LAYERS COARSE_PARTS body_of
+    models.table: AUTO MODELS expected_seconds load model_named prerequisites run unsupported_reason
+        whole_price
+    models.winkler: compliances crest_gaps ridge_stiffness stiffnesses
+    plate_friction: PlateFriction
+    problem: Answer ContactError LateError NEGLIGIBLE PVDF_DENSITY Pad PadLayer Request RidgeModel
+        SizeError check_pad pad_of solid_pad_of
+    validity: LARGEST_STRAIN Limits height limits material_warnings mean_width plane_modulus
+        refuse_crushed ridge_strain small_strain_violation tipping
+    verdict: Change ContactCheck NO_MODEL NextModel is_decided
+    """,
+)

@@ -3,3 +3,33 @@
 A module shows the results of a command. Below them are `simulators` (packages), `drawing` (with dimensions),
 `figures` (matplotlib's) and `web` (what pages are made of).
 """
+
+from skincad.base.faces import face
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    checks: advice_lines allowance awaits_advice details number_lines
+    coupons: files
+    delivery: Delivery of_formats ready save_picture write
+    drawing.flat: write_shims_dxf
+    drawing.overview: PAGE
+    figures.canvas: Axes STYLES save sheet
+    figures.results: gain_figure
+    figures.stress: COLOURS FRAME_WIDTH Moment moments_limit section_animation section_picture
+    figures.studies: LADDER_SIZE diagram pareto
+    gallery: forces
+    makes: names
+    simulations: write_table
+    simulators.links: links
+    simulators.meshes: tetrahedra
+    simulators.package: Package markdown package
+    solid_files: assembly write_assembly write_step write_stl
+    studies: front_names sweep_csv sweep_names sweep_page write_solution
+    tomls: HOME LISTS check_new document_name first_of listing schema_of start_names table_entries
+        write_copy write_new write_with_modulus
+    view: explosion_offset
+    wishes: write_wish
+    """,
+)

@@ -1,1 +1,21 @@
 """Scenes: the march through a history, its signals, when ridges slip, and what is left out."""
+
+from skincad.base.faces import face
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    acceptance: CANT_TELL RecordingAcceptance StripState accept_recording judge strip_name
+    detector: AHEAD BACK Detector EARLY INCIPIENT NOT_AHEAD POINTS SEEN SURE fed score statistic taken
+    errors: Slips intervals slip_errors slips_of
+    film_prediction: FilmPrediction modulus_range predict_films recorded_scene varied with_modulus
+    march: GROSS_SLIP LEVELS Level March expected frames
+    models: BySource CORRECTED ComparisonRuns DEFAULT_TOLERANCE FINITE_STRAIN FREE_ENDS MarchSetup
+        SMALL_STRAIN chosen_steps coarse_steps halts_of left_out_effects march_on marches_masses model_of
+        path_of piece_for
+    scene: History LAW PIN_EFFECTS Readout Scene ScenePlate load_scene
+    simulation: SceneRun Simulation at_level energy friction_cone marched marching read_out simulate
+    strip_assignment: WORKS
+    """,
+)

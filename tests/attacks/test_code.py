@@ -15,10 +15,10 @@ import pytest
 from pydantic import ValidationError
 
 import skincad
-from skincad.base.tables import Table
-from skincad.circuit.model import Circuit
-from skincad.inputs.design import Design
-from skincad.scenes.scene import Scene
+from skincad.base import Table
+from skincad.circuit import Circuit
+from skincad.inputs import Design
+from skincad.scenes import Scene
 
 FILES = sorted(Path(skincad.__file__).parent.rglob("*.py"))
 CALLS = {"eval", "exec", "compile", "__import__", "system", "popen", "execv", "execve", "spawnv"}

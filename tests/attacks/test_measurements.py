@@ -11,11 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skincad import load
-from skincad.base.columns import LARGEST_FILE, read_columns
-from skincad.base.errors import InputError
-from skincad.circuit.bode import COLUMNS
-from skincad.inputs.measurements import material_test
-from skincad.shape.crests import crest_drops
+from skincad.base import LARGEST_FILE, InputError, read_columns
+from skincad.circuit import COLUMNS
+from skincad.inputs import material_test
+from skincad.shape import crest_drops
 from tests.attacks.test_tables import evil, refusal_words
 from tests.refusals import assert_a_line, refused
 

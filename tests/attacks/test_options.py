@@ -8,7 +8,7 @@ from typing import get_args, get_type_hints
 import pytest
 import typer
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.cli import run
 from skincad.cli.app import app
 from skincad.cli.options import PrinterOption

@@ -15,10 +15,9 @@ from pathlib import Path
 import pytest
 
 from skincad import load
-from skincad.base.errors import InputError
-from skincad.base.outfolder import COMMANDS, checked_folder, manifest_text, replaced
-from skincad.circuit.model import load_circuit
-from skincad.scenes.scene import load_scene
+from skincad.base import COMMANDS, InputError, checked_folder, manifest_text, replaced
+from skincad.circuit import load_circuit
+from skincad.scenes import load_scene
 from tests.refusals import refused_by, refused_command
 
 NAMES = [
@@ -35,7 +34,7 @@ def test_a_name_is_no_path(name: str) -> None:
 
 @pytest.mark.parametrize("skin", ["/etc/passwd", "../../../etc/passwd", "/dev/zero", ".", "a\\u0000b.toml"])
 def test_a_scenes_skin_is_a_design_or_nothing(skin: str, tmp_path: Path) -> None:
-    from skincad.inputs.catalog import template_text
+    from skincad.inputs import template_text
 
     text = template_text("hold", "scenes").replace('skin = "yamada-2002"', f'skin = "{skin}"')
     (tmp_path / "scene.toml").write_text(text)

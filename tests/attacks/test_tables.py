@@ -19,11 +19,10 @@ import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skincad.base.errors import InputError
-from skincad.base.reading import DEEPEST, MOST_PARTS, tables_of
-from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import LARGEST_FILE, load, read_table, template_text
-from skincad.scenes.scene import load_scene
+from skincad.base import DEEPEST, MOST_PARTS, InputError, tables_of
+from skincad.circuit import load_circuit
+from skincad.inputs import LARGEST_FILE, load, read_table, template_text
+from skincad.scenes import load_scene
 from tests.refusals import assert_a_line, refused
 
 LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {

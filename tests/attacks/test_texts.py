@@ -16,18 +16,12 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 import skincad
-from skincad.base.errors import shown
-from skincad.base.reading import csv_text, markdown_text
-from skincad.fabrication.coupon import coupon, coupon_sheet
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.making import Build
-from skincad.inputs.design import Design
-from skincad.outputs import makes
+from skincad.base import csv_text, markdown_text, shown
+from skincad.fabrication import Build, Job, coupon_sheet, design_findings
+from skincad.fabrication.coupon import coupon
+from skincad.inputs import Design
+from skincad.outputs import Package, links, makes, markdown, sweep_csv, sweep_page
 from skincad.outputs.report import report
-from skincad.outputs.simulators.links import links
-from skincad.outputs.simulators.package import Package, markdown
-from skincad.outputs.studies import sweep_csv, sweep_page
 
 PIECES = (
     *"=+-@\t\r\n'\",;|`*_#>\\&",

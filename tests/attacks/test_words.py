@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skincad import cli
-from skincad.base.errors import InputError, did_you_mean, shown
-from skincad.inputs.catalog import read_table
+from skincad.base import InputError, did_you_mean, shown
+from skincad.inputs import read_table
 from tests.attacks.test_measurements import READERS
 from tests.attacks.test_tables import LOADERS, OWN, kinds, paths, refusal_words
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from skincad.base import adaptivity
-from skincad.base.adaptivity import Refinement, by_price, refine
+from skincad.base import Refinement, adaptivity, by_price, refine
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from skincad.base.errors import InputError, require_goals, require_number
+from skincad.base import InputError, require_goals, require_number
 
 
 @pytest.mark.parametrize(("tol", "budget"), [(None, None), (1e-9, 1e-9), (0.999, 1e9)])

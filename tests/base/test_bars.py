@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from skincad.base.progress import LATE, Progress, clock, left_in_words, one_by_one, stage_bar, step_bar
+from skincad.base import Progress, one_by_one, stage_bar, step_bar
+from skincad.base.progress import LATE, clock, left_in_words
 
 
 class Terminal(io.StringIO):

@@ -14,11 +14,10 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import skincad
-from skincad.base.machine import one_blas_thread
-from skincad.inputs.design import Design
+from skincad.base import one_blas_thread
+from skincad.inputs import Design
+from skincad.mechanics import default_sizes, pad_of, triangles
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.problem import pad_of
 
 BEFORE = 2  # of a user's own choice
 # a thread has a heap of its own, where arrays are aligned otherwise: sums in BLAS and numpy then round

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import ExhaustedError, InputError, RefusedError, exhausted, resource_guard
+from skincad.base import ExhaustedError, InputError, RefusedError, exhausted, resource_guard
 
 RAN_OUT = [
     (MemoryError(), "memory"),

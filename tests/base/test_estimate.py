@@ -8,8 +8,7 @@ import operator
 import numpy as np
 import pytest
 
-from skincad.base.errors import UnclearError
-from skincad.base.estimate import Estimate
+from skincad.base import Estimate, UnclearError
 
 FORCE = Estimate(2.5, 0.25, "N")  # all of it is exact in binary
 NONE = Estimate(None, None, "N")

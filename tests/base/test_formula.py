@@ -7,7 +7,8 @@ import math
 
 import pytest
 
-from skincad.base.formula import Calculation, Quantity, evaluated
+from skincad.base import Calculation, Quantity
+from skincad.base.formula import evaluated
 
 LENGTHS = Quantity("l_i", "lengths", (1.0, 2.0, 3.5), "mm")
 

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base import outfolder
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.outfolder import COMMANDS, checked_folder, files_below, replaced
+from skincad.base import COMMANDS, InputError, RefusedError, checked_folder, files_below, outfolder, replaced
 
 
 def write(folder: Path, command: str = "make", **texts: str) -> None:

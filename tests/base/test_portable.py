@@ -15,22 +15,14 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError, RefusedError, UnclearError
-from skincad.base.estimate import Estimate
-from skincad.circuit.bode import gain
-from skincad.circuit.model import load_circuit
-from skincad.fabrication.making import MakeResult, PartReport
-from skincad.fabrication.rules import warning
-from skincad.material.fit import fit_material
-from skincad.mechanics.contact.state import GrossSlip
-from skincad.mechanics.film.stress import film_stress
-from skincad.mechanics.problem import LateError
-from skincad.scenes.march import LEVELS, March
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
-from skincad.solids.occ import KernelError
-from skincad.studies.accuracy.accuracy import Accuracy
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
+from skincad.base import Estimate, InputError, RefusedError, UnclearError
+from skincad.circuit import gain, load_circuit
+from skincad.fabrication import MakeResult, PartReport, warning
+from skincad.material import fit_material
+from skincad.mechanics import GrossSlip, LateError, film_stress
+from skincad.scenes import LEVELS, March, at_level, load_scene
+from skincad.solids import KernelError
+from skincad.studies import Accuracy, ErrorMeasure, Ladder, Measurement
 from tests.small_scene import THIRD, small_scene
 
 WAYS: tuple[Callable[[Any], Any], ...] = (

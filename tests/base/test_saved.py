@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base import saved
-from skincad.base.saved import saves
+from skincad.base import saved, saves
 
 
 @pytest.fixture

@@ -11,14 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.base.tables import Document
-from skincad.circuit.model import Circuit, load_circuit
-from skincad.inputs.catalog import KINDS, load, load_design, template_names
-from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Ridge
-from skincad.inputs.skin_tables import Material
-from skincad.scenes.scene import Scene, load_scene
+from skincad.base import Document, InputError
+from skincad.circuit import Circuit, load_circuit
+from skincad.inputs import KINDS, Design, Material, Ridge, load, load_design, template_names
+from skincad.scenes import Scene, load_scene
 from tests.refusals import refused_by
 
 LOADS = {"designs": load_design, "scenes": load_scene, "circuits": load_circuit}

@@ -18,8 +18,8 @@ from bench.campaign.__main__ import Campaign
 from bench.campaign.cases import Case
 from bench.campaign.child import alone, judged
 from bench.campaign.invariants import faults
-from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.catalog import read_table
+from skincad.base import InputError, RefusedError
+from skincad.inputs import read_table
 
 CASE = Case("section", read_table("plain-ridges", "designs"))
 

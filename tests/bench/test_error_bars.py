@@ -10,9 +10,8 @@ import pytest
 from bench.error_bars import QUANTITIES, TOPS, Row, _Seed, errors, groups, numbers, outcome, relative
 from bench.table_error_bars import table
 from skincad import load
-from skincad.base.estimate import Estimate
-from skincad.mechanics.left_out import LeftOut
-from skincad.mechanics.problem import Answer
+from skincad.base import Estimate
+from skincad.mechanics import Answer, LeftOut
 
 HELD, WIDEST = 0.95, 10.0
 SEEDS = [seed for seed in range(2, 12) if seed % TOPS]  # the whole 200: python -m bench.table_error_bars

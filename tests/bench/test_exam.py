@@ -15,7 +15,7 @@ from bench.exam.histories import ENDS, STEPS, history
 from bench.exam.scenes import COUNT, FIRST, LATER, SceneRun, batch, drawn, seeds
 from bench.exam.scoring import Alarm, lasting, mark, near, rate, wilson
 from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
-from skincad.inputs.catalog import load_design
+from skincad.inputs import load_design
 from skincad.scenes import detector
 
 STEP = 1e-3  # s

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from bench.campaign.cases import Case, figures
 from bench.campaign.invariants import sane
 from bench.campaign.strategies import scenes
-from skincad.base.errors import InputError, RefusedError
+from skincad.base import InputError, RefusedError
 
 OVERLOAD = 1000.0
 

@@ -10,10 +10,8 @@ import pytest
 
 from bench import bench_calculix, bench_check, bench_growth, calculix
 from bench.measure import alone, factorise, free_block, slope, system
-from skincad.mechanics.bodies.mesh import default_sizes
+from skincad.mechanics import MODELS, default_sizes, pad_of
 from skincad.mechanics.check import check
-from skincad.mechanics.models.table import MODELS
-from skincad.mechanics.problem import pad_of
 from tests.mechanics.designs import filleted, yamada
 
 PRINTED = """

@@ -12,7 +12,7 @@ import pytest
 from bench.campaign import soundness
 from bench.campaign.random_designs import drawn
 from bench.campaign.soundness import faults, outcome, summary
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job
 
 SEEDS = 60
 CHUNKS = 4  # shared out to the processes

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.circuit.network import Complex, Constants, Real
-from skincad.circuit.response import decibels
+from skincad.circuit import Complex, Constants, Real, decibels
 
 
 def angular(frequency: Real) -> Complex:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.circuit.calibrate import BOUNDS, Calibration
-from skincad.circuit.network import Constants, Network
-from skincad.circuit.state import run, state_space, stepper
+from skincad.circuit import BOUNDS, Constants, Network, run, state_space, stepper
+from skincad.circuit.calibrate import Calibration
 
 
 def random_sets(count: int, seed: int = 6) -> list[Constants]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.circuit.network import Network
+from skincad.circuit import Network
 from skincad.circuit.response import response
 
 LOAD = "Vload load 0 DC 0 AC 1"

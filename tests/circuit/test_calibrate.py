@@ -9,21 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.calibrate import (
+from skincad.base import InputError
+from skincad.circuit import (
     ANY_RATIO,
     BOUNDS,
     FILM_RATIO,
     FITTED,
     PAPER_CUTOFF,
-    Calibration,
-    _between,
-    calibrate,
+    Constants,
+    constants,
+    decibels,
+    load_circuit,
     paper_target,
 )
-from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.network import Constants
-from skincad.circuit.response import decibels, fit_slopes
+from skincad.circuit.calibrate import Calibration, _between, calibrate
+from skincad.circuit.response import fit_slopes
 from tests.circuit.paper import exact_response
 
 

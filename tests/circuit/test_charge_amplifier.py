@@ -9,12 +9,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.bode import gain
-from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.network import Constants, element_lines, network
-from skincad.circuit.response import decibels, response
-from skincad.circuit.state import run, state_space, stepper
+from skincad.base import InputError
+from skincad.circuit import (
+    Constants,
+    circuit_network,
+    constants,
+    decibels,
+    gain,
+    load_circuit,
+    run,
+    state_space,
+    stepper,
+)
+from skincad.circuit.network import element_lines, network
+from skincad.circuit.response import response
 from tests.circuit.paper import exact_response, loop_response
 from tests.circuit.sets import output, random_sets, state_response
 from tests.circuit.spice import needs_ngspice, spice_gain_error

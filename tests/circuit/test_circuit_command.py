@@ -11,11 +11,9 @@ import pytest
 from annotated_types import Gt
 from scipy.optimize import least_squares
 
-from skincad.base.errors import InputError
-from skincad.base.tables import Table
-from skincad.circuit import bode
-from skincad.circuit.bode import gain
-from skincad.circuit.calibrate import Calibration, calibrate, paper_target
+from skincad.base import InputError, Table
+from skincad.circuit import bode, constants, gain, load_circuit, paper_target
+from skincad.circuit.calibrate import Calibration, calibrate
 from skincad.circuit.model import (
     SHORT,
     Amplifier,
@@ -27,11 +25,9 @@ from skincad.circuit.model import (
     Noise,
     Sampling,
     Sweep,
-    constants,
-    load_circuit,
     noise_sources,
 )
-from skincad.inputs.catalog import template_names
+from skincad.inputs import template_names
 from tests.circuit.sets import exact_calibration
 from tests.conftest import run_skincad
 from tests.refusals import refused_by, refused_command

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.network import capacitance, charge
+from skincad.circuit import capacitance, charge, constants, load_circuit
 
 D = (23.0, 3.0, -33.0)
 

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.bode import gain
-from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.network import TOPOLOGIES, Constants, NoiseSources, element_lines, network
-from skincad.circuit.response import decibels, noise_density, response, total_density
+from skincad.base import InputError
+from skincad.circuit import Constants, circuit_network, constants, decibels, gain, load_circuit, total_density
+from skincad.circuit.network import TOPOLOGIES, NoiseSources, element_lines, network
+from skincad.circuit.response import noise_density, response
 from tests.circuit.paper import angular, exact_response
 from tests.circuit.sets import random_sets, state_response
 from tests.circuit.spice import needs_ngspice, spice_gain_error

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from bench.campaign import rational
-from skincad.base.errors import InputError
-from skincad.circuit.model import constants, load_circuit
-from skincad.circuit.network import Constants, element_lines, netlist, network
-from skincad.circuit.response import decibels, response
+from skincad.base import InputError
+from skincad.circuit import Constants, constants, decibels, load_circuit, netlist
+from skincad.circuit.network import element_lines, network
+from skincad.circuit.response import response
 from tests.circuit.paper import departure, exact_response, loop_response, printed_response
 from tests.circuit.sets import random_sets
 from tests.circuit.spice import needs_ngspice, vectors

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from scipy.constants import Boltzmann
 
-from skincad.base.errors import InputError
-from skincad.circuit.model import constants, load_circuit, noise_sources
-from skincad.circuit.network import Constants, NoiseSources, element_lines, network
-from skincad.circuit.response import noise_density, noise_samples, total_density
+from skincad.base import InputError
+from skincad.circuit import Constants, constants, load_circuit, noise_samples, total_density
+from skincad.circuit.model import noise_sources
+from skincad.circuit.network import NoiseSources, element_lines, network
+from skincad.circuit.response import noise_density
 from tests.circuit.spice import needs_ngspice, vectors
 
 NAMES = ("yamada-2002", "yamada-2002-motional", "transimpedance", "charge-amplifier")

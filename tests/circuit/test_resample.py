@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.circuit.state import recorded
+from skincad.circuit import recorded
 from tests.refusals import refused_by
 
 RATE, WANTED = 1e5, 650.0

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.circuit.bode import film_load, gain, has_rig, told_rig, without_rig
-from skincad.circuit.model import circuit_network, load_circuit
-from skincad.circuit.network import netlist
-from skincad.inputs.catalog import retyped
+from skincad.circuit import circuit_network, film_load, gain, load_circuit, netlist, told_rig, without_rig
+from skincad.circuit.bode import has_rig
+from skincad.inputs import retyped
 
 FREQUENCY = np.geomspace(1.0, 1e5, 51)
 INDENTER, SENSOR = "indenter={resonance=9000.0,damping=0.5}", "force_sensor={resonance=1000.0,damping=0.25}"

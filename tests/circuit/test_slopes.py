@@ -9,12 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.circuit import bode
-from skincad.circuit.bode import gain
+from skincad.base import Estimate, InputError
+from skincad.circuit import bode, constants, gain, load_circuit
 from skincad.circuit.calibrate import Calibration
-from skincad.circuit.model import constants, load_circuit
 from skincad.circuit.response import fit_slopes
 from tests.circuit.sets import exact_calibration
 

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.model import circuit_network, constants, load_circuit
-from skincad.circuit.network import Network, element_lines, network
+from skincad.base import InputError, RefusedError
+from skincad.circuit import Network, Stepper, circuit_network, constants, load_circuit, run, stepper
+from skincad.circuit.network import element_lines, network
 from skincad.circuit.response import response
-from skincad.circuit.state import Stepper, run, stepper
 from tests.circuit.paper import exact_response
 from tests.circuit.sets import output, random_sets, state_response
 from tests.circuit.spice import needs_ngspice, vectors

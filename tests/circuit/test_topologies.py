@@ -10,22 +10,27 @@ import numpy as np
 import pytest
 from scipy.constants import Boltzmann
 
-from skincad.base.errors import InputError, RefusedError
-from skincad.circuit.bode import gain
-from skincad.circuit.model import circuit_network, constants, load_circuit
+from skincad.base import InputError, RefusedError
+from skincad.circuit import (
+    Constants,
+    Network,
+    circuit_network,
+    constants,
+    gain,
+    load_circuit,
+    state_space,
+    total_density,
+)
 from skincad.circuit.network import (
     TOPOLOGIES,
     Capacitor,
-    Constants,
-    Network,
     NoiseSources,
     Resistor,
     Source,
     element_lines,
     network,
 )
-from skincad.circuit.response import noise_density, response, total_density
-from skincad.circuit.state import state_space
+from skincad.circuit.response import noise_density, response
 from tests.circuit.paper import angular, motional_impedance
 from tests.circuit.sets import output, random_sets, state_response
 from tests.circuit.spice import LOAD, needs_ngspice, spice_gain_error, vectors

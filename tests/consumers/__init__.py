@@ -11,8 +11,8 @@ from functools import cached_property
 from pathlib import Path
 
 import skincad.fabrication.job
-from skincad.fabrication.making import PartReport
-from skincad.inputs.design import Design
+from skincad.fabrication import PartReport
+from skincad.inputs import Design
 from tests.conftest import Made
 
 CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")

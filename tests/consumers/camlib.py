@@ -12,11 +12,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from skincad.fabrication.machine_rules import laid_on_end, left_standing
-from skincad.inputs.process import processes
-from skincad.shape.curves import Loop, Segment
+from skincad.fabrication import laid_on_end, left_standing
+from skincad.inputs import processes
+from skincad.shape import Loop, Segment
+from skincad.solids import Part, Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Part, Prism
 from tests.consumers import Job
 
 STEP = 2e-3  # mm between drops

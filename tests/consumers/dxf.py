@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from ezdxf.path import make_path
 
-from skincad.shape.curves import area
-from skincad.shape.skin import section
+from skincad.shape import area, section
 from tests.consumers import Job
 
 CHORD = 1e-6  # mm, of the flattened arcs

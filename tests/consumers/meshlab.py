@@ -13,8 +13,7 @@ import pymeshlab
 import trimesh
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
-from skincad.fabrication.machine_rules import laid_on_end
-from skincad.fabrication.meshes import laid
+from skincad.fabrication import laid, laid_on_end
 from skincad.solids.mold import mold
 from tests.consumers import Job
 

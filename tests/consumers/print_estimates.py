@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
-from skincad.inputs.process import Process
+from skincad.inputs import Process
 from tests.consumers.prusaslicer import run
 
 TOWER = 5.0  # s/mm: it adds that of each layer's height to what one tilts

@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from skincad.base.arrays import Array, Mask
+from skincad.base import Array, Mask
 from tests.consumers.prusaslicer import MARGIN, run
 
 NOZZLE = 0.45  # mm, wide as a line is laid

@@ -18,8 +18,8 @@ import trimesh
 from manifold3d import Manifold, Mesh
 from PIL import Image
 
-from skincad.fabrication.making import PartReport
-from skincad.inputs.process import Process
+from skincad.fabrication import PartReport
+from skincad.inputs import Process
 from tests.consumers import Job, volume_slack
 
 PROGRAM = "prusa-slicer"

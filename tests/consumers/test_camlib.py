@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from skincad.shape.curves import Point, loop
+from skincad.shape import Point, loop
 from tests.consumers import Job, camlib
 
 pytestmark = pytest.mark.skipif(bool(camlib.missing()), reason=camlib.missing())

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import shapely
 
-from skincad.shape.skin import section
+from skincad.shape import section
 from tests.conftest import Made
 from tests.consumers import Job, dxf
 

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from bench.campaign.random_designs import drawn
-from skincad.outputs.solid_files import assembly, write_assembly
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.occ import workplane
-from skincad.solids.plan import PartRole
+from skincad.outputs import assembly, write_assembly
+from skincad.solids import ClosedMold, PartRole, workplane
+from skincad.solids.mold import mold
 from tests.conftest import Made
 from tests.consumers import Job, gmsh
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.outputs.solid_files import write_step
-from skincad.shape.skin import skin_of
+from skincad.inputs import Design
+from skincad.outputs import write_step
+from skincad.shape import skin_of
+from skincad.solids import skin_solid
 
 # gone
 from skincad.solids.mold import mold
-from skincad.solids.skin import skin_solid
 from tests.conftest import Made, files_into
 from tests.consumers import gmsh
 

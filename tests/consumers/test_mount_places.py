@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from skincad.fabrication.fasteners import mount_of
-from skincad.fabrication.job import Job
-from skincad.outputs.solid_files import write_step
+from skincad.fabrication import Job, mount_of
+from skincad.outputs import write_step
+from skincad.solids import workplane
 from skincad.solids.mold import mold
-from skincad.solids.occ import workplane
 from tests.consumers import gmsh
 from tests.mounted import mounted_design
 from tests.processes import run_gmsh

@@ -12,13 +12,10 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.fabrication.estimates import by_part, estimates
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import laid_on_end
-from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.outputs.solid_files import write_stl
+from skincad.fabrication import Job, by_part, laid, laid_on_end, mesh, print_chord
+from skincad.fabrication.estimates import estimates
+from skincad.inputs import Design, processes
+from skincad.outputs import write_stl
 from skincad.solids.mold import mold
 from tests.consumers import prusaslicer
 from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin

@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.arrays import Array
-from skincad.fabrication.crests import snapped_to_layers, uncertain_ridges
+from skincad.base import Array
+from skincad.fabrication import Job, laid, mesh, print_chord, snapped_to_layers, uncertain_ridges
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.job import Job
-from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.outputs.solid_files import write_stl
-from skincad.shape.skin import skin_of
+from skincad.inputs import Design, processes
+from skincad.outputs import write_stl
+from skincad.shape import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
 from tests.consumers import prusaslicer

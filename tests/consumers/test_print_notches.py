@@ -7,16 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array, Mask
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.outputs.solid_files import write_stl
-from skincad.shape.curves import polygon
+from skincad.base import Array, Mask
+from skincad.fabrication import Job, design_findings, laid, mesh, print_chord
+from skincad.inputs import Design, processes
+from skincad.outputs import write_stl
+from skincad.shape import polygon
+from skincad.solids import PartRole
 from skincad.solids.mold import mold
-from skincad.solids.plan import PartRole
 from tests.consumers import prusaslicer
 from tests.consumers.print_levels import resin_layers
 from tests.templates import of_one_printer

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 import skincad
-from skincad.fabrication.printing import print_plates
+from skincad.fabrication import print_plates
 from tests.conftest import Made
 from tests.consumers import Job, prusaslicer
 

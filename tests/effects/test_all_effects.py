@@ -12,16 +12,31 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.effects import EFFECTS, effect
-from skincad.effects.friction import Friction
-from skincad.effects.kinds import MASS, Observables, SceneOutline, Step, Term
+from skincad.effects import (
+    EFFECTS,
+    MASS,
+    Friction,
+    Observables,
+    SceneOutline,
+    SmallStrain,
+    Step,
+    Term,
+    effect,
+)
 from skincad.effects.moving import MovingPad, matter_of
-from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, Drive
-from skincad.mechanics.film.stick import PadPiece, piece_of
-from skincad.mechanics.film.stress import filled_pad
-from skincad.scenes.march import March, march
+from skincad.mechanics import (
+    OPEN,
+    RIGHT,
+    STICK,
+    Drive,
+    PadPiece,
+    default_sizes,
+    filled_pad,
+    piece_of,
+    triangles,
+)
+from skincad.scenes import March
+from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
 from tests.outlines import outline
 

@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array
-from skincad.base.errors import RefusedError
-from skincad.effects.finite_strain import FiniteStrain
-from skincad.effects.friction import Friction
-from skincad.effects.kinds import Share, Step
-from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.base import Array, RefusedError
+from skincad.effects import FiniteStrain, Friction, Share, SmallStrain, Step
+from skincad.mechanics import (
+    ContactError,
+    Drive,
+    FrictionalState,
+    default_sizes,
+    filled_pad,
+    piece_of,
+    triangles,
+)
 from skincad.mechanics.contact import frozen_tangent
-from skincad.mechanics.contact.frictional_pad import FrictionalState
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.problem import ContactError
-from skincad.scenes.march import March, march
+from skincad.scenes import March
+from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
 
 NORMAL, COEFFICIENT = 1.2, 0.5

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skincad.effects import LeftOutEffect
 from skincad.effects.film import OF_PRESSURE, OF_SHEAR, FilmStrips
-from skincad.effects.kinds import LeftOutEffect
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import mean_width
 from skincad.mechanics.check import check
-from skincad.mechanics.validity import mean_width
-from skincad.scenes.march import LEVELS
-from skincad.scenes.simulation import at_level
+from skincad.scenes import LEVELS, at_level
 from tests.mechanics.designs import yamada
 from tests.outlines import outline
 from tests.refusals import refused

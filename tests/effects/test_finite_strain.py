@@ -8,17 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.effects.finite_strain import FiniteStrain
-from skincad.effects.kinds import Step
-from skincad.inputs.catalog import template_text
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.problem import ContactError
+from skincad.base import InputError
+from skincad.effects import FiniteStrain, Step
+from skincad.inputs import template_text
+from skincad.mechanics import ContactError, Drive, default_sizes, filled_pad, piece_of, triangles
+from skincad.scenes import load_scene
 from skincad.scenes.march import march
-from skincad.scenes.scene import load_scene
 from tests.mechanics.designs import yamada
 
 
@@ -31,7 +26,7 @@ def model(films: bool = True, creases: str = "stop") -> Any:
 
 
 def friction(mu: float) -> Any:
-    from skincad.effects.friction import Friction
+    from skincad.effects import Friction
 
     return Friction(coefficient=mu)
 
@@ -105,8 +100,8 @@ def test_what_leaving_it_out_is_said_to_change_is_what_it_changes(
     normal: float, mu: float, tmp_path: Path
 ) -> None:
     """Of the largest differential stress, within a factor of 2: the spread of the calibration's scenes."""
-    from skincad.effects.small_strain import SmallStrain
-    from skincad.scenes.models import left_out_effects
+    from skincad.effects import SmallStrain
+    from skincad.scenes import left_out_effects
 
     drives = [Drive(normal * min(i, 3) / 3, 0.3 * mu * normal * max(0, i - 3)) for i in range(7)]
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0}, contact={"film": "ignored"})

@@ -8,16 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.effects import LeftOutEffect
 from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
-from skincad.effects.kinds import LeftOutEffect
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import added_compliance, force_changes
 from skincad.mechanics.check import check
-from skincad.mechanics.left_out import force_changes
-from skincad.mechanics.models.corrected import added_compliance
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
+from skincad.scenes import LEVELS, at_level, load_scene
 from tests.mechanics.designs import yamada
 from tests.outlines import outline
 from tests.small_scene import THIRD, small_scene

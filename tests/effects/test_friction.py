@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.effects.friction import Friction
-from skincad.effects.kinds import MarchedPad, RidgePath, Term
+from skincad.base import InputError
+from skincad.effects import Friction, MarchedPad, RidgePath, SmallStrain, Term
 from skincad.effects.slip_order import flipped
-from skincad.effects.small_strain import SmallStrain
-from skincad.mechanics.contact.state import FrictionCoefficients
+from skincad.mechanics import FrictionCoefficients
+from skincad.scenes import load_scene
 from skincad.scenes.march import march
-from skincad.scenes.scene import load_scene
 from tests.effects.test_all_effects import COMPANIONS, built, dragged_through_gross_slip, piece
 from tests.refusals import refused
 

@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.effects.inertia import CALIBRATED, Inertia
-from skincad.inputs.catalog import template_text
-from skincad.mechanics.dynamics.ringing import FREE_TOP, skin_mass
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.inputs import template_text
+from skincad.mechanics import FREE_TOP, skin_mass
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene
 from tests.mechanics.designs import yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import last_of_each

@@ -15,21 +15,24 @@ import pytest
 import shapely
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.circuit.model import load_circuit
-from skincad.circuit.network import electrode
-from skincad.circuit.state import corner
-from skincad.effects.kinds import Observables, ReaderContext
-from skincad.effects.piezo import Piezo, fitted, strip_charges
-from skincad.fabrication.job import Job
-from skincad.fabrication.patterns import strip_patterns
-from skincad.inputs.catalog import template_names, template_text
-from skincad.outputs.simulations import write_table
-from skincad.scenes import models
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import SceneRun, Simulation, marched, marching, read_out, simulate
-from skincad.shape.curves import polygon
+from skincad.base import InputError
+from skincad.circuit import corner, electrode, load_circuit
+from skincad.effects import Observables, Piezo, ReaderContext, fitted, strip_charges
+from skincad.fabrication import Job, strip_patterns
+from skincad.inputs import template_names, template_text
+from skincad.outputs import write_table
+from skincad.scenes import (
+    LEVELS,
+    SceneRun,
+    Simulation,
+    load_scene,
+    marched,
+    marching,
+    models,
+    read_out,
+    simulate,
+)
+from skincad.shape import polygon
 from tests.refusals import refused_by, refused_command
 from tests.small_scene import last_of_each
 

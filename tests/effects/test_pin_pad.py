@@ -9,12 +9,12 @@ import pytest
 
 import skincad
 from skincad.effects.pin_pad import pin_pad
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.contact.state import Drive, GrossSlip
-from skincad.mechanics.contact.tips import advance, unloaded
-from skincad.mechanics.models.pin_cell import crown_radius, lone, pin_cell
-from skincad.scenes.scene import Scene
+from skincad.mechanics import Drive, GrossSlip, advance, crown_radius, lone
+from skincad.mechanics.contact.tips import unloaded
+from skincad.mechanics.models.pin_cell import pin_cell
+from skincad.scenes import Scene
 from tests.refusals import refused
 
 MU = 0.2

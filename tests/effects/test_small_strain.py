@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import Share, Step
-from skincad.effects.small_strain import condensed
-from skincad.mechanics.contact.state import Drive, FrictionCoefficients
-from skincad.mechanics.film.sliding import ContactPad
+from skincad.effects import Share, Step, condensed
+from skincad.mechanics import ContactPad, Drive, FrictionCoefficients
 
 FLEXIBLE = 0.25  # mm/N
 

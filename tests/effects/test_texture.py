@@ -7,12 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.effects.texture import Texture
-from skincad.inputs.catalog import template_text
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.inputs import template_text
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene
 from tests.small_scene import small_scene
 
 SLIDE = (

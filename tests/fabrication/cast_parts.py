@@ -16,14 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.base.arrays import Array
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
+from skincad.base import Array
+from skincad.fabrication import Job
+from skincad.inputs import Design, processes
 from skincad.inputs.material import silicone
-from skincad.inputs.process import processes
-from skincad.shape.skin import section
-from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import CutRole, PartRole, bores
+from skincad.shape import section
+from skincad.solids import ClosedMold, CutRole, PartRole, bores
 from skincad.solids.shrinkage import shrinkage
 
 BATCH = 0.002  # relative, shrinkage from batch to batch

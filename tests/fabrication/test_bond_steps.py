@@ -6,13 +6,11 @@ import re
 import pytest
 
 import skincad
-from skincad.circuit.network import capacitance, electrode
-from skincad.fabrication.job import Job
+from skincad.circuit import capacitance, electrode
+from skincad.fabrication import Job, opening_steps, sheet_steps
 from skincad.fabrication.parts_list import parts_list
-from skincad.fabrication.sheet import opening_steps, sheet_steps
 from skincad.fabrication.shopping import consumables
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
+from skincad.inputs import Design, template_names
 from tests.bent_skin import three_ridges
 from tests.fabrication.test_sheet import sheet
 from tests.templates import SHIPPED

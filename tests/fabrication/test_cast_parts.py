@@ -15,18 +15,16 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.arrays import Array, Mask
+from skincad.base import Array, Mask
+from skincad.fabrication import Job
 from skincad.fabrication.crests import READINGS, READINGS_NEAR_EDGE, undecided_margin
 from skincad.fabrication.inspection import Inspection, inspection
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import plane_piece, unit_of
-from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
+from skincad.inputs import Design
+from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
 from skincad.mechanics.manufacture import all_touch
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.problem import pad_of
-from skincad.outputs.checks import allowance
-from skincad.shape.skin import skin_of
+from skincad.outputs import allowance
+from skincad.shape import skin_of
 from skincad.solids.mold import mold
 from tests.fabrication.cast_parts import Parts, drawn, sliced
 from tests.families import RIDGED

@@ -7,14 +7,11 @@ from itertools import product
 import pytest
 
 import skincad
+from skincad.fabrication import Job, casting_sheet
 from skincad.fabrication.findings import closing_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.solids.layout import SHEETS
+from skincad.inputs import Design, processes
+from skincad.solids import CAVITIES, END_PLATES, SHEETS, CutRole, PartRole, bores
 from skincad.solids.mold import mold
-from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import bent
 from tests.families import RIDGED
 from tests.templates import of_one_printer

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from skincad.fabrication.coupon_reading import crest_result, notch_result
-from skincad.inputs.measurements import CrestForm, NotchForm
-from skincad.solids.coupon import HEIGHTS, NOTCH_PITCH, NOTCHES, drawn_steps
+from skincad.inputs import CrestForm, NotchForm
+from skincad.solids import HEIGHTS, NOTCH_PITCH, NOTCHES, drawn_steps
 
 BLADES = np.round(np.arange(0.02, 1.0, 0.01), 2)  # mm: a set of feeler gauges, single or laid together
 

@@ -12,15 +12,21 @@ import numpy as np
 import pytest
 import shapely
 
-from skincad.base.errors import InputError
-from skincad.fabrication.coupon import coupon, coupon_forms
-from skincad.fabrication.coupon_reading import read_coupon
-from skincad.inputs.catalog import load_design
-from skincad.inputs.measurements import CREST_COLUMNS, CREST_FORM, NOTCH_COLUMNS, NOTCH_FORM, NotchForm, form
-from skincad.inputs.process import processes
-from skincad.shape.curves import polygon
-from skincad.solids.coupon import NOTCH_DEPTH, NOTCH_PITCH, NOTCHES
-from skincad.solids.plan import Prism
+from skincad.base import InputError
+from skincad.fabrication import coupon_forms, read_coupon
+from skincad.fabrication.coupon import coupon
+from skincad.inputs import (
+    CREST_COLUMNS,
+    CREST_FORM,
+    NOTCH_COLUMNS,
+    NOTCH_FORM,
+    NotchForm,
+    form,
+    load_design,
+    processes,
+)
+from skincad.shape import polygon
+from skincad.solids import NOTCH_DEPTH, NOTCH_PITCH, NOTCHES, Prism
 from tests.fabrication.test_coupon_fit import BLADES, by_blades, ladder, steps
 
 

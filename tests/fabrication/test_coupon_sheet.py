@@ -8,20 +8,12 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.progress import Stopwatch
-from skincad.fabrication.coupon import (
-    APPROACHES,
-    BAR_FORM,
-    EXTENSIONS,
-    PAD_FORM,
-    coupon,
-    coupon_forms,
-    coupon_sheet,
-    fit_bar_command,
-)
-from skincad.inputs.process import PROCESSES
-from skincad.material.pad import finite_strain_curve, small_strain_curve
-from skincad.solids.coupon import BAR
+from skincad.base import Stopwatch
+from skincad.fabrication import BAR_FORM, PAD_FORM, coupon_forms, coupon_sheet, fit_bar_command
+from skincad.fabrication.coupon import APPROACHES, EXTENSIONS, coupon
+from skincad.inputs import PROCESSES
+from skincad.material import finite_strain_curve, small_strain_curve
+from skincad.solids import BAR
 
 
 @pytest.mark.parametrize("process", PROCESSES)

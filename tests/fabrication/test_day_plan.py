@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.fabrication import Job, casting_sheet
 from skincad.fabrication.day_plan import BEGIN, END, PRIMER_H, day_plan, tasks
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import template_names
+from skincad.inputs import template_names
 from tests.templates import SHIPPED
 
 

@@ -3,11 +3,11 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.findings import design_findings, freeing_widths
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
-from skincad.solids.cavity import SAFE_SHARE, safe_strain
+from skincad.fabrication import Job, design_findings
+from skincad.fabrication.findings import freeing_widths
+from skincad.inputs import Design
+from skincad.shape import skin_of
+from skincad.solids import SAFE_SHARE, safe_strain
 
 
 def upright(radius: float, **other: object) -> Design:

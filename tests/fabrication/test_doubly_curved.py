@@ -11,22 +11,30 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, OpType
 
-from skincad.fabrication.filling import filling_findings
-from skincad.fabrication.findings import design_findings
+from skincad.fabrication import (
+    Finding,
+    Job,
+    casting_sheet,
+    design_findings,
+    filling_findings,
+    interference,
+    laid,
+    manifold,
+    measure,
+    mesh,
+    pattern_notes,
+    poured_volume,
+    strip_patterns,
+)
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference, measure
-from skincad.fabrication.meshes import laid, manifold, mesh
-from skincad.fabrication.patterns import arc_radius, pattern_notes, strip_patterns
-from skincad.fabrication.pouring import poured_volume
-from skincad.fabrication.rules import Finding
-from skincad.fabrication.sheet import casting_sheet
+from skincad.fabrication.patterns import arc_radius
 from skincad.fabrication.strips import shim_bend
-from skincad.inputs.design import Design
-from skincad.outputs.drawing.overview import PAGE, drawing
-from skincad.shape.curves import rectangle
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import (
+from skincad.inputs import Design
+from skincad.outputs import PAGE
+from skincad.outputs.drawing.overview import drawing
+from skincad.shape import rectangle
+from skincad.solids import (
+    ClosedMold,
     CutRole,
     ExtendedCut,
     Grid,
@@ -37,6 +45,7 @@ from skincad.solids.plan import (
     RotatedBody,
     box,
 )
+from skincad.solids.mold import mold
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import make_into
 

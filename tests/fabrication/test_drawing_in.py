@@ -7,17 +7,9 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding
-from skincad.fabrication.strips import (
-    drawing_findings,
-    drawing_time,
-    lap,
-    pull_test,
-    strip_findings,
-    strips_per_mix,
-)
-from skincad.inputs.design import Design
+from skincad.fabrication import Finding, Job, strip_findings
+from skincad.fabrication.strips import drawing_findings, drawing_time, lap, pull_test, strips_per_mix
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
 from tests.bent_skin import bent, three_ridges
 from tests.families import RIDGED

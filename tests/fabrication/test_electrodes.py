@@ -7,20 +7,10 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import (
-    LEAST_LEAD,
-    PAD,
-    electrode_findings,
-    faces,
-    half_gap,
-    half_tab,
-    label_offset,
-    tab,
-)
-from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding
-from skincad.inputs.design import Design
-from skincad.shape.curves import area
+from skincad.fabrication import Finding, Job, electrode_findings
+from skincad.fabrication.electrodes import LEAST_LEAD, PAD, faces, half_gap, half_tab, label_offset, tab
+from skincad.inputs import Design
+from skincad.shape import area
 from skincad.solids.inserts import PITCH
 from tests.templates import SHIPPED
 

@@ -8,16 +8,11 @@ import math
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.fabrication.estimates import ProcessEstimate, by_part, estimates, exposure_time, lines
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import laid_on_end
-from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED, parts_csv
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
+from skincad.base import Estimate, InputError
+from skincad.fabrication import Job, by_part, casting_sheet, laid, laid_on_end, mesh, parts_csv, print_chord
+from skincad.fabrication.estimates import ProcessEstimate, estimates, exposure_time, lines
+from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED
+from skincad.inputs import Design, processes
 from skincad.solids.mold import mold
 from tests.templates import SHIPPED, of_one_printer
 

@@ -8,14 +8,12 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.electrodes import fan_out, fan_out_findings, half_tab
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import sheet_steps
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.shape.skin import section
-from skincad.solids.inserts import BEND, MOST_TURN, PITCH
+from skincad.fabrication import Job, design_findings, fan_out, sheet_steps
+from skincad.fabrication.electrodes import fan_out_findings, half_tab
+from skincad.inputs import Design, template_names
+from skincad.shape import section
+from skincad.solids import BEND, MOST_TURN
+from skincad.solids.inserts import PITCH
 
 
 def board(design: Design) -> str:

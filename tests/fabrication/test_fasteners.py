@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.fabrication import Job
 from skincad.fabrication.fasteners import PIN_LENGTHS, cover_screws, dowels, end_screws, pin_length
-from skincad.fabrication.job import Job
-from skincad.solids.fasteners import LENGTHS
+from skincad.solids import END_PLATES, LENGTHS, PINS, CutRole, PartRole, bores
 from skincad.solids.mold import mold
-from skincad.solids.plan import END_PLATES, PINS, CutRole, PartRole, bores
 from tests.families import RIDGED
 from tests.templates import of_one_printer
 

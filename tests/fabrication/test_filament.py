@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from skincad.fabrication.estimates import DIAGONAL, JERK, OVERLAP, filament, moves, spacing
-from skincad.inputs.process import Process, processes
+from skincad.inputs import Process, processes
 
 FDM = processes()["fdm"]
 HEIGHT = 10.0  # mm, 50 layers of 0.2

@@ -10,26 +10,12 @@ import pytest
 from manifold3d import Manifold, OpType
 
 import skincad
-from skincad.fabrication import filling
-from skincad.fabrication.filling import (
-    Space,
-    Void,
-    best_tilt,
-    cells,
-    filling_findings,
-    pockets,
-    trapped,
-    vertical,
-    void,
-)
-from skincad.fabrication.job import Job
-from skincad.fabrication.meshes import manifold
-from skincad.fabrication.pouring import poured_volume
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
-from skincad.shape.curves import Point, loop, rectangle
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
+from skincad.fabrication import Job, casting_sheet, filling, filling_findings, manifold, poured_volume
+from skincad.fabrication.filling import Space, Void, best_tilt, cells, pockets, trapped, vertical, void
+from skincad.inputs import Design
+from skincad.shape import Point, loop, rectangle
+from skincad.solids import Bore, ClosedMold, CutRole, Part, PartRole, Prism, bores
+from skincad.solids.mold import mold
 from tests.templates import KINDS
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids

@@ -4,12 +4,8 @@ import pytest
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.inputs.process import PROCESSES
+from skincad.fabrication import Finding, Job, design_findings
+from skincad.inputs import PROCESSES, Design, template_names
 from tests.templates import KINDS, SHIPPED
 
 LARGEST_IS_BEST = {

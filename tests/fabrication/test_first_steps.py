@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import sheet_steps
+from skincad.fabrication import Job, sheet_steps
 from tests.templates import of_one_printer
 
 

@@ -7,19 +7,14 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.findings import (
-    design_findings,
-    freeing_widths,
-    least_drafted_ridge,
-    undercut_findings,
-)
+from skincad.fabrication import Job, design_findings
+from skincad.fabrication.findings import freeing_widths, least_drafted_ridge, undercut_findings
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Case, grooves, teeth
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from skincad.outputs.drawing.overview import drawing
-from skincad.shape.skin import skin_of
-from skincad.solids.cavity import safe_strain, split_ridges
+from skincad.shape import skin_of
+from skincad.solids import safe_strain, split_ridges
 from skincad.solids.mold import mold
 from tests.fabrication.test_demolding import upright
 

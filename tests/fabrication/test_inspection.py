@@ -9,18 +9,17 @@ import pytest
 import shapely
 
 import skincad
+from skincad.fabrication import Job
 from skincad.fabrication.crests import undecided_margin
 from skincad.fabrication.inspection import Measure, inspection, inspection_lines
-from skincad.fabrication.job import Job
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design, load
 from skincad.inputs.material import silicone
-from skincad.outputs.drawing.overview import PAGE, drawing
+from skincad.outputs import PAGE
+from skincad.outputs.drawing.overview import drawing
 from skincad.outputs.pages import page
-from skincad.shape.curves import polygon
-from skincad.shape.skin import section, skin_of
+from skincad.shape import polygon, section, skin_of
+from skincad.solids import CutRole, bores
 from skincad.solids.mold import mold
-from skincad.solids.plan import CutRole, bores
 from skincad.solids.shrinkage import shrinkage
 from tests.families import RIDGED
 

@@ -3,11 +3,10 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job, design_findings
 from skincad.fabrication.rules import LEAST_ANGLE, edges
-from skincad.inputs.design import Design
-from skincad.shape.curves import Point, Segment, loop, rectangle
+from skincad.inputs import Design
+from skincad.shape import Point, Segment, loop, rectangle
 
 
 def test_a_rectangles_corners_are_right_and_a_notchs_are_reflex() -> None:

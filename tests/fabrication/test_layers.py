@@ -9,15 +9,13 @@ from typing import Any
 import pytest
 
 import skincad
+from skincad.fabrication import DEAD_VOLUME, Job, casting_sheet, poured_volume, pours, sheet_steps
 from skincad.fabrication.day_plan import tasks
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.job import Job
 from skincad.fabrication.parts_list import parts_list
-from skincad.fabrication.pouring import DEAD_VOLUME, minutes_to_lay_on, poured_volume, pouring_findings, pours
-from skincad.fabrication.sheet import casting_sheet, sheet_steps
-from skincad.inputs.design import Design
-from skincad.inputs.silicone import silicones
-from skincad.solids.skin import skin_part
+from skincad.fabrication.pouring import minutes_to_lay_on, pouring_findings
+from skincad.inputs import Design, silicones
+from skincad.solids import skin_part
 
 CORE = {"name": "dragon-skin-30", "thickness": 1.0}
 

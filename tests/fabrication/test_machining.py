@@ -8,10 +8,10 @@ import pytest
 
 import skincad
 from skincad.fabrication.estimates import machining
-from skincad.inputs.process import processes
-from skincad.shape.curves import Point, loop
+from skincad.inputs import processes
+from skincad.shape import Point, loop
+from skincad.solids import Bore, Part, PartRole, Prism, RevolvedBody, box, plain
 from skincad.solids.mold import mold
-from skincad.solids.plan import Bore, Part, PartRole, Prism, RevolvedBody, box, plain
 
 CNC, EDM = processes()["cnc"], processes()["edm"]
 BLOCK = Part("cover", PartRole.COVER, box(20.0, (-10.0, 10.0), (0.0, 5.0)))  # 40 x 20 x 5

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.making import MakeResult
-from skincad.fabrication.rules import error, note, warning
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.fabrication import MakeResult, warning
+from skincad.fabrication.rules import error, note
+from skincad.inputs import Design
 from tests.conftest import run_skincad
 from tests.processes import lines_until, started
 

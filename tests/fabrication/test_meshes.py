@@ -7,11 +7,10 @@ import pymeshlab
 import pytest
 import trimesh
 
-from skincad.fabrication.measures import measure
-from skincad.fabrication.meshes import laid, mesh, print_chord
-from skincad.inputs.design import Design
+from skincad.fabrication import laid, measure, mesh, print_chord
+from skincad.inputs import Design
+from skincad.solids import solid
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid
 from tests.solids.test_doubly_curved_mold import level_crowned
 
 FINE = 2e-4  # mm, the kernel's own chord tolerance for the reference

@@ -9,23 +9,12 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication.fasteners import (
-    full_thread,
-    limits,
-    major,
-    mount_of,
-    purpose,
-    screws_to_buy,
-    thread,
-    thread_words,
-)
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job, casting_sheet, major, mount_of, opening_steps, parts_csv, sheet_steps
+from skincad.fabrication.fasteners import full_thread, limits, purpose, screws_to_buy, thread, thread_words
 from skincad.fabrication.part_drawing import what_matters
-from skincad.fabrication.parts_list import parts_csv
-from skincad.fabrication.sheet import casting_sheet, opening_steps, sheet_steps
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.solids import CutRole, bores
 from skincad.solids.mold import mold
-from skincad.solids.plan import CutRole, bores
 from tests.bent_skin import bent
 from tests.mounted import IN_LINE, MOUNTS, NAMES, PLAIN, mounted_design
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet, opening_steps
+from skincad.fabrication import Job, casting_sheet, opening_steps
+from skincad.solids import END_PLATES, PartRole
 from skincad.solids.mold import mold
-from skincad.solids.plan import END_PLATES, PartRole
 
 MOLDS = {
     "shims": ("yamada-2002", []),

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job
 from skincad.fabrication.orders import SHEET_GOODS, orders
 from skincad.fabrication.part_drawing import what_matters
 from skincad.fabrication.parts_list import parts_list

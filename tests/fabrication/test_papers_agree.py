@@ -16,25 +16,21 @@ import pytest
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.fabrication import Job, casting_sheet, extent, pours, print_plates, seal_pattern, shim_notes
 from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.day_plan import BEGIN, END, day_plan
 from skincad.fabrication.fasteners import dowels, limits, pin_length, thread_words
 from skincad.fabrication.findings import process_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.orders import orders
 from skincad.fabrication.part_drawing import general_tolerance, notes, what_matters
 from skincad.fabrication.parts_list import Item, parts_list
-from skincad.fabrication.patterns import cut_words, seal_pattern, shim_notes
-from skincad.fabrication.pouring import filling, pours
-from skincad.fabrication.printing import print_plates
+from skincad.fabrication.patterns import cut_words
+from skincad.fabrication.pouring import filling
 from skincad.fabrication.rules import slit_play
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
-from skincad.solids.gate import THUMB
+from skincad.inputs import Design
+from skincad.solids import THUMB, CutRole, Part, PartRole, bores
 from skincad.solids.mold import mold
-from skincad.solids.plan import CutRole, Part, PartRole, bores
 from tests.bent_skin import three_ridges
 from tests.templates import SHIPPED
 

@@ -8,11 +8,11 @@ from collections import Counter
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
-from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED, parts_csv
-from skincad.inputs.design import Design
+from skincad.fabrication import Job, parts_csv
+from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED
+from skincad.inputs import Design
+from skincad.solids import PartRole
 from skincad.solids.mold import mold
-from skincad.solids.plan import PartRole
 from tests.templates import SHIPPED, of_one_printer
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skincad.fabrication.meshes import PART_GAP, BedPart, plates
-from skincad.inputs.process import processes
+from skincad.inputs import processes
 
 SLA = processes()["sla"]  # 120 x 68 mm
 

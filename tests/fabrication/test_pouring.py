@@ -5,14 +5,11 @@ import math
 import pytest
 
 import skincad
-from skincad.fabrication import pouring
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job, casting_sheet, pouring
 from skincad.fabrication.pouring import filling, front_time, groove_time, pouring_findings, small_batch
-from skincad.fabrication.sheet import casting_sheet
 from skincad.fabrication.strips import pour
-from skincad.inputs.design import Design
-from skincad.inputs.silicone import silicones
-from skincad.solids.gate import WIDTHS
+from skincad.inputs import Design, silicones
+from skincad.solids import WIDTHS
 from tests.templates import SHIPPED
 
 

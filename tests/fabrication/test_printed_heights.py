@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication.crests import printed_crests, snapped_to_layers, uncertain_ridges
-from skincad.fabrication.findings import design_findings
+from skincad.fabrication import Job, design_findings, printed_crests, snapped_to_layers, uncertain_ridges
 from skincad.fabrication.inspection import inspection
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.shape.skin import skin_of
+from skincad.inputs import Design, processes
+from skincad.shape import skin_of
 from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
 

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from skincad.fabrication.machine_rules import ERROR, corner, left_standing
-from skincad.shape.curves import Loop, Point, Segment, loop
+from skincad.fabrication import left_standing
+from skincad.fabrication.machine_rules import ERROR, corner
+from skincad.shape import Loop, Point, Segment, loop
 
 R = 0.25
 

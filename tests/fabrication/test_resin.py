@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skincad.fabrication.estimates import exposure_time
-from skincad.inputs.process import processes
+from skincad.inputs import processes
 
 SLA = processes()["sla"]
 

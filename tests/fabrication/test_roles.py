@@ -7,19 +7,20 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.fabrication.filling import filling_findings
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import laid_on_end
-from skincad.fabrication.measures import interference
-from skincad.fabrication.pouring import poured_volume
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
+from skincad.fabrication import (
+    Job,
+    casting_sheet,
+    design_findings,
+    filling_findings,
+    interference,
+    laid_on_end,
+    poured_volume,
+)
+from skincad.inputs import Design
+from skincad.outputs import explosion_offset
 from skincad.outputs.drawing.overview import drawing
-from skincad.outputs.view import explosion_offset
-from skincad.solids.fasteners import TAP_RADIUS
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import CutRole, bores
+from skincad.solids import TAP_RADIUS, ClosedMold, CutRole, bores
+from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 OTHER = "x-"

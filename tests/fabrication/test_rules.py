@@ -8,18 +8,15 @@ import shapely
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication import meshes
-from skincad.fabrication.findings import design_findings, part_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import ERROR, laid_on_end, overhang
-from skincad.fabrication.rules import Case, Finding, teeth
+from skincad.fabrication import Finding, Job, design_findings, laid_on_end, meshes, overhang
+from skincad.fabrication.findings import part_findings
+from skincad.fabrication.machine_rules import ERROR
+from skincad.fabrication.rules import Case, teeth
 from skincad.fabrication.strips import shim_sag
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.shape.curves import Point, loop
-from skincad.shape.skin import Narrowest
+from skincad.inputs import Design, processes
+from skincad.shape import Narrowest, Point, loop
+from skincad.solids import Bore, Part, PartRole, Prism
 from skincad.solids.mold import mold
-from skincad.solids.plan import Bore, Part, PartRole, Prism
 
 
 @pytest.fixture

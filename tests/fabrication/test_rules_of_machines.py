@@ -9,13 +9,10 @@ import pytest
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import extent, laid_on_end, passage
-from skincad.fabrication.meshes import laid, mesh
-from skincad.fabrication.strips import strip_findings
-from skincad.inputs.design import Design
-from skincad.shape.skin import section
+from skincad.fabrication import Job, design_findings, extent, laid, laid_on_end, mesh, strip_findings
+from skincad.fabrication.machine_rules import passage
+from skincad.inputs import Design
+from skincad.shape import section
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 from tests.templates import of_one_printer

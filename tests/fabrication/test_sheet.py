@@ -3,15 +3,11 @@ import re
 
 import pytest
 
+from skincad.fabrication import DEAD_VOLUME, Job, casting_sheet, manifold, poured_volume
 from skincad.fabrication.facts import Facts
-from skincad.fabrication.job import Job
-from skincad.fabrication.meshes import manifold
-from skincad.fabrication.pouring import DEAD_VOLUME, poured_volume
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design, load
+from skincad.solids import CutRole, Part, PartRole, bores, box
 from skincad.solids.mold import mold
-from skincad.solids.plan import CutRole, Part, PartRole, bores, box
 
 
 def sheet(design: Design) -> str:

@@ -11,12 +11,11 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.job import Job
-from skincad.fabrication.patterns import shim_patterns
-from skincad.outputs.drawing.flat import write_shims_dxf
-from skincad.shape.curves import area, polygon
+from skincad.fabrication import Job, shim_patterns
+from skincad.outputs import write_shims_dxf
+from skincad.shape import area, polygon
+from skincad.solids import PartRole
 from skincad.solids.mold import mold
-from skincad.solids.plan import PartRole
 from tests.bent_skin import three_ridges
 from tests.templates import SHIPPED
 

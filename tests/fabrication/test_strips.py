@@ -8,9 +8,8 @@ import shapely
 from scipy.integrate import solve_bvp
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding
+from skincad.base import InputError
+from skincad.fabrication import Finding, Job, strip_findings
 from skincad.fabrication.strips import (
     Strip,
     _ahead,
@@ -21,13 +20,10 @@ from skincad.fabrication.strips import (
     release_strain,
     straightening_tension,
     strip,
-    strip_findings,
     weight,
 )
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.shape.curves import Point
-from skincad.shape.feature import SensorPlace
+from skincad.inputs import Design, template_names
+from skincad.shape import Point, SensorPlace
 from tests.templates import of_one_printer
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job
 from skincad.fabrication.part_drawing import notes, surface_words, what_matters
-from skincad.inputs.process import processes
+from skincad.inputs import processes
 from skincad.solids.mold import mold
 from tests.templates import of_one_printer
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import KINDS, Kind, display_name, load, template_names, template_text
-from skincad.scenes.scene import load_scene
+from skincad.base import InputError
+from skincad.circuit import load_circuit
+from skincad.inputs import KINDS, Kind, display_name, load, template_names, template_text
+from skincad.scenes import load_scene
 from tests.conftest import run_skincad
 
 LOAD: dict[Kind, Callable[[Path | str], object]] = {

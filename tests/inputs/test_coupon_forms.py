@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.inputs.measurements import (
+from skincad.base import InputError
+from skincad.inputs import (
     CREST_COLUMNS,
     CREST_FORM,
     NOTCH_COLUMNS,

@@ -6,12 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skincad
-from skincad.base.errors import LONGEST_LINE, MOST_TOLD, InputError
-from skincad.base.tables import table_of
-from skincad.inputs.catalog import load, overridden
-from skincad.inputs.design import Design
+from skincad.base import LONGEST_LINE, MOST_TOLD, InputError, table_of
+from skincad.inputs import Design, load, overridden
 from skincad.inputs.material import silicone
-from skincad.shape.skin import section
+from skincad.shape import section
 from tests.refusals import refused_by
 
 

@@ -7,11 +7,9 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.fasteners import mount_of
-from skincad.fabrication.findings import mount_findings
-from skincad.fabrication.job import Job
-from skincad.inputs.gripper import grippers
+from skincad.base import InputError
+from skincad.fabrication import Job, mount_findings, mount_of
+from skincad.inputs import grippers
 from skincad.solids.mold import mold
 
 NAMES = ("franka-hand", "robotiq-2f85", "umi", "leap-hand", "anyskin-plate", "plain-plate")

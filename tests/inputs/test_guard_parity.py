@@ -7,16 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.progress import Stopwatch
-from skincad.inputs.design import Design
-from skincad.material.pad import small_strain_curve
+from skincad.base import InputError, RefusedError, Stopwatch
+from skincad.inputs import Design
+from skincad.material import small_strain_curve
+from skincad.mechanics import film_stresses
 from skincad.mechanics.check import check
-from skincad.mechanics.film.stress import film_stresses
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
-from skincad.studies.accuracy.slip import scene_on
+from skincad.scenes import LEVELS, at_level, load_scene
+from skincad.studies import scene_on
 from tests.mechanics.designs import yamada
 
 

@@ -9,11 +9,10 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
-from skincad.outputs.tomls import schema_of
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.base import InputError
+from skincad.inputs import Design, load
+from skincad.outputs import schema_of
+from skincad.solids import scaled_for_shrinkage
 from tests.refusals import refused
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]

@@ -9,14 +9,12 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.inputs.material import foreign_modulus, silicone
-from skincad.laws import LAWS
-from skincad.laws.neo_hooke import NeoHooke
-from skincad.laws.ogden import Ogden
-from skincad.mechanics.problem import pad_of
-from skincad.outputs.tomls import schema_of
+from skincad.base import InputError
+from skincad.inputs import Design, foreign_modulus
+from skincad.inputs.material import silicone
+from skincad.laws import LAWS, NeoHooke, Ogden
+from skincad.mechanics import pad_of
+from skincad.outputs import schema_of
 from tests.mechanics.designs import reference
 
 OGDEN: dict[str, Any] = {"kind": "ogden", "mu": [0.1, 0.2], "alpha": [3.0, -1.5]}

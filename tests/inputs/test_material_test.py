@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from skincad import check
-from skincad.base.columns import MOST_ROWS, read_columns
-from skincad.base.errors import InputError
-from skincad.circuit.bode import COLUMNS
-from skincad.inputs.design import Design
-from skincad.inputs.measurements import TESTS, material_test
-from skincad.shape.crests import crest_drops
-from skincad.shape.skin import skin_of
+from skincad.base import MOST_ROWS, InputError, read_columns
+from skincad.circuit import COLUMNS
+from skincad.inputs import Design, material_test
+from skincad.inputs.measurements import TESTS
+from skincad.shape import crest_drops, skin_of
 from tests.refusals import refused
 
 # gone

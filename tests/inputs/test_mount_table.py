@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 import skincad
-from skincad.inputs.catalog import load
-from skincad.inputs.mold_table import Mount
+from skincad.inputs import Mount, load
 from tests.refusals import refused_by
 
 GOOD = [

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.process import PROCESSES, processes
-from skincad.inputs.shipped import table_text
-from skincad.mechanics.check import spread_of
+from skincad.base import InputError
+from skincad.inputs import PROCESSES, processes, table_text
+from skincad.mechanics import spread_of
 from tests.conftest import run_skincad
 from tests.processes import python
 from tests.refusals import refused, refused_command

@@ -7,8 +7,8 @@ import shlex
 import pytest
 
 import skincad
-from skincad.circuit.model import load_circuit
-from skincad.inputs.catalog import load_design, retyped
+from skincad.circuit import load_circuit
+from skincad.inputs import load_design, retyped
 
 
 @pytest.mark.parametrize(

@@ -12,15 +12,11 @@ import pytest
 from pydantic import BaseModel
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.tables import table_of
-from skincad.circuit.model import Circuit
-from skincad.inputs.catalog import load_design, overridden
-from skincad.inputs.design import Design
-from skincad.scenes.scene import Scene, load_scene
-from skincad.studies.study import load_study
-from skincad.studies.subject import changed, value_of
-from skincad.studies.sweeping import points_of
+from skincad.base import InputError, table_of
+from skincad.circuit import Circuit
+from skincad.inputs import Design, load_design, overridden
+from skincad.scenes import Scene, load_scene
+from skincad.studies import changed, load_study, points_of, value_of
 from tests.refusals import refused_by
 
 DICE = random.Random(17)

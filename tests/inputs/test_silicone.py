@@ -8,15 +8,13 @@ import pytest
 import tomlkit
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.fabrication import Job, design_findings
+from skincad.inputs import Design, silicones, table_text
 from skincad.inputs.material import silicone
-from skincad.inputs.shipped import table_text
-from skincad.inputs.silicone import silicones
-from skincad.mechanics.check import check, spread_of
-from skincad.scenes.scene import load_scene
+from skincad.mechanics import spread_of
+from skincad.mechanics.check import check
+from skincad.scenes import load_scene
 from tests.conftest import run_skincad
 from tests.small_scene import THIRD, small_scene
 from tests.templates import SHIPPED

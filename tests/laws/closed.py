@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from skincad.laws.rubber import Rubber
+from skincad.laws import Rubber
+from skincad.mechanics import Functions, excess, excess_at
 from skincad.mechanics.bodies import plane_body
-from skincad.mechanics.bodies.plane_body import Functions, excess
-from skincad.mechanics.bodies.solid_law import excess_at
 
 Array = np.ndarray
 ARRAYS = Functions(np.exp, np.log, np.sqrt, lambda c, a, b: np.where(np.real(c) > 0, a, b))

@@ -10,15 +10,10 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.laws import LAWS, law, law_of
-from skincad.laws.rubber import Rubber
+from skincad.base import InputError
+from skincad.laws import LAWS, Rubber, law, law_of
+from skincad.mechanics import Layers, Sizes, SolidBody, body_of, excess, triangles
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.mesh import Sizes, triangles
-from skincad.mechanics.bodies.plane_body import excess
-from skincad.mechanics.bodies.solid_body import SolidBody
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.models.solid_finite_strain import body_of
 from tests.laws.closed import ARRAYS, STEP, plane_energy, plane_stress
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.models.test_solid_finite_strain import affine, meshed_of

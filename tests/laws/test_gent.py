@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.laws.gent import Gent
-from skincad.laws.neo_hooke import NeoHooke
+from skincad.laws import Gent, NeoHooke
 from tests.laws.closed import Closed, holds
 
 MU, LIMIT = 0.3, 20.0

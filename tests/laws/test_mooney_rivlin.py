@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.laws.mooney_rivlin import MooneyRivlin
+from skincad.laws import MooneyRivlin
 from tests.laws.closed import Closed, holds
 
 

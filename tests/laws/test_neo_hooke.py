@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skincad.laws.neo_hooke import NeoHooke
+from skincad.laws import NeoHooke
 from tests.laws.closed import Closed, holds
 
 MU = 0.3

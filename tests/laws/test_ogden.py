@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.laws.mooney_rivlin import MooneyRivlin
-from skincad.laws.ogden import Ogden
+from skincad.base import InputError
+from skincad.laws import MooneyRivlin, Ogden
 from skincad.mechanics.bodies import plane_body
 from tests.laws.closed import Closed, holds, plane_stress
 

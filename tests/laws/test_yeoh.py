@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skincad.laws.yeoh import Yeoh
+from skincad.laws import Yeoh
 from tests.laws.closed import Closed, holds
 
 C1, C2, C3 = 0.15, 0.03, 0.004

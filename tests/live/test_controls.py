@@ -8,10 +8,9 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.tables import Table
+from skincad.base import InputError, Table
+from skincad.live import apply_moves, start_session
 from skincad.live.controls import REACH, controls, reach
-from skincad.live.session import apply_moves, start_session
 
 DESIGNS, SCENES = skincad.template_names(), skincad.template_names("scenes")
 

@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 import skincad
+from skincad.live import apply_moves, start_session, view
 from skincad.live.desk import Answers, Desk, Reply, closed_form, findings
-from skincad.live.session import apply_moves, start_session
-from skincad.live.shapes import view
 from skincad.live.words import best, findings_html, state_html, verdict_html
 
 LONG = 120.0  # s, for a check on a machine with much else to do

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.arrays import Array
-from skincad.live.page import Page
-from skincad.live.serve import free_port
+from skincad.base import Array
+from skincad.live import Page, free_port
 from skincad.live.session import Editable
 from skincad.live.words import best
 from tests.live.browser import Looking, looking

@@ -13,10 +13,8 @@ import pytest
 import viser
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.live import guard, serve
-from skincad.live.page import Page
-from skincad.live.serve import free_port
+from skincad.base import InputError
+from skincad.live import Page, free_port, guard, serve
 from tests.processes import started
 
 

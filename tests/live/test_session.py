@@ -7,19 +7,11 @@ import random
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.live import apply_moves, start_session
 from skincad.live.controls import controls, with_companions
-from skincad.live.session import (
-    GESTURE,
-    Session,
-    apply_moves,
-    redo_step,
-    standing,
-    start_session,
-    table_for,
-    undo_step,
-)
-from skincad.shape.skin import section
+from skincad.live.session import GESTURE, Session, redo_step, standing, table_for, undo_step
+from skincad.shape import section
 
 
 @pytest.fixture

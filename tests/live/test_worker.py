@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.live import worker
 from skincad.live.worker import LatestRunner, Tell, Worker
 

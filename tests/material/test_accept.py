@@ -11,17 +11,13 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 import skincad
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError
-from skincad.base.progress import Stopwatch
+from skincad.base import Array, InputError, Stopwatch
+from skincad.inputs import PressCurve, press_curve
 from skincad.inputs.material import silicone
-from skincad.inputs.measurements import PressCurve, press_curve
-from skincad.material.acceptance import KINDS, accept, judge, model_for
-from skincad.material.press_model import PressModel
-from skincad.mechanics.bodies.mesh import plane_piece
-from skincad.mechanics.contact.frictionless import press
+from skincad.material import PressModel, accept, judge
+from skincad.material.acceptance import KINDS, model_for
+from skincad.mechanics import pad_of, plane_piece, press
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.problem import pad_of
 
 # plain-ridges at 0.8 MPa by `check --model corrected-finite-strain --set contact.friction=0.0`, within 1 %
 FORCE = (0.0, 0.4, 0.8, 1.6, 2.4, 3.2, 4.0, 6.0, 8.0)

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.progress import Stopwatch
-from skincad.inputs.measurements import MaterialTest, material_test
+from skincad.base import InputError, RefusedError, Stopwatch
+from skincad.inputs import MaterialTest, material_test
 from skincad.laws import Gent, MooneyRivlin, Ogden, Yeoh
-from skincad.material.fit import fit_material
-from skincad.material.modulus import MaterialFit, regression
-from skincad.material.pad import PadCurve, finite_strain_curve, fit_curve, fit_to_curve, small_strain_curve
+from skincad.material import MaterialFit, PadCurve, finite_strain_curve, fit_material, small_strain_curve
+from skincad.material.modulus import regression
+from skincad.material.pad import fit_curve, fit_to_curve
 from tests.mechanics.designs import yamada
 from tests.refusals import refused
 

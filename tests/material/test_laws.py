@@ -9,15 +9,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.inputs.measurements import MaterialTest
-from skincad.laws import LAWS, law
-from skincad.laws.gent import Gent
-from skincad.laws.mooney_rivlin import MooneyRivlin
-from skincad.laws.neo_hooke import NeoHooke
-from skincad.laws.ogden import Ogden
-from skincad.laws.rubber import Rubber
-from skincad.laws.yeoh import Yeoh
-from skincad.material.fit import fit_material
+from skincad.inputs import MaterialTest
+from skincad.laws import LAWS, Gent, MooneyRivlin, NeoHooke, Ogden, Rubber, Yeoh, law
+from skincad.material import fit_material
 from skincad.material.laws import compare_laws
 from tests.material.test_fit import csv
 

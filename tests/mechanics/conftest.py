@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from skincad.base.machine import one_blas_thread
+from skincad.base import one_blas_thread
 from skincad.mechanics.bodies import mesh
 from skincad.mechanics.film import stress
 from skincad.mechanics.models import linear

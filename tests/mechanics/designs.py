@@ -6,11 +6,11 @@ from functools import partial
 from typing import Any
 
 from skincad import load
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
+from skincad.base import Estimate
+from skincad.inputs import Design
+from skincad.mechanics import Answer, Request
 from skincad.mechanics.check import check
 from skincad.mechanics.models import linear
-from skincad.mechanics.problem import Answer, Request
 
 linear_check = partial(check, model="linear")  # the verdict by one model, whatever it leaves out
 BARE = {"slot": None, "film": None, "contact": {"film": "ignored"}}

@@ -10,10 +10,9 @@ import pytest
 
 from bench import calculix
 from bench.bench_calculix import FORCE, SOFTER, own
-from skincad.laws.ogden import Ogden
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.laws import Ogden
+from skincad.mechanics import pad_of, plane_piece
 from skincad.mechanics.models import finite_strain
-from skincad.mechanics.problem import pad_of
 from tests.mechanics.designs import filleted
 
 COARSE = 0.25  # fineness of CalculiX's mesh

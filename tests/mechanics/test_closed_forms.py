@@ -17,14 +17,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 
-from skincad.inputs.skin_tables import Plate
+from skincad.inputs import Plate
+from skincad.mechanics import Pad, Sizes, meshed_piece, press, triangles, unit_of
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.mesh import Sizes, meshed_piece, triangles, unit_of
-from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.problem import Pad
-from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import Section
+from skincad.shape import Loop, Point, Section, Segment
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block, cylinder
 

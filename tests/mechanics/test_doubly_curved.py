@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.mechanics import MODELS, crest_gaps, meshed_piece, pad_of, ridge_stiffness, solid_pad_of
 from skincad.mechanics.bodies import prisms, solid_law
-from skincad.mechanics.bodies.mesh import meshed_piece
 from skincad.mechanics.bodies.solid_body import solid_body
 from skincad.mechanics.check import check
 from skincad.mechanics.models import solid as level
-from skincad.mechanics.models.table import MODELS
-from skincad.mechanics.models.winkler import crest_gaps, line_forces, ridge_stiffness
-from skincad.mechanics.problem import Bend, pad_of, solid_pad_of
-from skincad.outputs.simulators.meshes import tetrahedra
+from skincad.mechanics.models.winkler import line_forces
+from skincad.mechanics.problem import Bend
+from skincad.outputs import tetrahedra
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import reference, yamada
 from tests.outputs.simulators import ccx

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.inputs.design import Design
-from skincad.mechanics.left_out import end_compliance, force_changes
-from skincad.mechanics.models.corrected import added_compliance
+from skincad.inputs import Design
+from skincad.mechanics import added_compliance, force_changes
+from skincad.mechanics.left_out import end_compliance
 from tests.mechanics.designs import filleted, yamada
 
 

@@ -7,11 +7,10 @@ from functools import cache
 
 import pytest
 
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.inputs import Design
+from skincad.mechanics import Request, pad_of, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.linear import PlaneSolution, level
-from skincad.mechanics.problem import Request, pad_of
 from tests.mechanics.designs import THREE, assert_inside, filleted, reference, void_slots, yamada
 
 DESIGNS = {

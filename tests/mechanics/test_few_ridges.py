@@ -11,8 +11,8 @@ import pytest
 import skincad
 from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError
-from skincad.inputs.design import Design
-from skincad.mechanics.models.table import MODELS, prerequisites
+from skincad.inputs import Design
+from skincad.mechanics import MODELS, prerequisites
 from tests.families import RIDGED
 
 FEW = (1, 2, 3, 4)

@@ -13,10 +13,10 @@ from bench import table_fits, table_reduced_pins
 from bench.campaign import random_designs
 from bench.random_scenes import random_scene
 from bench.verdicts import drawn
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import DESIGNS, FITS, MODELS, NUMBERS, unlike
 from skincad.mechanics.check import check
-from skincad.mechanics.fits import DESIGNS, FITS, NUMBERS, shape_of, unlike
-from skincad.mechanics.models.table import MODELS
+from skincad.mechanics.fits import shape_of
 from tests.families import RIDGED
 from tests.mechanics.designs import reference
 

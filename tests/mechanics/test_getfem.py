@@ -24,7 +24,7 @@ from bench.bench_getfem import (
     used,
 )
 from bench.getfem import FrictionalPad
-from skincad.mechanics.contact.state import Drive
+from skincad.mechanics import Drive
 
 pytestmark = pytest.mark.xdist_group("getfem")  # dragged() is shared
 

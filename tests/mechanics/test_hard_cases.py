@@ -9,13 +9,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece, triangles
+from skincad.inputs import Design
+from skincad.mechanics import Pad, coarse_sizes, default_sizes, meshed_piece, pad_of, triangles
 from skincad.mechanics.models.linear import PlaneSolution, level
-from skincad.mechanics.models.solid import coarse_sizes
-from skincad.mechanics.problem import Pad, pad_of
-from skincad.shape.curves import Segment
-from skincad.shape.skin import Section
+from skincad.shape import Section, Segment
 from tests.mechanics import closed_forms
 from tests.mechanics.designs import reference as sharp
 

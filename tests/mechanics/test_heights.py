@@ -10,15 +10,13 @@ import pytest
 
 import skincad
 from skincad import load
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.base import Estimate
+from skincad.inputs import Design
+from skincad.mechanics import Request, film_stresses, pad_of, plane_piece, ridge_strain
 from skincad.mechanics.check import check
-from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.models import finite_strain, linear, winkler
-from skincad.mechanics.problem import Request, pad_of
-from skincad.mechanics.validity import buckling_force, ridge_strain
-from skincad.shape.skin import skin_of
+from skincad.mechanics.validity import buckling_force
+from skincad.shape import skin_of
 from tests.mechanics.designs import BARE, THREE, assert_inside, plane, yamada
 
 UNLIKE = (0.49, 0.5, 0.504)  # mm; no two alike, none symmetric, and all touch

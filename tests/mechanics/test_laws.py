@@ -8,24 +8,26 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.effects.finite_strain import FiniteStrain
-from skincad.laws.gent import Gent
-from skincad.laws.neo_hooke import NeoHooke
-from skincad.laws.ogden import Ogden
-from skincad.laws.rubber import Rubber
-from skincad.laws.yeoh import Yeoh
+from skincad.effects import FiniteStrain
+from skincad.laws import Gent, NeoHooke, Ogden, Rubber, Yeoh
+from skincad.mechanics import (
+    Drive,
+    Layers,
+    SolidSolution,
+    default_sizes,
+    filled_pad,
+    pad_of,
+    piece_of,
+    plane_piece,
+    strip_stress,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.film_field import strip_stress
-from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.contact.newton import PressedPad, press_to
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import filled_pad
 from skincad.mechanics.models import finite_strain
 from skincad.mechanics.models.linear import PlaneSolution
-from skincad.mechanics.models.solid import Layers, SolidSolution
 from skincad.mechanics.models.solid_finite_strain import solve
-from skincad.mechanics.problem import pad_of
 from skincad.scenes.march import march
 from tests.laws.closed import plane_stress
 from tests.mechanics.contact.test_dragged import affine, whole

@@ -12,12 +12,11 @@ import pytest
 from bench import calculix, table_reduced_pins
 from bench.bench_calculix import own
 from skincad import InputError, check, load, load_scene, simulate
-from skincad.inputs.design import Design
-from skincad.live.session import start_session
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.inputs import Design
+from skincad.live import start_session
+from skincad.mechanics import Request, pad_of, plane_piece
 from skincad.mechanics.models import linear, reduced
-from skincad.mechanics.problem import Request, pad_of
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 from tests.mechanics.designs import filleted
 
 FINGER = Path(__file__).parent.parent.parent / "examples" / "human-finger.toml"

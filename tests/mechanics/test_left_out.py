@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from skincad import load
-from skincad.base.estimate import Estimate
-from skincad.mechanics.left_out import ALONG, LeftOut, free_ends, friction_along, left_out, tip_constraint
-from skincad.mechanics.left_out import finite_strain as small_strain
-from skincad.mechanics.left_out import friction as grip
+from skincad.base import Estimate
+from skincad.mechanics import Answer, LeftOut, Request, free_ends
+from skincad.mechanics import finite_strain as small_strain
+from skincad.mechanics import friction as grip
+from skincad.mechanics.left_out import ALONG, friction_along, left_out, tip_constraint
 from skincad.mechanics.models import corrected, finite_strain, friction, linear
-from skincad.mechanics.problem import Answer, Request
 
 CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "plain-ridges": ("plain-ridges", {}),

@@ -8,15 +8,26 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece, unit_of
-from skincad.mechanics.contact.frictionless import press, seen_by_plate
-from skincad.mechanics.contact.ridge_model import ridge_forces, ridge_model
+from skincad.mechanics import (
+    Request,
+    RidgeModel,
+    coarse_sizes,
+    condensed_pad,
+    forms_of,
+    meshed_piece,
+    pad_of,
+    plane_piece,
+    press,
+    ridge_forces,
+    ridge_model,
+    unit_of,
+)
+from skincad.mechanics.contact.frictionless import seen_by_plate
 from skincad.mechanics.manufacture import MODEL_MISCLASSIFIES, SCALED_MISCLASSIFIES, all_touch, manufacture
 from skincad.mechanics.models import corrected
 from skincad.mechanics.models.linear import PlaneSolution, level
-from skincad.mechanics.models.solid import coarse_sizes, condensed_pad, forms_of
-from skincad.mechanics.problem import Request, RidgeModel, Spread, pad_of
-from skincad.shape.skin import skin_of
+from skincad.mechanics.problem import Spread
+from skincad.shape import skin_of
 from tests.mechanics.designs import linear_check, reference
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import ContactCheck
 from skincad.mechanics.check import check
-from skincad.mechanics.verdict import ContactCheck
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 
 # gone
 from tests.mechanics.designs import THREE

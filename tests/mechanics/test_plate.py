@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.inputs.skin_tables import Plate
-from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.inputs import Plate
+from skincad.mechanics import Answer, Request, plane_piece, run
 from skincad.mechanics.models import linear
-from skincad.mechanics.models.table import run
-from skincad.mechanics.problem import Answer, Request, rise
+from skincad.mechanics.problem import rise
 from tests.mechanics.designs import linear_check, plane
 from tests.refusals import refused_by
 

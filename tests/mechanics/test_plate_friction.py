@@ -5,15 +5,21 @@ from __future__ import annotations
 import pytest
 
 from skincad import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import (
+    ContactCheck,
+    ContactError,
+    SizeError,
+    finite_strain,
+    friction,
+    plain_pad,
+    solve_solid,
+)
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics.check import ModelSelection, check
-from skincad.mechanics.left_out import finite_strain, friction, friction_along
+from skincad.mechanics.left_out import friction_along
 from skincad.mechanics.models import friction as pressing
-from skincad.mechanics.models.corrected import plain_pad
-from skincad.mechanics.models.friction import LOST, PLANE_PART, solve, solve_solid, with_friction
-from skincad.mechanics.problem import ContactError, SizeError
-from skincad.mechanics.verdict import ContactCheck
+from skincad.mechanics.models.friction import LOST, PLANE_PART, solve, with_friction
 from skincad.outputs.checks import lines
 from tests.mechanics.designs import SHORT, linear_check, reference
 from tests.mechanics.models.test_friction import exact

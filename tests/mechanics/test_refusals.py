@@ -9,17 +9,26 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import (
+    ContactError,
+    Request,
+    RidgeModel,
+    SizeError,
+    default_sizes,
+    film_stresses,
+    pad_of,
+    plane_piece,
+    triangles,
+)
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles
 from skincad.mechanics.check import check
 from skincad.mechanics.film import sliding, stress
-from skincad.mechanics.film.stress import film_stresses
 from skincad.mechanics.manufacture import manufacture
 from skincad.mechanics.models import finite_strain, linear, solid
-from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, Spread, one_ridge, pad_of
-from skincad.scenes.simulation import simulate
+from skincad.mechanics.problem import Spread, one_ridge
+from skincad.scenes import simulate
 from tests.mechanics.designs import linear_check, plane, wide
 from tests.small_scene import THIRD, small_scene
 

@@ -7,7 +7,8 @@ from itertools import pairwise
 import pytest
 
 import skincad
-from skincad.mechanics.manufacture import KEYS, MODULUS, sensitivities
+from skincad.mechanics import KEYS, sensitivities
+from skincad.mechanics.manufacture import MODULUS
 from tests.families import RIDGED
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from skincad.mechanics.left_out import sway_amplification, sway_angle, sway_force
-from skincad.mechanics.validity import buckling_force, mean_width
+from skincad.mechanics import mean_width, sway_amplification, sway_force
+from skincad.mechanics.left_out import sway_angle
+from skincad.mechanics.validity import buckling_force
 from tests.mechanics.designs import yamada
 
 STIFF = 1e9  # a spring that is as good as a clamp

@@ -13,21 +13,27 @@ import numpy as np
 import pytest
 from netgen.meshing import NgException
 
-from skincad.base.errors import ExhaustedError, InputError, RefusedError
-from skincad.base.estimate import Estimate
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
+from skincad.base import Estimate, ExhaustedError, InputError, RefusedError
+from skincad.inputs import Design, load
+from skincad.mechanics import (
+    MODELS,
+    Answer,
+    ContactCheck,
+    LateError,
+    LeftOut,
+    NextModel,
+    Request,
+    SizeError,
+    expected_seconds,
+    pad_of,
+    plane_piece,
+)
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics import manufacture as manufacturing
-from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.check import check
-from skincad.mechanics.left_out import LeftOut
 from skincad.mechanics.models import linear
 from skincad.mechanics.models import table as models
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.models.table import MODELS, expected_seconds
-from skincad.mechanics.problem import Answer, LateError, Request, SizeError, pad_of
-from skincad.mechanics.verdict import ContactCheck, NextModel
 from tests.families import RIDGED
 from tests.mechanics.designs import SHORT, THREE, filleted, linear_check, plane, reference, void_slots, yamada
 

@@ -7,24 +7,25 @@ import math
 import pytest
 
 from skincad import load
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
-from skincad.mechanics.problem import Answer
-from skincad.mechanics.validity import (
-    LARGEST_SLOPE,
+from skincad.base import Estimate, InputError
+from skincad.inputs import Design
+from skincad.mechanics import (
     LARGEST_STRAIN,
-    SMALL_STRAIN,
+    Answer,
     Limits,
-    buckling_force,
-    exceeds_small_strain,
     limits,
     refuse_crushed,
     ridge_strain,
-    slope_warnings,
     small_strain_violation,
-    strain_warnings,
     tipping,
+)
+from skincad.mechanics.validity import (
+    LARGEST_SLOPE,
+    SMALL_STRAIN,
+    buckling_force,
+    exceeds_small_strain,
+    slope_warnings,
+    strain_warnings,
 )
 
 

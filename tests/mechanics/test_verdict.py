@@ -10,9 +10,9 @@ import pytest
 
 from bench.campaign.random_designs import drawn
 from skincad import InputError, RefusedError, check, load
+from skincad.mechanics import ContactCheck
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics.models import table
-from skincad.mechanics.verdict import ContactCheck
 
 NEAR = 0.03  # relative: how far the applied forces lie from the one that is needed
 

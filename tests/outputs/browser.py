@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from skincad.base.arrays import Array
+from skincad.base import Array
 
 CHROMIUM = "/usr/bin/chromium"
 # WebGL by the processor, and no name of a host is ever found

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from skincad.outputs.accuracies import ladder_lines
-from skincad.studies.accuracy.contact import measures_of
-from skincad.studies.accuracy.ladder import Ladder, Measurement
+from skincad.studies import Ladder, Measurement, measures_of
 
 
 def test_a_measure_has_a_readers_name_above_its_column() -> None:

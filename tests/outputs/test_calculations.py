@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.formula import Calculation, Quantity, rounded
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
+from skincad.base import Calculation, Quantity, rounded
+from skincad.fabrication import Job
+from skincad.inputs import Design
 from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
 from tests.families import RIDGED
 

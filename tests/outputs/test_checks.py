@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from skincad import Estimate, check, load
-from skincad.mechanics.verdict import Change, ContactCheck
-from skincad.outputs.checks import BLOCKS, CLEAR, MOST_BARS, details, force_bars, next_step, verdict
+from skincad.mechanics import Change, ContactCheck
+from skincad.outputs import details
+from skincad.outputs.checks import BLOCKS, CLEAR, MOST_BARS, force_bars, next_step, verdict
 from tests.conftest import skincad_process
 
 

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from skincad.fabrication.coupon import coupon
-from skincad.inputs.measurements import NOTCH_FORM
+from skincad.inputs import NOTCH_FORM
 from tests.conftest import run_skincad
 from tests.fabrication.test_coupon_reading import fill
 from tests.outputs.test_export import read_3mf

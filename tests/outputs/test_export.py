@@ -18,16 +18,12 @@ import shapely
 import trimesh
 
 import skincad
-from skincad.fabrication.electrodes import SHOULDER
-from skincad.fabrication.job import Job
-from skincad.fabrication.patterns import GLUED_LENGTH, HOLE
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
+from skincad.fabrication import GLUED_LENGTH, HOLE, SHOULDER, Job
+from skincad.inputs import Design, template_names
+from skincad.outputs import write_step
 from skincad.outputs.drawing import flat
-from skincad.outputs.solid_files import write_step
-from skincad.shape.curves import Point, Segment, area, polygon
-from skincad.shape.skin import section
-from skincad.solids.inserts import STUB
+from skincad.shape import Point, Segment, area, polygon, section
+from skincad.solids import STUB
 from skincad.solids.mold import mold
 from tests.conftest import Made
 
@@ -256,7 +252,7 @@ def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
 
 
 def test_step_time_is_source_date_epoch(made: Made, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from skincad.solids.occ import workplane
+    from skincad.solids import workplane
 
     cover = workplane(mold_cover())
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from skincad.base.formula import Calculation, Quantity
+from skincad.base import Calculation, Quantity
 from skincad.outputs.pages import formula, formula_with_numbers
 
 MINUS = "\u2212"  # as it is printed

@@ -9,8 +9,9 @@ import pytest
 from PIL import Image
 
 import skincad
-from skincad.inputs.catalog import template_names
-from skincad.outputs.gallery import entries, force_of, forces, page, smallest_detail
+from skincad.inputs import template_names
+from skincad.outputs import forces
+from skincad.outputs.gallery import entries, force_of, page, smallest_detail
 from tests.conftest import Made
 
 DOCS = Path(__file__).parent.parent.parent / "docs"

@@ -10,18 +10,22 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.outfolder import fresh
-from skincad.base.tables import NumberWithRange, table_of
-from skincad.circuit.model import Circuit, load_circuit
+from skincad.base import InputError, NumberWithRange, fresh, table_of
+from skincad.circuit import Circuit, load_circuit
 from skincad.effects import EFFECTS, effect
-from skincad.inputs.catalog import KINDS, Kind, template_names, template_text
-from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import FAMILY_TABLES
-from skincad.inputs.process import processes
-from skincad.inputs.silicone import silicones
-from skincad.outputs.tomls import commented_toml, schema_of, write_new
-from skincad.scenes.scene import Scene, load_scene
+from skincad.inputs import (
+    FAMILY_TABLES,
+    KINDS,
+    Design,
+    Kind,
+    processes,
+    silicones,
+    template_names,
+    template_text,
+)
+from skincad.outputs import schema_of, write_new
+from skincad.outputs.tomls import commented_toml
+from skincad.scenes import Scene, load_scene
 from tests.conftest import run_skincad
 from tests.families import OF_FAMILIES, RIDGED
 from tests.refusals import refused

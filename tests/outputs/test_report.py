@@ -16,18 +16,15 @@ import pytest
 from PIL import Image
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.effects.piezo import Piezo
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.making import Build
-from skincad.inputs.design import Design
-from skincad.mechanics.verdict import ContactCheck
+from skincad.base import Estimate, InputError
+from skincad.effects import Piezo
+from skincad.fabrication import Build, Job, design_findings
+from skincad.inputs import Design
+from skincad.mechanics import ContactCheck
 from skincad.outputs import makes, report_scenes
 from skincad.outputs.checks import passing_share
 from skincad.outputs.report import report, suggested_scene
-from skincad.scenes.simulation import Simulation
+from skincad.scenes import Simulation
 from tests.conftest import run_skincad
 from tests.outputs.test_calculations import VARIANTS, design_of
 from tests.refusals import refused_command

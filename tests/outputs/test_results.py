@@ -15,12 +15,9 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.outfolder import files_below
-from skincad.base.result import LONGEST_REPR, Result
+from skincad.base import LONGEST_REPR, InputError, RefusedError, Result, files_below
 from skincad.outputs import accuracies, gains, makes, simulations
-from skincad.scenes.march import LEVELS
-from skincad.scenes.simulation import at_level
+from skincad.scenes import LEVELS, at_level
 from skincad.studies.accuracy import circuit
 from tests.base.test_portable import FILMED
 from tests.small_scene import small_scene

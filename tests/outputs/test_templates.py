@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import KINDS, Kind, template_names
-from skincad.inputs.shipped import table_text
-from skincad.outputs.tomls import listing
+from skincad.base import InputError
+from skincad.inputs import KINDS, Kind, table_text, template_names
+from skincad.outputs import listing
 from tests.conftest import run_skincad, skincad_process
 
 EVERY = (*KINDS, "studies", "silicones", "processes", "grippers")

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import RefusedError
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import opening_steps
+from skincad.base import RefusedError
+from skincad.fabrication import Job, opening_steps
 from skincad.outputs import view
 from skincad.outputs.view import three_js, way_out
 from skincad.solids.mold import mold

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import typer
 
-from skincad.base.outfolder import files_below
+from skincad.base import files_below
 from skincad.cli.app import app
 from skincad.studies.accuracy import circuit
 from tests.small_scene import small_scene

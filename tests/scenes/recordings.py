@@ -8,11 +8,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from skincad.inputs.recordings import FilmRecording, column_name
-from skincad.scenes.film_prediction import FilmPrediction, predict_films, varied, with_modulus
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import at_level
+from skincad.inputs import FilmRecording, column_name
+from skincad.scenes import LEVELS, FilmPrediction, Scene, at_level, predict_films, varied, with_modulus
 from tests.small_scene import small_scene
 
 SETTINGS = (

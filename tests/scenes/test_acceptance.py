@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from bench.table_recordings import judged
-from skincad.base.errors import InputError
-from skincad.inputs.recordings import FilmRecording
-from skincad.scenes.acceptance import CANT_TELL, judge
-from skincad.scenes.film_prediction import press_end, recorded_scene
+from skincad.base import InputError
+from skincad.inputs import FilmRecording
+from skincad.scenes import CANT_TELL, judge, recorded_scene
+from skincad.scenes.film_prediction import press_end
 from skincad.scenes.strip_assignment import cell_means
 from tests.refusals import refused
 from tests.scenes.recordings import DELAY, prediction, recording, scene

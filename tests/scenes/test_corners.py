@@ -8,13 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.state import band_limited
-from skincad.effects.friction import Friction
-from skincad.scenes.march import LEVELS, March, frames, march
-from skincad.scenes.models import coarse_steps
-from skincad.scenes.scene import History
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.base import InputError
+from skincad.circuit import band_limited
+from skincad.effects import Friction
+from skincad.scenes import LEVELS, History, March, Simulation, at_level, coarse_steps, frames
+from skincad.scenes.march import march
 from tests.scenes.test_march import block
 from tests.small_scene import small_scene
 

@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.inputs.catalog import template_text
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
+from skincad.inputs import template_text
+from skincad.scenes import LEVELS, at_level, load_scene
 from tests.small_scene import small_skin
 
 

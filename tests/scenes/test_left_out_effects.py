@@ -8,12 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import LeftOutEffect, PlatePath, SceneOutline
-from skincad.inputs.catalog import template_text
-from skincad.scenes import models
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.effects import LeftOutEffect, PlatePath, SceneOutline
+from skincad.inputs import template_text
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene, models
 from tests.small_scene import small_scene
 
 PULL = "yamada-2002-press-and-pull"

@@ -8,14 +8,11 @@ from typing import Any
 
 import pytest
 
+from skincad.mechanics import triangles
 from skincad.mechanics.bodies import elements, film_field
-from skincad.mechanics.bodies.mesh import triangles
 from skincad.mechanics.film.stress import REFINEMENTS
-from skincad.scenes import models
-from skincad.scenes.march import EXPONENT, LEVELS, Level, March, expected
-from skincad.scenes.models import piece_for
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import simulate
+from skincad.scenes import LEVELS, Level, March, expected, load_scene, models, piece_for, simulate
+from skincad.scenes.march import EXPONENT
 from tests.small_scene import THIRD, small_scene
 
 SPENT = {"mesh": 0.5, "condense": 1.0, "march": 3.0}

@@ -7,16 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.base.tables import quantity
-from skincad.effects.friction import Friction
-from skincad.effects.kinds import Law, PadChange, Reader, Share, Step, Term
-from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.state import ContactState, Drive
-from skincad.mechanics.film.sliding import ContactPad
-from skincad.mechanics.problem import ContactError
+from skincad.base import InputError, quantity
+from skincad.effects import CondensedPad, Friction, Law, PadChange, Reader, Share, Step, Term, condensed
+from skincad.mechanics import ContactError, ContactPad, ContactState, Drive
+from skincad.scenes import simulate
 from skincad.scenes.march import march
-from skincad.scenes.simulation import simulate
 from tests.small_scene import make_up_effects, small_scene
 
 TIMES = np.linspace(0.0, 1.0, 5)
@@ -94,7 +89,7 @@ class Softer(Law):
     def marched(self, part: Any, mesh: Any, order: int, films: bool, terms: Any) -> CondensedPad:  # noqa: ARG002
         from dataclasses import replace
 
-        from skincad.mechanics.film.sliding import sliding
+        from skincad.mechanics import sliding
 
         pad = sliding(part, mesh, order, films)
         # its field is that of the harder pad, and would lie above the plate

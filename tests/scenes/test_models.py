@@ -10,15 +10,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics import default_sizes, triangles
 from skincad.mechanics.contact import frozen_tangent
 from skincad.outputs.simulations import lines
-from skincad.scenes import models
-from skincad.scenes.errors import slips_of
-from skincad.scenes.march import LEVELS, march
-from skincad.scenes.models import piece_for
-from skincad.scenes.scene import Scene, load_scene
-from skincad.scenes.simulation import Simulation, marched, read_out, simulate
+from skincad.scenes import (
+    LEVELS,
+    Scene,
+    Simulation,
+    load_scene,
+    marched,
+    models,
+    piece_for,
+    read_out,
+    simulate,
+    slips_of,
+)
+from skincad.scenes.march import march
 from tests.small_scene import small_scene
 
 PULLED = (

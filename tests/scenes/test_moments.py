@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skincad.mechanics.film.fields import DeformedSection
-from skincad.outputs.figures.stress import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
-from skincad.scenes.march import LEVELS, frames, kept_steps
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.mechanics import DeformedSection
+from skincad.outputs import COLOURS, FRAME_WIDTH, Moment, section_animation, section_picture
+from skincad.scenes import LEVELS, Simulation, at_level, frames
+from skincad.scenes.march import kept_steps
 from tests.small_scene import small_scene
 
 SCENE = "yamada-2002-press-and-pull"
@@ -79,7 +79,7 @@ def test_an_animation_has_its_frames_and_few_colours(simulation: Simulation, tmp
 
 
 def test_colours_are_one_scale_for_all_frames() -> None:
-    from skincad.outputs.figures.stress import moments_limit
+    from skincad.outputs import moments_limit
 
     place = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 

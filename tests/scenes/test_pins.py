@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.scenes.scene import Scene
-from skincad.scenes.simulation import Simulation, simulate
-from skincad.shape.skin import skin_of
+from skincad.scenes import Scene, Simulation, simulate
+from skincad.shape import skin_of
 from tests import families
 
 FRICTION = 0.3

@@ -7,10 +7,9 @@ from typing import Any
 
 import pytest
 
-from skincad.effects.kinds import Reader
-from skincad.scenes import simulation
-from skincad.scenes.march import LEVELS
-from skincad.scenes.simulation import at_level, joined
+from skincad.effects import Reader
+from skincad.scenes import LEVELS, at_level, simulation
+from skincad.scenes.simulation import joined
 from tests.small_scene import make_up_effects, small_scene
 
 PRESS = ("history.steps=1", "readout.ridges=[]", "effects.film=none", "effects.friction=none")

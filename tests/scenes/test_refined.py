@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.base.result import plain
-from skincad.scenes.models import BySource, coarse_steps
+from skincad.base import plain
+from skincad.scenes import BySource, coarse_steps
 
 
 def test_fewer_steps_keep_the_history_s_points() -> None:

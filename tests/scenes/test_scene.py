@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import template_names
-from skincad.scenes.scene import load_scene
+from skincad.base import InputError
+from skincad.inputs import template_names
+from skincad.scenes import load_scene
 from tests.refusals import refused, refused_command
 
 SLIP = "yamada-2002-slip"
@@ -122,7 +122,7 @@ def test_a_circuit_needs_films() -> None:
 
 
 def test_a_skins_path_counts_from_the_scene(tmp_path: Path) -> None:
-    from skincad.inputs.catalog import template_text
+    from skincad.inputs import template_text
 
     (tmp_path / "mine.toml").write_text(template_text("yamada-2002"))
     scene = template_text(SLIP, "scenes").replace('skin = "yamada-2002"', 'skin = "mine.toml"')

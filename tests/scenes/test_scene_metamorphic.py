@@ -14,10 +14,8 @@ import numpy as np
 import pytest
 import tomlkit
 
-from skincad.inputs.catalog import read_table
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level
+from skincad.inputs import read_table
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene
 from tests.hard_cases import scaled
 
 ROUNDING = 1e-8

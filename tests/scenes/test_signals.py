@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from skincad.circuit.state import band_limited, corner, delay
-from skincad.scenes.errors import gross_slip_step, intervals, lasting_slip_step, slip_by_ridge
+from skincad.circuit import band_limited, corner, delay
+from skincad.scenes import intervals
+from skincad.scenes.errors import gross_slip_step, lasting_slip_step, slip_by_ridge
 
 WIDTH = 300.0
 TIME = np.linspace(0.0, 0.02, 401)

@@ -12,12 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import ExhaustedError
+from skincad.base import ExhaustedError
 from skincad.effects import EFFECTS
-from skincad.scenes import models
-from skincad.scenes.march import LEVELS, Level
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, at_level, simulate
+from skincad.scenes import LEVELS, Level, Simulation, at_level, load_scene, models, simulate
 from tests.conftest import run_skincad
 from tests.processes import python
 from tests.shared_pads import forget
@@ -262,7 +259,7 @@ def test_much_friction_holds_the_scenes_own_pull(mu: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.3, 0.4999, 0.49999])
 def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
-    from skincad.inputs.catalog import template_text
+    from skincad.inputs import template_text
 
     text = template_text("yamada-2002").replace("poisson_ratio = 0.499 ", f"poisson_ratio = {ratio} ")
     assert f"poisson_ratio = {ratio}" in text

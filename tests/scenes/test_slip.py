@@ -13,31 +13,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.circuit.state import band_limited, delay
-from skincad.outputs.simulations import write_table
-from skincad.scenes.detector import (
+from skincad.base import InputError
+from skincad.circuit import band_limited, delay
+from skincad.outputs import write_table
+from skincad.scenes import (
     AHEAD,
     EARLY,
     INCIPIENT,
+    LEVELS,
     NOT_AHEAD,
-    NOTHING,
-    PASSING,
     POINTS,
     SURE,
     Detector,
-    Event,
-    at_rest,
-    detector,
+    at_level,
     fed,
-    report,
+    intervals,
+    load_scene,
     score,
     statistic,
 )
-from skincad.scenes.errors import intervals
-from skincad.scenes.march import LEVELS
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import at_level
+from skincad.scenes.detector import NOTHING, PASSING, Event, at_rest, detector, report
 
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
 TIME = np.arange(600) / RATE

@@ -10,15 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import LeftOutEffect, Observables
-from skincad.mechanics.contact.frozen_tangent import Drift
-from skincad.mechanics.contact.state import FrictionCoefficients
-from skincad.scenes import models
-from skincad.scenes.errors import in_steps, lead, slip_errors, slip_step, slips_of, spread
-from skincad.scenes.march import INTERRUPTED, March, march
-from skincad.scenes.models import BySource, ComparisonRuns
-from skincad.scenes.scene import load_scene
-from skincad.scenes.simulation import Simulation, simulate
+from skincad.effects import LeftOutEffect, Observables
+from skincad.mechanics import Drift, FrictionCoefficients
+from skincad.scenes import (
+    BySource,
+    ComparisonRuns,
+    March,
+    Simulation,
+    load_scene,
+    models,
+    simulate,
+    slip_errors,
+    slips_of,
+)
+from skincad.scenes.errors import in_steps, lead, slip_step, spread
+from skincad.scenes.march import INTERRUPTED, march
 
 COULOMB = FrictionCoefficients(1.0, 1.0)
 

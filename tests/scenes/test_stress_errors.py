@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array
-from skincad.effects.kinds import Observables
+from skincad.base import Array
+from skincad.effects import Observables
+from skincad.scenes import BySource, ComparisonRuns, March
 from skincad.scenes.errors import stress_errors
-from skincad.scenes.march import March
-from skincad.scenes.models import BySource, ComparisonRuns
 
 
 def euler(steps: int, gross: float = np.inf) -> March:

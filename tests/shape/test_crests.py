@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.shape.crests import crest_drops, shift_warnings
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.shape import crest_drops, shift_warnings
 
 
 def summit(design: Design, ridge: int) -> float:

@@ -3,7 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from skincad.shape.curves import Point, Segment, area, flipped, length, moments, offset, polygon, rectangle
+from skincad.shape import Point, Segment, area, flipped, length, polygon, rectangle
+from skincad.shape.curves import moments, offset
 
 
 def circle(radius: float, x: float = 0.0, z: float = 0.0) -> tuple[Segment, ...]:

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.inputs.feature_tables import places
-from skincad.shape.curves import area, moments
-from skincad.shape.families import FAMILIES
-from skincad.shape.skin import Skin, drawn_section, section, skin_of
+from skincad.inputs import places
+from skincad.shape import FAMILIES, Skin, area, drawn_section, section, skin_of
+from skincad.shape.curves import moments
 from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
 from tests.refusals import refused, refused_by
 

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.shape.crests import crest_drops
-from skincad.shape.curves import Segment
-from skincad.shape.skin import section, skin_of
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.shape import Segment, crest_drops, section, skin_of
 from tests.refusals import refused
 
 UNLIKE = [0.5, 0.52, 0.5, 0.48, 0.5, 0.5, 0.47, 0.5, 0.55]

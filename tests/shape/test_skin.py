@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
-from skincad.shape.curves import area, concentric_hit, polygon
-from skincad.shape.skin import section, skin_of
+from skincad.base import InputError
+from skincad.inputs import Design, template_names
+from skincad.shape import area, concentric_hit, polygon, section, skin_of
 
 
 def test_area_agrees_with_a_fine_polygon(variants: dict[str, Design]) -> None:

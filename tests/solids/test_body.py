@@ -10,18 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from skincad.shape.curves import Point, Segment, loop, rectangle
-from skincad.solids.plan import (
-    Bore,
-    CutRole,
-    ExtendedCut,
-    Grid,
-    Prism,
-    RevolvedBody,
-    RotatedBody,
-    corners,
-    plain,
-)
+from skincad.shape import Point, Segment, loop, rectangle
+from skincad.solids import Bore, CutRole, ExtendedCut, Grid, Prism, RevolvedBody, RotatedBody, corners, plain
 
 SQUARE, HOLE = rectangle(-1.0, 2.0, 3.0, 5.0), rectangle(0.0, 0.5, 3.5, 4.5)
 SAME = 1e-12  # rounding of sums of a few mm

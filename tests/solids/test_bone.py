@@ -12,18 +12,10 @@ import pytest
 
 import skincad
 from skincad import InputError
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import mesh
-from skincad.fabrication.pouring import poured_volume, pours
-from skincad.fabrication.sheet import sheet_steps
-from skincad.inputs.design import Design
-from skincad.solids.bone import bone_of, pinned
-from skincad.solids.layout import lid_process
+from skincad.fabrication import Job, interference, mesh, poured_volume, pours, sheet_steps
+from skincad.inputs import Design
+from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin_part, solid, volume
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid, volume
-from skincad.solids.plan import CutRole, PartRole
-from skincad.solids.skin import skin_part
 from tests.refusals import refused_command
 
 CHORD = 1e-3  # mm

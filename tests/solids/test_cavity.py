@@ -5,16 +5,12 @@ import math
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
-from skincad.solids.cavity import safe_strain, split_ridges
-from skincad.solids.mold import ClosedMold, Move, mold
-from skincad.solids.occ import solid
+from skincad.base import InputError
+from skincad.fabrication import Job, design_findings, interference, manifold
+from skincad.inputs import Design
+from skincad.shape import skin_of
+from skincad.solids import ClosedMold, Move, safe_strain, solid, split_ridges
+from skincad.solids.mold import mold
 
 STEEP = "steep-fingertip"
 

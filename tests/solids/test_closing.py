@@ -13,25 +13,27 @@ from scipy.sparse import coo_matrix, identity
 from scipy.sparse.linalg import spsolve
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.shape.skin import section
-from skincad.solids.cavity import split_ridges
+from skincad.inputs import Design
+from skincad.shape import section
+from skincad.solids import (
+    MOST_BOW,
+    Layout,
+    bow,
+    lid_process,
+    scaled_for_shrinkage,
+    split_ridges,
+    thick_enough,
+)
 from skincad.solids.layout import (
     LEAST_COVER,
-    MOST_BOW,
     PRESSURE,
-    Layout,
     ScrewRow,
     Spans,
-    bow,
     choose_screws,
     cover_pins,
     layout,
-    lid_process,
     screw_rows,
-    thick_enough,
 )
-from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.families import RIDGED
 
 NU = 0.35  # the formula has none

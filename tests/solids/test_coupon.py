@@ -9,13 +9,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from skincad.fabrication import laid, mesh, on_end, overhang
 from skincad.fabrication.coupon import coupon
-from skincad.fabrication.machine_rules import on_end, overhang
-from skincad.fabrication.meshes import laid, mesh
-from skincad.inputs.catalog import load_design
-from skincad.inputs.process import PROCESSES, Process, processes
+from skincad.inputs import PROCESSES, Process, load_design, processes
 from skincad.shape import curves
-from skincad.solids.coupon import (
+from skincad.solids import (
     BAR,
     BARS,
     HEIGHTS,
@@ -23,13 +21,14 @@ from skincad.solids.coupon import (
     NOTCH_PITCH,
     NOTCHES,
     REPEATS,
-    bar_outline,
+    Part,
+    PartRole,
     coupon_parts,
     drawn_notches,
     drawn_steps,
     poured_volumes,
 )
-from skincad.solids.plan import Part, PartRole
+from skincad.solids.coupon import bar_outline
 from skincad.solids.skin import cast_skin
 from tests.families import RIDGED
 
@@ -119,7 +118,7 @@ def test_a_mold_takes_what_its_piece_is_larger_by_shrinkage() -> None:
 @pytest.mark.parametrize("name", PARTS)
 def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
     """The kernel within 1e-9, as every part; a mesh within its chords' tolerance on its whole surface."""
-    from skincad.solids.occ import solid, volume
+    from skincad.solids import solid, volume
 
     part: Part = PARTS[name]
     exact = solid(part)  # raises unless it is one valid solid

@@ -11,14 +11,12 @@ import pytest
 import skincad
 from bench.campaign.soundness import faults
 from bench.table_molds import refusals, sections
-from skincad.base.errors import InputError
-from skincad.fabrication.job import Job
-from skincad.fabrication.machine_rules import extent
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.fabrication import Job, casting_sheet, extent
+from skincad.inputs import Design
+from skincad.solids import CAVITIES, ClosedMold, PartRole
 from skincad.solids.ends import gate
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import CAVITIES, PartRole
+from skincad.solids.mold import mold
 from tests.families import RIDGED
 
 FEW, MANY = 80, 1000

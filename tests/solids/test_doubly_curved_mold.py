@@ -16,17 +16,13 @@ import trimesh
 from manifold3d import Manifold
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.design import Design
-from skincad.shape.skin import section, skin_of
-from skincad.solids.bent import gap_beside
-from skincad.solids.layout import BESIDE
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.occ import solid, volume
-from skincad.solids.plan import (
+from skincad.base import InputError
+from skincad.fabrication import interference, manifold
+from skincad.inputs import Design
+from skincad.shape import section, skin_of
+from skincad.solids import (
     Bore,
+    ClosedMold,
     CutRole,
     ExtendedCut,
     Part,
@@ -34,10 +30,15 @@ from skincad.solids.plan import (
     Prism,
     RevolvedBody,
     RotatedBody,
+    gap_beside,
+    notch_rise,
+    scaled_for_shrinkage,
+    solid,
     unturned,
+    volume,
 )
-from skincad.solids.shrinkage import scaled_for_shrinkage
-from skincad.solids.split import notch_rise
+from skincad.solids.layout import BESIDE
+from skincad.solids.mold import mold
 from tests.bent_skin import bent, three_ridges
 from tests.conftest import files_into
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.fabrication import Job, interference, manifold, poured_volume
 from skincad.fabrication.filling import pockets
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
-from skincad.fabrication.pouring import poured_volume
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.solids import solid
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid
 
 
 def gang(name: str, count: int) -> Design:

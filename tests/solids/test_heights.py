@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 import skincad
+from skincad.solids import PartRole, skin_solid
 from skincad.solids.mold import mold
-from skincad.solids.plan import PartRole
-from skincad.solids.skin import skin_solid
 from tests.bent_skin import bent
 
 UNLIKE = "ridge.heights=[0.45, 0.5, 0.56]"

@@ -7,15 +7,13 @@ import math
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
-from skincad.shape.skin import section
-from skincad.solids.layout import NUT_FLATS, fits, layout
+from skincad.base import InputError
+from skincad.fabrication import manifold
+from skincad.inputs import Design, processes
+from skincad.shape import section
+from skincad.solids import Bore, CutRole, Part, PartRole, Prism, bores, fits, scaled_for_shrinkage
+from skincad.solids.layout import NUT_FLATS, layout
 from skincad.solids.mold import mold
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, bores
-from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.families import RIDGED
 from tests.templates import KINDS, of_one_printer
 

@@ -9,14 +9,12 @@ from itertools import combinations
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.shape.skin import section
-from skincad.solids.fasteners import TAP_RADIUS
-from skincad.solids.layout import BOLT_RADIUS, EDGE, Layout, layout
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.shape import section
+from skincad.solids import TAP_RADIUS, CutRole, Layout, bores, scaled_for_shrinkage
+from skincad.solids.layout import BOLT_RADIUS, EDGE, layout
 from skincad.solids.lids import LEAST_VENT, MOST_HOLES, carrier, cover, cover_dowels, refused_lids
-from skincad.solids.plan import CutRole, bores
-from skincad.solids.shrinkage import scaled_for_shrinkage
 from tests.families import RIDGED
 from tests.solids.test_mounts import at
 

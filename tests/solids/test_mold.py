@@ -4,18 +4,13 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.filling import perforated
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.catalog import load
-from skincad.inputs.design import Design
-from skincad.shape.curves import area, polygon, rectangle
-from skincad.shape.skin import section, skin_of
-from skincad.solids.inserts import STUB
+from skincad.base import InputError
+from skincad.fabrication import interference, manifold, perforated
+from skincad.inputs import Design, load
+from skincad.shape import area, polygon, rectangle, section, skin_of
+from skincad.solids import STUB, Bore, ClosedMold, CutRole, Part, PartRole, bores, box
 from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Bore, CutRole, Part, PartRole, bores, box
+from skincad.solids.mold import mold
 from tests.families import RIDGED
 from tests.templates import KINDS, of_one_printer
 

@@ -11,18 +11,25 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.design import Design
-from skincad.shape.skin import section
+from skincad.base import InputError
+from skincad.fabrication import interference, manifold
+from skincad.inputs import Design
+from skincad.shape import section
+from skincad.solids import (
+    Bore,
+    ClosedMold,
+    CutRole,
+    PartRole,
+    Prism,
+    bores,
+    scaled_for_shrinkage,
+    solid,
+    volume,
+)
 from skincad.solids.bent import rise
 from skincad.solids.layout import layout
 from skincad.solids.lids import fiducial_bores
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.occ import solid, volume
-from skincad.solids.plan import Bore, CutRole, PartRole, Prism, bores
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.solids.mold import mold
 from tests.mounted import IN_LINE, NAMES, mounted_design
 
 HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)

@@ -9,20 +9,20 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.shape.curves import rectangle
-from skincad.shape.skin import section
-from skincad.solids.mold import mold
-from skincad.solids.occ import (
-    KERNEL_TOLERANCE,
+from skincad.inputs import Design
+from skincad.shape import rectangle, section
+from skincad.solids import (
+    Bore,
     KernelError,
-    flattened,
-    rounding_error,
+    Prism,
+    RevolvedBody,
+    skin_part,
+    skin_solid,
     solid,
     unchecked_solid,
 )
-from skincad.solids.plan import Bore, Prism, RevolvedBody
-from skincad.solids.skin import skin_part, skin_solid
+from skincad.solids.mold import mold
+from skincad.solids.occ import KERNEL_TOLERANCE, flattened, rounding_error
 from tests.templates import KINDS
 
 

@@ -8,18 +8,13 @@ from dataclasses import replace
 import pytest
 
 import skincad
-from skincad.fabrication.crests import listed_crests, printed_crests
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold
+from skincad.fabrication import Job, design_findings, interference, listed_crests, manifold, printed_crests
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
+from skincad.inputs import Design
+from skincad.shape import skin_of
+from skincad.solids import CutRole, PartRole, skin_part, solid, volume
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid, volume
-from skincad.solids.plan import CutRole, PartRole
-from skincad.solids.skin import cast_skin, skin_part
+from skincad.solids.skin import cast_skin
 from tests import families
 
 SLOW = pytest.mark.slow

@@ -3,21 +3,10 @@ import math
 import numpy as np
 import pytest
 
-from skincad.fabrication.meshes import manifold
-from skincad.shape.curves import Point, loop
-from skincad.solids.plan import (
-    Bore,
-    Grid,
-    Part,
-    PartRole,
-    Prism,
-    RevolvedBody,
-    RotatedBody,
-    box,
-    turned,
-    unturned,
-)
-from skincad.solids.skin import swept
+from skincad.fabrication import manifold
+from skincad.shape import Point, loop
+from skincad.solids import Bore, Grid, Part, PartRole, Prism, RevolvedBody, RotatedBody, box, swept, unturned
+from skincad.solids.plan import turned
 
 
 def test_volume_is_body_less_cuts() -> None:

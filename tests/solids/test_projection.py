@@ -7,9 +7,9 @@ import math
 import cadquery as cq
 import pytest
 
-from skincad.shape.curves import Point, loop, polygon
+from skincad.shape import Point, loop, polygon
+from skincad.solids import Arc, Polyline, Stroke, View, extent, outlined
 from skincad.solids.occ import projection
-from skincad.solids.projection import Arc, Polyline, Stroke, View, extent, outlined
 
 PLAN, FRONT = View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), View((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
 PLACE = 1e-6  # mm, the kernel's own tolerance is 1e-7

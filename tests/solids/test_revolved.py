@@ -12,16 +12,12 @@ import pytest
 import trimesh
 
 import skincad
-from skincad.fabrication.measures import measure
-from skincad.fabrication.meshes import mesh
-from skincad.inputs.design import Design
-from skincad.outputs.solid_files import write_step
-from skincad.shape import curves
-from skincad.shape.curves import Point
-from skincad.shape.skin import section
-from skincad.solids.occ import KernelError, solid
-from skincad.solids.plan import Part, PartRole, RevolvedBody
-from skincad.solids.skin import cast_skin, skin_part, skin_solid, swept
+from skincad.fabrication import measure, mesh
+from skincad.inputs import Design
+from skincad.outputs import write_step
+from skincad.shape import Point, curves, section
+from skincad.solids import KernelError, Part, PartRole, RevolvedBody, skin_part, skin_solid, solid, swept
+from skincad.solids.skin import cast_skin
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]

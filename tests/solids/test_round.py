@@ -10,21 +10,15 @@ import pytest
 import shapely
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.fabrication import Job, design_findings, interference, manifold, mesh
 from skincad.fabrication.filling import pockets
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import manifold, mesh
-from skincad.inputs.design import Design
-from skincad.shape.curves import polygon
-from skincad.shape.skin import section, skin_of
+from skincad.inputs import Design
+from skincad.shape import polygon, section, skin_of
+from skincad.solids import CutRole, PartRole, TurnedBody, bores, skin_part, solid, volume
 from skincad.solids.mold import mold
-from skincad.solids.occ import solid, volume
-from skincad.solids.plan import CutRole, PartRole, TurnedBody, bores
 from skincad.solids.round import UNDER_GROOVES
 from skincad.solids.shrinkage import shrinkage
-from skincad.solids.skin import skin_part
 from tests import families
 
 ROUND = ["rings", "round-nibs", "round-flat"]

@@ -8,21 +8,22 @@ import re
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import casting_sheet
-from skincad.inputs.process import PROCESSES, processes
-from skincad.solids.fasteners import (
-    DIAMETER,
+from skincad.fabrication import Job, casting_sheet
+from skincad.inputs import PROCESSES, processes
+from skincad.solids import (
+    CAVITIES,
+    END_PLATES,
     LENGTHS,
-    blind_depth,
-    engagement,
+    CutRole,
+    PartRole,
+    bores,
     screw_for,
     standard_length,
     torque,
 )
+from skincad.solids.fasteners import DIAMETER, blind_depth, engagement
 from skincad.solids.layout import block_process
 from skincad.solids.mold import mold
-from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from tests.bent_skin import three_ridges
 from tests.families import RIDGED
 

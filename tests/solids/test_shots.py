@@ -9,13 +9,12 @@ import pytest
 
 import skincad
 from skincad import InputError
-from skincad.fabrication.measures import interference
-from skincad.fabrication.meshes import mesh
-from skincad.inputs.design import Design
+from skincad.fabrication import interference, mesh
+from skincad.inputs import Design
+from skincad.solids import CutRole, PartRole, behind, room, skin_part
 from skincad.solids.mold import mold
-from skincad.solids.plan import CutRole, PartRole
-from skincad.solids.shots import behind, plugged, room
-from skincad.solids.skin import cast_skin, skin_part
+from skincad.solids.shots import plugged
+from skincad.solids.skin import cast_skin
 
 STIFF = {"young_modulus": 2.0, "poisson_ratio": 0.499}
 LEVEL, ARC = {**STIFF, "thickness": 1.0}, {**STIFF, "depth": 1.0}

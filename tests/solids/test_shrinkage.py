@@ -1,12 +1,11 @@
 import pytest
 
 import skincad
-from skincad.inputs.design import Design
-from skincad.shape.curves import area
-from skincad.shape.skin import section
+from skincad.inputs import Design
+from skincad.shape import area, section
+from skincad.solids import scaled_for_shrinkage, skin_part
 from skincad.solids.mold import mold
-from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
-from skincad.solids.skin import skin_part
+from skincad.solids.shrinkage import shrinkage
 from tests.families import RIDGED
 
 

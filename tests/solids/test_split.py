@@ -10,13 +10,12 @@ import pytest
 import shapely
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.shape.curves import Point, Segment, area, polygon
-from skincad.shape.feature import SensorPlace
-from skincad.shape.skin import section
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.shape import Point, Segment, SensorPlace, area, polygon, section
+from skincad.solids import notch_rise
 from skincad.solids.mold import mold
-from skincad.solids.split import closed_edge, notch_rise, path, split_edges, split_height
+from skincad.solids.split import closed_edge, path, split_edges, split_height
 
 HALF = 20.0  # mm, of the end plate
 DESIGNS = {

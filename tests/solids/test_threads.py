@@ -6,16 +6,9 @@ import math
 
 import pytest
 
-from skincad.inputs.mold_table import Mount
-from skincad.inputs.process import processes
-from skincad.solids.fasteners import (
-    LEAST_UNDER_HOLE,
-    METRIC,
-    blind_thread,
-    insert_radius,
-    least_thickness,
-    run_out_room,
-)
+from skincad.inputs import Mount, processes
+from skincad.solids import METRIC, blind_thread, insert_radius, run_out_room
+from skincad.solids.fasteners import LEAST_UNDER_HOLE, least_thickness
 
 METAL, RESIN = processes()["edm"], processes()["sla"]
 # source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from skincad.fabrication.meshes import manifold
-from skincad.shape.curves import Loop, Point, Segment, loop, rectangle
-from skincad.solids.occ import unchecked_solid
-from skincad.solids.plan import Part, PartRole, TurnedBody, Vector, moved
+from skincad.fabrication import manifold
+from skincad.shape import Loop, Point, Segment, loop, rectangle
+from skincad.solids import Part, PartRole, TurnedBody, Vector, unchecked_solid
+from skincad.solids.plan import moved
 
 CONE = loop([Point(0.0, 0.0), Point(2.0, 0.0), Point(0.0, 3.0)])
 HEMISPHERE = (

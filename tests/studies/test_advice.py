@@ -12,15 +12,14 @@ import pytest
 
 import skincad
 from skincad import Estimate, check
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.cli import run
-from skincad.inputs.design import Design
+from skincad.inputs import Design, silicones
 from skincad.inputs.material import silicone
-from skincad.inputs.silicone import silicones
-from skincad.mechanics.verdict import Change, ContactCheck
-from skincad.outputs.checks import advice_lines, details, number_lines
-from skincad.studies.advice import LEVERS, advise, advising, cause
-from skincad.studies.subject import changed
+from skincad.mechanics import Change, ContactCheck
+from skincad.outputs import advice_lines, details, number_lines
+from skincad.studies import advise, advising, changed
+from skincad.studies.advice import LEVERS, cause
 from tests.mechanics.designs import SHORT, reference
 
 

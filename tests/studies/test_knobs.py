@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.studies.subject import knob, nearest_silicone, texts
+from skincad.base import InputError
+from skincad.studies import knob, texts
+from skincad.studies.subject import nearest_silicone
 
 DESIGN = skincad.load_design("yamada-2002")
 SCENE = skincad.load_scene("yamada-2002-press")

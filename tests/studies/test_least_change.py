@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array
+from skincad.base import Array
 from skincad.studies.solving import STARTS, least_change
 
 NORMAL: Array = np.array([1.0, 2.0, 0.5])

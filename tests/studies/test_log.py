@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.studies.query import Evaluation, Query, evaluate
-from skincad.studies.running import NAME, Log, evaluation_of, line_of
+from skincad.base import InputError
+from skincad.studies import Evaluation, Log, Query, evaluate
+from skincad.studies.running import NAME, evaluation_of, line_of
 from tests.processes import started
 
 DESIGN = skincad.load_design("yamada-2002")

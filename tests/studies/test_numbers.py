@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.base.result import Record, ReportedProperty, item, record, unit_of_key
-from skincad.studies.query import resolved, slack, worded
+from skincad.base import Estimate, InputError, Record, ReportedProperty, item, record, unit_of_key
+from skincad.studies import worded
+from skincad.studies.query import resolved, slack
 
 
 @record()

@@ -8,10 +8,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array
-from skincad.base.errors import InputError
+from skincad.base import Array, InputError
+from skincad.studies import DesignVariable
 from skincad.studies.optimisers import OPTIMISERS, Archive, OptimiserName, Outcome, minimise, optimiser
-from skincad.studies.subject import DesignVariable
 
 UNIT = tuple(DesignVariable(f"x{i}", "", None, 0.0, 1.0) for i in range(5))
 

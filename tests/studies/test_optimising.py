@@ -10,16 +10,10 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
+from skincad.base import Estimate, InputError
 from skincad.cli import run
-from skincad.scenes import simulation
-from skincad.scenes.scene import Scene
-from skincad.studies import query
-from skincad.studies.optimising import optimise
-from skincad.studies.study import Optimisation, Study
-from skincad.studies.subject import value_of
-from skincad.studies.sweeping import sweep
+from skincad.scenes import Scene, simulation
+from skincad.studies import Optimisation, Study, optimise, query, sweep, value_of
 
 VARY = {"ridge.levelling": "0:0.6", "skin.thickness": "6:10", "skin.curvature_radius": "90:200"}
 

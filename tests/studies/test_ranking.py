@@ -6,10 +6,9 @@ import math
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.studies.query import Evaluation
-from skincad.studies.sweeping import OWN, difference_error, model_error, ranking, surely_less
+from skincad.base import Estimate, InputError
+from skincad.studies import Evaluation, model_error
+from skincad.studies.sweeping import OWN, difference_error, ranking, surely_less
 
 KEY = "all_touch_force_N"
 

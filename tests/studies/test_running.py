@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import ExhaustedError, InputError
-from skincad.studies import running
-from skincad.studies.query import Evaluation, Query
-from skincad.studies.running import NAME, Log, Run, Values, Workers, workers
+from skincad.base import ExhaustedError, InputError
+from skincad.studies import Evaluation, Log, Query, running
+from skincad.studies.running import NAME, Run, Values, Workers, workers
 from tests.processes import LIMIT, started
 
 DESIGN = skincad.load_design("yamada-2002")

@@ -11,15 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import RefusedError
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
-from skincad.inputs.silicone import silicones
-from skincad.studies import query
-from skincad.studies.optimising import optimise
-from skincad.studies.study import Optimisation, Study
-from skincad.studies.subject import knobs, value_of
-from skincad.studies.sweeping import sweep
+from skincad.base import Estimate, RefusedError
+from skincad.inputs import Design, silicones
+from skincad.studies import Optimisation, Study, knobs, optimise, query, sweep, value_of
 
 Row = tuple[float, ...]  # the losses of an allowed design
 WORK = ["force", "depth"]  # numbers of a check that takes no time

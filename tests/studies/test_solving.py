@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError, RefusedError
-from skincad.inputs.silicone import silicones
-from skincad.studies.solving import TOL, Solution, solve
-from skincad.studies.subject import value_of
+from skincad.base import InputError, RefusedError
+from skincad.inputs import silicones
+from skincad.studies import Solution, solve, value_of
+from skincad.studies.solving import TOL
 
 DESIGN = skincad.load_design("yamada-2002")
 PLAIN = skincad.load_design("plain-ridges")

@@ -8,10 +8,9 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.inputs.catalog import template_names
-from skincad.studies.study import Study, load_study
-from skincad.studies.subject import knobs
+from skincad.base import InputError
+from skincad.inputs import template_names
+from skincad.studies import Study, knobs, load_study
 from tests.refusals import refused
 
 PLAIN: dict[str, Any] = {

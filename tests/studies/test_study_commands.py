@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.cli import run
 
 RADIUS = ["--vary", "skin.curvature_radius=20:200", "--tier", "winkler"]
@@ -72,9 +72,8 @@ def test_solve_prints_one_object(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A scene's own keys, and those of its skin, which then stands in it."""
-    from skincad.outputs.studies import write_solution
-    from skincad.studies.query import Evaluation, Query
-    from skincad.studies.solving import Solution, SolutionPoint
+    from skincad.outputs import write_solution
+    from skincad.studies import Evaluation, Query, Solution, SolutionPoint
 
     scene = skincad.load_scene("yamada-2002-press")
     for values in ({"effects.friction.coefficient": 0.3}, {"skin.ridge.height": 0.45}):

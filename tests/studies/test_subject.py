@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.inputs.material import silicone
-from skincad.studies.subject import Subject, changed, field_of, fingerprint, load_subject, value_of
+from skincad.studies import changed, load_subject, value_of
+from skincad.studies.subject import Subject, field_of, fingerprint
 
 DESIGN = skincad.load_design("yamada-2002")
 SCENE = skincad.load_scene("yamada-2002-press")

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.outputs.figures.studies import pareto
-from skincad.outputs.studies import sweep_csv, sweep_names, sweep_page
-from skincad.studies.sweeping import SweepResult, points_of, sweep
+from skincad.base import InputError
+from skincad.outputs import pareto, sweep_csv, sweep_names, sweep_page
+from skincad.studies import SweepResult, points_of, sweep
 
 DESIGN = skincad.load_design("yamada-2002")
 VARY: dict[str, Any] = {"skin.length": (8.0, 14.0, 4), "material.name": "dragon-skin-20,dragon-skin-30"}

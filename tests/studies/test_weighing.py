@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
-from skincad.studies.study import Member, RobustObjective, Study
+from skincad.base import Estimate, InputError
+from skincad.studies import Member, Study
+from skincad.studies.study import RobustObjective
 
 HERE = np.array([0.5])
 CHEAP = {"all_touch_force_N": Estimate(2.0, 0.5, "N"), "margin_N": Estimate(1.0, None, "N")}

@@ -14,11 +14,11 @@ import pytest
 
 import skincad
 from skincad.cli import run
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
-from skincad.studies.wish import PASSING, WishResult, film_of, force_of, size_of
+from skincad.fabrication import Job, design_findings
+from skincad.inputs import Design
+from skincad.shape import skin_of
+from skincad.studies import WishResult, film_of, force_of, size_of
+from skincad.studies.wish import PASSING
 from tests.conftest import run_skincad
 from tests.processes import LIMIT, started
 from tests.refusals import refused, refused_by, refused_command
@@ -78,7 +78,7 @@ def test_every_choice_names_a_key_its_value_and_its_rule(small: WishResult) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True])
 def test_the_file_is_the_design_with_its_rules(small: WishResult, tmp_path: Path, full: bool) -> None:
-    from skincad.outputs.wishes import write_wish
+    from skincad.outputs import write_wish
 
     path, schema = write_wish(tmp_path / "mine.toml", small, full)
     assert skincad.load(path) == small.design.with_(name="mine")

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.fabrication.findings import design_findings
-from skincad.fabrication.job import Job
-from skincad.shape.families import FAMILIES
+from skincad.fabrication import Job, design_findings
+from skincad.shape import FAMILIES
 from tests.conftest import run_skincad
 from tests.refusals import refused_by, refused_command
 

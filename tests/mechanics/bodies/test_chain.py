@@ -11,15 +11,23 @@ import pytest
 from scipy import sparse
 
 from skincad import load
-from skincad.base.arrays import Array, Index
+from skincad.base import Array, Index
+from skincad.mechanics import (
+    ContactError,
+    Pad,
+    condense,
+    default_sizes,
+    pad_of,
+    plane_piece,
+    ridge_model,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies import chain, elements
 from skincad.mechanics.bodies.chain import ChainFactors, SlabChain, condense_by_slabs
-from skincad.mechanics.bodies.condense import Condensation, condense
+from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.elements import ContactStiffness
-from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
-from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.models import linear
-from skincad.mechanics.problem import ContactError, Pad, pad_of
 from tests.mechanics.designs import wide
 
 # Chain and dense differ by rounding alone: they eliminate the same matrix in another order. Its condition

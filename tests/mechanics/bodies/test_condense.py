@@ -9,8 +9,8 @@ from netgen.meshing import NgException
 from ngsolve import Mesh
 from scipy import sparse
 
+from skincad.mechanics import ContactError, pad_of
 from skincad.mechanics.bodies import condense, mesh, plane_body
-from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import filleted
 
 

@@ -8,13 +8,20 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
+from skincad.mechanics import (
+    Pad,
+    Sizes,
+    condense,
+    default_sizes,
+    meshed_piece,
+    pad_of,
+    plane_piece,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, meshed_piece, plane_piece, triangles, unit_of
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.problem import Pad, pad_of
-from skincad.shape.curves import Point, Segment
-from skincad.shape.skin import Section
+from skincad.shape import Point, Section, Segment
 from tests.mechanics import closed_forms
 from tests.mechanics.designs import THREE, filleted, yamada
 from tests.mechanics.designs import reference as sharp

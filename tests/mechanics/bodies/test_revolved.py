@@ -14,18 +14,17 @@ import pytest
 
 import skincad
 from bench import calculix
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.laws.ogden import Ogden
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.laws import Ogden
+from skincad.mechanics import Pad, Request, half_of, pad_of, plane_piece
+from skincad.mechanics import finite_strain as finite_strain_bound
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.mesh import half_of, plane_piece
 from skincad.mechanics.bodies.solid_law import excess_density
 from skincad.mechanics.left_out import POCKETS, left_out
-from skincad.mechanics.left_out import finite_strain as finite_strain_bound
 from skincad.mechanics.models import finite_strain, linear
-from skincad.mechanics.problem import Pad, Request, focused, pad_of, pin_cell
-from skincad.shape.curves import Point, Segment
-from skincad.shape.skin import Section
+from skincad.mechanics.problem import focused, pin_cell
+from skincad.shape import Point, Section, Segment
 from tests.families import rings
 
 MODULUS, INCOMPRESSIBLE = 0.7, 0.4999

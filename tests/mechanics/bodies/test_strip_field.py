@@ -8,8 +8,7 @@ from typing import Any
 import ngsolve as ngs
 import pytest
 
-from skincad.scenes.march import LEVELS
-from skincad.scenes.simulation import at_level
+from skincad.scenes import LEVELS, at_level
 from tests.small_scene import THIRD, small_scene
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.mechanics.contact.state import Compliance
+from skincad.mechanics import Compliance
 
 MODULUS, RADIUS = 0.8, 10.0  # MPa, mm
 

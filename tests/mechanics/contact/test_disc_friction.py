@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.arrays import Array
+from skincad.base import Array
+from skincad.mechanics import ContactError, press
 from skincad.mechanics.contact import disc_friction, press_path
 from skincad.mechanics.contact.disc_friction import DiscCompliance, DiscState, solve_discs, unloaded
-from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.contact.press_path import StickingPad, press_with_friction
-from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.test_press_path import first_of, meshed, springs
 
 GAPS = (0.0, 0.3, 0.5)

@@ -8,25 +8,32 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.film_field import strip_stress
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictional import solve_contact
-from skincad.mechanics.contact.frictional_pad import (
+from skincad.mechanics import (
+    STICK,
+    Compliance,
+    ContactError,
+    Drive,
     FrictionalPad,
     FrictionalState,
+    FrictionCoefficients,
+    GrossSlip,
+    Pad,
+    Sizes,
     advance_to,
+    default_sizes,
+    filled_pad,
     frictional_pad_of,
-    linearised,
-    newton,
-    unloaded,
+    pad_of,
+    piece_of,
+    sliding,
+    solve_contact,
+    strip_stress,
+    triangles,
+    unit_of,
 )
+from skincad.mechanics.bodies import elements, plane_body
+from skincad.mechanics.contact.frictional_pad import linearised, newton, unloaded
 from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
-from skincad.mechanics.contact.state import STICK, Compliance, Drive, FrictionCoefficients, GrossSlip
-from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.film.stress import filled_pad
-from skincad.mechanics.problem import ContactError, Pad, pad_of
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, yamada

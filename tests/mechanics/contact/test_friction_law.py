@@ -8,20 +8,20 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.contact.frictional import halved, solve_contact
-from skincad.mechanics.contact.state import (
-    LEFT,
+from skincad.mechanics import (
     OPEN,
     RIGHT,
     STICK,
     Compliance,
+    ContactError,
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    at_rest,
+    halved,
     law_of,
+    solve_contact,
 )
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.contact.state import LEFT, at_rest
 from tests.mechanics.contact.half_space import hertz_area, sphere
 from tests.mechanics.contact.test_frictional import (
     SPRING,

@@ -10,26 +10,28 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies.mesh import Sizes, triangles
-from skincad.mechanics.contact import frictional
-from skincad.mechanics.contact.frictional import halved, solve_contact
-from skincad.mechanics.contact.state import (
-    LEFT,
+from skincad.mechanics import (
     OPEN,
     RIGHT,
     STICK,
     Compliance,
+    ContactError,
+    ContactPad,
     ContactState,
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    at_rest,
+    Pad,
+    Sizes,
+    halved,
+    piece_of,
+    sliding,
+    solve_contact,
+    triangles,
 )
-from skincad.mechanics.film.sliding import ContactPad, sliding
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.problem import ContactError, Pad
-from skincad.shape.curves import Point, Segment
-from skincad.shape.skin import Section
+from skincad.mechanics.contact import frictional
+from skincad.mechanics.contact.state import LEFT, at_rest
+from skincad.shape import Point, Section, Segment
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import cylinder
 from tests.mechanics.contact import half_space

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy import linalg, optimize
 
+from skincad.mechanics import ContactError, press
 from skincad.mechanics.contact import frictionless as contact
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.problem import ContactError
 
 
 def problem(seed: int, size: int = 60) -> tuple[np.ndarray, np.ndarray]:

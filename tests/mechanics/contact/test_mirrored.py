@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint, Pnt
 
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import Pad, Request, half_of, height_of, pad_of, plane_piece, ridge_model, unit_of
 from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.mesh import PadMesh, half_of, height_of, plane_piece, unit_of
+from skincad.mechanics.bodies.mesh import PadMesh
 from skincad.mechanics.bodies.plane_body import THROUGH, undetected_contact
 from skincad.mechanics.contact.frictionless import on_both_sides
-from skincad.mechanics.contact.ridge_model import ridge_model
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.linear import level
-from skincad.mechanics.problem import Pad, Request, pad_of
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 
 FORCE, ORDER = 1.3, 2

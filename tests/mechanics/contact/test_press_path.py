@@ -8,14 +8,21 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from skincad.base.arrays import Array
+from skincad.base import Array
+from skincad.mechanics import (
+    ContactError,
+    ContactState,
+    Ridges,
+    default_sizes,
+    pad_of,
+    press,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.contact import press_path
-from skincad.mechanics.contact.frictionless import Ridges, all_touch_force, press
+from skincad.mechanics.contact.frictionless import all_touch_force
 from skincad.mechanics.contact.press_path import StickingPad, press_with_friction, sticking_pad_of
-from skincad.mechanics.contact.state import ContactState
-from skincad.mechanics.problem import ContactError, pad_of
 from tests.mechanics.designs import SHORT, reference
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import Layers, body_of, default_sizes, pad_of, triangles, unit_of
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
 from skincad.mechanics.bodies.solid_body import SolidLinearised
 from skincad.mechanics.contact import newton
 from skincad.mechanics.contact.newton import (
@@ -21,9 +21,6 @@ from skincad.mechanics.contact.newton import (
     stable,
     tipping_ridge,
 )
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.models.solid_finite_strain import body_of
-from skincad.mechanics.problem import pad_of
 from skincad.mechanics.validity import buckling_force
 from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from skincad.mechanics import ContactError, Drive, FrictionalState, FrictionCoefficients, advance_to
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.contact import frictional_pad
-from skincad.mechanics.contact.frictional_pad import FrictionalState, advance_to, newton, unloaded
+from skincad.mechanics.contact.frictional_pad import newton, unloaded
 from skincad.mechanics.contact.press_path import CREASES, WRINKLES, pinch, undetected_contact
-from skincad.mechanics.contact.state import Drive, FrictionCoefficients
-from skincad.mechanics.problem import ContactError
 from tests.mechanics.contact.test_dragged import march, pulled, three
 
 CONE = FrictionCoefficients(0.5, 0.5)

@@ -7,18 +7,22 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.effects.modal import ModalPad
+from skincad.effects import ModalPad, condensed
 from skincad.effects.moving import moving
-from skincad.effects.small_strain import condensed
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
-from skincad.mechanics.dynamics.modes import Modes, at_points, mode_step, resolved, slow_modes
-from skincad.mechanics.dynamics.ringing import RETARDATION, layer_period
-from skincad.mechanics.film.sliding import sliding
-from skincad.scenes.errors import slips_of
-from skincad.scenes.march import March, march
-from skincad.scenes.models import halts_of, piece_for
-from skincad.scenes.scene import Scene, load_scene
-from skincad.scenes.simulation import energy
+from skincad.mechanics import (
+    RETARDATION,
+    Modes,
+    at_points,
+    default_sizes,
+    layer_period,
+    mode_step,
+    resolved,
+    sliding,
+    slow_modes,
+    triangles,
+)
+from skincad.scenes import March, Scene, energy, halts_of, load_scene, piece_for, slips_of
+from skincad.scenes.march import march
 
 FINENESS, ORDER = 0.2, 2
 PULL = (

@@ -9,16 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad.inputs.material import silicone
-from skincad.mechanics.dynamics.ringing import (
-    FREE_TOP,
-    RETARDATION,
-    TONNE,
-    MasslessRun,
-    plate_ringing,
-    shear_frequency,
-    skin_mass,
-)
-from skincad.shape.skin import section
+from skincad.mechanics import FREE_TOP, RETARDATION, MasslessRun, plate_ringing, shear_frequency, skin_mass
+from skincad.mechanics.dynamics.ringing import TONNE
+from skincad.shape import section
 from tests.mechanics.designs import filleted
 
 DOWN, ALONG, MASS = 10.0, 4.0, 0.5  # N/mm, N/mm, g

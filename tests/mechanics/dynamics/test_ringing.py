@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from skincad.mechanics.dynamics.ringing import RETARDATION, Ringer, ringer
+from skincad.mechanics import RETARDATION
+from skincad.mechanics.dynamics.ringing import Ringer, ringer
 
 CORNERS = np.array([0.0, 1e-3, 2.5e-3, 2.9e-3, 6e-3])
 LOADS = np.array([0.0, 2.0, 2.0, -1.0, -0.5])

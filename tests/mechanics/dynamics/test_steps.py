@@ -13,33 +13,33 @@ from scipy import sparse
 from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import eigsh
 
-from skincad.mechanics.bodies.mesh import Sizes, triangles, unit_of
-from skincad.mechanics.contact.frictional import halved, solve_contact
-from skincad.mechanics.contact.state import (
+from skincad.mechanics import (
     STICK,
     Compliance,
+    ContactError,
     ContactState,
     Drive,
-    FrictionCoefficients,
-    GrossSlip,
-    at_rest,
-)
-from skincad.mechanics.dynamics import steps as dynamics
-from skincad.mechanics.dynamics.pad import linear, moving_matrices
-from skincad.mechanics.dynamics.ringing import shear_frequency
-from skincad.mechanics.dynamics.steps import (
-    MOST_LENGTHS,
     Dynamics,
     DynamicState,
-    Half,
+    FrictionCoefficients,
+    GrossSlip,
     Matter,
-    PadEquations,
+    Sizes,
+    halved,
+    linear,
+    piece_of,
     rest_state,
+    shear_frequency,
+    sliding,
+    solve_contact,
+    triangles,
+    unit_of,
 )
-from skincad.mechanics.film.sliding import sliding
-from skincad.mechanics.film.stick import piece_of
-from skincad.mechanics.problem import ContactError
-from skincad.shape.curves import area
+from skincad.mechanics.contact.state import at_rest
+from skincad.mechanics.dynamics import steps as dynamics
+from skincad.mechanics.dynamics.pad import moving_matrices
+from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Half, PadEquations
+from skincad.shape import area
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.dynamics import closed_forms
 from tests.mechanics.film.test_sliding import meshed

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.mechanics.film.stick import PadPiece, cut_at, with_fine_edges
-from skincad.mechanics.problem import Pad
-from skincad.shape.curves import Point, Segment
-from skincad.shape.skin import Section
+from skincad.mechanics import Pad, PadPiece
+from skincad.mechanics.film.stick import cut_at, with_fine_edges
+from skincad.shape import Point, Section, Segment
 from tests.mechanics.bodies.test_elements import block
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
-from skincad.mechanics.film.response import FilmResponse, film_response
+from skincad.base import InputError
+from skincad.mechanics import FilmResponse, film_response
 
 NAMES = ("steep-fingertip", "fingertip-soft", "yamada-2002", "yamada-2002-tilted")
 

@@ -7,11 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad.mechanics.bodies.mesh import triangles, unit_of
-from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.film.sliding import ContactPad, sliding
-from skincad.mechanics.film.stick import PadPiece, level, piece_of
-from skincad.mechanics.film.stress import REFINEMENTS, filled_pad
+from skincad.mechanics import ContactPad, PadPiece, filled_pad, piece_of, press, sliding, triangles, unit_of
+from skincad.mechanics.film.stick import level
+from skincad.mechanics.film.stress import REFINEMENTS
 from tests.mechanics.designs import yamada
 
 ORDER = 3

@@ -7,12 +7,11 @@ from functools import cache
 
 import pytest
 
+from skincad.mechanics import PadPiece, SizeError, Sizes, piece_of, triangles
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import Sizes, triangles
 from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.film import sliding as sliding_pad
-from skincad.mechanics.film.stick import PadPiece, level, piece_of
-from skincad.mechanics.problem import SizeError
+from skincad.mechanics.film.stick import level
 from tests.mechanics.film.test_stress import strips_in_a_block
 
 FORCE = 0.3  # N

@@ -12,21 +12,27 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.base.errors import InputError, RefusedError
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
+from skincad.base import Estimate, InputError, RefusedError
+from skincad.inputs import Design
+from skincad.mechanics import (
+    FilmStress,
+    Pad,
+    RidgeField,
+    Ridges,
+    condense,
+    default_sizes,
+    filled_pad,
+    film_stresses,
+    pad_of,
+    press,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies import elements, film_field
-from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import default_sizes, triangles, unit_of
-from skincad.mechanics.contact.frictionless import Ridges, press
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
-from skincad.mechanics.film.fields import RidgeField
-from skincad.mechanics.film.stress import REFINEMENTS, FilmStress, filled_pad, film_stresses, solve
-from skincad.mechanics.problem import Pad, pad_of
-from skincad.shape.curves import Point
-from skincad.shape.feature import SensorPlace
-from skincad.shape.skin import Section
+from skincad.mechanics.film.stress import REFINEMENTS, solve
+from skincad.shape import Point, Section, SensorPlace
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import doubled, yamada
 

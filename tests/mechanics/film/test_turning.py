@@ -9,10 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.effects.kinds import Share, Step
-from skincad.effects.small_strain import CondensedPad, condensed
-from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients
-from skincad.mechanics.film.sliding import ContactPad
+from skincad.effects import CondensedPad, Share, Step, condensed
+from skincad.mechanics import ContactPad, ContactState, Drive, FrictionCoefficients
 from skincad.mechanics.film.turning import in_skin_axes, rotated_pad
 from tests.mechanics.film.test_sliding import meshed
 

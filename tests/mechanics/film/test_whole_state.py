@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from skincad.mechanics import press
 from skincad.mechanics.bodies import film_field
-from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.film.stick import in_strip_axes, on_whole
 from tests.mechanics.film.test_sliding import meshed
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from skincad.mechanics.bodies.mesh import meshed_piece
+from skincad.mechanics import Layers, Request, coarse_sizes, forms_of, meshed_piece, pad_of, solve_level
 from skincad.mechanics.check import check
 from skincad.mechanics.models import corrected, linear
-from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve_level
-from skincad.mechanics.problem import Request, pad_of
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 from tests.mechanics.models.test_solid import FORCE, assert_inside, refined
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.mechanics.verdict import ContactCheck
+from skincad.mechanics import ContactCheck
 
 FEW = ["ridge.count=3", "skin.width=5.0", "contact.force=1.0"]
 

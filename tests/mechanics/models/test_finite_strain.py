@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.mechanics import Answer, Request, default_sizes, pad_of, plane_piece, triangles, unit_of
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.mesh import default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.check import check
 from skincad.mechanics.contact import newton as pressing
 from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, newton, press_to, press_until_all_touch
 from skincad.mechanics.models import finite_strain, linear
-from skincad.mechanics.problem import Answer, Request, pad_of
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import (

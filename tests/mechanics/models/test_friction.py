@@ -9,20 +9,11 @@ import numpy as np
 import pytest
 
 from skincad import load, simulate
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
-from skincad.mechanics.models.corrected import plain_pad
-from skincad.mechanics.models.friction import (
-    SOLID_STEPS,
-    CoarsePress,
-    TwoPresses,
-    solve,
-    solve_solid,
-    with_friction,
-)
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.problem import Answer, pad_of
-from skincad.scenes.scene import load_scene
+from skincad.base import Estimate
+from skincad.inputs import Design
+from skincad.mechanics import SOLID_STEPS, Answer, Layers, TwoPresses, pad_of, plain_pad, solve_solid
+from skincad.mechanics.models.friction import CoarsePress, solve, with_friction
+from skincad.scenes import load_scene
 from tests.mechanics.designs import linear_check, small
 
 # mm at 4 N, `simulate yamada-2002-press --model small_strain` with effects.friction.coefficient 0 and 1

@@ -10,12 +10,12 @@ import pytest
 from scipy import interpolate, sparse
 
 from skincad import check, load
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import Answer, Request, pad_of, pressed
 from skincad.mechanics import check as checking
 from skincad.mechanics.models import corrected, linear, reduced
-from skincad.mechanics.models.reduced import ERRORS, FeatureModel, all_touch_force, at_approach, pressed
-from skincad.mechanics.problem import Answer, Request, pad_of
-from skincad.shape.skin import skin_of
+from skincad.mechanics.models.reduced import ERRORS, FeatureModel, all_touch_force, at_approach
+from skincad.shape import skin_of
 
 
 def pad(count: int, **ridge: float) -> Design:

@@ -10,12 +10,12 @@ import pytest
 import skincad
 from bench import calculix, table_reduced_pins
 from skincad.effects.pin_pad import pin_pad
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.contact.tips import advance, unloaded
+from skincad.mechanics import Drive, advance, crown_radius, hertz, lone
+from skincad.mechanics.contact.tips import unloaded
 from skincad.mechanics.models import reduced
-from skincad.mechanics.models.pin_cell import crown_radius, hertz, lone, pin_cell, pin_curve
+from skincad.mechanics.models.pin_cell import pin_cell, pin_curve
 from tests.families import dome, pillars
 
 

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base import adaptivity
-from skincad.base.estimate import Estimate
-from skincad.inputs.catalog import load
+from skincad.base import Estimate, adaptivity
+from skincad.inputs import load
+from skincad.mechanics import NEGLIGIBLE, Answer, Errors, LateError, Request, SizeError, SolidSolution, pad_of
 from skincad.mechanics.models import corrected, linear, solid, solid_finite_strain
-from skincad.mechanics.models.corrected import Errors, apply_change
+from skincad.mechanics.models.corrected import apply_change
 from skincad.mechanics.models.linear import REFINEMENTS, PlaneSolution, relative_error, shortfalls
-from skincad.mechanics.models.solid import SolidSolution
-from skincad.mechanics.problem import NEGLIGIBLE, Answer, LateError, Request, SizeError, pad_of
 
 NONE = np.empty(0)
 

@@ -11,23 +11,30 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
-from skincad.mechanics.bodies.condense import dissection, schur
-from skincad.mechanics.bodies.mesh import (
-    PadMesh,
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.mechanics import (
+    Layers,
+    Pad,
+    Request,
+    SolidSolution,
+    coarse_sizes,
     default_sizes,
+    forms_of,
+    graded,
     half_of,
     height_of,
     meshed_piece,
+    pad_of,
+    solve_level,
     triangles,
     unit_of,
 )
-from skincad.mechanics.bodies.prisms import AlongY, SectionForms, graded, line, prisms
+from skincad.mechanics.bodies.condense import dissection, schur
+from skincad.mechanics.bodies.mesh import PadMesh
+from skincad.mechanics.bodies.prisms import AlongY, SectionForms, line, prisms
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.models import corrected, linear, solid
-from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
-from skincad.mechanics.problem import Pad, Request, pad_of
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import SHORT, THREE, assert_inside, filleted, yamada

@@ -10,16 +10,25 @@ import pytest
 from scipy import optimize
 
 from skincad import check, load
-from skincad.base.errors import InputError
+from skincad.base import InputError
+from skincad.mechanics import (
+    Layers,
+    Pad,
+    Request,
+    SolidBody,
+    body_of,
+    coarse_sizes,
+    forms_of,
+    meshed_piece,
+    pad_of,
+    solve_level,
+)
 from skincad.mechanics.bodies import elements, plane_body, prisms, solid_law
-from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
-from skincad.mechanics.bodies.solid_body import SolidBody
+from skincad.mechanics.bodies.mesh import PadMesh
 from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
 from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
 from skincad.mechanics.models import solid_finite_strain
-from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve_level
-from skincad.mechanics.models.solid_finite_strain import ERRORS, LAYERS, Strains, body_of, solve
-from skincad.mechanics.problem import Pad, Request, pad_of
+from skincad.mechanics.models.solid_finite_strain import ERRORS, LAYERS, Strains, solve
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import THREE, reference, value, yamada
 

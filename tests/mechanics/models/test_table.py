@@ -7,18 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base.errors import InputError
-from skincad.inputs.design import Design
+from skincad.base import InputError
+from skincad.inputs import Design
+from skincad.mechanics import AUTO, MODELS, model_named, prerequisites, unsupported_reason, whole_price
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.models.linear import REFINEMENTS
-from skincad.mechanics.models.table import (
-    AUTO,
-    MODELS,
-    model_named,
-    prerequisites,
-    unsupported_reason,
-    whole_price,
-)
 
 
 @pytest.mark.parametrize("name", MODELS)

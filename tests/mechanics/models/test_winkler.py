@@ -10,11 +10,11 @@ import pytest
 
 from bench.campaign.random_designs import drawn, wide
 from skincad import InputError, RefusedError
-from skincad.base.arrays import Array
-from skincad.inputs.design import Design
+from skincad.base import Array
+from skincad.inputs import Design
+from skincad.mechanics import Request
 from skincad.mechanics.check import check
 from skincad.mechanics.models import linear, winkler
-from skincad.mechanics.problem import Request
 from tests.mechanics.designs import BARE, assert_inside, filleted, plane, reference, yamada
 
 VARIANTS = {

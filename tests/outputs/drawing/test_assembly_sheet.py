@@ -12,15 +12,14 @@ import pytest
 import shapely
 
 import skincad
-from skincad.fabrication.assembly_drawing import AssemblyDrawing, assembly_drawing
-from skincad.fabrication.job import Job
+from skincad.fabrication import AssemblyDrawing, Job
+from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.parts_list import parts_list
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from skincad.outputs.drawing.assembly_sheet import BALLOON, assembly_sheet
 from skincad.outputs.drawing.formats import write_sheet_dxf, write_sheet_pdf
 from skincad.outputs.drawing.marks import Ink, Words
-from skincad.solids.occ import workplane
-from skincad.solids.projection import Arc
+from skincad.solids import Arc, workplane
 from tests.bent_skin import three_ridges
 from tests.templates import SHIPPED
 

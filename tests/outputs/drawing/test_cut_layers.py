@@ -13,20 +13,17 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
+from skincad.fabrication import Job
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.inputs.design import Design
-from skincad.inputs.process import processes
+from skincad.inputs import Design, processes
+from skincad.outputs import write_step
 from skincad.outputs.drawing.flat import write_seal_dxf, write_section_dxf
 from skincad.outputs.drawing.formats import write_sheet_dxf
 from skincad.outputs.drawing.marks import LAYERS
 from skincad.outputs.drawing.part_sheet import part_sheet
-from skincad.outputs.solid_files import write_step
-from skincad.shape.curves import area
-from skincad.shape.skin import section
+from skincad.shape import area, section
+from skincad.solids import Part, PartRole, Prism, RotatedBody, plain, unturned, workplane
 from skincad.solids.mold import mold
-from skincad.solids.occ import workplane
-from skincad.solids.plan import Part, PartRole, Prism, RotatedBody, plain, unturned
 from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
 from tests.families import RIDGED

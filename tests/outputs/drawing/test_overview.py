@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication.meshes import manifold
-from skincad.inputs.design import Design
-from skincad.outputs.drawing.overview import PAGE, drawing
-from skincad.shape.skin import section
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import Part
+from skincad.fabrication import manifold
+from skincad.inputs import Design
+from skincad.outputs import PAGE
+from skincad.outputs.drawing.overview import drawing
+from skincad.shape import section
+from skincad.solids import ClosedMold, Part
+from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -14,18 +14,16 @@ import pypdf
 import pytest
 
 import skincad
-from skincad.fabrication.drawn_features import ABOVE, FRONT, hole_groups, notches, number, views
-from skincad.fabrication.job import Job
-from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
-from skincad.inputs.design import Design
+from skincad.fabrication import ABOVE, FRONT, CrestAllowance, Job, hole_groups, notches, number, views
+from skincad.fabrication.part_drawing import part_drawing
+from skincad.inputs import Design
 from skincad.outputs.drawing.formats import sheet_svg, write_dxf, write_sheet_pdf
 from skincad.outputs.drawing.marks import Dimension, Ink, Sheet, Words, overlap
 from skincad.outputs.drawing.part_sheet import part_sheet
 from skincad.outputs.drawing.part_views import ViewPlacement, bore_marks
+from skincad.solids import Arc, CutRole, Part, RotatedBody, bores, solid
 from skincad.solids.mold import mold
-from skincad.solids.occ import projection, solid
-from skincad.solids.plan import CutRole, Part, RotatedBody, bores
-from skincad.solids.projection import Arc
+from skincad.solids.occ import projection
 from tests.bent_skin import three_ridges
 from tests.families import RIDGED
 

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.fabrication.job import Job
-from skincad.inputs.catalog import template_names
+from skincad.fabrication import Job
+from skincad.inputs import template_names
 from skincad.outputs.drawing.flat import DRILL, FOOTPRINT_ROOM, strip_board
 from skincad.solids.inserts import PITCH
 

@@ -14,13 +14,11 @@ from shapely.affinity import translate
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication.electrodes import electrode_findings
-from skincad.fabrication.job import Job
-from skincad.inputs.catalog import template_names
-from skincad.inputs.design import Design
+from skincad.fabrication import Job, electrode_findings
+from skincad.inputs import Design, template_names
 from skincad.outputs.drawing.flat import write_strips_dxf
-from skincad.shape.skin import section
-from skincad.solids.shrinkage import scaled_for_shrinkage
+from skincad.shape import section
+from skincad.solids import scaled_for_shrinkage
 from tests.conftest import Made
 
 FILMS = [name for name in template_names() if skincad.load(name).film]

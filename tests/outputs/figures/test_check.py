@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.base.estimate import Estimate
-from skincad.inputs.design import Design
+from skincad.base import Estimate
+from skincad.inputs import Design
 from skincad.mechanics.check import check
 from skincad.outputs.figures.results import ridge_force_figure
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication.meshes import manifold
-from skincad.outputs.view import explosion_offset
-from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import PINS, PartRole
+from skincad.fabrication import manifold
+from skincad.outputs import explosion_offset
+from skincad.solids import PINS, ClosedMold, PartRole
+from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 

@@ -21,29 +21,17 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 import skincad
-from skincad.base.result import Result
-from skincad.fabrication.meshes import mesh, upright
-from skincad.inputs.measurements import PressCurve
-from skincad.mechanics.manufacture import sensitivities
-from skincad.outputs.figures.canvas import (
-    HEAD,
-    LABEL,
-    NOTE,
-    SMALL,
-    STYLE,
-    TITLE,
-    Axes,
-    Picture,
-    own_style,
-    sheet,
-    to_rgb,
-)
+from skincad.base import Result
+from skincad.fabrication import mesh, upright
+from skincad.inputs import PressCurve
+from skincad.mechanics import sensitivities
+from skincad.outputs import Axes, diagram, gain_figure, sheet
+from skincad.outputs.figures.canvas import HEAD, LABEL, NOTE, SMALL, STYLE, TITLE, Picture, own_style, to_rgb
 from skincad.outputs.figures.design import design_figure, label_places, view
-from skincad.outputs.figures.results import gain_figure, models_figure, sensitivity_figure
+from skincad.outputs.figures.results import models_figure, sensitivity_figure
 from skincad.outputs.figures.scenes import ridge_groups, scene_figure
-from skincad.outputs.figures.studies import diagram
 from skincad.solids.mold import mold
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
+from skincad.studies import ErrorMeasure, Ladder, Measurement
 from tests.families import RIDGED
 from tests.small_scene import THIRD, small_scene
 

@@ -8,11 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from skincad.base.estimate import Estimate
-from skincad.circuit.bode import CircuitGain, gain
-from skincad.circuit.model import load_circuit
-from skincad.outputs.figures.canvas import Axes
-from skincad.outputs.figures.results import gain_figure
+from skincad.base import Estimate
+from skincad.circuit import CircuitGain, gain, load_circuit
+from skincad.outputs import Axes, gain_figure
 
 
 @cache

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.outputs.figures.canvas import save
+from skincad.outputs import save
 from skincad.outputs.figures.scenes import caption, phases, recording, recording_figure
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skincad.base.estimate import Estimate
-from skincad.mechanics.manufacture import Sensitivity
+from skincad.base import Estimate
+from skincad.mechanics import Sensitivity
 from skincad.outputs.figures.results import models_figure, sensitivity_figure
 
 

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from skincad import load
+from skincad.mechanics import FilmStress, film_stresses
 from skincad.mechanics.film import stress
-from skincad.mechanics.film.stress import FilmStress, film_stresses
 from skincad.outputs.figures import canvas
 from skincad.outputs.figures.stress import band_share, colour_limit, film_stress_figure
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skincad.inputs.design import Design
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
 from skincad.outputs.simulators.meshes import Tetrahedra
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.outputs.simulators.package import Package
+from skincad.outputs import Package
 
 DESIGNS = {
     "straight": skincad.load_design("yamada-2002"),

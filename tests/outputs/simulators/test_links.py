@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.outputs.simulators.links import Weight, combine, links, without
-from skincad.shape.curves import area
+from skincad.outputs import links
+from skincad.outputs.simulators.links import Weight, combine, without
+from skincad.shape import area
 from tests.consumers import gmsh
 from tests.outputs.simulators.conftest import PackageFolder
 from tests.processes import run_gmsh

@@ -94,8 +94,8 @@ def test_meshes_are_closed_and_each_in_its_unit(made: tuple[Path, dict]) -> None
 @pytest.mark.parametrize("bent", [None, 20.0])
 def test_heights_are_those_of_rays_on_the_mesh(bent: float | None) -> None:
     """Rays from above on a mesh within 1e-4 mm; not within a pixel of an end or a side."""
-    from skincad.fabrication.meshes import mesh
-    from skincad.solids.skin import skin_part
+    from skincad.fabrication import mesh
+    from skincad.solids import skin_part
 
     plain = skincad.load_design("steep-fingertip")
     heights = [plain.ridge.height * share for share in (0.8, 1.0, 0.9)]  # left is not right

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base import InputError
 from skincad.outputs.simulators import springs as room
 from skincad.outputs.simulators.springs import Springs, plate_response, springs
 

@@ -9,8 +9,7 @@ import pytest
 
 import skincad
 from skincad.outputs.simulators.taxels import films, taxels
-from skincad.solids.occ import workplane
-from skincad.solids.skin import skin_part
+from skincad.solids import skin_part, workplane
 
 NAMES = ("yamada-2002", "yamada-2002-tilted", "steep-fingertip")
 

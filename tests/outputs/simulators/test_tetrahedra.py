@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.outputs.simulators.meshes import Tetrahedra, materials, msh, signed_volumes, tetrahedra, vtu
-from skincad.solids.skin import along_skin
+from skincad.outputs import tetrahedra
+from skincad.outputs.simulators.meshes import Tetrahedra, materials, msh, signed_volumes, vtu
+from skincad.solids import along_skin
 from tests.consumers import gmsh
 from tests.outputs.simulators import ccx
 from tests.outputs.simulators.conftest import DESIGNS

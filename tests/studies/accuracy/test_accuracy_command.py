@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from skincad.base import replaced
 from skincad.base.machine import machine
-from skincad.base.outfolder import replaced
-from skincad.outputs.figures.canvas import STYLES, save
-from skincad.outputs.figures.studies import LADDER_SIZE, diagram
+from skincad.outputs import LADDER_SIZE, STYLES, diagram, save
+from skincad.studies import ErrorMeasure, Ladder, Measurement
 from skincad.studies.accuracy import circuit
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement
 from tests.conftest import run_skincad
 
 NUMBER, TEXT = {"type": "number"}, {"type": "string"}

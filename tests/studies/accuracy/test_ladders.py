@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 from skincad import load
-from skincad.base.errors import InputError
-from skincad.base.progress import Progress
+from skincad.base import InputError, Progress
 from skincad.effects import EFFECTS
-from skincad.inputs.design import Design
+from skincad.inputs import Design
+from skincad.mechanics import MODELS, Layers
 from skincad.mechanics.models import solid
-from skincad.mechanics.models.solid import Layers
-from skincad.mechanics.models.table import MODELS
+from skincad.studies import LADDERS, Ladder, Measurement, ladder_of
 from skincad.studies.accuracy import circuit, contact, effects, slip, tessellation
 from skincad.studies.accuracy.circuit import HOLDS, PER_PERIOD
-from skincad.studies.accuracy.ladder import LADDERS, Ladder, Measurement, ladder_of
 
 
 @pytest.fixture(scope="module")

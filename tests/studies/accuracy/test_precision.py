@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, front, power_law, slope, timed
+from skincad.studies import ErrorMeasure, Ladder, Measurement, slope
+from skincad.studies.accuracy.ladder import front, power_law, timed
 
 
 def test_the_front_holds_what_nothing_beats_in_both() -> None:

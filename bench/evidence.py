@@ -1,0 +1,212 @@
+"""Evidence by turns: run the stalest, and write what it showed into docs/evidence/ledger.toml.
+
+    python -m bench.evidence               the turn that was run the most commits ago
+    python -m bench.evidence --turn 3      this one, or `all`
+    python -m bench.evidence --balance     deal the subjects to ten turns of equal core-seconds
+    python -m bench.evidence --check       fail if a line is older than 200 commits or holds a failure
+    python -m bench.evidence --of-commit   pytest's options for the turn of this commit and for what changed
+
+Evidence is each test with the mark `evidence`; tests of one subject run together. A turn holds subjects. A
+subject that no turn holds is new: each run takes it, until a turn that is run here gets it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import pytest
+import tomlkit
+
+from tests.tiers import LEDGER, SECONDS, TURNS, subject_of
+
+HERE = Path(__file__).parents[1]
+MOST_COMMITS = 200
+CASES = "tests/hard_cases.toml"
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A line of the ledger: what was run, at which commit, and how many of its cases failed."""
+
+    number: int
+    subjects: tuple[str, ...] = ()
+    commit: str = ""
+    cases: int = 0
+    failures: int = 0
+    core_seconds: int = 0
+
+    @property
+    def age(self) -> int | None:
+        """Commits since it was run; None if it never was, or at a commit that this history does not have."""
+        if not self.commit:
+            return None
+        words = ["git", "rev-list", "--count", f"{self.commit}..HEAD"]
+        count = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=False, timeout=60)
+        return int(count.stdout) if count.returncode == 0 else None
+
+
+class Reports:
+    """What pytest collects and reports of evidence, by subject: a plugin."""
+
+    def __init__(self) -> None:
+        self.collected, self.cases = Counter[str](), Counter[str]()
+        self.failures, self.seconds = set[str](), Counter[str]()
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Count what is collected."""
+        self.collected.update(subject_of(item) for item in items)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Count what is reported."""
+        subject = report.nodeid.rpartition("@")[2]
+        if report.failed:
+            self.failures.add(report.nodeid)
+        if report.when == "teardown":
+            self.cases[subject] += 1
+            self.seconds[subject] += dict(report.user_properties)["spent"][1]
+
+
+def ledger() -> list[Turn]:
+    """Return the ledger's lines, in order."""
+    rows = tomllib.loads(LEDGER.read_text("utf-8"))["turn"] if LEDGER.exists() else []
+    known = {row["number"]: Turn(**{**row, "subjects": tuple(row["subjects"])}) for row in rows}
+    return [known.get(number, Turn(number)) for number in range(1, TURNS + 1)]
+
+
+def write(turns: Iterable[Turn]) -> None:
+    """Write the ledger."""
+    document = tomlkit.document()
+    document.add(
+        tomlkit.comment("Evidence by turns: `python -m bench.evidence` runs one and writes its line.")
+    )
+    rows = tomlkit.aot()
+    for turn in turns:
+        row = tomlkit.table()
+        for key, value in asdict(turn).items():
+            row.add(key, tomlkit.item(sorted(value)).multiline(True) if key == "subjects" else value)
+        rows.append(row)
+    document.add("turn", rows)
+    LEDGER.write_text(tomlkit.dumps(document), encoding="utf-8")
+
+
+def balanced(subjects: Collection[str]) -> list[Turn]:
+    """Return ten turns of these subjects with about equal core-seconds; a turn that changes is to be run."""
+    spent = tomllib.loads(SECONDS.read_text("utf-8"))["evidence"]
+    shares: list[list[str]] = [[] for _ in range(TURNS)]
+    sums = [0.0] * TURNS
+    for subject in sorted(subjects, key=lambda name: (-spent.get(name, 1.0), name)):
+        least = sums.index(min(sums))
+        shares[least].append(subject)
+        sums[least] += spent.get(subject, 1.0)
+    same = {frozenset(turn.subjects): turn for turn in ledger()}
+    return [
+        replace(same.get(frozenset(share), Turn(0, tuple(share))), number=number)
+        for number, share in enumerate(shares, 1)
+    ]
+
+
+def collected() -> Counter[str]:
+    """Return all subjects, and how many cases each has."""
+    reports = Reports()
+    if pytest.main(["--collect-only", "-qq", "-o", "addopts=", "-m", "evidence"], plugins=[reports]) != 0:
+        raise SystemExit("bench.evidence: the tests can't be collected")
+    return reports.collected
+
+
+def run(turn: Turn) -> Turn:
+    """Return a turn as it was run now, with the subjects that no other turn holds."""
+    reports = Reports()
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short=12", "HEAD"],
+        cwd=HERE,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    ).stdout.strip()
+    pytest.main(["-q", "-m", "evidence", "--turn", str(turn.number)], plugins=[reports])
+    return Turn(
+        turn.number,
+        tuple(reports.cases),
+        commit,
+        reports.cases.total(),
+        len(reports.failures),
+        round(reports.seconds.total()),
+    )
+
+
+def faults(turns: Iterable[Turn]) -> Iterator[str]:
+    """Say of each line that is too old or holds a failure which command runs it."""
+    for turn in turns:
+        age, command = turn.age, f"run `python -m bench.evidence --turn {turn.number}`"
+        if age is None or age > MOST_COMMITS:
+            old = "never run" if age is None else f"{age} commits old, {MOST_COMMITS} are allowed"
+            yield f"evidence, turn {turn.number}: {old}; {command}"
+        if turn.failures:
+            yield f"evidence, turn {turn.number}: {turn.failures} failures; {command}"
+
+
+def changed(turns: Iterable[Turn]) -> Iterator[str]:
+    """Give the subjects whose own file or row changed since they were run: page, template, hard case."""
+    for turn in turns:
+        if turn.age is None:
+            continue
+        words = ["git", "diff", "--name-only", turn.commit, "HEAD"]
+        names = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
+        files = set(names.splitlines())
+        rows = changed_rows(turn.commit) if CASES in files else set()
+        marks = files | {Path(file).stem for file in files if file.startswith("templates/")} | rows
+        yield from (subject for subject in turn.subjects if subject in marks)
+
+
+def changed_rows(commit: str) -> set[str]:
+    """Return the names of hard cases that are not as they were."""
+    words = ["git", "show", f"{commit}:{CASES}"]
+    text = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
+    before = {row["name"]: row for row in tomllib.loads(text)["case"]}
+    after = {row["name"]: row for row in tomllib.loads((HERE / CASES).read_text("utf-8"))["case"]}
+    return {name for name, row in after.items() if row != before.get(name)}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a turn, or say what is to be run; the status is 0 if nothing failed."""
+    parser = argparse.ArgumentParser(prog="python -m bench.evidence")
+    parser.add_argument("--turn", choices=[*map(str, range(1, TURNS + 1)), "all"])
+    parser.add_argument("--balance", action="store_true")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--of-commit", action="store_true")
+    asked, turns = parser.parse_args(arguments), ledger()
+    if asked.balance:
+        write(balanced(collected()))
+        return 0
+    if asked.check:
+        lines = [*faults(turns)]
+        print("\n".join(lines), end="\n" if lines else "")
+        return int(bool(lines))
+    if asked.of_commit:
+        words = ["git", "rev-list", "--count", "HEAD"]
+        count = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
+        print(f"--turn={int(count) % TURNS + 1}", *(f"--subject={name}" for name in changed(turns)), sep="\n")
+        return 0
+    oldest = max(turns, key=lambda turn: (turn.age is None, turn.age or 0))
+    numbers = range(1, TURNS + 1) if asked.turn == "all" else [int(asked.turn or oldest.number)]
+    for number in numbers:
+        turns[number - 1] = run(turns[number - 1])
+        write(turns)
+        print(
+            f"turn {number}: {turns[number - 1].cases} cases, {turns[number - 1].failures} failures",
+            flush=True,
+        )
+    return int(any(turns[number - 1].failures for number in numbers))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
