@@ -1,8 +1,8 @@
 """Which tests run in which tier, in which order, on which worker, and what they take in core-seconds.
 
-*Fast* tests have no mark. *Slow* tests see what any commit can break. *Evidence* compares with other programs,
-judges over many seeds and goes through every template: it runs by turns (`python -m bench.evidence`). An
-evidence test names its subject, as `@pytest.mark.evidence(subject="{name}")` the value of its parameter `name`.
+*Fast* tests have no mark. *Slow* tests see what any commit can break. *Evidence* compares with other
+programs, judges over many seeds, goes through every template: it runs by turns (`python -m bench.evidence`).
+An evidence test names its subject: `@pytest.mark.evidence(subject="{name}")` is its parameter `name`.
 """
 
 from __future__ import annotations
