@@ -1,8 +1,9 @@
-"""The templates with ridges for tests of seconds: those that are another size of a kind of mold are slow."""
+"""Templates as parameters of tests: a small one of each kind is fast, the others are evidence."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 
@@ -10,14 +11,19 @@ import skincad
 from skincad.inputs import Design, template_names
 from tests.families import RIDGED
 
-# as yamada-2002, by edm; lab-bench and home-printer as plain-ridges, by sla
-OTHER_SIZES = {"home-printer", "fingertip-soft", "gripper-pad", "steep-fingertip", "lab-bench"}
-MANY_PINS = {"nibs-fine", "pins-dome"}  # whose solids take seconds
-KINDS = [pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES else []) for name in RIDGED]
-SHIPPED = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in OTHER_SIZES | MANY_PINS else [])
-    for name in template_names()
-]
+# The small one of each family and of each way to cast; all others are evidence, a subject each.
+FAST = {"yamada-2002", "plain-ridges", "cast-in", "pillars-9", "rings-5", "flat-magnet"}
+
+
+def template(name: str, *values: Any, tier: str = "fast") -> Any:
+    """Return a test's parameter, of this tier, or evidence where a small template shows as much."""
+    mark = pytest.mark.evidence(subject=name)
+    marks = [mark] if name not in FAST else [pytest.mark.slow] if tier == "slow" else []
+    return pytest.param(name, *values, marks=marks)
+
+
+KINDS = [template(name) for name in RIDGED]
+SHIPPED = [template(name) for name in template_names()]
 
 # combs by the machine that prints the rest, which does not hold their notches
 ONE_PRINTER = {
