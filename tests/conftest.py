@@ -28,7 +28,7 @@ from skincad.inputs import Design
 from skincad.outputs import Delivery
 from tests.processes import LIMIT
 
-pytest_plugins = ["tests.tiers", "tests.shared"]
+pytest_plugins = ["tests.tiers", "tests.shared", "tests.clock"]
 
 
 @pytest.fixture(scope="session", autouse=True)
