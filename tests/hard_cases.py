@@ -43,7 +43,8 @@ class Entry:
     abs: float = 0.0
     why: str = ""
     refused: str = ""
-    slow: bool = False
+    tier: str = "fast"
+    row: str = ""  # its name; a row with a list of models is several entries
 
     def case(self, change: dict[str, Any] | None = None) -> Case:
         """The case of this entry, or of one of `like`, which says only what is different there."""
@@ -71,15 +72,15 @@ class Entry:
 def entries() -> Iterator[Entry]:
     """All rows, in the file's order; a row with a list of `models` is one entry a model."""
     for row in tomllib.loads(FILE.read_text("utf-8"))["case"]:
-        models, late = row.pop("models", None), row.pop("slow_models", [])
+        models, late = row.pop("models", None), row.pop("evidence_models", [])
         row["like"] = tuple(row.get("like", ()))
         if models is None:
-            yield Entry(**row)
+            yield Entry(**row, row=row["name"])
             continue
         for model in (*models, *late):
             arguments = {**row.get("arguments", {}), "model": model}
-            name = f"{row['name']}, {model}"
-            yield Entry(**{**row, "name": name, "arguments": arguments, "slow": model in late})
+            changes = {"name": f"{row['name']}, {model}", "row": row["name"], "arguments": arguments}
+            yield Entry(**{**row, **changes, "tier": "evidence" if model in late else "fast"})
 
 
 def watched(found: Figures, path: str) -> Any:

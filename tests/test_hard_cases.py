@@ -10,10 +10,14 @@ from skincad.base import InputError, RefusedError
 from tests.hard_cases import Entry, entries, watched
 
 ALL = tuple(entries())
-MARKED = [pytest.param(entry, id=entry.name, marks=[pytest.mark.slow] if entry.slow else []) for entry in ALL]
+MARKS = {"fast": [], "slow": [pytest.mark.slow]}
+CASES = [
+    pytest.param(entry, id=entry.name, marks=MARKS.get(entry.tier, [pytest.mark.evidence(subject=entry.row)]))
+    for entry in ALL
+]
 
 
-@pytest.mark.parametrize("entry", MARKED)
+@pytest.mark.parametrize("entry", CASES)
 def test_hard_case(entry: Entry) -> None:
     if entry.refused:
         with pytest.raises((InputError, RefusedError)) as refusal:
@@ -36,6 +40,7 @@ def test_every_row_says_what_is_hard_and_why_its_number_is_right() -> None:
         assert entry.hard
         assert entry.why
         assert bool(entry.refused) != bool(entry.watch), entry.name
+        assert entry.tier in (*MARKS, "evidence"), entry.name
         assert entry.refused or entry.like or entry.value is not None, entry.name
     assert len({entry.name for entry in ALL}) == len(ALL)
 
