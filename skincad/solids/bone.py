@@ -41,7 +41,8 @@ LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and b
 BEHIND = 1e-4  # mm, behind the back: less is on it
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
-TURN_EDGE = 0.25  # mm, of a triangle that is turned: its chord is 2 um off at 5 mm from the axis
+TURN_EDGE = 0.25  # mm, between slices of a triangle that is turned: a chord is 2 um off at 5 mm from the axis
+FLAT = 1e-9  # mm, a triangle's height: it has no slices
 PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
 SAME = 0.01  # mm, to which a hole opens at the back
 KEY = "mold.bone"
@@ -97,27 +98,41 @@ class Bone:
 
 @lru_cache(maxsize=32)
 def _turned_shadow(bone: Bone) -> Any:
-    corners = bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0]
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    """Slices of a triangle at equal z are segments: their least and largest distances from the axis are the
+    two sides of what it sweeps."""
     faces = []
-    for triangle, length in zip(corners, longest, strict=True):
-        for piece in _divided(triangle, max(1, math.ceil(length / TURN_EDGE))):
-            kept = _between(piece, 0.0, math.inf)
-            if len(kept):
-                away = np.column_stack([np.hypot(kept[:, 0], kept[:, 1]), kept[:, 2]])
-                faces.append(shapely.MultiPoint(away).convex_hull.buffer(1e-9))
-    return shapely.union_all(faces)
+    for triangle in bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0]:
+        low, middle, high = triangle[np.argsort(triangle[:, 2])]
+        if high[2] - low[2] < FLAT:
+            outline = shapely.Polygon(triangle[:, :2])
+            near = shapely.distance(outline, shapely.Point(0.0, 0.0))
+            ends = [(near, high[2]), (np.hypot(triangle[:, 0], triangle[:, 1]).max(), high[2])]
+            faces.append(shapely.LineString(ends))
+            continue
+        cut = low + (middle[2] - low[2]) / (high[2] - low[2]) * (high - low)
+        longest = np.linalg.norm(triangle - np.roll(triangle, 1, axis=0), axis=1).max()
+        steps = max(1, math.ceil(longest / TURN_EDGE))
+        for tip in (low, high):
+            if max(tip[2], middle[2]) > 0.0 and abs(middle[2] - tip[2]) > FLAT:
+                faces.append(_swept(tip, middle, cut, steps))
+    return shapely.union_all(shapely.buffer(faces, 1e-9, join_style="bevel", cap_style="flat"))
 
 
-def _divided(triangle: Array, parts: int) -> Array:
-    """A triangle in `parts` squared alike `(parts^2, 3, 3)`."""
-    i, j = (a.ravel() for a in np.meshgrid(np.arange(parts), np.arange(parts), indexing="ij"))
-    up, down = i + j < parts, i + j < parts - 1
-    first = np.stack([[i[up], j[up]], [i[up] + 1, j[up]], [i[up], j[up] + 1]])
-    second = np.stack([[i[down] + 1, j[down] + 1], [i[down], j[down] + 1], [i[down] + 1, j[down]]])
-    share = np.concatenate([first, second], axis=2).transpose(2, 0, 1) / parts  # (pieces, corners, 2)
-    a, b, c = triangle
-    return np.asarray(a + share[..., :1] * (b - a) + share[..., 1:] * (c - a))
+def _swept(tip: Array, left: Array, right: Array, steps: int) -> shapely.Polygon:
+    """What a triangle sweeps about z over the back: `left` and `right` are equally high; polygon of (distance
+    from the axis, z)."""
+    onset = tip[2] / (tip[2] - left[2])  # where it is at the back
+    shares = np.linspace(onset if tip[2] < 0.0 else 0.0, onset if left[2] < 0.0 else 1.0, steps + 1)[:, None]
+    one, other = (tip + shares * (end - tip) for end in (left, right))
+    across = other[:, :2] - one[:, :2]
+    squares = (across**2).sum(axis=1)
+    foot = -(one[:, :2] * across).sum(axis=1) / np.where(squares > 0.0, squares, 1.0)
+    nearest = one[:, :2] + np.clip(foot, 0.0, 1.0)[:, None] * across
+    far = np.maximum(*(np.hypot(side[:, 0], side[:, 1]) for side in (one, other)))
+    sides = [np.hypot(nearest[:, 0], nearest[:, 1]), far[::-1]]
+    return shapely.Polygon(
+        np.column_stack([np.concatenate(sides), np.concatenate([one[:, 2], one[::-1, 2]])])
+    )
 
 
 @lru_cache(maxsize=32)
