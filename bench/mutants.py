@@ -1,9 +1,12 @@
-"""What the tests see: random small changes of the code, each with fast tests that run the changed line.
+"""What the tests see: random small changes of the code, each with tests that run the changed line.
 
 `python -m bench.mutants --seed 1 --count 300` changes one operator or constant at a time in a copy of this
-tree (see `bench.mutate`), runs tests that reach it (see `bench.covered`, which runs the fast tests once) and
-writes a JSON line of each to out/mutants-SEED/records.jsonl; started again it goes on. A run that takes many
-times as long as it does without the change counts as seen. At the end: the share seen, and what was not.
+tree (see `bench.mutate`), runs fast tests that reach it (see `bench.covered`, which runs them all once) and
+writes a JSON line of each to out/mutants-SEED/records.jsonl; started again it goes on. A change that they do
+not see gets slow tests and evidence of its room, as far as out/core-seconds says what these take. A run that
+takes many times as long as without the change counts as seen. At the end: the share seen, and what was not.
+
+`--changes RECORDS` makes the changes of another commit's records, where their lines still are.
 """
 
 from __future__ import annotations
@@ -34,6 +37,7 @@ from bench.mutate import Site, mutated, sites
 
 HERE = Path(__file__).parents[1]
 SLOWER, START = 6.0, 10.0  # times the unchanged tests and s: a change that makes a loop endless is seen
+REST_BUDGET = 60.0  # s of slow tests and evidence for a change that fast tests do not see
 MISSING = 4  # pytest's status where it knows no such test
 MEMORY = 16 * 2**20  # KiB of address space: a change may ask for all there is
 TICKS = count(1)  # times of change, s, that no file has
@@ -84,8 +88,6 @@ def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None
         "pytest",
         "-o",
         "addopts=",
-        "-m",
-        "not slow",
         "-x",
         "-q",
         "-p",
@@ -120,6 +122,47 @@ def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None
     return failed[1] if failed else f"status {process.returncode}"
 
 
+def later_tests(file: str, budget: float) -> dict[str, float]:
+    """Return slow tests and evidence of a file's room, and what each took, s: those of its own test file
+    first, then the cheapest, `budget` s of them at the most."""
+    room = Path("tests") / Path(file).relative_to("skincad").parent
+    known: dict[str, float] = {}
+    for tier in ("slow", "evidence"):
+        if (path := HERE / "out" / "core-seconds" / f"{tier}.json").exists():
+            known |= {name.rpartition("@")[0]: spent for name, spent in json.loads(path.read_text()).items()}
+    mirror = f"{room}/test_{Path(file).name}::"
+    names = sorted(
+        (name for name in known if name.startswith(f"{room}/")),
+        key=lambda name: (not name.startswith(mirror), known[name]),
+    )
+    rows, spent = dict[str, float](), 0.0
+    for name in names:
+        spent += known[name]
+        if spent <= budget:
+            rows[name] = known[name]
+    return rows
+
+
+def drawn_again(tree: Path, records: Path) -> Iterator[tuple[Mutant, Site]]:
+    """Give the changes of another commit's records; where a line is there several times, at the nearest."""
+    for row in map(json.loads, records.read_text("utf-8").splitlines()):
+        path = tree / row["file"]
+        text = path.read_text("utf-8") if path.exists() else ""
+        lines = text.splitlines()
+        places = [
+            site
+            for site in sites(text)
+            if site.before == row["before"]
+            and row["after"] in site.after
+            and lines[site.start[0] - 1].strip() == row["code"]
+        ]
+        if not places:
+            print(f"gone: {line(row)}", file=sys.stderr, flush=True)
+            continue
+        site = min(places, key=lambda at: (abs(at.start[0] - row["line"]), abs(at.start[1] - row["column"])))
+        yield Mutant(row["file"], *site.start, site.before, row["after"], row["code"]), site
+
+
 class Bench:
     """Copies of the tree, one a worker, what their tests run, and the records of changes."""
 
@@ -149,6 +192,9 @@ class Bench:
             with changed(tree / mutant.file, site, mutant.after):
                 if tests:
                     by = verdict(tree, tests, SLOWER * (START + self.covered.spent(tests)))
+                if by is None and (rest := later_tests(mutant.file, REST_BUDGET)):
+                    by = verdict(tree, list(rest), SLOWER * (START + sum(rest.values())))
+                    tests = [*tests, *rest]
         finally:
             self.trees.put(tree)
         spent = {"tests": len(tests), "seconds": round(perf_counter() - started, 1)}
@@ -194,12 +240,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument(
         "--budget", type=float, default=15.0, metavar="S", help="the tests' own time a change is worth"
     )
+    parser.add_argument("--changes", type=Path, metavar="RECORDS", help="those of another commit")
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
     parser.add_argument("-o", dest="out", type=Path, help="folder of records; default out/mutants-SEED")
     options = parser.parse_args(arguments)
     out = options.out or HERE / "out" / f"mutants-{options.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    mutants = drawn(HERE, options.file, options.seed, options.count)
+    if options.changes:
+        mutants = list(drawn_again(HERE, options.changes))
+    else:
+        mutants = drawn(HERE, options.file, options.seed, options.count)
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.workers) as pool:
         bench = Bench(out, Path(folder), options.workers)
         list(pool.map(lambda each: bench.judge(*each, options.budget), mutants))

@@ -27,8 +27,9 @@ from skincad.fabrication import MakeResult, PartReport
 from skincad.inputs import Design
 from skincad.outputs import Delivery
 from tests.processes import LIMIT
+from tests.shared import nothing_kept_of_patched_programs  # noqa: F401  # a fixture
 
-pytest_plugins = ["tests.tiers", "tests.shared", "tests.clock"]
+pytest_plugins = ["tests.tiers", "tests.clock"]
 
 
 @pytest.fixture(scope="session", autouse=True)

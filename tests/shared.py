@@ -49,7 +49,7 @@ def kept(function: Callable[..., Any], most: int) -> Callable[..., Any]:
 
 
 @pytest.fixture(autouse=True)
-def _nothing_kept_of_patched_programs(request: pytest.FixtureRequest) -> Iterator[None]:
+def nothing_kept_of_patched_programs(request: pytest.FixtureRequest) -> Iterator[None]:
     """A test that patches the program gets and leaves nothing."""
     Switch.on = "monkeypatch" not in request.fixturenames
     yield
