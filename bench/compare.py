@@ -3,27 +3,57 @@
 `python -m bench.compare REVISION` (or another checkout's folder) runs `make` on every design, `simulate` on
 every scene and `circuit` on every circuit in both, and prints each difference on a line; exit status 1 if
 there is one. One that is meant is named by `--allow REGEX REASON` and printed all the same, with its reason.
+
+`python -m bench.compare --golden` writes `tests/golden` anew: papers and words of four designs that differ in
+kind. tests/golden/test_golden.py compares them by `text_differences`; git shows what a change changed.
 """
 
 from __future__ import annotations
 
 import argparse
+import html
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
+
+import skincad
+from skincad.inputs import Design
 
 HERE = Path(__file__).parents[1]
 KINDS = {"circuit": "circuits", "simulate": "scenes", "make": "designs"}  # cheapest first
 TIMED = {"seconds", "manifest_sha256", "sha256"}  # a manifest's hashes say again which files differ
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+GOLDEN = HERE / "tests" / "golden"
+LISTINGS = ("designs", "scenes", "circuits", "studies", "silicones", "processes", "grippers")
+# The model that judges a design, and how it differs from its template: metal cut by wire, films on prints of
+# resin, a magnet behind a flat face, pillars in layers.
+GOLDEN_DESIGNS: dict[str, tuple[str, dict[str, Any]]] = {
+    "yamada-2002": ("winkler", {}),
+    "lab-bench": ("winkler", {}),
+    "flat-magnet": ("linear", {}),
+    "pillars-9": ("reduced", {"shot": ({"name": "dragon-skin-30", "thickness": 1.0},)}),
+}
+# The fourth digit may be rounded elsewhere; numbers of fewer digits, whole ones too, must be the same.
+GOLDEN_TOLERANCE = 1.0e-3
+MASKS = {  # what differs by machine, version or random points of a mesh
+    r"\b\d[\d.]* m?s\b": "TIME",
+    r"mesh within [\d.]+ um": "mesh within DEVIATION",
+    r"\b[\d.]+ [kM]B\b": "SIZE",
+    r"skincad \d+\.\d+\.\d+\w*": "skincad VERSION",
+    r"\b[0-9a-f]{8}\b": "REVISION",
+}
+NOT_TEXT = re.compile(r"<(style|script|math)\b.*?</\1>|<path\b[^>]*>|<[^>]+>", re.DOTALL)
 
 
 @contextmanager
@@ -122,14 +152,115 @@ def content(a: bytes, b: bytes) -> str:
     return f"line {first + 1}: {x!r:.60} -> {y!r:.60}{relative(numbers) if numbers else ''}"
 
 
+def golden_design(name: str) -> Design:
+    """Return the design of a golden folder."""
+    return skincad.load(name).with_(**GOLDEN_DESIGNS[name][1])
+
+
+def golden_make(name: str, folder: Path) -> skincad.MakeResult:
+    """Make a golden design by its model, and write its papers into a folder."""
+    result = skincad.make(golden_design(name), model=GOLDEN_DESIGNS[name][0])
+    skincad.write(result, folder, formats=("md", "csv", "svg", "html"))
+    return result
+
+
+def golden_texts(result: skincad.MakeResult, folder: Path) -> dict[str, str]:
+    """Return a made design's papers, the words of `make -v` and `check -v`, and the texts of its drawings."""
+    drawings = {path.stem: page_text(path) for path in sorted((folder / "drawings").glob("*.svg"))}
+    return {
+        **golden_papers(result, folder),
+        "drawings.txt": masked("".join(f"== {name}\n{text}" for name, text in drawings.items())),
+        "report.txt": masked(page_text(folder / "report.html"), timed=True),
+        "make.txt": masked(f"{result.details()}\n", timed=True),
+    }
+
+
+def golden_papers(result: skincad.MakeResult, folder: Path) -> dict[str, str]:
+    """Return those that need no exact solid: casting sheet, parts list, orders, the words of `check -v`."""
+    papers = [
+        *sorted((folder / "orders").glob("*.md")),
+        folder / "casting-sheet.md",
+        folder / "parts-list.csv",
+    ]
+    check = f"{result.check.details()}\n" if result.check else ""
+    texts = {path.name: masked(path.read_text("utf-8")) for path in papers}
+    return {**texts, "check.txt": masked(check, timed=True)}
+
+
+def golden_listings() -> dict[str, str]:
+    """Return what `skincad templates` prints, of all kinds together and of each."""
+    from skincad.outputs.tomls import listing
+
+    kinds = {"templates": None, **{kind: kind for kind in LISTINGS}}
+    return {f"{name}.txt": "\n".join(listing(kind)[1]) + "\n" for name, kind in kinds.items()}
+
+
+def page_text(path: Path) -> str:
+    """Return the words of an HTML or SVG page, one element a line, without scripts, styles and formulas."""
+    rows = (
+        re.sub(r"\s+", " ", row).strip() for row in NOT_TEXT.sub("\n", path.read_text("utf-8")).split("\n")
+    )
+    return "".join(f"{html.unescape(row)}\n" for row in rows if row)
+
+
+def masked(text: str, *, timed: bool = False) -> str:
+    """Return a text without what differs from machine to machine; seconds of a casting sheet are its own."""
+    for pattern, word in MASKS.items():
+        if timed or word != "TIME":
+            text = re.sub(pattern, word, text)
+    return text
+
+
+def text_differences(golden: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    """Yield the lines in which texts differ by more than the rounding of a fourth digit."""
+    for name in sorted(golden.keys() | now.keys()):
+        one, two = (texts.get(name, "(no such text)").splitlines() for texts in (golden, now))
+        for number, (a, b) in enumerate(zip_longest(one, two, fillvalue="(no line)"), 1):
+            if not same_line(a, b):
+                yield f"{name}: line {number}: {a!r} -> {b!r}"
+
+
+def same_line(a: str, b: str) -> bool:
+    """Whether words are the same and numbers as near as GOLDEN_TOLERANCE."""
+    if a == b:
+        return True
+    pairs = zip(*(map(float, NUMBER.findall(line)) for line in (a, b)), strict=False)
+    return NUMBER.sub("#", a) == NUMBER.sub("#", b) and all(
+        abs(x - y) <= GOLDEN_TOLERANCE * max(abs(x), abs(y)) for x, y in pairs
+    )
+
+
+def kept(folder: str) -> dict[str, str]:
+    """Return the golden texts of a folder."""
+    return {path.name: path.read_text("utf-8") for path in (GOLDEN / folder).iterdir()}
+
+
+def write_golden(names: Sequence[str]) -> None:
+    """Write the golden texts anew: the listings, and those of some or all designs."""
+    with tempfile.TemporaryDirectory() as scratch:
+        designs = [name for name in GOLDEN_DESIGNS if not names or name in names]
+        made = {n: golden_texts(golden_make(n, Path(scratch) / n), Path(scratch) / n) for n in designs}
+    for folder, texts in {"templates": golden_listings(), **made}.items():
+        shutil.rmtree(GOLDEN / folder, ignore_errors=True)
+        (GOLDEN / folder).mkdir(parents=True)
+        for name, text in texts.items():
+            (GOLDEN / folder / name).write_text(text, "utf-8")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print every difference; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m bench.compare")
-    parser.add_argument("revision", help="a git revision, or the folder of another checkout")
+    parser.add_argument("revision", nargs="?", help="a git revision, or the folder of another checkout")
+    parser.add_argument("--golden", action="store_true", help="write tests/golden anew")
     parser.add_argument("--only", choices=KINDS, help="only this command")
     parser.add_argument("--name", action="append", default=[], help="only this template; repeatable")
     parser.add_argument("--allow", nargs=2, action="append", default=[], metavar=("REGEX", "REASON"))
     options = parser.parse_args(arguments)
+    if options.golden:
+        write_golden(options.name)
+        return 0
+    if options.revision is None:
+        parser.error("name a revision, or --golden")
     left = 0
     with tree(options.revision) as other, tempfile.TemporaryDirectory() as out, ThreadPoolExecutor(2) as pool:
         if not (todo := list(jobs((other, HERE), options.only, options.name))):
