@@ -1,4 +1,4 @@
-"""The campaign sees what it looks for: exceptions, crashes, thirst for memory, endless loops, bad figures."""
+"""Campaigns: random designs and scenes are sound, and failures are seen, shrunk and saved."""
 
 from __future__ import annotations
 
@@ -7,18 +7,25 @@ import os
 import signal
 import time
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
+from hypothesis import HealthCheck, Phase, given, settings
 
 from bench.campaign import __main__ as campaign_module
-from bench.campaign import cases, child
+from bench.campaign import cases, child, soundness
 from bench.campaign.__main__ import Campaign
-from bench.campaign.cases import Case
+from bench.campaign.cases import Case, figures
 from bench.campaign.child import alone, judged
-from bench.campaign.invariants import faults
+from bench.campaign.invariants import faults, sane
+from bench.campaign.random_designs import drawn
+from bench.campaign.soundness import outcome, summary
+from bench.campaign.strategies import scenes
 from skincad.base import InputError, RefusedError
+from skincad.fabrication import Job
 from skincad.inputs import read_table
 
 CASE = Case("section", read_table("plain-ridges", "designs"))
@@ -118,3 +125,117 @@ def test_a_failure_is_shrunk_and_saved(tmp_path: Path, monkeypatch: pytest.Monke
     saved = next(tmp_path.glob("shrunk-*.toml"))
     assert tomllib.loads(saved.read_text("utf-8"))["tables"]["skin"]["width"] > 20.0
     assert campaign.refused["section: width"] > 0
+
+
+SEEDS = 60
+CHUNKS = 4  # shared out to the processes
+SMALLEST = 4  # the seed of the first of them that takes half a second without the CAD kernel
+
+
+@pytest.mark.evidence(subject="seeds: sound parts")
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object], None]) -> None:
+    size = SEEDS // CHUNKS
+    rows = [outcome(seed) for seed in range(chunk * size, (chunk + 1) * size)]
+    summary_text = summary(rows)
+    record_property("summary", summary_text)
+    print(summary_text)
+    assert not any(entry.faults for entry in rows), summary_text
+
+
+def test_one_of_them_without_the_cad_kernel() -> None:
+    rows = [outcome(SMALLEST, kernel=False)]
+    assert not any(entry.faults for entry in rows), summary(rows)
+
+
+@pytest.mark.slow
+def test_a_gang_is_poured_with_its_own_thicker_seal() -> None:
+    """The seal of one skin was taken for that of two: 22 mm3 of 6545."""
+    assert list(soundness.faults(drawn(21).design, kernel=False)) == []
+
+
+def test_a_seed_draws_the_same_design_again() -> None:
+    assert drawn(7) == drawn(7)
+
+
+def test_what_is_drawn_varies() -> None:
+    designs = [drawn(seed).design for seed in range(30)]
+    for seen in (
+        {d.slot is None for d in designs},
+        {d.film is None for d in designs},
+        {d.mold.pour == "open" for d in designs},
+        {d.mold.carrier == "plain" for d in designs},
+    ):
+        assert seen == {True, False}
+    assert len({d.mold.process for d in designs}) == 4
+
+
+def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wrong formula is seen by mesh and by the poured volume; what raises is a fault with its seed."""
+    true = soundness.poured_volume
+    monkeypatch.setattr(soundness, "poured_volume", lambda *given: 1.2 * true(*given))
+    told = outcome(SMALLEST, kernel=False).faults
+    assert any("casting sheet" in fault for fault in told)
+    assert any("poured" in fault for fault in told)
+
+    def broken(job: Job) -> float:
+        raise ZeroDivisionError("on purpose")
+
+    monkeypatch.setattr(soundness, "poured_volume", broken)
+    text = summary([outcome(SMALLEST, kernel=False)])
+    assert f"seed {SMALLEST}: ZeroDivisionError: on purpose" in text
+    assert f'name = "random-{SMALLEST}"' in text
+
+
+OVERLOAD = 1000.0
+
+
+def became(case: Case) -> str:
+    """What became of a case, "" for one that is wrong."""
+    try:
+        numbers = figures(case)
+    except InputError as refusal:
+        return f"refused: {refusal.key}"
+    except RefusedError as failure:
+        return f"unsolved: {failure}"
+    wrong = list(sane(case, numbers))
+    assert not wrong, (wrong, case.toml())
+    return f"stopped: {numbers['stopped']}" if numbers["failed"] else "right"
+
+
+def run(count: int, seed: int) -> list[str]:
+    """What became of `count` cases."""
+    rows: list[str] = []
+
+    @hypothesis.seed(seed)
+    @settings(
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(scenes(overload=OVERLOAD))
+    def one(case: Case) -> None:
+        rows.append(became(case))
+
+    one()
+    return rows
+
+
+KINDS = ("refused: history.normal_force_N", "stopped: step", "right")
+
+
+@pytest.mark.evidence(subject="seeds: overloaded scenes")
+def test_overloaded_scenes_are_refused_or_right() -> None:
+    """60 of them; of 300 with the seed 71 the same was seen.
+
+    What a seed draws hangs on the constants of all loaded modules, so more are drawn until each kind is seen.
+    """
+    completed = run(60, seed=72)
+    for seed in range(73, 77):
+        if all(any(entry.startswith(kind) for entry in completed) for kind in KINDS):
+            break
+        completed += run(60, seed)
+    for kind in KINDS:
+        assert any(entry.startswith(kind) for entry in completed), completed

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import skincad
 from bench import bench_calculix, bench_check, bench_growth, calculix
 from bench.measure import alone, factorise, free_block, slope, system
 from skincad.mechanics import MODELS, default_sizes, pad_of
-from skincad.mechanics.check import check
 from tests.mechanics.designs import filleted, yamada
 
 PRINTED = """
@@ -87,7 +87,7 @@ def test_wide_designs_sag_alike(template: str, ridges: int) -> None:
 
     assert sag(wide) == pytest.approx(sag(nine))
     assert wide.contact.force / ridges == pytest.approx(nine.contact.force / 9)
-    assert check(wide, model="winkler").ridges == ridges
+    assert skincad.check(wide, model="winkler").ridges == ridges
 
 
 def test_matrix_of_a_check_is_its_own() -> None:
@@ -98,12 +98,14 @@ def test_matrix_of_a_check_is_its_own() -> None:
     assert block @ factorise(block).solve(side) == pytest.approx(side, abs=1e-6)  # condition times rounding
 
 
+@pytest.mark.slow
 def test_alone_measures_another_process() -> None:
     row = alone(bench_check.measured, "winkler")
     assert row["unknowns"] == 9
     assert row["peak_MB"] > 10  # an interpreter with numpy
 
 
+@pytest.mark.slow
 def test_alone_hands_on_what_went_wrong() -> None:
     with pytest.raises(RuntimeError, match="KeyError"):
         alone(bench_check.measured, "no-such-model")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 import shlex
+from contextlib import chdir
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 
 import skincad
 from skincad import Estimate, check
@@ -19,7 +21,6 @@ from skincad.inputs.material import silicone
 from skincad.mechanics import Change, ContactCheck
 from skincad.outputs import advice_lines, details, number_lines
 from skincad.studies import advise, advising, changed
-from skincad.studies.advice import LEVERS, cause
 from tests.mechanics.designs import SHORT, reference
 
 
@@ -152,7 +153,7 @@ def test_heights_of_ones_own_are_not_levelled_as_well() -> None:
 def test_the_cause_is_in_millimetres() -> None:
     """The outer of nine ridges stand 4 mm of arc from the middle: 60.5 (1 - cos(4 / 60)) lower."""
     verdict = check(plain(), model="winkler")
-    answer = cause(plain(), verdict)
+    answer = advised(plain()).cause
     assert answer.startswith("the lowest crest lies 0.13 mm below the highest, of ridges 0.5 mm high")
     assert answer.endswith(f"at 3.5 N the plate comes {verdict.approach.value:.2g} mm down")
 
@@ -204,27 +205,31 @@ FAILING = ("plain-ridges", *(word for key in KEYS for word in ("--set", key)), "
 COMMANDS = {"check": ("check", *FAILING), "make": ("make", *FAILING, "--format", "dxf")}
 
 
+def make_slow(commands: dict[str, tuple[str, ...]]) -> list[ParameterSet]:
+    """Return the commands as parameters. That `make` prints alike is seen with `-v` in each run."""
+    slow = {"make": [pytest.mark.slow]}
+    return [pytest.param(words, id=name, marks=slow.get(name, [])) for name, words in commands.items()]
+
+
 @pytest.fixture
-def printed(
-    request: pytest.FixtureRequest,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> list[str]:
-    """What a command prints until it looks for each change, of which the first is found, and at its end."""
-    parts = []
+def printed(request: pytest.FixtureRequest, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """What a command prints until it looks for each change, of which the first is found, and at its end.
 
-    def look(design: Design, lever: object, *_: object) -> Change | None:
+    The mold is kept from one to the next: it doesn't depend on the patch.
+    """
+    parts = list[str]()
+
+    def look(*_: object) -> Change | None:
         parts.append(capsys.readouterr().out)
-        return Change("ridge.levelling", 0.0, 0.5, Estimate(0.01, 0.0, "N")) if lever is LEVERS[0] else None
+        return Change("ridge.levelling", 0.0, 0.5, Estimate(0.01, 0.0, "N")) if len(parts) == 1 else None
 
-    monkeypatch.setattr("skincad.studies.advice._change", look)
-    monkeypatch.chdir(tmp_path)
-    assert run([*request.param]) == 1
+    with pytest.MonkeyPatch.context() as patch, chdir(tmp_path):
+        patch.setattr("skincad.studies.advice._change", look)
+        assert run([*request.param]) == 1
     return [*parts, capsys.readouterr().out]
 
 
-@pytest.mark.parametrize("printed", COMMANDS.values(), ids=COMMANDS, indirect=True)
+@pytest.mark.parametrize("printed", make_slow(COMMANDS), indirect=True)
 def test_the_verdict_does_not_wait_for_the_next_step(printed: list[str]) -> None:
     first, last = printed[0], "".join(printed[1:])
     assert first.startswith(("FAILS", "UNDECIDED"))
@@ -253,7 +258,7 @@ def test_the_verdict_does_not_wait_for_advice(printed: list[str]) -> None:
 JSON = {command: (*arguments, "--json") for command, arguments in COMMANDS.items()}
 
 
-@pytest.mark.parametrize("printed", JSON.values(), ids=JSON, indirect=True)
+@pytest.mark.parametrize("printed", make_slow(JSON), indirect=True)
 def test_json_is_one_object_with_the_advice(printed: list[str]) -> None:
     assert printed[:-1] == [""] * 4
     data = json.loads(printed[-1])

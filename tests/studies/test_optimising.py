@@ -1,8 +1,9 @@
-"""Optimising designs by models that take no time, against optima that are known or swept."""
+"""Optimising: a study's file, how results are weighed, and optima that are known or swept."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,182 @@ import pytest
 import skincad
 from skincad.base import Estimate, InputError
 from skincad.cli import run
+from skincad.inputs import template_names
 from skincad.scenes import Scene, simulation
-from skincad.studies import Optimisation, Study, optimise, query, sweep, value_of
+from skincad.studies import Member, Optimisation, Study, knobs, load_study, optimise, query, sweep, value_of
+from skincad.studies.study import RobustObjective
+from tests.refusals import refused
 
+TABLE: dict[str, Any] = {
+    "name": "plain",
+    "about": "yamada-2002",
+    "vary": {"skin.length": "8:14"},
+    "objectives": [{"key": "approach"}],
+}
+
+
+def test_keys_may_be_quoted_or_be_tables(tmp_path: Path) -> None:
+    quoted = '"skin.length" = "8:14"\n"contact.plate.tilt" = "0:1"\n'
+    tables = 'skin.length = "8:14"\ncontact.plate.tilt = "0:1"\n'
+    head = 'name = "s"\nabout = "yamada-2002"\n[vary]\n'
+    rows = []
+    for name, text in (("a", quoted), ("b", tables)):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(head + text + '[[objectives]]\nkey = "approach"\n')
+        rows.append(load_study(path))
+    assert rows[0] == rows[1]
+    assert dict(rows[0].vary) == {"skin.length": "8:14", "contact.plate.tilt": "0:1"}
+
+
+def test_a_path_counts_from_the_studys_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine.toml").write_text(skincad.load_design("yamada-2002").to_toml())
+    path = tmp_path / "study.toml"
+    path.write_text(Study(**{**TABLE, "about": "mine.toml"}).to_toml())
+    monkeypatch.chdir("/")
+    assert load_study(path, ["ridge.count=7"]).subject().ridge.count == 7  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("name", template_names("studies"))
+def test_what_ships_can_be_asked(name: str) -> None:
+    study = load_study(name)
+    assert study.name == name
+    subject = study.subject()
+    varied = knobs(subject, dict(study.vary))
+    for knob in varied:
+        assert knob.start is not None
+    assert Study(**study.model_dump(exclude_none=True)) == study
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"objectives": []}, "objectives: names none"),
+        ({"vary": {}}, "vary: names no key"),
+        ({"form": 0}, "form: must be 1"),
+        ({"tier": "lineer"}, "model: unknown model, got 'lineer'; did you mean 'linear'"),
+        ({"judge": "x"}, "judge: unknown model"),
+        ({"model": "auto"}, "must be one model"),
+        ({"model": "winkler", "tier": "linear"}, "tier: unknown key"),
+        ({"constraints": [{"key": "yield"}]}, "needs at_least or at_most"),
+        ({"objectives": [{"key": "approach", "goal": "least"}]}, "goal"),
+        ({"objectives": [{"key": "a"}, {"key": "b"}], "optimiser": "cma"}, "nsga2 or sobol"),
+        ({"evaluations": 0}, "evaluations"),
+        ({"optimizer": "cma"}, "did you mean 'optimiser'"),
+    ],
+)
+def test_what_can_not_be_used_is_one_line(change: dict[str, Any], says: str) -> None:
+    with refused(says):
+        Study(**{**TABLE, **change})
+
+
+def test_a_study_is_no_design_and_a_design_no_study() -> None:
+    with pytest.raises(InputError, match="is a design, not a study; give it to"):
+        load_study("lab-bench")
+    with pytest.raises(InputError, match="is a study, not a design; give it to optimise"):
+        skincad.load_design("my-printer")
+    with pytest.raises(InputError, match="did you mean 'my-printer'"):
+        load_study("my-printr")
+
+
+HERE = np.array([0.5])
+CHEAP = {"all_touch_force_N": Estimate(2.0, 0.5, "N"), "margin_N": Estimate(1.0, None, "N")}
+JUDGED = {"all_touch_force_N": Estimate(1.5, 0.25, "N"), "margin_N": Estimate(2.25, None, "N")}
+
+
+def weighing(**changes: Any) -> RobustObjective:
+    plain = {
+        "name": "try",
+        "about": "lab-bench",
+        "vary": {"skin.thickness": "6:10"},
+        "objectives": [{"key": "all_touch_force"}],
+        "constraints": [{"key": "margin", "at_least": 2.0}],
+    }
+    return RobustObjective(Study(**{**plain, **changes}))
+
+
+def member(values: Mapping[str, float], loss: float, kept: bool = True) -> Member:
+    limit = {"margin_N": (Estimate(2.5, None, "N"), kept)}
+    return Member(
+        values=values,
+        objectives={"all_touch_force_N": Estimate(loss, 0.0, "N")},
+        constraints=limit,
+        model="linear",
+    )
+
+
+def test_the_worse_end_counts_and_limits_are_parts_of_their_bounds() -> None:
+    answer = weighing().told(HERE, CHEAP, "search")
+    assert answer.losses.tolist() == [2.5]
+    assert answer.limits.tolist() == [0.5]  # 1 of 2 N
+    most = weighing(objectives=[{"key": "all_touch_force", "goal": "max"}])
+    assert most.told(HERE, CHEAP, "search").losses.tolist() == [-1.5]
+    assert weighing(robust=False).told(HERE, CHEAP, "search").losses.tolist() == [2.0]
+
+
+def test_a_judge_moves_a_models_numbers_by_a_factor_and_a_margin_by_a_difference() -> None:
+    one = weighing()
+    one.correct(one.member({}, JUDGED, "corrected"), CHEAP, "search")
+    answer = one.told(HERE, CHEAP, "search")
+    assert answer.losses == pytest.approx([1.75], rel=1e-12)  # the judge's upper end
+    assert answer.limits == pytest.approx([-0.125], rel=1e-12)
+    twice = {"all_touch_force_N": Estimate(4.0, 9.0, "N"), "margin_N": Estimate(0.0, None, "N")}
+    again = one.told(HERE, twice, "search")
+    assert again.losses == pytest.approx([3.5], rel=1e-12)
+    assert again.limits == pytest.approx([(2.0 - 1.25) / 2.0], rel=1e-12)
+    assert one.told(HERE, CHEAP, "guide").losses.tolist() == [2.5]  # of another model nothing is known
+
+
+def test_what_judge_and_model_say_alike_keeps_its_own_error() -> None:
+    one = weighing()
+    one.correct(one.member({}, CHEAP, "linear"), CHEAP, "search")
+    assert not one.differs
+
+
+def test_what_is_refused_or_not_told_has_no_loss() -> None:
+    assert not weighing().told(HERE, None, "search").there
+    assert not weighing().told(HERE, {**CHEAP, "margin_N": Estimate(None, None, "N")}, "search").there
+    beside = weighing(constraints=[{"key": "make.passed", "at_least": 1}])
+    assert beside.others() == ["make"]
+    assert not beside.told(HERE, CHEAP, "search").there
+    assert beside.told(HERE, CHEAP, "guide").limits.tolist() == [-1.0]  # the closed form can't tell: kept
+    with pytest.raises(InputError, match="did you mean 'margin'"):
+        weighing(constraints=[{"key": "margn", "at_least": 2.0}]).told(HERE, CHEAP, "search")
+
+
+def test_a_member_tells_which_limits_it_keeps() -> None:
+    both = weighing(constraints=[{"key": "margin", "at_least": 2.0, "at_most": 2.2}])
+    answer = both.member({"skin.thickness": 7.0}, JUDGED, "corrected")
+    assert answer.constraints == {"margin_N": (JUDGED["margin_N"], False)}
+    assert answer.objectives == {"all_touch_force_N": JUDGED["all_touch_force_N"]}
+
+
+def test_members_that_keep_their_limits_come_first_and_one_objective_has_one_best() -> None:
+    broken, worse, best = (
+        member({"a": 1.0}, 0.5, kept=False),
+        member({"a": 2.0}, 3.0),
+        member({"a": 3.0}, 2.0),
+    )
+    one = weighing()
+    assert one.ordered([broken, worse, best]) == [best, worse, broken]
+    assert one.pareto_front([best, worse]) == [best]
+
+
+def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
+    two = weighing(objectives=[{"key": "all_touch_force"}, {"key": "approach"}])
+
+    def at(force: float, approach: float) -> Member:
+        table = {"all_touch_force_N": Estimate(force, 0.0, "N"), "approach_mm": Estimate(approach, 0.0, "mm")}
+        return Member(values={}, objectives=table, constraints={}, model="linear")
+
+    first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
+    assert two.pareto_front([first, second, beaten]) == [first, second]
+    middle = [
+        at(1.0 + share, 3.0 - 2.0 * share) for share in (0.1, 0.4, 0.2)
+    ]  # the first few cover the front
+    assert two.pareto_front([first, *middle, second]) == [first, second, middle[1], middle[2], middle[0]]
+
+
+OPTIMA = pytest.mark.evidence(subject="optima: studies")
 VARY = {"ridge.levelling": "0:0.6", "skin.thickness": "6:10", "skin.curvature_radius": "90:200"}
 
 
@@ -33,12 +207,12 @@ def study(**changes: Any) -> Study:
 
 
 @pytest.fixture(scope="module")
-def found() -> Optimisation:
-    return optimise(study())
+def few() -> Optimisation:
+    return optimise(study(evaluations=40))
 
 
-@pytest.mark.slow
-def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
+@OPTIMA
+def test_the_best_is_no_worse_than_a_fine_grids() -> None:
     grid = sweep(
         skincad.load_design("lab-bench"),
         {
@@ -53,7 +227,7 @@ def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
         for row in grid.rows
         if (row.results["all_touch_force_N"].upper or np.inf) <= 3.0
     ]
-    (best,) = found.front
+    (best,) = optimise(study()).front
     assert (best.objectives["approach_mm"].upper or np.inf) <= 1.005 * min(
         allowed
     )  # what 200 evaluations leave
@@ -62,19 +236,19 @@ def test_the_best_is_no_worse_than_a_fine_grids(found: Optimisation) -> None:
     assert (force.upper or np.inf) <= 3.0
 
 
-def test_the_front_is_what_the_judge_says(found: Optimisation) -> None:
-    design = found.design()
+def test_the_front_is_what_the_judge_says(few: Optimisation) -> None:
+    design = few.design()
     again = skincad.check(design, model="winkler")  # type: ignore[arg-type]
-    assert again.approach == found.front[0].objectives["approach_mm"]
+    assert again.approach == few.front[0].objectives["approach_mm"]
     with pytest.raises(InputError):
-        found.design(2)
-    row = found.to_frame().iloc[0]
+        few.design(2)
+    row = few.to_frame().iloc[0]
     assert row["approach_mm"] == again.approach.value
     assert row["all_touch_force_N.error"] == again.all_touch_force.error
     assert row["ridge.levelling"] == design.ridge.levelling  # type: ignore[union-attr]
 
 
-@pytest.mark.slow
+@OPTIMA
 def test_without_robustness_the_value_counts() -> None:
     """The largest force below a limit lies at it: its value, or its upper end."""
     most = [{"key": "all_touch_force", "goal": "max"}]
@@ -86,14 +260,18 @@ def test_without_robustness_the_value_counts() -> None:
 def test_a_varied_key_may_be_an_objective() -> None:
     """The most curved pad that needs 3 N at most: at the least radius where the rest can still help."""
     optimisation = optimise(
-        study(objectives=[{"key": "skin.curvature_radius"}], vary={**VARY, "skin.curvature_radius": "40:200"})
+        study(
+            objectives=[{"key": "skin.curvature_radius"}],
+            vary={**VARY, "skin.curvature_radius": "40:200"},
+            evaluations=60,
+        )
     )
     (best,) = optimisation.front
     assert best.objectives["skin.curvature_radius"].value == best.values["skin.curvature_radius"]
     assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
 
 
-@pytest.mark.slow
+@OPTIMA
 def test_a_better_judge_has_the_last_word() -> None:
     """Judged by another model than the one that searches: its numbers, and its limit kept."""
     judged = optimise(study(judge="linear", evaluations=60))
@@ -102,7 +280,7 @@ def test_a_better_judge_has_the_last_word() -> None:
     assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
 
 
-@pytest.mark.slow
+@OPTIMA
 def test_a_number_may_have_a_limit_on_either_side() -> None:
     both = [{"key": "all_touch_force", "at_least": 0.05, "at_most": 3.0}]
     goal = [{"key": "all_touch_force", "goal": "min"}]
@@ -122,7 +300,7 @@ def test_what_nothing_keeps_is_said_with_the_nearest() -> None:
     assert "BROKEN" in str(none)
 
 
-@pytest.mark.slow
+@OPTIMA
 def test_several_objectives_have_a_front() -> None:
     goals = [{"key": "approach"}, {"key": "all_touch_force", "goal": "min"}]
     several = optimise(study(objectives=goals, constraints=[], evaluations=240))
@@ -135,13 +313,13 @@ def test_several_objectives_have_a_front() -> None:
 
 
 def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
-    first = optimise(study(evaluations=60), folder=tmp_path)
-    again = optimise(study(evaluations=60), folder=tmp_path)
+    first = optimise(study(evaluations=40), folder=tmp_path)
+    again = optimise(study(evaluations=40), folder=tmp_path)
     assert (again.evaluations, again.front) == (0, first.front)
     log = tmp_path / "evaluations.jsonl"
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b"".join(lines[: len(lines) // 2]))
-    half = optimise(study(evaluations=60), folder=tmp_path)
+    half = optimise(study(evaluations=40), folder=tmp_path)
     assert half.front == first.front
     assert half.evaluations == len(lines) - len(lines) // 2
 
@@ -162,8 +340,8 @@ def test_the_bar_tells_the_best_so_far() -> None:
     assert rows[-1][0] == "none allowed so far"
 
 
-def test_json_has_the_contracts_keys(found: Optimisation) -> None:
-    data = json.loads(json.dumps(found.as_json(), allow_nan=False))
+def test_json_has_the_contracts_keys(few: Optimisation) -> None:
+    data = json.loads(json.dumps(few.as_json(), allow_nan=False))
     assert {"front", "evaluations", "reused", "seconds"} <= data.keys()
     assert {"values", "objectives", "constraints"} <= data["front"][0].keys()
 
@@ -196,7 +374,7 @@ class Led:
         return {"longest_lead_time_s": Estimate(float(1e-3 * np.exp(-off)), None, "s")}
 
 
-@pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=OPTIMA)])
 def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a scene's result, with a limit of the check beside it, which the judge has the last word on."""
     monkeypatch.setitem(query._ASKED, "simulate", lambda scene, _: Led(scene))
@@ -250,7 +428,7 @@ def test_a_misspelt_key_is_told_at_once() -> None:
         optimise(study(objectives=[{"key": "aproach"}]))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="amplifier-for-slip")
 def test_process_a_finds_an_amplifier_that_warns_without_a_false_alarm() -> None:
     """The template on the paper's skin, whose own settings warn already."""
     optimisation = optimise(skincad.load_study("amplifier-for-slip"))

@@ -1,4 +1,4 @@
-"""Many evaluations: in one process, in several, by two runs at once, and after kills."""
+"""Many evaluations and their log: in one process, in several, by two runs at once, and after kills."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,13 +17,122 @@ import pytest
 
 import skincad
 from skincad.base import ExhaustedError, InputError
-from skincad.studies import Evaluation, Log, Query, running
-from skincad.studies.running import NAME, Run, Values, Workers, workers
+from skincad.studies import Evaluation, Log, Query, evaluate
+from skincad.studies.running import Run, Workers, workers
 from tests.processes import LIMIT, started
 
 DESIGN = skincad.load_design("yamada-2002")
+EVALUATION = evaluate(DESIGN, {"skin.length": 12.0}, Query("check", "winkler"))
+
+
+def numbered(number: int) -> Evaluation:
+    return replace(EVALUATION, key=f"{number:016x}{0:016x}")
+
+
+def line(folder: Path, evaluation: Evaluation) -> bytes:
+    """Return an evaluation's line, as a log of its own has it."""
+    log = Log(folder / evaluation.key)
+    log.append(evaluation)
+    return log.path.read_bytes()
+
+
+def test_what_was_appended_is_read_by_another_run(tmp_path: Path) -> None:
+    refused = evaluate(DESIGN, {"skin.length": -1.0}, Query("check", "winkler"))
+    assert refused.refused
+    ours, theirs = Log(tmp_path / "new"), Log(tmp_path / "new")
+    theirs.read()
+    assert theirs.evaluations == {}
+    appended = [numbered(0), EVALUATION, refused]
+    for number, evaluation in enumerate(appended, 1):
+        ours.append(evaluation)
+        theirs.read()
+        assert [*theirs.evaluations.values()] == [*ours.evaluations.values()] == appended[:number]
+
+
+@pytest.mark.parametrize("tail", [1, 40, 700])
+def test_a_torn_tail_is_cut_off_by_the_next_that_appends(tmp_path: Path, tail: int) -> None:
+    log = Log(tmp_path)
+    log.append(numbered(0))
+    whole = log.path.read_bytes()
+    with log.path.open("ab") as file:
+        file.write(line(tmp_path, numbered(1))[:tail])
+    after = Log(tmp_path)
+    after.read()
+    assert [*after.evaluations] == [numbered(0).key]
+    after.append(numbered(2))
+    assert after.torn
+    assert log.path.read_bytes() == whole + line(tmp_path, numbered(2))
+
+
+def test_a_log_of_nothing_but_a_torn_line_is_empty(tmp_path: Path) -> None:
+    (tmp_path / "evaluations.jsonl").write_bytes(b'{"key": "abc')
+    log = Log(tmp_path)
+    log.read()
+    assert log.evaluations == {}
+    log.append(numbered(0))
+    assert log.path.read_bytes().startswith(b'{"key": "0000')
+
+
+@pytest.mark.parametrize("text", ["not json\n", "[1, 2]\n", '{"key": 1}\n', "null\n"])
+def test_another_file_of_that_name_is_refused_and_stays(tmp_path: Path, text: str) -> None:
+    (tmp_path / "evaluations.jsonl").write_text(text)
+    with pytest.raises(InputError, match="no log of a study"):
+        Log(tmp_path).read()
+    assert (tmp_path / "evaluations.jsonl").read_text() == text
+
+
+def test_another_versions_lines_are_not_used(tmp_path: Path) -> None:
+    log = Log(tmp_path)
+    log.append(replace(numbered(0), version="0.0.1"))
+    log.append(numbered(1))
+    again = Log(tmp_path)
+    again.read()
+    assert [*again.evaluations] == [numbered(1).key]
+    assert again.other == 1
+
+
+def test_a_full_disk_is_one_line_and_leaves_whole_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = Log(tmp_path)
+    log.append(numbered(0))
+    before, write, calls = log.path.read_bytes(), os.write, []
+
+    def full(handle: int, data: bytes) -> int:
+        calls.append(data)
+        if len(calls) > 1:
+            raise OSError(28, "No space left on device")
+        return write(handle, data[:100])
+
+    monkeypatch.setattr("skincad.studies.running.os.write", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        log.append(numbered(1))
+    assert log.path.read_bytes() == before
+    monkeypatch.undo()
+    log.append(numbered(1))
+    assert len(log.path.read_bytes().splitlines()) == 2
+
+
+@pytest.mark.slow
+def test_a_claim_is_one_processs_and_ends_with_it(tmp_path: Path) -> None:
+    key = numbered(7).key
+    code = (
+        "import sys, time; from pathlib import Path; from skincad.studies.running import Log\n"
+        f"log = Log(Path({str(tmp_path)!r})); print(log.claim({key!r}), flush=True); time.sleep(60)"
+    )
+    with started([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "True\n"
+        mine = Log(tmp_path)
+        assert not mine.claim(key)
+        assert mine.claim(numbered(8).key)
+    assert mine.claim(key)
+    mine.close()
+
+
 QUESTION = Query("check", "winkler")
-POINTS: list[Values] = [{"skin.length": float(length)} for length in np.linspace(8, 16, 12)]
+Point = dict[str, float | str]
+POINTS: list[Point] = [{"skin.length": float(length)} for length in np.linspace(8, 16, 12)]
 
 
 def told(rows: Sequence[Evaluation]) -> list[tuple[str, float]]:
@@ -68,15 +178,15 @@ def test_a_log_is_gone_on_with(tmp_path: Path, alone: list[tuple[str, float]]) -
 
 
 def test_an_interruption_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, real = [], running.evaluate
+    asked = []
 
     def interrupted(*arguments: object) -> Evaluation:
         if len(asked) == 4:
             raise KeyboardInterrupt
         asked.append(arguments)
-        return real(*arguments)  # type: ignore[arg-type]
+        return evaluate(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(running, "evaluate", interrupted)
+    monkeypatch.setattr("skincad.studies.running.evaluate", interrupted)
     with pytest.raises(KeyboardInterrupt):
         Run(DESIGN, QUESTION, Log(tmp_path)).at(POINTS, Workers())
     monkeypatch.undo()
@@ -98,7 +208,7 @@ def test_what_another_run_has_claimed_is_waited_for_not_repeated(
         other.at(POINTS[:1], Workers())
 
     monkeypatch.setattr(ours, "claim", lambda key: key != theirs and claim(key))
-    monkeypatch.setattr(running.time, "sleep", sleep)
+    monkeypatch.setattr("skincad.studies.running.time.sleep", sleep)
     run = Run(DESIGN, QUESTION, ours)
     assert told(run.at(POINTS[:3], Workers())) == alone[:3]
     assert (run.evaluated, run.reused, slept) == (2, 1, [1])
@@ -114,8 +224,9 @@ def dies(*_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_a_dead_worker_is_want_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "evaluate", dies)
+    monkeypatch.setattr("skincad.studies.running.evaluate", dies)
     with pytest.raises(ExhaustedError, match="fewer workers"), workers(2) as who:
         Run(DESIGN, QUESTION).at(POINTS, who)
 
@@ -134,18 +245,24 @@ def test_without_dask_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
         pass
 
 
-def swept(folder: Path, points: Sequence[Values]) -> list[str]:
+def swept(folder: Path, points: Sequence[Point]) -> list[str]:
     lengths = "skin.length=" + ",".join(str(point["skin.length"]) for point in points)
     start = [sys.executable, "-m", "skincad", "sweep", "yamada-2002", "--tier", "winkler"]
     return [*start, "--vary", lengths, "-o", str(folder), "--json"]
 
 
-@pytest.mark.slow
-def test_fifteen_kills_lose_and_repeat_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("most", "count"),
+    [
+        pytest.param(4, 100, marks=pytest.mark.slow),
+        pytest.param(15, 1000, marks=pytest.mark.evidence(subject="kills: studies")),
+    ],
+)
+def test_kills_lose_and_repeat_nothing(most: int, count: int, tmp_path: Path) -> None:
     """SIGKILL of two runs at once, each time as soon as their log has grown, and a torn tail in between."""
-    many: list[Values] = [{"skin.length": float(length)} for length in np.linspace(8, 16, 1000)]
-    log, kills, seen = tmp_path / NAME, 0, b""
-    while kills < 15:
+    many: list[Point] = [{"skin.length": float(length)} for length in np.linspace(8, 16, count)]
+    log, kills, seen = tmp_path / "evaluations.jsonl", 0, b""
+    while kills < most:
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         with started(swept(tmp_path, many), **quiet) as one, started(swept(tmp_path, many), **quiet) as two:
             deadline = time.monotonic() + LIMIT
@@ -159,7 +276,7 @@ def test_fifteen_kills_lose_and_repeat_nothing(tmp_path: Path) -> None:
                 kills += 1
         now = log.read_bytes()
         assert now.startswith(seen[: seen.rfind(b"\n") + 1])  # what was finished stays
-        if kills == 6:
+        if kills == 2:
             with log.open("ab") as file:
                 file.write(b'{"key": "torn')
         seen = log.read_bytes()
@@ -196,6 +313,6 @@ def test_a_dask_cluster_of_two_gives_the_same_rows(alone: list[tuple[str, float]
 
 @pytest.mark.slow
 def test_a_cluster_that_does_not_answer_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "PATIENCE", 1.0)
+    monkeypatch.setattr("skincad.studies.running.PATIENCE", 1.0)
     with pytest.raises(InputError, match="no cluster answers"), workers(dask="tcp://127.0.0.1:9"):
         pass
