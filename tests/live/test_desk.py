@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from collections import Counter
 from collections.abc import Iterator
@@ -11,9 +10,8 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.live import apply_moves, start_session, view
-from skincad.live.desk import Answers, Desk, Reply, closed_form, findings
-from skincad.live.words import best, findings_html, state_html, verdict_html
+from skincad.live import apply_moves, start_session, view, words
+from skincad.live import desk as desks
 
 LONG = 120.0  # s, for a check on a machine with much else to do
 # it passes, so that no advice is asked, and its best model is there in a second
@@ -26,17 +24,22 @@ def seen() -> Counter[str]:
 
 
 @pytest.fixture
-def desk(seen: Counter[str]) -> Iterator[Desk]:
-    live_desk = Desk(skincad.load("plain-ridges", SMALL), "plain-ridges", lambda kind: seen.update([kind]))
+def desk(seen: Counter[str]) -> Iterator[desks.Desk]:
+    live_desk = desks.Desk(
+        skincad.load("plain-ridges", SMALL), "plain-ridges", lambda kind: seen.update([kind])
+    )
     yield live_desk
     live_desk.close()
 
 
 @pytest.mark.slow
-def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> None:
+def test_the_last_verdict_is_that_of_check(desk: desks.Desk, seen: Counter[str]) -> None:
     """To the last digit: it is the same function, in another process."""
     desk.begin()
+    assert desk.wait_until_drawn(LONG)
     assert desk.wait_until_settled(LONG)
+    (first,) = desk.timings
+    assert first.moved_at <= first.drawn_at <= first.verdict_at
     desk.move({"contact.force": 0.4})
     assert desk.wait_until_drawn(LONG)
     assert desk.wait_until_settled(LONG)
@@ -53,22 +56,22 @@ def test_the_last_verdict_is_that_of_check(desk: Desk, seen: Counter[str]) -> No
     assert {"session", "view", "closed_form", "findings", "better", "verdict"} <= seen.keys()
 
 
-def test_answers_are_older_once_the_design_moves_on_and_fresh_again_after_undo(desk: Desk) -> None:
+def test_answers_are_older_once_the_design_moves_on_and_fresh_again_after_undo(desk: desks.Desk) -> None:
     design = desk.session.design
-    desk.answers = Answers(
-        view=Reply(design, view(design)),
-        closed_form=Reply(design, closed_form(desk.session)),
-        findings=Reply(design, ()),
-        verdict=Reply(design, skincad.check(design, model="winkler")),
+    desk.answers = desks.Answers(
+        view=desks.Reply(design, view(design)),
+        closed_form=desks.Reply(design, desks.closed_form(desk.session)),
+        findings=desks.Reply(design, ()),
+        verdict=desks.Reply(design, skincad.check(design, model="winkler")),
     )
     assert desk.is_current(desk.answers.verdict)
-    assert best(desk) is desk.answers.verdict.what  # type: ignore[union-attr]
-    assert "older" not in verdict_html(desk) + findings_html(desk)
+    assert words.best(desk) is desk.answers.verdict.what  # type: ignore[union-attr]
+    assert "older" not in words.verdict_html(desk) + words.findings_html(desk)
     desk.session = apply_moves(desk.session, {"ridge.height": 0.45}, 0.0)
     assert not desk.is_current(desk.answers.verdict)
-    assert best(desk) is None
-    assert "older" in verdict_html(desk)
-    assert "older" in findings_html(desk)
+    assert words.best(desk) is None
+    assert "older" in words.verdict_html(desk)
+    assert "older" in words.findings_html(desk)
     desk.undo()
     assert desk.is_current(desk.answers.verdict)
 
@@ -79,20 +82,20 @@ def test_what_cannot_be_made_says_so_and_the_skin_is_drawn() -> None:
     assert "gate" in shown.refusal
     assert not shown.mold
     assert len(shown.skin.faces)
-    assert findings(shown) == ()
+    assert desks.findings(shown) == ()
 
 
 def test_the_page_tells_the_designs_own_line_escaped() -> None:
     session = apply_moves(
         start_session(skincad.load("yamada-2002")), {"material.name": "<b>no such</b>"}, 0.0
     )
-    text = state_html(session)
+    text = words.state_html(session)
     assert "&lt;b&gt;no such" in text
     assert "<b>no such" not in text
 
 
 def test_saving_keeps_comments_and_never_overwrites(
-    desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    desk: desks.Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     desk.move({"ridge.height": 0.45})
@@ -107,18 +110,8 @@ def test_saving_keeps_comments_and_never_overwrites(
 
 def test_findings_are_those_of_make_that_need_no_solids() -> None:
     design = skincad.load("nozzle-04")
-    rows = findings(view(design))
+    rows = desks.findings(view(design))
     assert rows
     assert [f.severity for f in rows] == sorted(
         (f.severity for f in rows), key=("error", "warning", "note").index
     )
-
-
-@pytest.mark.slow
-def test_timings_are_told(desk: Desk) -> None:
-    desk.begin()
-    assert desk.wait_until_drawn(LONG)
-    assert desk.wait_until_settled(LONG)
-    (first,) = desk.timings
-    assert first.moved_at <= first.drawn_at <= first.verdict_at
-    assert dataclasses.is_dataclass(first)

@@ -1,4 +1,7 @@
-"""Who computes beside the page: the newest question counts, and nothing that dies takes the page along."""
+"""Who computes beside the page: the newest question counts, and nothing that dies takes the page along.
+
+A worker's process imports this file: it imports little.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,18 @@ import os
 import signal
 import time
 from queue import Empty, Queue
+from threading import Event
 from typing import Any
 
 import pytest
 
 from skincad.base import InputError
 from skincad.live import worker
-from skincad.live.worker import LatestRunner, Tell, Worker
 
 LONG = 60.0  # s, in which a process has started and answered, on a machine with much else to do
 
 
-def job(question: str, tell: Tell) -> None:
+def job(question: str, tell: worker.Tell) -> None:
     """What a question asks for; it runs in a process of its own."""
     if question == "refuse":
         raise InputError("key", "is refused")
@@ -30,6 +33,7 @@ def job(question: str, tell: Tell) -> None:
             tell("stage", ("working", None))
             time.sleep(0.01)
     if question == "deaf":
+        tell("stage", ("deaf", None))
         time.sleep(1000.0)
     tell("answer", question)
 
@@ -41,9 +45,9 @@ def told() -> Queue[Any]:
 
 @pytest.fixture
 def process(told: Queue[Any]) -> Any:
-    worker = Worker(job, lambda *news: told.put(news))
-    yield worker
-    worker.close()
+    process = worker.Worker(job, lambda *news: told.put(news))
+    yield process
+    process.close()
 
 
 def last(told: Queue[Any], question: str) -> list[tuple[str, Any]]:
@@ -60,7 +64,7 @@ def last(told: Queue[Any], question: str) -> list[tuple[str, Any]]:
                 return news
 
 
-def test_answers_come_in_order_and_failures_are_told(process: Worker, told: Queue[Any]) -> None:
+def test_answers_come_in_order_and_failures_are_told(process: worker.Worker, told: Queue[Any]) -> None:
     for question, news in (
         ("one", [("answer", "one"), ("done", None)]),
         ("refuse", [("refused", "key: is refused")]),
@@ -72,7 +76,8 @@ def test_answers_come_in_order_and_failures_are_told(process: Worker, told: Queu
         assert not process.busy
 
 
-def test_one_that_dies_is_told_and_another_takes_its_place(process: Worker, told: Queue[Any]) -> None:
+@pytest.mark.slow
+def test_one_that_dies_is_told_and_another_takes_its_place(process: worker.Worker, told: Queue[Any]) -> None:
     process.ask("die")
     ((kind, why),) = last(told, "die")
     assert kind == "failed"
@@ -81,7 +86,7 @@ def test_one_that_dies_is_told_and_another_takes_its_place(process: Worker, told
     assert last(told, "one")[0] == ("answer", "one")
 
 
-def test_an_older_question_is_left_for_a_newer_one(process: Worker, told: Queue[Any]) -> None:
+def test_an_older_question_is_left_for_a_newer_one(process: worker.Worker, told: Queue[Any]) -> None:
     """Without a new process: it looks up where it tells its progress."""
     process.ask("look up")
     assert told.get(timeout=LONG)[1] == "stage"
@@ -92,30 +97,28 @@ def test_an_older_question_is_left_for_a_newer_one(process: Worker, told: Queue[
 
 
 def test_one_that_does_not_look_up_is_ended(
-    process: Worker, told: Queue[Any], monkeypatch: pytest.MonkeyPatch
+    process: worker.Worker, told: Queue[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(worker, "PATIENCE", 0.1)
     process.ask("one")
     last(told, "one")
     process.ask("deaf")
-    time.sleep(0.2)
+    assert told.get(timeout=LONG)[1] == "stage"
     process.ask("two")
     assert last(told, "two")[0] == ("answer", "two")
 
 
 def test_a_thread_works_off_the_newest_alone() -> None:
-    seen, gates = [], Queue[None]()
+    seen, gates, begun = [], Queue[None](), Event()
 
     def work(thing: int, newer: Any) -> None:
+        begun.set()
         gates.get(timeout=LONG)
         seen.append((thing, newer()))
 
-    newest = LatestRunner(work)
+    newest = worker.LatestRunner(work)
     newest.give(0)
-    deadline = time.monotonic() + LONG
-    while newest.idle(0.01) and time.monotonic() < deadline:
-        time.sleep(0.001)
-    time.sleep(0.05)  # it is at 0, and waits
+    assert begun.wait(LONG)  # it is at 0, and waits
     for thing in range(1, 10):
         newest.give(thing)
     gates.put(None)
