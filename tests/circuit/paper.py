@@ -1,8 +1,9 @@
-"""The inverting amplifier solved by hand, to test the package's general solution by.
+"""Both amplifiers solved by hand, to test the package's general solution by.
 
 Source: Yamada et al. 2002: the loop equations (2) to (9), their solution with every source term, and as the
 paper prints it, (10) to (14). (12) to (14) leave out what the source drives in (6) and (7), so (10) is not
-the solution of (4) to (9); `departure` says by how much. A capacitor beside R3 + R4 is not in the paper.
+the solution of (4) to (9); `departure` says by how much. A capacitor beside R3 + R4, a falling gain and the
+follower are not in the paper.
 """
 
 from __future__ import annotations
@@ -50,15 +51,30 @@ def feedback_impedance(c: Constants, jw: Complex) -> Complex:
     return np.asarray(c.feedback_resistance / (1 + jw * c.feedback_capacitance * c.feedback_resistance))
 
 
+def open_loop(c: Constants, jw: Complex) -> Complex:
+    """Return the amplifier's gain, `(n,)`: a finite bandwidth is one pole."""
+    return np.asarray(c.gain / (1 + jw * c.gain / (2 * np.pi * c.gain_bandwidth) if c.gain_bandwidth else 1))
+
+
 def exact_response(c: Constants, frequency: Real) -> Complex:
     """Return vout / lo `(n,)` V/N by the two node equations that (4) to (9) reduce to, no term left out."""
     jw = angular(frequency)
     film = jw * c.capacitance + 1 / motional_impedance(c, jw)  # S, at the film
     back = feedback_impedance(c, jw)
     behind = back + c.output_resistance
-    node = jw * c.input_capacitance + 1 / c.input_resistance + (1 + c.gain) / behind  # S, at the input
+    gain = open_loop(c, jw)
+    node = jw * c.input_capacitance + 1 / c.input_resistance + (1 + gain) / behind  # S, at the input
     vd = jw * c.d33 / (film + node + film * node * c.series_resistance)
-    return np.asarray(vd * (c.gain * back - c.output_resistance) / behind)  # (9), i4 by (6) and (7)
+    return np.asarray(vd * (gain * back - c.output_resistance) / behind)  # (9), i4 by (6) and (7)
+
+
+def follower_response(c: Constants, frequency: Real) -> Complex:
+    """Return vout / lo `(n,)` V/N of the follower: the input's divider, and a gain of A / (1 + A)."""
+    jw = angular(frequency)
+    film = jw * c.capacitance + 1 / motional_impedance(c, jw)
+    node = jw * c.input_capacitance + 1 / c.input_resistance
+    gain = open_loop(c, jw)
+    return np.asarray(jw * c.d33 / (film + node + film * node * c.series_resistance) * gain / (1 + gain))
 
 
 def printed_response(c: Constants, frequency: Real) -> Complex:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from skincad.circuit import BOUNDS, Constants, Network, run, state_space, stepper
-from skincad.circuit.calibrate import Calibration
 
 
 def random_sets(count: int, seed: int = 6) -> list[Constants]:
@@ -28,10 +27,3 @@ def state_response(network: Network, charge: float, frequency: np.ndarray) -> np
 def output(network: Network, charge: np.ndarray, rate: float) -> np.ndarray:
     """Return the output `(n,)` V for a charge `(n,)` C sampled at `rate` Hz, at rest before."""
     return run(stepper(network, rate), charge)[0]
-
-
-def exact_calibration(exact: Constants) -> Calibration:
-    """A calibration that misses nothing and leaves nothing open."""
-    return Calibration(
-        constants=exact, rms=0.0, offset=0.0, at_bounds=(), combinations=(), agreeing=1, starts=1
-    )

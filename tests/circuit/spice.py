@@ -9,16 +9,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skincad.circuit import Network
+from skincad.circuit import Network, netlist
 from skincad.circuit.response import response
 
 LOAD = "Vload load 0 DC 0 AC 1"
 needs_ngspice = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
 
 
-def spice_gain_error(folder: Path, network: Network, elements: list[str], sweep: str) -> float:
-    """Return the largest relative difference of a network's gain from SPICE's of its `elements`' lines."""
-    spice = vectors(folder, [LOAD, *elements], f"ac {sweep}", ["v(vout)"])
+def element_lines(network: Network) -> list[str]:
+    """Return the elements' lines of a network's deck, without its load."""
+    lines = netlist(network, "a deck").splitlines()
+    return [line for line in lines if line and line[0] not in "*." and not line.startswith("Vload")]
+
+
+def spice_gain_error(folder: Path, network: Network, sweep: str) -> float:
+    """Return the largest relative difference of a network's gain from SPICE's."""
+    spice = vectors(folder, [LOAD, *element_lines(network)], f"ac {sweep}", ["v(vout)"])
     return float(np.abs(response(network, spice["frequency"].real) / spice["v(vout)"] - 1).max())
 
 

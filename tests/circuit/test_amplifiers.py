@@ -1,0 +1,342 @@
+"""The amplifiers as lists of elements: each by hand, by states and by SPICE; what each is good for."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.campaign import rational
+from skincad.base import InputError, RefusedError
+from skincad.circuit import (
+    Constants,
+    Network,
+    circuit_network,
+    constants,
+    decibels,
+    gain,
+    load_circuit,
+    state_space,
+)
+from skincad.circuit.network import Capacitor, Resistor, Source, network
+from skincad.circuit.response import response
+from skincad.inputs import template_names
+from tests.circuit.paper import (
+    departure,
+    exact_response,
+    follower_response,
+    loop_response,
+    printed_response,
+)
+from tests.circuit.sets import output, random_sets, state_response
+from tests.circuit.spice import LOAD, element_lines, needs_ngspice, spice_gain_error, vectors
+from tests.refusals import refused_by
+
+BAND = np.geomspace(10.0, 20_000.0, 33)
+HANDS = {"inverting": exact_response, "follower": follower_response}
+# a constant that the paper's network has not, and the ends of the range it is drawn from
+KINDS = {
+    "plain": (),
+    "capacitor": ("feedback_capacitance", 1e-12, 1e-8),
+    "falling gain": ("gain_bandwidth", 1e4, 1e8),
+}
+CHARGE, FOLLOWER = load_circuit("charge-amplifier"), load_circuit("voltage-follower")
+TRANSIMPEDANCE = constants(load_circuit("transimpedance"))
+
+
+def sets(kind: str, count: int) -> list[Constants]:
+    """Random constants, with one drawn besides, evenly in its logarithm."""
+    if not KINDS[kind]:
+        return random_sets(count)
+    name, *ends = KINDS[kind]
+    drawn = np.exp(np.random.default_rng(5).uniform(*np.log(ends), count))
+    return [replace(c, **{name: float(f)}) for c, f in zip(random_sets(count), drawn, strict=True)]
+
+
+def test_every_shipped_circuit_has_a_topology_that_is_solved_by_hand() -> None:
+    shipped = {load_circuit(name).amplifier.topology for name in template_names("circuits")}
+    assert shipped == HANDS.keys()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("topology", HANDS)
+def test_the_elements_have_the_response_by_hand_and_by_states(topology: str, kind: str) -> None:
+    """In phase too, on random sets. 1e-12: some ten factors a product; 1e-10: a sum of rows by hand where A
+    Ropo is near Rf. States are solved at jw, where rows differ by up to 1e16, hence 1e-5."""
+    for i, c in enumerate(sets(kind, 60)):
+        elements = network(c, topology=topology)
+        gains = response(elements, BAND)
+        within = 1e-10 if c.gain_bandwidth else 1e-12
+        np.testing.assert_allclose(gains, HANDS[topology](c, BAND), rtol=within)
+        if i < 20:
+            np.testing.assert_allclose(state_response(elements, c.d33, BAND), gains, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("kind", "within"), [("plain", 1e-8), ("capacitor", 1e-7)])
+def test_loop_equations_and_node_equations_agree_on_random_sets(kind: str, within: float) -> None:
+    # 1e-8 dB is 1e-9 relative: pivots of 1e16 times double precision, with a margin of 100
+    worst = [decibels(loop_response(c, BAND) / exact_response(c, BAND)) for c in sets(kind, 100)]
+    assert np.abs(worst).max() < within
+
+
+def test_no_digit_is_lost_where_the_output_cancels() -> None:
+    """A of Ropo / Rf but for 1e-9, where the loop equations keep no digit: against fractions."""
+    for c in random_sets(20):
+        near = replace(c, gain=c.output_resistance / c.feedback_resistance * (1 + 1e-9))
+        gains = decibels(response(network(near), BAND[::22]))
+        exact = [rational.gain(near, float(f)) for f in BAND[::22]]
+        # 1e-5: where the machine has no extended precision, ten roundings over 1e-9
+        np.testing.assert_allclose(gains, exact, rtol=0, atol=1e-5)
+
+
+@needs_ngspice
+@pytest.mark.parametrize("name", template_names("circuits"))
+def test_every_shipped_circuit_is_a_deck_with_spices_gain(tmp_path: Path, name: str) -> None:
+    """To 1e-6 dB, sign and phase too; with a pole, its own digits at a resonance of quality 60."""
+    circuit = load_circuit(name)
+    assert spice_gain_error(tmp_path, circuit_network(circuit), "dec 10 0.05 20000") < 1e-7
+    (tmp_path / "out.raw").unlink()
+    slow = circuit_network(circuit.with_(amplifier={"gain_bandwidth": 1e6}))
+    assert spice_gain_error(tmp_path, slow, "dec 50 10 20000") < 1e-6
+
+
+@needs_ngspice
+def test_elements_and_spice_agree_to_a_millionth_of_a_decibel(tmp_path: Path) -> None:
+    sets, nodes = random_sets(200), ("pv", "film", "m1", "m2", "in", "out", "amp", "vout")
+    lines = [LOAD]
+    for i, c in enumerate(sets):
+        for line in element_lines(network(c)):
+            name, *rest = line.split()
+            lines.append(" ".join([f"{name}_{i}", *(f"{w}_{i}" if w in nodes else w for w in rest)]))
+    spice = vectors(tmp_path, lines, "ac dec 20 10 20000", [f"v(vout_{i})" for i in range(len(sets))])
+    frequency = spice["frequency"].real
+    assert frequency[0] == 10.0
+    assert frequency[-1] > 19_000.0
+    ours = [response(network(c), frequency) for c in sets]
+    worst = max(np.abs(decibels(x / spice[f"v(vout_{i})"])).max() for i, x in enumerate(ours))
+    assert worst < 1e-6  # what is asked: 1e-7 relative
+
+
+def test_the_printed_closed_form_departs_and_by_how_much() -> None:
+    """(12) to (14) leave the source's terms out, and (10) takes i2 for ipv: level and shape both differ."""
+    yamada, textbook = (constants(load_circuit(name)) for name in ("yamada-2002-motional", "transimpedance"))
+    frequency = np.array([10.0, 100.0, 1200.0, 8000.0])
+    # measured once, to 0.1 dB: a change of either form would show
+    np.testing.assert_allclose(departure(yamada, frequency), [49.5, 50.9, 45.2, 23.6], atol=0.1)
+    np.testing.assert_allclose(departure(textbook, frequency), [17.2, 4.1, 3.2, 3.2], atol=0.1)
+    real = constants(load_circuit("yamada-2002"))
+    np.testing.assert_allclose(departure(real, frequency), [43.7, 23.7, 4.5, 1.0], atol=0.1)
+
+
+def test_the_printed_closed_form_knows_no_gain_of_the_amplifier() -> None:
+    """It is no virtual ground: so it is the input's capacitance that moves its corner, as the paper says of
+    it, while behind a gain of 1e5 that changes nothing."""
+    c = constants(load_circuit("yamada-2002-motional"))
+    np.testing.assert_array_equal(printed_response(replace(c, gain=7.0), BAND), printed_response(c, BAND))
+    larger = replace(c, input_capacitance=2 * c.input_capacitance)
+    moved, ours = (decibels(way(larger, BAND) / way(c, BAND)) for way in (printed_response, exact_response))
+    assert np.abs(moved).max() > 3.0
+    assert np.abs(ours).max() < 1e-3
+
+
+def test_a_large_input_resistance_loses_no_digits() -> None:
+    """The paper's i2 - i3 would keep none of them at 1e16 ohm."""
+    c = replace(constants(load_circuit("yamada-2002")), input_resistance=1e16)
+    assert np.abs(decibels(response(network(c), BAND) / exact_response(c, BAND))).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"capacitance": 0.0}, "capacitance: must be above 0"),
+        ({"motional_resistance": -1.0}, "motional_resistance: must be above 0"),
+        ({"gain": 0.0}, "gain: must be above 0"),
+        ({"output_resistance": float("nan")}, "output_resistance: must be a finite number"),
+        ({"d33": 0.0}, "d33: must not be 0"),
+        ({"feedback_capacitance": -1e-12}, "feedback_capacitance: must not be below 0"),
+        ({"gain_bandwidth": -1.0}, "gain_bandwidth: must not be below 0"),
+    ],
+)
+def test_bad_constants_are_told_by_name(change: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        replace(TRANSIMPEDANCE, **change)
+
+
+@pytest.mark.parametrize(
+    ("name", "setting", "words"),
+    [
+        ("charge-amplifier", "amplifier.feedback_capacitance=-1e-12", "must be greater than or equal to 0"),
+        ("transimpedance", "amplifier.gain_bandwidth=-1.0", "must be greater than or equal to 0"),
+        ("transimpedance", "amplifier.topology=folower", "no such topology"),
+    ],
+)
+def test_bad_amplifiers_are_refused(name: str, setting: str, words: str) -> None:
+    with refused_by(f"{setting.partition('=')[0]}: {words}"):
+        load_circuit(name, [setting])
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "words"),
+    [
+        ("charge-amplifier", [], "amplifier.feedback_capacitance: must be 0 F where constants"),
+        ("transimpedance", ["amplifier.gain_bandwidth=1e6"], "amplifier.gain_bandwidth: must be 0 Hz where"),
+        ("voltage-follower", [], "amplifier.topology: must be inverting where constants"),
+    ],
+)
+def test_what_the_papers_network_has_not_is_not_calibrated(name: str, settings: Any, words: str) -> None:
+    with refused_by(words):
+        gain(load_circuit(name, settings), "measured.csv")
+
+
+@pytest.mark.parametrize("frequency", [0.0, -1.0, np.nan, np.inf])
+def test_a_bad_frequency_is_told(frequency: float) -> None:
+    with pytest.raises(InputError, match="frequency: must be above 0 Hz"):
+        response(network(constants(load_circuit("yamada-2002"))), np.array([10.0, frequency]))
+
+
+def test_constants_say_their_units() -> None:
+    names = constants(load_circuit("yamada-2002")).as_json()
+    assert {"d33_C_per_N", "capacitance_F", "motional_inductance_H", "gain"} <= set(names)
+    assert len(names) == len(Constants.__dataclass_fields__)
+
+
+C = constants(CHARGE)
+TAU = C.feedback_resistance * C.feedback_capacitance
+
+
+def test_a_step_of_charge_is_held_and_fades_with_the_feedbacks_time() -> None:
+    voltage = output(circuit_network(CHARGE), np.r_[0.0, np.full(20_000, 1e-12)], 1e4)
+    exact = 1e-12 / C.feedback_capacitance * np.exp(-np.arange(20_001) * 1e-4 / TAU)
+    # 1e-3: the film's own branch and the amplifier's gain of 1e5 take a share; half a step of 1e-4 s of 1 s
+    assert np.abs(voltage[10:] - exact[10:]).max() < 1e-3 * exact[0]
+
+
+@pytest.mark.parametrize("resistance", [1e9, 1e10, 1e11])
+def test_the_drift_on_a_hold_is_what_the_feedbacks_time_says(resistance: float) -> None:
+    """Of a load put on in 10 ms and held for 0.4 s, as in the scene `hold`."""
+    c = replace(C, feedback_resistance=resistance)
+    time = np.arange(0.0, 0.41, 1e-3)
+    voltage = output(network(c), 1e-12 * np.clip(time / 0.01, 0.0, 1.0), 1e3)
+    tau = resistance * c.feedback_capacitance
+    # the charge came evenly over 0.01 s; 1e-4: a gain of 1e5 and an input of 1e12 ohm
+    exact = 1e-12 / c.feedback_capacitance * tau / 0.01 * -math.expm1(-0.01 / tau) * math.exp(-0.4 / tau)
+    assert voltage[-1] == pytest.approx(exact, abs=1e-3 * voltage.max())
+
+
+def test_a_charge_amplifier_follows_the_stress_where_the_transimpedance_follows_its_rate() -> None:
+    time = np.arange(0.0, 0.02, 1e-5)
+    stress = np.sin(2 * np.pi * 100.0 * time) ** 2
+    voltage = output(circuit_network(CHARGE), stress * C.d33, 1e5)
+    rate = output(circuit_network(load_circuit("transimpedance")), stress * C.d33, 1e5)
+    assert np.corrcoef(voltage, stress)[0, 1] < -0.999  # d33 is below 0
+    # the half period has as many rises as falls
+    assert abs(np.corrcoef(rate, stress)[0, 1]) < 0.2
+
+
+def test_its_low_cut_off_is_found() -> None:
+    slopes = gain(CHARGE).slopes
+    assert slopes.cutoff.value == pytest.approx(1 / (2 * math.pi * TAU), abs=slopes.cutoff.error)
+    assert slopes.above.value == pytest.approx(0.0, abs=slopes.above.error or 0.0)
+    # 17.6 of 20: the corner is round, and two decades of slope do not outweigh it
+    assert slopes.below.value == pytest.approx(20.0, abs=3.0)
+    level = 20 * math.log10(abs(C.d33) / C.feedback_capacitance)
+    assert gain(CHARGE).gain[300] == pytest.approx(level, abs=0.01)
+
+
+def test_without_the_capacitor_it_is_the_papers_network() -> None:
+    plain = constants(load_circuit("charge-amplifier", ["amplifier.feedback_capacitance=0.0"]))
+    assert state_space(network(plain)).a.shape == (4, 4)
+    nearly = replace(plain, feedback_capacitance=1e-18)  # 1e10 ohm and 1e-18 F: 16 MHz
+    ratio = response(network(nearly), BAND) / response(network(plain), BAND)
+    assert np.abs(ratio - 1).max() < 2e-3
+
+
+F = constants(FOLLOWER)
+
+
+def test_the_followers_low_cut_off_and_level() -> None:
+    curve = gain(FOLLOWER)
+    # the motional branch is a capacitor too, far below its resonance
+    whole = F.capacitance + F.motional_capacitance + F.input_capacitance
+    corner = 1 / (2 * math.pi * F.input_resistance * whole)
+    assert curve.slopes.cutoff.value == pytest.approx(corner, abs=curve.slopes.cutoff.error)
+    middle = int(np.argmin(np.abs(curve.frequency - 500.0)))
+    # 1e-3: one hundredth of the corner's frequency squared, and a gain of 1e5
+    assert curve.gain[middle] == pytest.approx(20 * math.log10(abs(F.d33) / whole), abs=1e-3)
+
+
+def test_a_step_of_charge_is_the_capacitors_voltage_and_fades_by_the_bias_resistor() -> None:
+    whole = F.capacitance + F.motional_capacitance + F.input_capacitance
+    voltage = output(circuit_network(FOLLOWER), np.r_[0.0, np.full(2000, 1e-12)], 1e5)
+    exact = 1e-12 / whole * np.exp(-np.arange(2001) * 1e-5 / (F.input_resistance * whole))
+    # 1e-3: half a step of 1e-5 s of 33 ms, the branch's ringing, a gain of 1e5
+    assert np.abs(voltage[1500:] - exact[1500:]).max() < 1e-3 * exact[0]
+
+
+def test_a_large_bandwidth_is_no_limit() -> None:
+    """The change falls as 1 / bandwidth."""
+    whole = response(network(TRANSIMPEDANCE), BAND)
+    sizes = [
+        np.abs(response(network(replace(TRANSIMPEDANCE, gain_bandwidth=b)), BAND) / whole - 1).max()
+        for b in (1e12, 1e13)
+    ]
+    assert sizes[0] < 1e-4
+    assert sizes[1] == pytest.approx(sizes[0] / 10, rel=0.01)
+
+
+def test_film_and_feedback_ring_at_the_mean_of_their_corner_and_the_bandwidth() -> None:
+    """Behind R_f the falling gain is an inductance, R_f / (2 pi B): it rings with what lies at the input at
+    sqrt(B / (2 pi R_f C)) (Graeme, Photodiode Amplifiers, 1996, chapter 3); C_f = sqrt(2) / (2 pi R_f f)
+    calms it, as flat as two poles can be.
+    """
+    c = replace(TRANSIMPEDANCE, gain_bandwidth=1e6)
+    # the motional branch, far below its resonance, is a capacitor too
+    whole = c.capacitance + c.motional_capacitance + c.input_capacitance
+    wanted = np.sqrt(c.gain_bandwidth / (2 * np.pi * c.feedback_resistance * whole))
+    frequency = np.geomspace(1e3, 20_000.0, 4001)
+    plain = response(network(TRANSIMPEDANCE), frequency)
+    rise = decibels(response(network(c), frequency) / plain)
+    assert frequency[rise.argmax()] == pytest.approx(wanted, rel=0.01)
+    assert rise.max() > 30.0
+    calm = replace(c, feedback_capacitance=np.sqrt(2) / (2 * np.pi * c.feedback_resistance * wanted))
+    assert decibels(response(network(calm), frequency) / plain).max() < 0.1
+
+
+def test_the_papers_slopes_hardly_feel_a_common_amplifiers_bandwidth() -> None:
+    """1 MHz, the least of common ones: below the drop at 9 kHz 0.5 dB, at the cut-off a hundredth."""
+    common, none = (
+        gain(load_circuit("yamada-2002", [f"amplifier.gain_bandwidth={b}"])) for b in ("1e6", "0.0")
+    )
+    change = common.gain - none.gain
+    assert np.abs(change[none.frequency <= 1200.0]).max() < 0.01
+    assert 0.3 < np.abs(change[none.frequency <= 9000.0]).max() < 0.6
+    assert common.slopes.above.value == pytest.approx(60.0, abs=0.5)
+
+
+def test_what_an_output_follows_at_once_goes_through() -> None:
+    """A divider of two resistors: no state but the film's, and the charge's share comes without delay."""
+    divider = Network(
+        (
+            Source("Epv", "pv", "load", "0", 2.0),
+            Capacitor("C", "pv", "film", 1e-9),
+            Resistor("R", "film", "0", 1e6),
+            Source("Evout", "vout", "film", "0", 1.0),
+        ),
+        1.0,
+    )
+    s = state_space(divider)
+    assert (s.a.item(), s.b.item(), s.c.item(), s.d) == pytest.approx((-1e3, 2e3, -1.0, 2.0))
+    assert s.rest.item() == pytest.approx(2.0)
+    voltage = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
+    assert voltage[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
+
+
+def test_a_loop_of_capacitors_and_sources_is_refused() -> None:
+    loop = (Source("Epv", "pv", "load", "0", 1.0), Capacitor("C", "pv", "vout", 1e-9))
+    with pytest.raises(RefusedError, match="a loop of capacitors"):
+        state_space(Network((*loop, Capacitor("D", "vout", "0", 1e-9)), 1.0))
