@@ -109,6 +109,7 @@ tolerance = 0.02         # assumption
 """
 
 
+@pytest.mark.slow  # a copy of the package in its own process
 def test_a_new_shipped_process_needs_its_table_only(tmp_path: Path) -> None:
     """No file of ours names a process: a copy of the package with one more table knows it."""
     for folder in ("skincad", "templates"):

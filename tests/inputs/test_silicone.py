@@ -1,8 +1,12 @@
-"""A lab's own silicones: how they reach a design, how bad ones are refused; moduli that can't be meant."""
+"""A lab's own silicones and a silicone's law: how they reach a design, which are refused; moduli that can't
+be meant."""
+
+from __future__ import annotations
 
 import json
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tomlkit
@@ -10,14 +14,14 @@ import tomlkit
 import skincad
 from skincad.base import InputError
 from skincad.fabrication import Job, design_findings
-from skincad.inputs import Design, silicones, table_text
-from skincad.inputs.material import silicone
-from skincad.mechanics import spread_of
-from skincad.mechanics.check import check
+from skincad.inputs import Design, Silicone, foreign_modulus, silicones, table_text, template_names
+from skincad.laws import LAWS, NeoHooke, Ogden
+from skincad.mechanics import pad_of, spread_of
+from skincad.outputs import schema_of
 from skincad.scenes import load_scene
 from tests.conftest import run_skincad
+from tests.mechanics.designs import reference
 from tests.small_scene import THIRD, small_scene
-from tests.templates import SHIPPED
 
 OWN = """
 [dragon-skin-30]
@@ -32,6 +36,10 @@ platinum_cure = false
 based_on = "ecoflex-00-30"
 viscosity = 4.0
 """
+
+
+def silicone(design: Design) -> Silicone:
+    return Job(design).silicone
 
 
 @pytest.fixture
@@ -232,10 +240,10 @@ def test_the_ends_of_the_range_are_in_it(yamada: Design) -> None:
         assert silicone(yamada.with_(material={"young_modulus": modulus})).young_modulus.value == modulus
 
 
-def foreign(design: Design) -> tuple[list[str], list[str]]:
+def modulus_words(design: Design) -> tuple[list[str], list[str]]:
     """What make and check say of a name with another's modulus."""
     findings = [str(f) for f in design_findings(Job(design)) if f.rule == "silicone"]
-    return findings, [w for w in check(design, model="winkler").warnings if "modulus" in w]
+    return findings, [w for w in skincad.check(design, model="winkler").warnings if "modulus" in w]
 
 
 def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
@@ -243,7 +251,7 @@ def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
     soft = yamada.with_(material=data)
     drop = "drop material.young_modulus or, if you measured it, drop the name"
     whose = f"use the name dragon-skin-30, which it fits; or {drop}"
-    assert foreign(soft) == (
+    assert modulus_words(soft) == (
         [
             "warning: silicone: material.young_modulus, which is not that of ecoflex-00-30: 0.8 MPa, "
             f"limit 0.125; {whose}"
@@ -251,9 +259,11 @@ def test_a_name_with_anothers_modulus_is_told(yamada: Design) -> None:
         [f"the modulus of 0.8 MPa is not that of ecoflex-00-30 (0.04 to 0.125 MPa); {whose}"],
     )
     hard = yamada.with_(material={"name": "sylgard-184", "young_modulus": 90.0})
-    assert foreign(hard)[1] == [f"the modulus of 90 MPa is not that of sylgard-184 (1.3 to 3 MPa); {drop}"]
+    assert modulus_words(hard)[1] == [
+        f"the modulus of 90 MPa is not that of sylgard-184 (1.3 to 3 MPa); {drop}"
+    ]
     softer = yamada.with_(material={"name": "sylgard-184", "young_modulus": 0.2})
-    assert "0.2 MPa, limit 1.3; use the name dragon-skin-10" in foreign(softer)[0][0]
+    assert "0.2 MPa, limit 1.3; use the name dragon-skin-10" in modulus_words(softer)[0][0]
 
 
 def test_a_scene_is_told_so_too(tmp_path: Path) -> None:
@@ -266,18 +276,16 @@ def test_a_scene_is_told_so_too(tmp_path: Path) -> None:
 
 
 def test_a_batch_within_the_published_range_is_not(yamada: Design) -> None:
-    assert foreign(yamada) == ([], [])
+    assert modulus_words(yamada) == ([], [])
     for low, value, high in ((0.125, 0.14, 0.15), (0.03, 0.035, 0.04)):
         touching = {"value": value, "low": low, "high": high}
         design = yamada.with_(material={"name": "ecoflex-00-30", "young_modulus": touching})
-        assert foreign(design) == ([], [])
-    assert foreign(yamada.with_(material={"name": None, "young_modulus": 5.0})) == ([], [])
+        assert modulus_words(design) == ([], [])
+    assert modulus_words(yamada.with_(material={"name": None, "young_modulus": 5.0})) == ([], [])
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_no_template_names_another_silicone_than_it_has(name: str) -> None:
-    design = skincad.load(name)
-    assert not [f for f in design_findings(Job(design)) if f.rule == "silicone"]
+def test_no_template_names_another_silicone_than_it_has() -> None:
+    assert [name for name in template_names() if foreign_modulus(skincad.load(name))] == []
 
 
 @pytest.mark.slow
@@ -316,3 +324,86 @@ def test_every_command_with_a_skin_refuses_a_bad_lab(arguments: tuple[str, ...],
 def test_fit_material_takes_them_only_with_a_design(tmp_path: Path, lab: Path) -> None:
     result = run_skincad("fit-material", "x.csv", "--silicones", str(lab), cwd=tmp_path)
     assert result.stderr == "skincad: --silicones: needs --design; name the design with --design\n"
+
+
+OGDEN: dict[str, Any] = {"kind": "ogden", "mu": [0.1, 0.2], "alpha": [3.0, -1.5]}
+
+
+def with_law(law: object, **material: Any) -> Design:
+    return reference().with_(material={"name": None, "young_modulus": None, "law": law, **material})
+
+
+def test_the_modulus_follows_from_the_law() -> None:
+    """E = 2 (1 + nu) G, G the sum of Ogden's mu."""
+    material = silicone(with_law(OGDEN, poisson_ratio=0.49))
+    assert material.young_modulus.value == pytest.approx(2 * 1.49 * 0.3, rel=1e-14)
+    assert material.young_modulus.low == material.young_modulus.high == material.young_modulus.value
+    assert pad_of(with_law(OGDEN)).law == Ogden(mu=[0.1, 0.2], alpha=[3.0, -1.5])
+
+
+def test_a_modulus_beside_it_gives_the_range() -> None:
+    material = silicone(with_law(OGDEN, young_modulus={"value": 0.9, "low": 0.8, "high": 1.1}))
+    assert (material.young_modulus.low, material.young_modulus.high) == (0.8, 1.1)
+    with pytest.raises(InputError, match=r"material\.young_modulus: must be within 1% of the 0\.8994 MPa"):
+        with_law(OGDEN, young_modulus=0.95)
+
+
+def test_neo_hookes_law_is_what_a_pad_has_without_one() -> None:
+    assert pad_of(with_law({"kind": "neo-hooke", "mu": 0.3})).laws == {}
+    assert isinstance(silicone(with_law({"kind": "neo-hooke", "mu": 0.3})).law, NeoHooke)
+    assert pad_of(reference()).laws == {}
+
+
+def test_a_design_with_a_law_is_the_file_that_it_writes(tmp_path: Path) -> None:
+    path = tmp_path / "skin.toml"
+    path.write_text(with_law(OGDEN).to_toml())
+    assert skincad.load(path) == with_law(OGDEN)
+    assert hash(skincad.load(path)) == hash(with_law(OGDEN))
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        ({"kind": "gent", "mu": 0.2}, r"material\.law\.j_m: is missing"),
+        ({"kind": "gent", "mu": 0.2, "jm": 3.0}, r"material\.law\.jm: unknown key; did you mean 'j_m'"),
+        ({"kind": "gint", "mu": 0.2}, r"material\.law\.kind: unknown law, got 'gint'; did you mean 'gent'"),
+        ({"kind": "yeoh", "c10": 0.2, "c20": -1.0}, r"material\.law: must pull a bar the more"),
+        (
+            {"kind": "neo-hooke", "mu": 1e-5},
+            r"material\.law: must have a modulus at small strain from 0\.001",
+        ),
+        (3, r"material\.law: must be a table, \[material\.law\], got 3"),
+    ],
+)
+def test_a_law_that_is_none_is_refused_in_one_line(law: object, told: str) -> None:
+    with pytest.raises(InputError, match=told) as refused:
+        with_law(law)
+    assert "\n" not in str(refused.value)
+
+
+def test_another_silicone_has_another_law() -> None:
+    assert with_law(OGDEN).with_(material={"name": "dragon-skin-10"}).material.law is None
+
+
+def test_a_law_that_is_not_the_named_silicones_is_told() -> None:
+    named = with_law(OGDEN, name="ecoflex-00-30")
+    mismatch = foreign_modulus(named)
+    assert mismatch is not None
+    assert mismatch[1].value == pytest.approx(0.9, rel=1e-2)
+
+
+def test_a_labs_silicone_may_have_a_law(tmp_path: Path) -> None:
+    lab = tmp_path / "lab.toml"
+    lab.write_text('[lab-10.law]\nkind = "gent"\nmu = 0.1\nj_m = 12.0\n')
+    design = skincad.load("yamada-2002", ["material.name=lab-10"], silicones=lab)
+    assert silicone(design).young_modulus.value == pytest.approx(0.2998, rel=1e-12)  # nu 0.499
+    assert pad_of(design).law is not None
+    lab.write_text('[lab-10]\nyoung_modulus = 0.4\n[lab-10.law]\nkind = "gent"\nmu = 0.1\nj_m = 12.0\n')
+    with pytest.raises(InputError, match=r"silicones\.lab-10\.young_modulus: must be within 1%"):
+        skincad.load("yamada-2002", ["material.name=lab-10"], silicones=lab)
+
+
+def test_an_editor_is_told_of_every_law() -> None:
+    law = json.loads(schema_of("designs"))["$defs"]["Material"]["properties"]["law"]
+    kinds = {one["properties"]["kind"]["const"] for one in law["anyOf"][0]["oneOf"]}
+    assert kinds == set(LAWS)

@@ -10,8 +10,7 @@ import pytest
 
 import skincad
 from skincad.inputs import places
-from skincad.shape import FAMILIES, Skin, area, drawn_section, section, skin_of
-from skincad.shape.curves import moments
+from skincad.shape import FAMILIES, Segment, Skin, area, drawn_section, section, skin_of
 from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
 from tests.refusals import refused, refused_by
 
@@ -115,7 +114,7 @@ def test_a_hemispherical_pin_has_the_volume_of_its_parts() -> None:
     corner = fillet**2 * (1 - math.pi / 4)
     (right, _), up = skin_of(pillars()).profile.feet[0], skin_of(pillars()).profile.height
     assert (right, up) == (pytest.approx(radius + fillet), high)
-    closed = (*outline, skincad.shape.curves.Segment(outline[-1].end, outline[0].start))
+    closed = (*outline, Segment(outline[-1].end, outline[0].start))
     flat_area = 2 * radius * (high - radius) + math.pi * radius**2 / 2 + 2 * corner
     assert area(closed) == pytest.approx(flat_area, rel=1e-12)
 
@@ -130,8 +129,7 @@ def test_rings_cross_the_section_on_either_side() -> None:
     assert at == pytest.approx([-x for x in reversed(at)], abs=1e-12)
     radii = [80.0 * math.asin(p.summit.x / 81.0) for p in skin.placed]
     assert radii == pytest.approx([1.0, 3.0, 5.0], rel=1e-12)  # half a pitch, and a pitch each
-    total, first, _ = moments(outline)
-    assert first == pytest.approx(0.0, abs=1e-9 * total)
+    assert section(design).centroid.x == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_flat_skin_touches_with_its_face() -> None:
