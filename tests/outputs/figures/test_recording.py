@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from skincad.outputs import save
-from skincad.outputs.figures.scenes import caption, phases, recording, recording_figure
+from skincad.outputs.figures import scenes
 
 
 def scene(rate: float = 1300.0, sampling: float | None = 650.0, **changes: Any) -> Any:
@@ -38,7 +38,7 @@ def scene(rate: float = 1300.0, sampling: float | None = 650.0, **changes: Any) 
 
 
 def test_it_is_ridge_3_at_the_recorders_rate_without_what_would_fold_back() -> None:
-    seen = recording(scene())
+    seen = scenes.recording(scene())
     assert seen is not None
     assert (seen.ridge, seen.pair.rate) == (3, 650.0)
     at = np.arange(seen.pair.values.size) / 650.0
@@ -49,7 +49,7 @@ def test_it_is_ridge_3_at_the_recorders_rate_without_what_would_fold_back() -> N
 
 
 @pytest.mark.parametrize(
-    "found",
+    "simulation",
     [
         scene(sampling=None),
         scene(rate=500.0),  # the march's steps are coarser than the recorder's
@@ -58,40 +58,43 @@ def test_it_is_ridge_3_at_the_recorders_rate_without_what_would_fold_back() -> N
         scene(read={}),
     ],
 )
-def test_where_there_is_nothing_to_record_nothing_is_drawn(found: Any) -> None:
-    assert recording(found) is None
+def test_where_there_is_nothing_to_record_nothing_is_drawn(simulation: Any) -> None:
+    assert scenes.recording(simulation) is None
 
 
 def test_the_phases_are_the_papers() -> None:
-    spans = phases(scene(), 3)
+    spans = scenes.phases(scene(), 3)
     assert list(spans) == ["$P_A$", "$P_B$"]
     (start, slip), (again, end) = spans.values()
     assert start == pytest.approx(0.2, abs=2e-3)  # a thousandth of the largest pull
     assert slip == again == pytest.approx(0.5)
     assert end == pytest.approx(0.5 + 200 / 1300)
-    assert phases(scene(slip_steps=9 * [None]), 3) == {}
+    assert scenes.phases(scene(slip_steps=9 * [None]), 3) == {}
 
 
 def test_the_caption_says_what_is_not_seen() -> None:
     simulation = scene()
-    seen = recording(simulation)
+    seen = scenes.recording(simulation)
     assert seen is not None
-    text = caption(simulation, seen)
+    text = scenes.caption(simulation, seen)
     assert "True up to 160 Hz: neither the cut-off at 1.2 kHz" in text
     assert "Samples are 1.54 ms apart: no shorter lead time is claimed." in text
     assert "20 dB" in text
     assert "of the signal's power lies above 260 Hz" in text
     wide = scene(rate=20000.0, sampling=10000.0)
     wide.scene.readout.bandwidth_Hz = 2000.0
-    record = recording(wide)
+    record = scenes.recording(wide)
     assert record is not None
-    assert "1.2 kHz" not in caption(wide, record)
+    assert "1.2 kHz" not in scenes.caption(wide, record)
 
 
 def test_the_picture_is_drawn(tmp_path: Path) -> None:
     simulation = scene()
-    seen = recording(simulation)
+    seen = scenes.recording(simulation)
     assert seen is not None
-    save(recording_figure(simulation, seen), tmp_path / "one.png")
+    save(scenes.recording_figure(simulation, seen), tmp_path / "one.png")
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
-    save(recording_figure(scene(gross_slip_step=None, slip_steps=9 * [None]), seen), tmp_path / "other.png")
+    save(
+        scenes.recording_figure(scene(gross_slip_step=None, slip_steps=9 * [None]), seen),
+        tmp_path / "other.png",
+    )
