@@ -17,19 +17,20 @@ from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import pytest
 import typer
 
 import skincad
-from skincad.fabrication import MakeResult, PartReport
-from skincad.inputs import Design
-from skincad.outputs import Delivery
 from tests.processes import LIMIT
-from tests.shared import nothing_kept_of_patched_programs  # noqa: F401  # a fixture
 
-pytest_plugins = ["tests.tiers", "tests.clock"]
+if TYPE_CHECKING:  # no module that takes a function by name which tests.shared keeps results of
+    from skincad.fabrication import MakeResult, PartReport
+    from skincad.inputs import Design
+    from skincad.outputs import Delivery
+
+pytest_plugins = ["tests.tiers", "tests.clock", "tests.shared"]
 
 
 @pytest.fixture(scope="session", autouse=True)

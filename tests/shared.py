@@ -25,8 +25,11 @@ class Switch:
     on = True
 
 
-def keep_results() -> None:
-    """Replace the functions of KEPT, before other modules import them by name."""
+def pytest_collection() -> None:
+    """Replace the functions of KEPT before tests import others that take them by name.
+
+    Where tests run in workers, pytest-xdist keeps this from the process that only waits for them.
+    """
     for home, most in KEPT.items():
         name, _, function = home.partition(":")
         module = import_module(name)

@@ -10,7 +10,6 @@ import pytest
 import skincad
 from skincad.inputs import display_name
 from skincad.live import apply_moves, start_session
-from skincad.live.controls import controls
 from skincad.shape import FAMILIES, skin_of
 from tests.conftest import run_skincad
 from tests.refusals import assert_a_line
@@ -36,8 +35,6 @@ judge = "{model}"
 key = "approach"
 """
 
-pytestmark = pytest.mark.slow
-
 
 def ran(folder: Path, *arguments: str) -> str:
     """What a command prints that does what it is asked."""
@@ -52,7 +49,12 @@ def test_each_family_has_a_template() -> None:
         assert skincad.load(name).features.family == family
 
 
-@pytest.fixture(params=FAMILIES)
+def _marks(family: str) -> list[pytest.MarkDecorator]:
+    """The first family runs with every commit."""
+    return [pytest.mark.evidence(subject=TEMPLATES[family]) if family != "ridge" else pytest.mark.slow]
+
+
+@pytest.fixture(params=[pytest.param(family, marks=_marks(family)) for family in FAMILIES])
 def family(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
@@ -129,6 +131,7 @@ def test_a_package_presses_as_the_check_says(family: str, tmp_path: Path) -> Non
     assert (",pocket," in taxels) == (pocket is not None)
 
 
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", ["nibs-fine", "pins-dome"])
 def test_of_many_pins_neighbours_are_one_body_and_press_as_the_check_says(name: str, tmp_path: Path) -> None:
     """The forces on the springs are exact; 0.1 %: a plate that still rests on them."""

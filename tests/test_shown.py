@@ -1,4 +1,4 @@
-"""What README.md and docs/ show works: each command and Python line, in order, in one folder for each page.
+"""What README.md, docs/ and examples/ show works: each command, Python line and cell, in one folder for each.
 
 A block of csv or toml right after a line that ends in a file's name and a colon is that file. `# fails` after
 a command means status 1, `# until Ctrl-C` that it goes on until then. A text block right after commands is
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
@@ -24,12 +25,16 @@ import pytest
 import typer
 
 import skincad
+from skincad.base import files_below
 from skincad.cli.app import app
 from tests.conftest import run_skincad
 from tests.processes import started
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
+WALK = "wish-to-skin"  # the one that writes
+WITH_EACH_COMMIT = ("README.md", "docs/start/", "examples/sweep.ipynb")
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
@@ -40,6 +45,23 @@ class Block(NamedTuple):
     file: str
     kind: str
     text: str
+
+
+def files(paths: list[Path]) -> list[Any]:
+    """Parameters: what a person meets first runs with each commit, the rest by turns."""
+    names = {path: path.relative_to(ROOT).as_posix() for path in paths}
+    return [
+        pytest.param(path, id=name, marks=[_mark(name)] if _shows_work(path) else [])
+        for path, name in names.items()
+    ]
+
+
+def _mark(name: str) -> pytest.MarkDecorator:
+    return pytest.mark.slow if name.startswith(WITH_EACH_COMMIT) else pytest.mark.evidence(subject=name)
+
+
+def _shows_work(path: Path) -> bool:
+    return path in NOTEBOOKS or any(block.kind in ("sh", "python") for block in blocks(path))
 
 
 def blocks(page: Path) -> list[Block]:
@@ -100,8 +122,7 @@ def test_python_has_the_names_that_are_shown(block: Block) -> None:
         assert hasattr(skincad, name), name
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", files(PAGES))
 def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
@@ -128,3 +149,52 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
             told, real = block.text.splitlines(), printed.splitlines()
             assert told[0] == real[0]
             assert [words(line) for line in told] == [words(line) for line in real[: len(told)]]
+
+
+def code(notebook: Path) -> list[dict[str, Any]]:
+    return [cell for cell in json.loads(notebook.read_text())["cells"] if cell["cell_type"] == "code"]
+
+
+@pytest.mark.parametrize("notebook", files(NOTEBOOKS))
+def test_a_notebook_runs(notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    names: dict[str, Any] = {}
+    for number, cell in enumerate(code(notebook)):
+        exec(compile("".join(cell["source"]), f"{notebook.name}, code cell {number}", "exec"), names)
+    # computing writes nothing
+    assert [path.name for path in tmp_path.iterdir()] == (["out"] if notebook.stem == WALK else [])
+    if notebook.stem == WALK:
+        keeps_its_word(names, tmp_path / "out/pad")
+    if notebook.stem == "slip-scene":
+        warns_in_time(names)
+
+
+def keeps_its_word(names: dict[str, Any], folder: Path) -> None:
+    """A wish becomes a part that can be cast, with its verdict."""
+    wish, verdict, made = names["wish"], names["verdict"], names["made"]
+    assert wish.passed
+    assert (wish.design.skin.width, wish.design.skin.length, verdict.force) == (16.0, 20.0, 0.5)
+    assert verdict.passed
+    assert verdict.all_touch_force.error > 0
+    assert verdict.all_touch_force.upper < verdict.force
+    assert made.passed
+    assert json.loads((folder / "make.json").read_text())["passed"]
+    assert {"solids/skin.step", "solids/mold.3mf", "casting-sheet.md"} <= {*files_below(folder)}
+
+
+def warns_in_time(names: dict[str, Any]) -> None:
+    """The amplifier's voltage follows the rate, and what is noticed behind it is noticed after it began."""
+    assert names["gain"].slopes.below.value == pytest.approx(20, abs=0.1)  # dB/dec
+    answer = names["answer"]
+    noticed = answer["lead_time_s"]["all"]
+    assert 0 < noticed < 1e-3 * max(lead for lead in answer["slip_lead_ms"].values() if lead is not None)
+    assert len(names["columns"]) == 3
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_has_no_outputs_and_names_that_are_skincads(notebook: Path) -> None:
+    for cell in code(notebook):
+        for name in re.findall(r"\bskincad\.(\w+)", "".join(cell["source"])):
+            assert hasattr(skincad, name), name
+    assert not any(cell["outputs"] or cell["execution_count"] for cell in code(notebook))

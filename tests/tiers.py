@@ -199,7 +199,8 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
             for name, of, spent, dear in rows
             if of == tier and spent > SLACK * limit and not dear
         ]
-    whole, most = spent_since(config, 0.0) + sum(config.stash.get(PROCESSES, [])), config.option.core_seconds
+    workers, most = config.stash.get(PROCESSES, []), config.option.core_seconds
+    whole = sum(workers) + time.process_time() if workers else spent_since(config, 0.0)
     lines.append(f"all processes: {whole:.0f} core-seconds")
     if most is not None:
         faults += [f"all processes: {whole:.0f} core-seconds, {most:g} are allowed"] if whole > most else []

@@ -13,8 +13,9 @@ from bench.exam import fitting, missing, network, rivals
 from bench.exam.cases import Case
 from bench.exam.histories import ENDS, STEPS, history
 from bench.exam.scenes import COUNT, FIRST, LATER, SceneRun, batch, drawn, seeds
-from bench.exam.scoring import Alarm, lasting, mark, near, rate, wilson
+from bench.exam.scoring import Alarm, lasting, mark, near, rate
 from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
+from bench.runner import wilson
 from skincad.inputs import load_design
 from skincad.scenes import detector
 

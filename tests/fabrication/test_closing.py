@@ -1,19 +1,37 @@
-"""The closed mold as a stack."""
+"""The closed mold: its stack, screws, dowels and mount, and how it is opened."""
 
 from __future__ import annotations
 
+import csv
+import json
+import math
 from itertools import product
 
 import pytest
 
 import skincad
-from skincad.fabrication import Job, casting_sheet
+from skincad.fabrication import Job, casting_sheet, major, mount_of, opening_steps, parts_csv, sheet_steps
+from skincad.fabrication.fasteners import (
+    PIN_LENGTHS,
+    cover_screws,
+    dowels,
+    end_screws,
+    full_thread,
+    limits,
+    pin_length,
+    purpose,
+    screws_to_buy,
+    thread,
+    thread_words,
+)
 from skincad.fabrication.findings import closing_findings
+from skincad.fabrication.part_drawing import what_matters
 from skincad.inputs import Design, processes
-from skincad.solids import CAVITIES, END_PLATES, SHEETS, CutRole, PartRole, bores
+from skincad.solids import CAVITIES, END_PLATES, LENGTHS, PINS, SHEETS, CutRole, PartRole, bores
 from skincad.solids.mold import mold
 from tests.bent_skin import bent
 from tests.families import RIDGED
+from tests.mounted import IN_LINE, MOUNTS, NAMES, PLAIN, mounted_design
 from tests.templates import of_one_printer
 
 
@@ -136,3 +154,209 @@ def test_the_foam_is_to_be_bought_laid_in_and_lifted_off() -> None:
     text = casting_sheet(Job(curved), [], "", True)
     assert "Then the foam, cover and bolts" in text
     assert "with the foam" in text
+
+
+MOLDS = {
+    "shims": ("yamada-2002", []),
+    "cast in": ("cast-in", []),
+    "no slots": ("plain-ridges", []),
+    "split": ("steep-fingertip", []),
+    "bent": ("yamada-2002", ["skin.curvature_radius_y=200"]),
+}
+
+
+@pytest.mark.parametrize("name", MOLDS)
+def test_the_steps_make_each_move_once_in_the_molds_order(name: str) -> None:
+    template, settings = MOLDS[name]
+    design = skincad.load(template, settings)
+    closed = mold(design)
+    steps = opening_steps(Job(design, closed))
+    assert [move for step in steps for move in step.moves] == list(closed.opening)
+    sheet = casting_sheet(Job(design, closed), [], "", True)
+    order = [sheet.index(step.words) for step in steps]
+    assert order == sorted(order)
+    for step in steps:
+        roles = {closed.part(part).role for move in step.moves for part in move.parts}
+        if roles & END_PLATES:
+            assert "end plates" in step.words
+        if PartRole.COVER in roles:
+            assert "cover" in step.words
+        if PartRole.SHIM in roles:
+            assert "shim" in step.words.lower()
+
+
+def test_no_strip_leaves_before_its_skin() -> None:
+    design = skincad.load("cast-in")
+    words, moves = opening_steps(Job(design))[0]
+    assert "Take the weights off" in words
+    assert moves == ()
+
+
+@pytest.mark.parametrize("name", RIDGED)
+def test_each_hole_has_its_screw_and_each_pin_its_dowel(name: str) -> None:
+    design = skincad.load(name)
+    closed = mold(design)
+    ends, lid = end_screws(Job(design, closed)), cover_screws(Job(design, closed))
+    plates = [plate for plate in closed.of(*END_PLATES) if plate.end == "a"]
+    assert ends.pieces == sum(len(bores(plate, CutRole.END_BOLT)) for plate in plates)
+    assert ends.length in LENGTHS or ends.rod
+    assert ends.length > design.skin.length + 2 * design.mold.end_plate
+    holes = bores(closed.first(PartRole.COVER), CutRole.COVER_BOLT)
+    assert (lid.pieces if lid else 0) == len(holes)
+    assert lid is None or lid.length in LENGTHS
+    assert sum(dowels(closed).values()) == len(closed.of(*PINS))
+
+
+def test_a_screw_through_both_plates_ends_in_a_nut_or_in_the_second() -> None:
+    by_wire, printed = (of_one_printer(name) for name in ("yamada-2002", "lab-bench"))
+    assert end_screws(Job(by_wire)).nuts == 0
+    screws = end_screws(Job(printed))
+    assert (screws.rod, screws.nuts) == (True, 2 * screws.pieces)  # M3 screws end at 30 mm
+    short = end_screws(Job(of_one_printer("lab-bench", ["skin.length=15.0"])))
+    assert (short.rod, short.nuts) == (False, short.pieces)
+
+
+def test_a_doubly_curved_molds_plates_are_screwed_to_its_cavity() -> None:
+    design = skincad.load("yamada-2002", ["skin.curvature_radius_y=200"])
+    closed = mold(design)
+    screws = end_screws(Job(design, closed))
+    assert (screws.pieces, screws.nuts) == (len(bores(closed.part("cavity"), CutRole.END_THREAD)), 0)
+    assert screws.length < design.skin.length
+
+
+def test_a_pin_is_the_longest_that_its_hole_takes() -> None:
+    assert [pin_length(most) for most in (8.8, 9.9, 10.0, 35.0)] == [8.0, 8.0, 10.0, PIN_LENGTHS[-1]]
+    assert pin_length(3.4) == 3.4  # none is so short: it is cut
+
+
+def bought(design: Design) -> list[dict[str, str]]:
+    rows = parts_csv(Job(design)).splitlines()
+    return [row for row in csv.DictReader(rows) if row["made_by"] == "bought"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
+    design = mounted_design(name)
+    closed = mold(design)
+    mount = mount_of(Job(design, closed))
+    assert mount is not None
+    manifest = json.loads(json.dumps(mount.as_json()))
+    carrier = closed.part("carrier")
+    for key, role in (("positions_mm", CutRole.MOUNT), ("fiducials_mm", CutRole.FIDUCIAL)):
+        there = [bore.start[:2] for bore in bores(carrier, role)]
+        assert len(manifest[key]) == len(there)
+        assert all(math.dist(a, b) < 1e-8 for a, b in zip(manifest[key], there, strict=True))
+    for bore in bores(carrier, CutRole.MOUNT):
+        assert (
+            manifest["depth_mm"] == bore.length > manifest["engagement_mm"][1] > manifest["engagement_mm"][0]
+        )
+        assert manifest["top_mm"] == bore.start[2] + bore.length
+
+
+def test_of_a_gang_places_count_from_each_carriers_middle() -> None:
+    one, two = mounted_design("yamada-2002"), mounted_design("yamada-2002").with_(mold={"cavities": 2})
+    assert mount_of(Job(two)) == mount_of(Job(one))
+
+
+def test_what_is_bought_is_counted_for_every_carrier() -> None:
+    design = mounted_design("lab-bench").with_(mold={"cavities": 2})
+    rows = bought(design)
+    (screws,) = (row for row in rows if row["what"] == "mount screw")
+    (inserts,) = (row for row in rows if row["what"] == "threaded insert" and "mount" in row["place"])
+    assert (screws["quantity"], inserts["quantity"]) == ("8", "8")
+    assert screws["designation"] == "ISO 4762 M3, 4.5 to 5.7 in the carrier"
+    assert inserts["designation"] == "M3 x 5.7, outer diameter 3.9, glued"
+    metal = bought(mounted_design("milled-pad"))
+    assert [row["designation"] for row in metal if row["what"].startswith("mount")] == [
+        "ISO 4762 M3, 3 to 4 in the carrier",
+        "ISO 8734 2, 3 in the carrier",
+    ]
+    assert not any("insert" in row["what"] for row in metal)
+
+
+def test_the_sheet_says_what_to_buy_and_how_threads_stay_clean() -> None:
+    design = mounted_design("lab-bench")
+    closed = mold(design)
+    sheet = casting_sheet(Job(design, closed), [], "", True)
+    (buy,), clean = screws_to_buy(Job(design, closed)), sheet_steps(Job(design, closed))["mount"]
+    assert f"- {buy}" in sheet
+    assert clean in sheet
+    assert "4 threaded inserts M3 (glued, 5.7 mm long, 3.9 mm wide, in holes of 4 mm), 4 M3 screws" in buy
+    assert "Set the M3 inserts (glued) into cavity and carrier." in sheet
+    assert "under the foam" in clean
+    assert "Tape" not in clean
+    poured = design.with_(mold={"pour": "open", "gate": None})
+    assert "Tape them until the carrier lies" in sheet_steps(Job(poured))["mount"]
+    steep = bent("plain-ridges", 30.0).with_(mount=MOUNTS["bent"][0] | {"pitch_x": 6.0}, **PLAIN)
+    bare = sheet_steps(Job(steep))["mount"]  # no room for foam on its narrow top
+    assert "threads and fiducials are blind and lie under the cover" in bare
+    assert "fill them flush with wax" in bare
+
+
+def test_the_first_step_taps_a_mount_as_deep_as_its_thread_is() -> None:
+    design = mounted_design("milled-pad")
+    words = sheet_steps(Job(design))["prepare"]
+    assert "Tap the M3 x" not in words
+    assert "Tap the M3 threads of carrier, 4 mm deep (mount)." in words
+
+
+def test_marks_alone_ask_for_nothing_to_buy() -> None:
+    design = skincad.load("yamada-2002").with_(mount={"fiducials": 3})
+    closed = mold(design)
+    assert screws_to_buy(Job(design, closed)) == []
+    assert "mount's fiducials are blind" in sheet_steps(Job(design, closed))["mount"]
+    assert not any(row["what"].startswith("mount") for row in bought(design))
+    mount = mount_of(Job(design, closed))
+    assert mount is not None
+    assert mount.as_json()["depth_mm"] is None
+
+
+def test_without_a_mount_nothing_is_said() -> None:
+    design = skincad.load("yamada-2002")
+    closed = mold(design)
+    assert mount_of(Job(design, closed)) is None
+    assert screws_to_buy(Job(design, closed)) == []
+    assert "mount" not in sheet_steps(Job(design, closed))
+    assert "mount" not in casting_sheet(Job(design, closed), [], "", True)
+
+
+def test_a_mounts_threads_are_a_grip_where_there_is_no_other() -> None:
+    design = mounted_design("fingertip-soft")
+    assert bores(mold(design).part("carrier"), CutRole.PULL) == []
+    words = [step.words for step in opening_steps(Job(design))]
+    assert any("by two screws in its mount's threads" in word for word in words)
+
+
+def test_a_drawing_says_thread_depth_and_use() -> None:
+    metal, resin = mounted_design("milled-pad"), mounted_design("lab-bench")
+    for design, said, use, size, deep in (
+        (metal, "M3 x 4", "M3 screw of mount, engages 3 to 4", "6H", 4.0),
+        (resin, "M3 insert, glued", "M3 screw of mount, engages 4.5 to 5.7", "±0.05", None),
+    ):
+        part = mold(design).part("carrier")
+        assert thread(Job(design), part, CutRole.MOUNT) == said
+        assert purpose(Job(design), part, CutRole.MOUNT) == use
+        assert limits(Job(design), part, CutRole.MOUNT) == size
+        assert full_thread(Job(design), part, CutRole.MOUNT, 7.5) == deep
+        words = "M3-6H x 4 / Ø2.5 x 7.5" if deep else "M3 insert 5.7 x Ø3.9, glued"
+        assert thread_words(Job(design), part, CutRole.MOUNT, 7.5) == words
+        assert thread_words(Job(design), part, CutRole.PULL, 3.0) == "M3-6H x 2.5 / Ø2.5 x 3, bottoming tap"
+        assert thread_words(Job(design), part, CutRole.RIVET, 3.0) == ""
+    part = mold(metal).part("carrier")
+    assert purpose(Job(metal), part, CutRole.MOUNT_PIN) == "pin 2 of mount"
+    assert limits(Job(metal), part, CutRole.MOUNT_PIN) == "+0.010/0 (H7)"
+    assert purpose(Job(metal), part, CutRole.FIDUCIAL) == "fiducial for a camera"
+    assert any(
+        "circle of 20 about the middle, its threads within ±0.1" in row
+        for row in what_matters(Job(metal), part, None)
+    )
+    line = skincad.load("yamada-2002").with_(mount=IN_LINE)
+    rows = what_matters(Job(line), mold(line).part("carrier"), None)
+    assert any("two in line, 8 apart" in row for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("said", "wide"), [("M3", 3.0), ("M2.5 x 3.5", 2.5), ("M3 insert, glued", None), ("", None)]
+)
+def test_only_what_is_tapped_is_drawn_as_a_thread(said: str, wide: float | None) -> None:
+    assert major(said) == wide

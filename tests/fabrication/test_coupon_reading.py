@@ -1,4 +1,4 @@
-"""A coupon's forms become a process's table: what is measured, what is kept, what is refused."""
+"""A coupon's sheet and forms, and what is read from them: growth, scatter, offset, moduli."""
 
 from __future__ import annotations
 
@@ -12,22 +12,206 @@ import numpy as np
 import pytest
 import shapely
 
-from skincad.base import InputError
-from skincad.fabrication import coupon_forms, read_coupon
-from skincad.fabrication.coupon import coupon
+import skincad
+from skincad.base import InputError, Stopwatch
+from skincad.fabrication import BAR_FORM, PAD_FORM, coupon_forms, coupon_sheet, fit_bar_command, read_coupon
+from skincad.fabrication.coupon import APPROACHES, EXTENSIONS, coupon
+from skincad.fabrication.coupon_reading import crest_result, notch_result
 from skincad.inputs import (
     CREST_COLUMNS,
     CREST_FORM,
     NOTCH_COLUMNS,
     NOTCH_FORM,
+    PROCESSES,
+    CrestForm,
     NotchForm,
     form,
     load_design,
     processes,
 )
+from skincad.material import finite_strain_curve, small_strain_curve
 from skincad.shape import polygon
-from skincad.solids import NOTCH_DEPTH, NOTCH_PITCH, NOTCHES, Prism
-from tests.fabrication.test_coupon_fit import BLADES, by_blades, ladder, steps
+from skincad.solids import BAR, HEIGHTS, NOTCH_DEPTH, NOTCH_PITCH, NOTCHES, Prism, drawn_steps
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_the_sheet_is_whole_for_every_process(process: str) -> None:
+    kit = coupon(process)
+    sheet = coupon_sheet(kit)
+    assert "\n\n\n" not in sheet
+    assert all(f"| {part.name} |" in sheet for part in kit.parts)
+    assert all(f"fill in {name}" in sheet for name in coupon_forms(kit))
+    assert ("cast a trial drop" in sheet) == (process == "sla")
+    assert ("None: the tool of cnc cuts nothing narrower than 0.5 mm" in sheet) == (process == "cnc")
+    assert "None}" not in sheet
+
+
+def test_amounts_by_hand() -> None:
+    """Dragon Skin 20: 1080 kg/m3, 1:1, and 8 g for the cup; volumes are test_coupon.py's."""
+    kit = coupon("sla")
+    density = kit.silicone.density * 1e-6
+    total = sum(cut.volume for part in kit.parts for cut in part.cuts) * density + 8
+    assert sum(kit.grams.values()) + 8 == pytest.approx(total)
+    assert f"{total / 2:.2f} g of A and {total / 2:.2f} g of B" in coupon_sheet(kit)
+
+
+def test_a_workshops_own_process_is_read_back_with_its_file() -> None:
+    kit = coupon("my-resin", printer={"my-resin": {"based_on": "sla", "pixel": 0.03}})
+    assert "skincad coupon my-resin --printer FILE --measured DIR" in coupon_sheet(kit)
+
+
+def filled(name: str, values: np.ndarray) -> str:
+    """A form with what was measured in its last, empty column."""
+    head, *rows = (line for line in coupon_forms(coupon("sla"))[name].splitlines() if line[0] != "#")
+    return "\n".join([head, *(row + f"{value:.4f}" for row, value in zip(rows, values, strict=True))])
+
+
+def test_a_bars_form_gives_its_modulus(tmp_path: Path) -> None:
+    stretch = 1 + np.array(EXTENSIONS) / BAR.gauge_length
+    force = BAR.area * 0.4 / 3 * (stretch - stretch**-2)  # neo-Hooke's, Treloar
+    (tmp_path / BAR_FORM).write_text(filled(BAR_FORM, force))
+    fit = skincad.fit_material(tmp_path / BAR_FORM, gauge_length=BAR.gauge_length, area=BAR.area)
+    assert fit.young_modulus.value == pytest.approx(0.4, rel=2e-3)  # forces have four decimals
+    assert fit.laws  # strained enough to compare them
+    assert fit_bar_command("x") == "skincad fit-material x --gauge-length 20 --area 8"
+
+
+@pytest.mark.slow  # a finite-strain solve of the pad
+def test_a_pads_form_gives_its_modulus(tmp_path: Path) -> None:
+    """Forces of the same model at another modulus and first touch: the form's approaches are in its range."""
+    pad, clock = coupon("sla").pad, Stopwatch()
+    small = small_strain_curve(pad, 0.4, clock)
+    far = float(small.force_at(np.array([APPROACHES[-1] + 0.1]))[0])
+    curve = finite_strain_curve(small, pad, far, clock)
+    force = curve.force_at(np.array(APPROACHES) - 0.03)
+    (tmp_path / PAD_FORM).write_text(filled(PAD_FORM, force))
+    fit = skincad.fit_material(tmp_path / PAD_FORM, pad)
+    assert fit.young_modulus.value == pytest.approx(0.4, rel=5e-3)  # lines between the table's ratios
+    assert fit.young_modulus.error is not None
+    assert fit.young_modulus.error < 0.1 * 0.4
+
+
+BLADES = np.round(np.arange(0.02, 1.0, 0.01), 2)  # mm: a set of feeler gauges, single or laid together
+
+
+def ladder(growth: float, seed: int, scatter: float = 0.005, blade: float = 0.002) -> NotchForm:
+    """A person's form: notches that grew and scatter by one standard deviation, blades that are off by
+    another, the thickest that goes in and the next one."""
+    rng = np.random.default_rng(seed)
+    drawn = np.array(NOTCHES)
+    wide = drawn - 2 * growth + rng.normal(0, scatter, drawn.size)
+    return by_blades(drawn, wide, BLADES + rng.normal(0, blade, BLADES.size))
+
+
+def by_blades(drawn: np.ndarray, wide: np.ndarray, true: np.ndarray) -> NotchForm:
+    """Blades of these true thicknesses, tried one by one until one does not go in."""
+    last = [next(i for i, thick in enumerate(true) if thick > width) for width in wide]
+    goes = np.array([BLADES[i - 1] if i else 0.0 for i in last])
+    return NotchForm(drawn, goes, BLADES[last])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_growth_of_30_um_is_recovered_to_5_um(seed: int) -> None:
+    growth = notch_result(ladder(0.03, seed)).growth
+    assert growth is not None
+    assert growth.value == pytest.approx(0.03, abs=0.005)  # what the issue asks for
+    assert growth.error is not None
+    assert growth.error < 0.005
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("growth", [-0.01, 0.012, 0.03, 0.08])
+@pytest.mark.parametrize("scatter", [0.0, 0.005, 0.015])
+def test_its_error_bar_holds(growth: float, scatter: float) -> None:
+    """In 95 % of 200 parts. 95 % of 200 has itself a standard deviation of 3: 3 of them below is 181. The
+    seeds are others than those by which the assumptions of the fit were set, 10000 and up."""
+    covered = 0
+    for seed in range(200):
+        growth_estimate = notch_result(ladder(growth, seed, scatter)).growth
+        assert growth_estimate is not None
+        covered += growth_estimate.lower <= growth <= growth_estimate.upper  # type: ignore[operator]
+    assert covered >= 181
+
+
+def test_a_ladder_that_pixels_drew() -> None:
+    """A pixel is printed where its middle is in material. Pixels of 0.05 mm hit each notch elsewhere, so that
+    growth is still known to 5 um beside it."""
+    drawn, pixel = np.array(NOTCHES), 0.05
+    for growth in (0.0, 0.03):
+        places = (np.arange(drawn.size) - (drawn.size - 1) / 2) * NOTCH_PITCH
+        low, high = np.ceil((places - drawn / 2) / pixel - 0.5), np.floor((places + drawn / 2) / pixel - 0.5)
+        estimate = notch_result(by_blades(drawn, (high - low + 1) * pixel - 2 * growth, BLADES)).growth
+        assert estimate is not None
+        assert estimate.value == pytest.approx(growth, abs=0.005)
+        assert estimate.lower <= growth <= estimate.upper  # type: ignore[operator]
+
+
+def test_no_growth_is_said_of_notches_that_are_shut() -> None:
+    drawn = np.array(NOTCHES)
+    shut = notch_result(NotchForm(drawn, 0 * drawn, 0 * drawn + 0.02))
+    assert (shut.growth, shut.gap) == (None, None)
+    two = notch_result(ladder(0.125, 0, 0.0, 0.0))
+    assert two.growth is None
+    assert two.gap is not None
+
+
+def test_the_narrowest_gap_is_that_from_which_all_are_open() -> None:
+    drawn = np.array([0.06, 0.08, 0.10, 0.12, 0.14])
+    goes = np.array([0.0, 0.02, 0.0, 0.03, 0.05])
+    gap = notch_result(NotchForm(drawn, goes, goes + 0.02)).gap
+    assert gap is not None
+    assert (gap.value, gap.error) == (0.12, pytest.approx(0.02))
+
+
+def steps(
+    seed: int, within: float, between: float = 0.0, offset: float = 0.0, tilt: float = 0.0
+) -> CrestForm:
+    """Steps with normal errors of one and of all crests of a height, on a block that lies askew."""
+    rng = np.random.default_rng(seed)
+    drawn = np.array(drawn_steps())
+    place = np.arange(1.0, drawn.size + 1)
+    shared = dict(zip(HEIGHTS, rng.normal(0, between, len(HEIGHTS)), strict=True))
+    scatter = rng.normal(0, within, drawn.size) + [shared[h] for h in drawn]
+    return CrestForm(place, drawn, drawn + offset + tilt * (place - place.mean()) + scatter)
+
+
+@pytest.mark.parametrize(("within", "between"), [(0.015, 0.0), (0.01, 0.01), (0.005, 0.02)])
+def test_scatter_and_offset_hold(within: float, between: float) -> None:
+    """Both in 95 % of 400 blocks, each of which lies askew; 4.4 of 380 is the standard deviation, 3 of them
+    are 366."""
+    sigma, covered = np.hypot(within, between), np.zeros(2)
+    for seed in range(400):
+        result = crest_result(steps(seed, within, between, 0.02, 0.002))
+        covered += [
+            result.sigma.lower <= sigma <= result.sigma.upper,  # type: ignore[operator]
+            result.offset.lower <= 0.02 <= result.offset.upper,  # type: ignore[operator]
+        ]
+    assert (covered >= 366).all(), covered
+
+
+def test_a_block_that_lies_askew_changes_nothing() -> None:
+    """0.1 mm from end to end; to rounding, for the tilt is found within each height."""
+    level, askew = (crest_result(steps(1, 0.01, 0.01, 0.02, tilt)) for tilt in (0.0, 0.1 / 23))
+    assert askew.sigma.value == pytest.approx(level.sigma.value, abs=1e-12)
+    assert askew.offset.value == pytest.approx(level.offset.value, abs=1e-12)
+    assert askew.worst == pytest.approx(level.worst, abs=1e-12)
+
+
+def test_layers_are_in_the_scatter() -> None:
+    """Heights that are rounded to layers of 0.2 mm are off by up to half of one: 0.2 / sqrt(12) on average,
+    within a quarter, for eight heights are no uniform distribution."""
+    drawn = np.array(drawn_steps())
+    layered = np.round(drawn / 0.2) * 0.2
+    result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, layered))
+    assert result.sigma.value == pytest.approx(0.2 / np.sqrt(12), rel=0.25)
+    assert result.worst <= 0.1 + 1e-9
+
+
+def test_a_perfect_part_has_no_scatter() -> None:
+    drawn = np.array(drawn_steps())
+    result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, drawn + 0.01))
+    assert result.sigma.value == pytest.approx(0.0, abs=1e-12)
+    assert result.offset.value == pytest.approx(0.01)
 
 
 def fill(

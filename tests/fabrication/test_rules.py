@@ -1,22 +1,39 @@
-"""Each rule against a calculation by hand."""
+"""Each rule of a machine against a calculation by hand or an exposed raster."""
+
+from __future__ import annotations
 
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import shapely
 
 import skincad
 from bench.table_processes import by
-from skincad.fabrication import Finding, Job, design_findings, laid_on_end, meshes, overhang
+from skincad.fabrication import (
+    Finding,
+    Job,
+    design_findings,
+    extent,
+    laid,
+    laid_on_end,
+    left_standing,
+    mesh,
+    meshes,
+    overhang,
+    strip_findings,
+)
 from skincad.fabrication.findings import part_findings
-from skincad.fabrication.machine_rules import ERROR
-from skincad.fabrication.rules import Case, teeth
+from skincad.fabrication.machine_rules import ERROR, corner, passage
+from skincad.fabrication.rules import LEAST_ANGLE, Case, edges, teeth
 from skincad.fabrication.strips import shim_sag
 from skincad.inputs import Design, processes
-from skincad.shape import Narrowest, Point, loop
+from skincad.shape import Loop, Narrowest, Point, Segment, loop, rectangle, section
 from skincad.solids import Bore, Part, PartRole, Prism
 from skincad.solids.mold import mold
+from tests.bent_skin import three_ridges
+from tests.templates import of_one_printer
 
 
 @pytest.fixture
@@ -196,3 +213,230 @@ def test_end_plates_lie_on_their_face_and_lids_stay_flat_however_the_cavity_is_p
     on_end = {part.name for part in closed.parts if laid_on_end(Job(printed), part)}
     plates = {f"end-{end}-{kind}" for end in "ab" for kind in ("comb", "keeper")}
     assert on_end == plates | ({"cavity"} if orientation == "end" else set())
+
+
+def findings_of(design: Design, rule: str) -> list[skincad.fabrication.rules.Finding]:
+    return [f for f in design_findings(Job(design)) if f.rule == rule]
+
+
+@pytest.mark.parametrize("design", [of_one_printer("lab-bench"), three_ridges()], ids=["straight", "bent"])
+def test_extents_are_those_of_the_mesh_on_the_bed(design: Design) -> None:
+    for part in mold(design).parts:
+        if (
+            part.made != "made" or part.straight or (design.skin.curvature_radius_y and part.end)
+        ):  # cut at the edge
+            continue
+        low, high = laid(mesh(part, 0.01), laid_on_end(Job(design), part), part).bounds
+        assert sorted(extent(part)) == pytest.approx(sorted(high - low), abs=0.02)  # chords of arcs
+
+
+@pytest.mark.slow
+def test_a_gang_too_long_for_the_bed_is_an_error_that_tells_how_many_fit() -> None:
+    plain = skincad.load("plain-ridges")
+    assert findings_of(plain, "build volume") == []
+    findings = findings_of(plain.with_(mold={"cavities": 6}), "build volume")
+    assert {f.where for f in findings} == {"cavity, by sla", "end plates, by sla", "cover, by sla"}
+    for finding in findings:
+        assert (finding.severity, finding.limit) == ("error", 120.0)
+        count = int(finding.remedy.split("at most ")[1].split(",")[0])
+        assert findings_of(plain.with_(mold={"cavities": count}), "build volume") == []
+        assert findings_of(plain.with_(mold={"cavities": count + 1}), "build volume") != []
+
+
+def test_prints_stand_as_they_lie_and_stock_is_turned() -> None:
+    flat = skincad.load("plain-ridges")  # a cavity of 37 x 12, 18.6 high
+    low = {"build_x": 60.0, "build_y": 60.0, "build_z": 18.0}
+    (tall,) = findings_of(flat.with_(printer={"sla": low}), "build volume")
+    assert (tall.where, tall.measured) == ("cavity, by sla", pytest.approx(18.6))
+    assert findings_of(by(flat, "cnc").with_(printer={"cnc": low}), "build volume") == []
+    boundless = dict.fromkeys(low, 0.0)
+    many = flat.with_(mold={"cavities": 12}, printer={"sla": boundless})
+    assert findings_of(many, "build volume") == []
+
+
+def thickest(width: float, depth: float, lean: float, pixel: float, shift: tuple[float, float]) -> float:
+    """The thickest leaning plate that passes a notch exposed by pixels, whose middles are `shift` aside."""
+    along, normal = (math.sin(lean), math.cos(lean)), (math.cos(lean), -math.sin(lean))
+    most = math.ceil((depth + width) / pixel) + 2
+    x, z = np.meshgrid(*((np.arange(-most, most + 1) + s) * pixel for s in shift))
+    a, c = x * along[0] + z * along[1], x * normal[0] + z * normal[1]
+    solid = (abs(c) > width / 2) & (abs(a) <= depth / 2)  # pixels beside the notch, which stand in
+    half = pixel / 2 * (abs(normal[0]) + abs(normal[1]))
+    right, left = c[solid & (c > 0)].min() - half, c[solid & (c < 0)].max() + half
+    return float(right - left)
+
+
+def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
+    """And not less by more than a pixel: the bound is that of the worst place on the screen."""
+    design = of_one_printer("lab-bench")
+    assert design.slot is not None
+    width, pixel = 0.156, 0.05
+    least = {}
+    for slot in section(design).slots:
+        lean = design.lean(slot.feature)
+        shifts = [(i / 8, j / 8) for i in range(8) for j in range(8)]
+        least[slot.feature] = min(thickest(width, slot.depth, lean, pixel, shift) for shift in shifts)
+    bound = passage(Job(design), width, pixel)
+    assert bound <= min(least.values()) + 1e-9
+    assert bound > min(least.values()) - pixel
+    assert least[5] >= 0.15 - 1e-9  # the middle one is upright: three whole pixels
+
+
+def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_clearance_that_does() -> None:
+    design = of_one_printer("lab-bench")
+    assert findings_of(design, "notch") == []
+    (finding,) = findings_of(design.with_(mold={"slit_clearance": 0.01}), "notch")
+    assert (finding.severity, finding.limit) == ("error", 0.1)
+    assert finding.measured == pytest.approx(0.12 - 0.05 * (math.cos(0.06668) + math.sin(0.06668)), abs=1e-4)
+    least = float(finding.remedy.split(" of ")[1].split(" mm")[0])
+    assert findings_of(design.with_(mold={"slit_clearance": least}), "notch") == []
+    assert findings_of(design.with_(mold={"slit_clearance": least - 0.001}), "notch") != []
+    flat = design.with_(skin={"curvature_radius": 1e8}, mold={"slit_clearance": 0.01})
+    finer = flat.with_(printer={"sla": {"pixel": 0.04725}})  # two pixels of a common printer: 0.0945
+    assert [f.measured for f in findings_of(finer, "notch")] == pytest.approx([0.0945], abs=1e-9)
+    drawn = design.with_(mold={"slit_clearance": 0.01}, printer={"sla": {"tool": "none"}})
+    assert findings_of(drawn, "notch") == []
+
+
+def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> None:
+    design = of_one_printer("lab-bench", ["printer.sla.coating=0.01"])
+    (notch,), (gap,) = findings_of(design, "notch"), findings_of(design, "clearance")
+    assert notch.measured == pytest.approx(passage(Job(design), 0.156, 0.05) - 0.02, abs=1e-12)
+    least = float(notch.remedy.split(" of ")[1].split(" mm")[0])
+    assert (gap.measured, gap.limit) == (0.05, pytest.approx(0.07))
+    wider = design.with_(mold={"slit_clearance": least, "clearance": 0.07})
+    assert findings_of(wider, "notch") == findings_of(wider, "clearance") == []
+    tin = design.with_(printer={"sla": {"inhibits_platinum": False, "coating": 0.01}})
+    assert findings_of(tin, "notch") == findings_of(tin, "clearance") == []
+
+
+def test_growth_narrows_a_notch_on_both_sides() -> None:
+    """By hand for a wire, 0.156 - 2 * 0.03 around a shim of 0.1; beside pixels and a coat for a screen."""
+    design = of_one_printer(
+        "lab-bench", ["mold.process=edm", "mold.end_plate_process=edm", "printer.edm.growth=0.03"]
+    )
+    (finding,) = findings_of(design, "notch")
+    assert (finding.measured, finding.limit) == (pytest.approx(0.096), 0.1)
+    assert finding.where == "end plates' combs, notch of a shim grown, by edm"
+    assert "mold.slit_clearance of 0.03 mm" in finding.remedy
+    assert findings_of(design.with_(mold={"slit_clearance": 0.03}), "notch") == []
+    for less in (0.027, -0.03):
+        assert findings_of(design.with_(printer={"edm": {"growth": less}}), "notch") == []
+    shut = design.with_(printer={"edm": {"growth": 0.2}})
+    assert [f.measured for f in findings_of(shut, "notch")] == [0.0]
+    screen = of_one_printer("lab-bench", ["printer.sla.coating=0.01", "printer.sla.growth=0.03"])
+    (both,) = findings_of(screen, "notch")
+    assert both.measured == pytest.approx(passage(Job(screen), 0.156, 0.05) - 2 * 0.04, abs=1e-12)
+    least_clearance = float(both.remedy.split(" of ")[1].split(" mm")[0])
+    assert findings_of(screen.with_(mold={"slit_clearance": least_clearance}), "notch") == []
+
+
+def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
+    design = skincad.load("yamada-2002")
+    assert design.slot is not None
+    for share, grave in ((0.4, ["note"]), (0.6, ["warning"])):
+        off = share / 2 * design.slot.offset
+        wide = design.with_(mold={"slit_clearance": off - 0.003})  # the wire's tolerance
+        assert [f.severity for f in strip_findings(Job(wide)) if f.rule == "strip place"] == grave
+
+
+def test_a_rectangles_corners_are_right_and_a_notchs_are_reflex() -> None:
+    assert [angle for _, angle in edges(rectangle(0, 2, 0, 1))] == pytest.approx([90.0] * 4)
+    notched = loop([Point(*p) for p in ((0, 0), (4, 0), (4, 2), (2, 1), (0, 2))])
+    inner = dict(edges(notched))[Point(2, 1)]
+    assert inner == pytest.approx(360 - 2 * math.degrees(math.atan2(2, 1)))
+
+
+def test_an_arc_meets_its_chord_at_half_its_sweep() -> None:
+    lens = (
+        Segment(Point(0, 0), Point(1, 0)),
+        Segment(Point(1, 0), Point(0, 0), math.tan(math.radians(40) / 4)),
+    )
+    assert [angle for _, angle in edges(lens)] == pytest.approx([20.0, 20.0])
+
+
+def test_a_slot_that_lies_flat_leaves_the_comb_a_knife_edge() -> None:
+    def findings_of(tilt: float) -> list:
+        flat = skincad.load("yamada-2002-tilted").with_(
+            ridge={"count": 1, "pitch": 5.0, "root_width": 4.0, "tip_width": 3.5, "height": 1.5},
+            slot={"tilt": tilt, "depth": 0.1, "offset": 0.2, "elevation": -0.5},
+        )
+        return [f for f in design_findings(Job(flat)) if f.rule == "knife edge"]
+
+    assert findings_of(45.0) == []
+    (sharp,) = findings_of(62.0)  # combs of both ends are told once
+    assert sharp.measured == pytest.approx(90.0 - 62.0, abs=0.5)  # the split's arc turns by less
+    assert sharp.measured < LEAST_ANGLE == sharp.limit
+
+
+def test_no_part_of_the_default_has_one(yamada: Design) -> None:
+    assert not any(f.rule == "knife edge" for f in design_findings(Job(yamada)))
+
+
+R = 0.25
+
+
+def grooved(points: list[tuple[float, float]]) -> Loop:
+    """A block below z = 0 with this groove, from left to right, in its top."""
+    rim = [(-5.0, 0.0), (-5.0, -5.0), (5.0, -5.0), (5.0, 0.0)]
+    return loop([Point(*p) for p in [*rim, *reversed(points)]])
+
+
+@pytest.mark.parametrize("angle_deg", [50.0, 60.0, 90.0, 120.0, 150.0])
+def test_a_v_groove_keeps_its_bisector(angle_deg: float) -> None:
+    half = math.radians(angle_deg / 2)
+    depth = 1.0
+    wide = depth * math.tan(half)
+    left = left_standing(grooved([(-wide, 0.0), (0.0, -depth), (wide, 0.0)]), R)
+    assert max(left) == pytest.approx(R * (1 / math.sin(half) - 1), abs=ERROR)
+    assert corner(R, 2 * half) == pytest.approx(R * (1 / math.sin(half) - 1), rel=1e-15)
+
+
+def test_a_groove_too_narrow_is_left_but_for_what_the_ball_dips_in() -> None:
+    """The ball rests on the mouth's edges, its centre c above it: from a bottom corner its surface is at
+    sqrt((w / 2)^2 + (D + c)^2) - r."""
+    wide, depth = 0.3, 1.0
+    centre = math.sqrt(R**2 - wide**2 / 4)
+    left = left_standing(
+        grooved([(-wide / 2, 0.0), (-wide / 2, -depth), (wide / 2, -depth), (wide / 2, 0.0)]), R
+    )
+    assert max(left) == pytest.approx(math.hypot(wide / 2, depth + centre) - R, abs=ERROR)
+
+
+def test_a_wide_groove_keeps_only_its_right_corners() -> None:
+    left = left_standing(grooved([(-1.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 0.0)]), R)
+    assert max(left) == pytest.approx((math.sqrt(2) - 1) * R, abs=ERROR)
+    assert min(left) < ERROR
+
+
+@pytest.mark.parametrize("fillet", [0.1, 0.2, 0.25, 0.4])
+def test_a_fillet_is_cut_as_far_as_the_tool_is_smaller(fillet: float) -> None:
+    """Two concentric-cornered circles in a right angle: (sqrt 2 - 1) (r - fillet) on the bisector."""
+    bulge = math.tan(math.pi / 8)
+    corners = [(5.0, -5.0), (5.0, 0.0), (1.0, 0.0), (1.0, -1.0 + fillet), (1.0 - fillet, -1.0)]
+    corners += [(-x, z) for x, z in reversed(corners)]
+    points = [Point(*p) for p in corners]
+    block = tuple(
+        Segment(a, b, -bulge if abs(a.x - b.x) == pytest.approx(fillet) else 0.0)
+        for a, b in zip(points, [*points[1:], points[0]], strict=True)
+    )
+    assert sum(s.bulge != 0 for s in block) == 2
+    expected = max(0.0, (math.sqrt(2) - 1) * (R - fillet))
+    assert max(left_standing(block, R)) == pytest.approx(expected, abs=ERROR)
+
+
+def test_from_above_nothing_under_a_ledge_is_cut() -> None:
+    """A groove 4 wide below a mouth 2 wide, all of it beyond the tool's size: beside the mouth 1 mm stays,
+    on the floor as far as the ball's own corner with it."""
+    shape = grooved([(-1, 0), (-1, -1), (-2, -1), (-2, -3), (2, -3), (2, -1), (1, -1), (1, 0)])
+    free = left_standing(shape, R)
+    assert max(free) == pytest.approx((math.sqrt(2) - 1) * R, abs=ERROR)
+    above = left_standing(shape, R, from_above=True)
+    assert max(above) == pytest.approx(math.hypot(1 + R, R) - R, abs=ERROR)  # floor corner to the ball's
+
+
+def test_a_larger_tool_leaves_no_less() -> None:
+    shape = grooved([(-0.4, 0.0), (-0.3, -0.7), (0.3, -0.7), (0.4, 0.0)])
+    left = np.array([left_standing(shape, r) for r in (0.05, 0.1, 0.2, 0.3, 0.5)])
+    assert (np.diff(left, axis=0) >= -ERROR).all()
+    assert left[-1].max() > left[0].max() + 0.1

@@ -17,13 +17,11 @@ from bench import calculix
 from skincad.base import InputError
 from skincad.inputs import Design
 from skincad.laws import Ogden
-from skincad.mechanics import Pad, Request, half_of, pad_of, plane_piece
+from skincad.mechanics import Pad, Request, half_of, pad_of, plane_piece, problem
 from skincad.mechanics import finite_strain as finite_strain_bound
-from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.solid_law import excess_density
-from skincad.mechanics.left_out import POCKETS, left_out
+from skincad.mechanics import left_out as bounds
+from skincad.mechanics.bodies import elements, plane_body, solid_law
 from skincad.mechanics.models import finite_strain, linear
-from skincad.mechanics.problem import focused, pin_cell
 from skincad.shape import Point, Section, Segment
 from tests.families import rings
 
@@ -58,7 +56,7 @@ def test_a_ball_touches_as_hertz_says(ratio: float, model: str) -> None:
     0.008."""
     radius, half, stiffness = 60.0, 0.5, MODULUS / (1 - ratio**2)
     force, peak = 4 * stiffness * half**3 / (3 * radius), 2 * stiffness * half / (math.pi * radius)
-    pad = focused(pad_of(ball(ratio)), force)
+    pad = problem.focused(pad_of(ball(ratio)), force)
     solve = linear.level if model == "linear" else finite_strain.Levels()
     answer, best = linear.refine(pad, Request(force), solve, model)
     assert answer.approach.value == pytest.approx(half**2 / radius, rel=0.015)
@@ -75,15 +73,15 @@ def test_a_face_is_pressed_far_beyond_small_strain(monkeypatch: pytest.MonkeyPat
     the error, and what small strain leaves out within its bound."""
     design = skincad.load("flat-magnet")
     pad, small = pad_of(design), linear.answer(design, Request(8.0))
-    answer = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    answer = finite_strain.solve(problem.focused(pad, 8.0), Request(8.0)).approach
     change = abs((answer.value or 0.0) / (small.approach.value or 0.0) - 1)
     assert 0.1 < change < finite_strain_bound(design, small, 8.0).approach
     monkeypatch.setattr(plane_body, "FACE_EDGE", 2 * plane_body.FACE_EDGE)
-    wider = finite_strain.solve(focused(pad, 8.0), Request(8.0)).approach
+    wider = finite_strain.solve(problem.focused(pad, 8.0), Request(8.0)).approach
     assert abs((wider.value or 0.0) - (answer.value or 0.0)) < (answer.error or 0.0)
     monkeypatch.setattr(plane_body, "FACE_EDGE", plane_body.CLAMPED_EDGE)
     with pytest.raises(InputError, match="inside out"):
-        finite_strain.solve(focused(pad, 8.0), Request(8.0))
+        finite_strain.solve(problem.focused(pad, 8.0), Request(8.0))
 
 
 @pytest.mark.parametrize("height", [1.0, 2.0])
@@ -131,7 +129,7 @@ def test_the_energy_of_an_even_stretch_is_the_laws(
     density = plane_body.strain_energy(h, bulk * swell, shear, bulk, np.log)[0]
     if law:
         deformed = (np.eye(3) + h[:, :, 0])[None, None]
-        density += shear * float(excess_density(law, deformed, np.array([[swell]]))[0, 0])
+        density += shear * float(solid_law.excess_density(law, deformed, np.array([[swell]]))[0, 0])
     volume = math.pi * 9.0 * 2.0 / piece.unit**3
     assert body.energy(np.array(field.vec.FV().NumPy())) == pytest.approx(volume * density, rel=1e-10)
 
@@ -167,16 +165,16 @@ def test_one_pin_alone_stands_on_a_disc() -> None:
         2 / 3 * math.pi,
     )  # the pin: a cylinder, half a ball
     assert volume == pytest.approx(base + shaft + cap, rel=1e-7)  # the base of 1e8 mm falls by 1e-7 mm
-    assert pin_cell(design, 4.5).section.area == pytest.approx(pad.section.area, rel=1e-7)
+    assert problem.pin_cell(design, 4.5).section.area == pytest.approx(pad.section.area, rel=1e-7)
     with pytest.raises(InputError, match=r"skin\.width: must leave base round a pin's foot"):
-        pin_cell(design, 0.9)
+        problem.pin_cell(design, 0.9)
     with pytest.raises(InputError, match=r"skin\.outline: must be 'round'"):
         pad_of(design.with_(skin={"outline": "rectangle"}))
     with pytest.raises(InputError, match="pin: must be one"):
         pad_of(design.with_(skin={"width": 12.0, "length": 12.0}, pin={"columns": 2}))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="calculix: rings")
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 @pytest.mark.parametrize("large", [False, True])
 def test_calculix_gives_the_same_rings(large: bool) -> None:
@@ -235,9 +233,9 @@ def test_a_pocket_changes_the_approach_within_its_bound(family: str, kind: Liter
     material = {"young_modulus": 0.3, "poisson_ratio": 0.49}
     rest = {"material": material, "mold": {"process": "sla"}, "contact": {"force": 0.5}}
     design = skincad.Design(name="pocket", skin=skin, **{family: table}, **rest)
-    pad = focused(pad_of(design), 0.5)
+    pad = problem.focused(pad_of(design), 0.5)
     whole = linear.solve(pad, Request(0.5))
-    (bound,) = left_out((POCKETS,), design, whole, 0.5)
+    (bound,) = bounds.left_out((bounds.POCKETS,), design, whole, 0.5)
     change = linear.solve(pocketed(pad, 1.6, 3.5, kind), Request(0.5)).approach.value or 0.0
     change = change / (whole.approach.value or 1.0) - 1
     assert (change > 0) == (kind == "side")  # empty is softer

@@ -1,9 +1,10 @@
-"""The neo-Hookean pad under a plate with friction: closed forms, tangent, invariants, the other solvers."""
+"""The neo-Hookean pad under a plate with friction: closed forms, tangent, invariants, steps that are cut."""
 
 from __future__ import annotations
 
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,13 +33,15 @@ from skincad.mechanics import (
     unit_of,
 )
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.contact.frictional_pad import linearised, newton, unloaded
-from skincad.mechanics.contact.newton import RESIDUAL, PressedPad, press_to
+from skincad.mechanics.contact import frictional_pad, press_path
+from skincad.mechanics.contact import newton as pressing
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import filleted, yamada
 
+CONE = FrictionCoefficients(0.5, 0.5)
 STICKY = FrictionCoefficients(20.0, 20.0)
+COARSE = 0.35  # fineness: 0.1 s a step
 SMOOTH = FrictionCoefficients(0.0, 0.0)
 
 
@@ -52,15 +55,15 @@ def whole(pad: Pad, fineness: float = 0.5, order: int = 2, sizes: Sizes | None =
 
 @cache
 def three() -> tuple[Pad, FrictionalPad]:
-    """Three ridges, coarse: 0.1 s a step."""
+    """Three ridges, as coarse as can be."""
     pad = pad_of(filleted().with_(ridge={"count": 3}, skin={"width": 5.0}))
-    return pad, whole(pad, 0.35)
+    return pad, whole(pad, COARSE)
 
 
 def march(
     pad: FrictionalPad, drives: list[Drive], cone: FrictionCoefficients, start: FrictionalState | None = None
 ) -> list[FrictionalState]:
-    states = [start or unloaded(pad)]
+    states = [start or frictional_pad.unloaded(pad)]
     for before, after in pairwise([Drive(0.0, 0.0), *drives] if start is None else drives):
         states.append(advance_to(pad, states[-1], before, after, cone))
     return states[1:]
@@ -70,7 +73,7 @@ def march(
 def pulled() -> list[FrictionalState]:
     """Pressed by 1.2 N in three steps, pulled to 0.54 N of 0.6 in six."""
     drives = [Drive(0.4 * i, 0.0) for i in (1, 2, 3)] + [Drive(1.2, 0.09 * i) for i in range(1, 7)]
-    return march(three()[1], drives, FrictionCoefficients(0.5, 0.5))
+    return march(three()[1], drives, CONE)
 
 
 def test_a_block_sheared_with_stick_is_simple_shear() -> None:
@@ -96,13 +99,15 @@ def test_without_friction_it_is_the_finite_strain_model() -> None:
     """On one mesh, to ten times the residuals."""
     pad, what = three()
     unit = unit_of(pad)
-    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.35)), 2)
-    wanted = press_to(
-        PressedPad(plane_body.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
+    mesh = elements.curved(triangles(pad, default_sizes(pad, COARSE)), 2)
+    wanted = pressing.press_to(
+        pressing.PressedPad(plane_body.body(mesh, 2, {"skin": (1.0, pad.poisson_ratio)}), pad.top / unit),
         1.2 / what.scale,
     )
     state = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], SMOOTH)[-1]
-    assert state.values == pytest.approx(wanted.values, abs=10 * RESIDUAL * np.abs(wanted.values).max())
+    assert state.values == pytest.approx(
+        wanted.values, abs=10 * pressing.RESIDUAL * np.abs(wanted.values).max()
+    )
     assert state.contact.normal.sum() == pytest.approx(1.2, rel=1e-10)
     assert not state.contact.tangential.any()
 
@@ -111,7 +116,7 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
     """The relative distance of travels and films' stresses halves with the load: order 1 within 0.15."""
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
     piece = piece_of(*filled_pad(design), halved=False)
-    mesh = triangles(piece.pad, default_sizes(piece.pad, 0.35))
+    mesh = triangles(piece.pad, default_sizes(piece.pad, COARSE))
     small = sliding(piece, mesh, 2, True)
     stiff = {"skin": (1.0, piece.pad.poisson_ratio), "film": (3750.0, 0.35)}
     scale = piece.pad.young_modulus * piece.unit * piece.pad.length
@@ -125,7 +130,7 @@ def test_small_loads_are_small_strain_to_first_order() -> None:
         drives = [Drive(force, travel=0.0), Drive(force, 0.3 * force)]
         state = march(what, drives, STICKY)[-1]
         skin = Compliance(small.compliance, small.gap, np.zeros(2 * small.gap.size))
-        linear = solve_contact(skin, unloaded(what).contact, drives[0], STICKY)
+        linear = solve_contact(skin, frictional_pad.unloaded(what).contact, drives[0], STICKY)
         linear = solve_contact(skin, linear, drives[1], STICKY)
         assert (linear.status == state.contact.status).all()
         stress = small.strips @ np.concatenate([linear.tangential, -linear.normal])
@@ -154,10 +159,10 @@ def test_tangent_is_the_derivative(drives: tuple[float | None, float | None]) ->
         more = share * change
         return Drive(1.0, pull + more) if pull else Drive(1.0 + more, travel=(travel or 0.0) + 0.05)
 
-    here = newton(what, start, drive(0.0), cone)
-    linearised(what, here.values, what.body.residual(here.values))
+    here = frictional_pad.newton(what, start, drive(0.0), cone)
+    frictional_pad.linearised(what, here.values, what.body.residual(here.values))
     skin = predicted(what, here)
-    ahead, back = (newton(what, start, drive(s), cone).contact for s in (1.0, -1.0))
+    ahead, back = (frictional_pad.newton(what, start, drive(s), cone).contact for s in (1.0, -1.0))
     guess = solve_contact(skin, start.contact, drive(1.0), cone)
     assert (ahead.status == back.status).all()
     assert guess.slips[guess.touches].all() != bool(pull)
@@ -188,20 +193,20 @@ def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
         assert np.abs(gap * contact.normal).max() <= 1e-9 * length * largest
         assert (np.abs(contact.tangential) - 0.5 * contact.normal).max() <= 1e-9 * largest
         assert (contact.tangential * contact.slipped).max() <= 1e-9 * length * largest
-        assert state.residual <= RESIDUAL
+        assert state.residual <= pressing.RESIDUAL
         assert state.dissipated >= -1e-9 * largest * length
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer steps: dragged")
 def test_what_the_plate_does_is_stored_or_dissipated() -> None:
     """Trapezoids: the missing work falls at least as the step, from 0.7 % at six steps of pulling."""
     what, missing = three()[1], []
     for count in (3, 6, 12):
         drives = [Drive(1.2 * i / count, 0.0) for i in range(1, count + 1)]
         drives += [Drive(1.2, 0.54 * i / count) for i in range(1, count + 1)]
-        states = march(what, drives, FrictionCoefficients(0.5, 0.5))
+        states = march(what, drives, CONE)
         work = 0.0
-        for a, b in pairwise([unloaded(what), *states]):
+        for a, b in pairwise([frictional_pad.unloaded(what), *states]):
             force = [(x.contact.normal.sum(), x.contact.tangential.sum()) for x in (a, b)]
             moves = b.contact.approach - a.contact.approach, b.contact.travel - a.contact.travel
             work += float(np.mean(force, axis=0) @ moves)
@@ -216,23 +221,24 @@ def test_a_held_load_does_not_creep() -> None:
     first = state = pulled()[-2]
     drive = Drive(1.2, 0.45)
     for _ in range(20):
-        state = newton(what, state, drive, FrictionCoefficients(0.5, 0.5))
+        state = frictional_pad.newton(what, state, drive, CONE)
         assert state.iterations == 1
-        assert np.abs(state.change).max() <= 10 * RESIDUAL * np.abs(state.values).max()
+        assert np.abs(state.change).max() <= 10 * pressing.RESIDUAL * np.abs(state.values).max()
     stuck = first.contact.status == STICK
     assert stuck.any()
     assert (first.contact.anchor[stuck] == state.contact.anchor[stuck]).all()
-    assert state.contact.travel == pytest.approx(first.contact.travel, rel=10 * RESIDUAL)
+    assert state.contact.travel == pytest.approx(first.contact.travel, rel=10 * pressing.RESIDUAL)
 
 
 def test_same_march_same_bits() -> None:
     """Whatever the pad was used for before."""
     drives = [Drive(0.4, 0.0), Drive(0.8, 0.0), Drive(0.8, 0.1)]
-    one, other = (march(three()[1], drives, FrictionCoefficients(0.5, 0.5))[-1] for _ in range(2))
+    one, other = (march(three()[1], drives, CONE)[-1] for _ in range(2))
     assert (one.values == other.values).all()
     assert (one.contact.tangential == other.contact.tangential).all()
 
 
+@pytest.mark.slow
 def test_more_friction_than_sticks_changes_nothing() -> None:
     """Where all sticks the cone is not felt."""
     what = three()[1]
@@ -241,12 +247,13 @@ def test_more_friction_than_sticks_changes_nothing() -> None:
     assert one.contact.tangential == pytest.approx(other.contact.tangential, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_pulling_back_mirrors_everything() -> None:
     """To the mesh, which is no mirror image of itself: 1 %."""
     what = three()[1]
     back = [Drive(0.6, 0.0), Drive(1.2, 0.0), *(Drive(1.2, -0.15 * i) for i in (1, 2, 3))]
     ahead = [Drive(d.normal, -(d.tangential or 0.0)) for d in back]
-    one, other = (march(what, d, FrictionCoefficients(0.5, 0.5))[-1].contact for d in (ahead, back))
+    one, other = (march(what, d, CONE)[-1].contact for d in (ahead, back))
     assert one.travel == pytest.approx(-other.travel, rel=0.01)
     of = [np.array([g.normal[what.ridge == r].sum() for r in (1, 2, 3)]) for g in (one, other)]
     assert of[0] == pytest.approx(of[1][::-1], rel=0.01)
@@ -254,19 +261,17 @@ def test_pulling_back_mirrors_everything() -> None:
 
 def test_gross_slip_tells_the_state_that_slips() -> None:
     with pytest.raises(GrossSlip) as end:
-        advance_to(
-            three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), FrictionCoefficients(0.5, 0.5)
-        )
+        advance_to(three()[1], pulled()[-1], Drive(1.2, 0.54), Drive(1.2, 0.61), CONE)
     last = end.value.last
     assert isinstance(last, FrictionalState)
     assert last.contact.slips.all() or last.contact.gross
     assert last.contact.tangential.sum() == pytest.approx(0.6, rel=1e-9)
-    assert last.residual <= RESIDUAL
+    assert last.residual <= pressing.RESIDUAL
 
 
 def test_lifting_the_plate_forgets_it() -> None:
     what = three()[1]
-    lifted = advance_to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), FrictionCoefficients(0.5, 0.5))
+    lifted = advance_to(what, pulled()[1], Drive(0.8, 0.0), Drive(0.0, 0.0), CONE)
     assert not lifted.values.any()
     assert not lifted.contact.normal.any()
 
@@ -274,7 +279,9 @@ def test_lifting_the_plate_forgets_it() -> None:
 def test_a_step_without_equilibrium_is_refused() -> None:
     """More than the skin bears: an accepted state balances, so this is an error, not a state."""
     with pytest.raises(ContactError):
-        advance_to(three()[1], unloaded(three()[1]), Drive(0.0, 0.0), Drive(60.0, 0.0), SMOOTH, 0)
+        advance_to(
+            three()[1], frictional_pad.unloaded(three()[1]), Drive(0.0, 0.0), Drive(60.0, 0.0), SMOOTH, 0
+        )
 
 
 def test_strips_stress_turns_with_the_strip() -> None:
@@ -310,3 +317,105 @@ def affine(what: FrictionalPad, gradient: np.ndarray, pressure: float) -> np.nda
     field.components[0].Set(ng.CF(tuple(map(tuple, gradient)), dims=(2, 2)) * place)
     field.components[1].Set(ng.CF(pressure))
     return np.array(field.vec.FV().NumPy())
+
+
+def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first tries are made to fail: the halves then are what the step took."""
+    tries = []
+
+    def failing(pad: Any, before: FrictionalState, end: Drive, *more: Any) -> FrictionalState:
+        tries.append(end.normal)
+        if len(tries) == 1:
+            raise ContactError("made to fail")
+        return newton(pad, before, end, *more)
+
+    newton = frictional_pad.newton
+    monkeypatch.setattr(frictional_pad, "newton", failing)
+    what = three()[1]
+    state = advance_to(what, frictional_pad.unloaded(what), Drive(0.0, 0.0), Drive(0.4, 0.0), CONE)
+    assert tries == [0.4, 0.2, 0.4]
+    first = newton(what, frictional_pad.unloaded(what), Drive(0.2, 0.0), CONE)
+    second = newton(what, first, Drive(0.4, 0.0), CONE)
+    assert state.values == pytest.approx(second.values, abs=1e-8 * np.abs(second.values).max())
+    assert state.dissipated == pytest.approx(first.dissipated + second.dissipated, rel=1e-6)
+    assert state.iterations > second.iterations
+
+
+def test_a_guess_that_turns_an_element_inside_out_is_not_taken() -> None:
+    what = three()[1]
+    first = frictional_pad.newton(what, frictional_pad.unloaded(what), Drive(0.2, 0.0), CONE)
+    inside_out = np.random.default_rng(1).standard_normal(first.values.size)
+    assert not np.isfinite(what.body.residual(inside_out)).all()
+    what.tangents.clear()
+    wanted = frictional_pad.newton(what, first, Drive(0.4, 0.0), CONE)
+    what.tangents.clear()
+    state = frictional_pad.newton(what, first, Drive(0.4, 0.0), CONE, inside_out)
+    assert (state.values == wanted.values).all()
+
+
+@pytest.mark.slow
+def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Newton is made to fail under every tangential force: the travel finds the same state.
+
+    1e-6: steps of the travel are other steps of friction than the one of the force.
+    """
+    what, start = three()[1], pulled()[4]
+    wanted = advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
+
+    def failing(pad: Any, before: FrictionalState, end: Drive, *more: Any) -> FrictionalState:
+        if end.tangential is not None:
+            raise ContactError("made to fail")
+        return newton(pad, before, end, *more)
+
+    newton = frictional_pad.newton
+    monkeypatch.setattr(frictional_pad, "newton", failing)
+    state = advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.22), CONE)
+    assert state.contact.tangential.sum() == pytest.approx(0.22, abs=2e-9)
+    assert state.contact.travel == pytest.approx(wanted.contact.travel, rel=1e-6)
+    with pytest.raises(ContactError, match=r"the pull cannot grow beyond 0\.\d+ N|Newton finds no"):
+        advance_to(what, start, Drive(1.2, 0.18), Drive(1.2, 0.7), CONE)
+
+
+def loop(stretch: float, height: float) -> elements.Outline:
+    """A rectangle whose upper side's middle part is shorter by `stretch`, under a plate at 2."""
+    x = np.array([0.0, 1.0, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0])
+    z = np.array([0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    moved = np.column_stack([x, z * height])
+    moved[4, 0] = 0.4 + 0.2 * stretch
+    return elements.Outline(np.column_stack([x, z]), moved, np.arange(8) == 4)
+
+
+def test_pinch_finds_the_most_compressed_free_surface() -> None:
+    smallest = press_path.pinch([loop(0.5, 1.0)], 2.0)
+    assert smallest.stretch == pytest.approx(0.5)
+    assert smallest.place == pytest.approx([0.5, 1.0])
+    assert smallest.tip
+    # what bears on the plate cannot fold
+    assert press_path.pinch([loop(0.5, 1.0)], 1.0).stretch == np.inf
+
+
+def test_limits_are_biots_and_hongs() -> None:
+    """A half-space in plane strain, l its stretch: surface waves where l^6 + l^4 + 3 l^2 = 1."""
+    roots = np.roots([1.0, 1.0, 3.0, -1.0])
+    square = roots[np.isreal(roots)].real.max()
+    assert np.sqrt(square) == pytest.approx(press_path.WRINKLES, abs=5e-4)
+    assert press_path.WRINKLES < press_path.CREASES == 1 - 0.354
+
+
+@pytest.mark.slow
+def test_much_friction_folds_the_surface_and_the_reason_names_the_place() -> None:
+    """Pulled by travel at a coefficient of 1: smooth at 0.4 mm, folded by 0.6."""
+    what, cone = three()[1], FrictionCoefficients(1.0, 1.0)
+    state = march(what, [Drive(0.6, 0.0), Drive(1.2, 0.0)], cone)[-1]
+    words = None
+    for travel in (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6):
+        drive = Drive(1.2, travel=state.contact.travel)
+        state = advance_to(what, state, drive, Drive(1.2, travel=travel), cone)
+        words = press_path.undetected_contact(what, state, True)
+        if words:
+            break
+    assert travel > 0.4
+    assert words is not None
+    assert "the surface folds onto itself at ridge " in words
+    assert press_path.undetected_contact(what, state, False) is None
+    assert 0.5 < state.contact.tangential.sum() / 1.2 < 0.75

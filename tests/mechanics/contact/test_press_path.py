@@ -1,8 +1,10 @@
-"""A press with friction, against another method on the same compliance."""
+"""A press with friction, in the plane and in space, against relaxation on the same compliance."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,13 +22,13 @@ from skincad.mechanics import (
     unit_of,
 )
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.contact import press_path
-from skincad.mechanics.contact.frictionless import all_touch_force
-from skincad.mechanics.contact.press_path import StickingPad, press_with_friction, sticking_pad_of
+from skincad.mechanics.contact import disc_friction, frictionless, press_path
 from tests.mechanics.designs import SHORT, reference
 
+GAPS = (0.0, 0.3, 0.5)
 
-def springs(gaps: tuple[float, ...], seed: int = 3) -> StickingPad:
+
+def springs(gaps: tuple[float, ...], seed: int = 3) -> press_path.StickingPad:
     """Ridges of two points each whose compliance is drawn: symmetric, positive definite, x and z coupled."""
     m = 2 * len(gaps)
     random = np.random.default_rng(seed)
@@ -37,22 +39,24 @@ def springs(gaps: tuple[float, ...], seed: int = 3) -> StickingPad:
     ridge, rows = np.repeat(np.arange(len(gaps)) + 1, 2), sparse.identity(m, format="csr")
     lift = compliance[m:, m:]
     ridges = Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
-    return StickingPad(ridges, compliance, compliance[m:])
+    return press_path.StickingPad(ridges, compliance, compliance[m:])
 
 
 @cache
-def meshed() -> StickingPad:
+def meshed() -> press_path.StickingPad:
     """Three ridges on a short pad, meshed as coarsely as can be."""
     pad = pad_of(reference().with_(**SHORT))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
-    return sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
+    return press_path.sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
 
 
-def first_of(pad: StickingPad) -> float:
-    return all_touch_force(pad.ridges, 1.0) or 0.0
+def first_of(pad: press_path.StickingPad) -> float:
+    return frictionless.all_touch_force(pad.ridges, 1.0) or 0.0
 
 
-def relaxed(pad: StickingPad, mu: float, path: list[ContactState], sweeps: int) -> tuple[Array, Array]:
+def relaxed(
+    pad: press_path.StickingPad, mu: float, path: list[ContactState], sweeps: int
+) -> tuple[Array, Array]:
     """Forces `(m,)` across and along when the plate is led where it was: point after point is put right by
     itself, over and over (Gauss-Seidel), and no set is ever solved for.
 
@@ -73,27 +77,29 @@ def relaxed(pad: StickingPad, mu: float, path: list[ContactState], sweeps: int) 
 
 
 def test_without_friction_it_is_the_frictionless_press() -> None:
-    pad = springs((0.0, 0.3, 0.5))
-    force, first = 1.2, first_of(pad)
+    pad, force = springs(GAPS), 1.2
+    first = first_of(pad)
     assert 0 < first < force
-    result, smooth = (
-        press_with_friction(pad, 0.0, force, first, 7),
-        press(pad.ridges.flexibility, pad.ridges.gap, force),
-    )
+    result = press_path.press_with_friction(pad, 0.0, force, first, 7)
+    smooth = press(pad.ridges.flexibility, pad.ridges.gap, force)
     assert result.all_touch_force == pytest.approx(first, rel=1e-8)
     assert result.approach == pytest.approx(smooth.approach, rel=1e-12)
     by_ridge = np.bincount(pad.ridges.of_point, smooth.force)[1:]
     np.testing.assert_allclose(result.ridge_force, by_ridge, rtol=1e-10)
+    skin = drawn(6, 7, floats=True)
+    state = disc_friction.solve_discs(skin, disc_friction.unloaded(6), 1.5, 0.0)
+    np.testing.assert_allclose(state.normal, press(skin.normal, skin.gap, 1.5).force, rtol=1e-12)
+    assert not state.tangential.any()
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.2])
 def test_a_press_is_the_one_that_point_by_point_relaxation_finds(
     mu: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert_same(springs((0.0, 0.3, 0.5)), mu, 1.2, 5, 200, monkeypatch)
+    assert_same(springs(GAPS), mu, 1.2, 5, 200, monkeypatch)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="friction by relaxation")
 @pytest.mark.parametrize("mu", [0.2, 1.0])
 def test_a_meshed_press_is_the_one_that_relaxation_finds(mu: float, monkeypatch: pytest.MonkeyPatch) -> None:
     pad = meshed()
@@ -101,7 +107,12 @@ def test_a_meshed_press_is_the_one_that_relaxation_finds(mu: float, monkeypatch:
 
 
 def assert_same(
-    pad: StickingPad, mu: float, force: float, steps: int, sweeps: int, monkeypatch: pytest.MonkeyPatch
+    pad: press_path.StickingPad,
+    mu: float,
+    force: float,
+    steps: int,
+    sweeps: int,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The plate is led along the product's path: forces, and with them the force that was asked, are found
     again. Both are to rounding where the sweeps have settled."""
@@ -115,7 +126,7 @@ def assert_same(
         return state
 
     monkeypatch.setattr(press_path._PlanePoints, "step", watched)
-    result = press_with_friction(pad, mu, force, first_of(pad), steps)
+    result = press_path.press_with_friction(pad, mu, force, first_of(pad), steps)
     assert any((state.status >= 2).any() for state in path)  # slips somewhere,
     assert any((state.status == 1).any() for state in path)  # and sticks
     normal, along = relaxed(pad, mu, path, sweeps)
@@ -129,12 +140,13 @@ def assert_same(
 @pytest.mark.parametrize("force", [0.3, 3.0])
 def test_the_last_ridge_begins_to_carry_where_all_touch(force: float) -> None:
     """Asked at a force before or after it, and pressed a little less or more than it."""
-    pad, mu = springs((0.0, 0.3, 0.5)), 0.5
+    pad, mu = springs(GAPS), 0.5
     first = first_of(pad)
-    all_touch = press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
+    all_touch = press_path.press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
     assert all_touch != pytest.approx(first, rel=1e-3)
     less, more = (
-        press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force for share in (0.999, 1.001)
+        press_path.press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force
+        for share in (0.999, 1.001)
     )
     assert (less > 0).sum() == 2
     assert (more > 0).sum() == 3
@@ -142,21 +154,150 @@ def test_the_last_ridge_begins_to_carry_where_all_touch(force: float) -> None:
 
 def test_steps_change_little_and_ever_less() -> None:
     """The error of a step is of first order: with four times the steps it is a quarter, or less."""
-    pad = springs((0.0, 0.3, 0.5))
+    pad = springs(GAPS)
     first = first_of(pad)
     few, some, many = (
-        press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0 for steps in (5, 20, 160)
+        press_path.press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0
+        for steps in (5, 20, 160)
     )
     assert abs(some - many) <= 0.3 * abs(few - many)
     assert abs(some - many) < 5e-3 * many
 
 
 def test_a_single_ridge_touches_at_once_and_what_never_touches_is_none() -> None:
-    assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
-    assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
+    assert press_path.press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
+    assert press_path.press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
 
 
 def test_ridges_that_friction_keeps_apart_are_said() -> None:
     """Looked for up to a multiple of the force without friction, and no further."""
     with pytest.raises(ContactError, match="not all ridges touch at up to 3 times"):
-        press_with_friction(springs((0.0, 0.3, 0.5)), 0.5, 0.01, 0.01, 5)
+        press_path.press_with_friction(springs(GAPS), 0.5, 0.01, 0.01, 5)
+
+
+def in_space(plane: press_path.StickingPad) -> press_path.StickingPad:
+    """The same points, which nothing moves along y."""
+    m = plane.ridges.gap.size
+    compliance = np.zeros((3 * m, 3 * m))
+    compliance[: 2 * m, : 2 * m] = plane.compliance
+    return replace(plane, compliance=compliance, fine=np.hstack([plane.fine, 0 * plane.fine[:, :m]]))
+
+
+def drawn(points: int, seed: int, *, floats: bool) -> disc_friction.DiscCompliance:
+    """Points whose compliance is drawn: symmetric, positive definite, all directions coupled."""
+    random = np.random.default_rng(seed)
+    root = np.eye(3 * points) + 0.2 * random.uniform(-1.0, 1.0, (3 * points, 3 * points))
+    root[:points, points : 2 * points] += 0.4 * np.eye(points)
+    whole = root @ root.T
+    x, z, y = np.arange(3 * points).reshape(3, -1)
+    sideways = np.concatenate([x, y])
+    return disc_friction.DiscCompliance(
+        normal=whole[np.ix_(z, z)],
+        tangential=whole[np.ix_(sideways, sideways)],
+        cross=whole[np.ix_(z, sideways)],
+        gap=random.uniform(0.0, 0.4, points),
+        able=np.ones(2 * points, dtype=bool),
+        floats=floats,
+    )
+
+
+def pressed(skin: disc_friction.DiscCompliance, mu: float, forces: Array) -> list[disc_friction.DiscState]:
+    states = [disc_friction.unloaded(skin.gap.size)]
+    for force in forces.tolist():
+        states.append(disc_friction.solve_discs(skin, states[-1], force, mu))
+    return states[1:]
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.3, 1.0])
+def test_points_that_y_does_not_move_are_the_planes(mu: float) -> None:
+    """Another solver, by sets (frictional.py); forces are known to 1e-8, and the root of a force to 1e-6."""
+    plane = springs(GAPS)
+    first = first_of(plane)
+    one, other = (
+        press_path.press_with_friction(pad, mu, 2 * first, first, 7) for pad in (plane, in_space(plane))
+    )
+    assert other.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-5)
+    assert other.approach == pytest.approx(one.approach, rel=1e-7)
+    np.testing.assert_allclose(other.ridge_force, one.ridge_force, atol=1e-7)
+
+
+@pytest.mark.evidence(subject="friction by relaxation")
+@pytest.mark.parametrize("mu", [0.2, 1.0])
+def test_a_meshed_section_is_the_planes_too(mu: float) -> None:
+    plane = meshed()
+    first = first_of(plane)
+    one, other = (
+        press_path.press_with_friction(pad, mu, 2 * first, first, 8) for pad in (plane, in_space(plane))
+    )
+    assert other.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-5)
+    np.testing.assert_allclose(other.ridge_force, one.ridge_force, atol=1e-6 * first)
+
+
+@pytest.mark.parametrize("floats", [False, True])
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_point_by_point_relaxation_finds_the_same(mu: float, floats: bool) -> None:
+    """Jourdan, Alart and Jean, CMAME 155 (1998) 31: each point is put right by itself, over and over, the
+    plate led where it was. Neither a set nor a direction is solved for."""
+    skin, m = drawn(5, 4, floats=floats), 5
+    states = pressed(skin, mu, np.linspace(0.2, 2.0, 6))
+    pulled = [np.hypot(*s.tangential.reshape(2, -1)) / np.maximum(s.normal, 1e-300) for s in states]
+    assert any((pull[s.touches] > 0.999 * mu).any() for pull, s in zip(pulled, states, strict=True))
+    sticks = any((pull[s.touches] < 0.999 * mu).any() for pull, s in zip(pulled, states, strict=True))
+    assert sticks or mu < 0.2
+    force, anchor = np.zeros(3 * m), np.zeros(2 * m)
+    travels = np.array([s.travel for s in states])
+    for state, travel in zip(states, travels, strict=True):
+        t, p = force[: 2 * m], force[2 * m :]
+        for _ in range(400):
+            for i in range(m):
+                gap = skin.gap[i] - state.approach - skin.cross[i] @ t + skin.normal[i] @ p
+                p[i] = max(0.0, p[i] - gap / skin.normal[i, i])
+                pair = [i, i + m]
+                block = skin.tangential[np.ix_(pair, pair)]
+                off = skin.tangential[pair] @ t - skin.cross[:, pair].T @ p - anchor[pair]
+                off[0] -= travel
+                pull = t[pair] - off / np.linalg.eigvalsh(block)[-1]
+                size = float(np.hypot(*pull))
+                t[pair] = pull * min(1.0, mu * p[i] / size) if size else 0.0
+        place = skin.tangential @ t - skin.cross.T @ p
+        place[:m] -= travel
+        held = np.tile(np.hypot(*t.reshape(2, -1)) < mu * p * (1 - 1e-9), 2) & np.tile(p > 0, 2)
+        anchor = np.where(held, anchor, place)
+        np.testing.assert_allclose(p, state.normal, atol=1e-6)  # of up to 2 N
+        np.testing.assert_allclose(t, state.tangential, atol=1e-6)
+    if floats:
+        assert states[-1].tangential[:m].sum() == pytest.approx(0.0, abs=1e-7)
+        assert np.abs(travels).max() > 1e-3
+
+
+def test_x_and_y_are_alike() -> None:
+    skin, m = drawn(6, 7, floats=False), 6
+    turned = np.concatenate([np.arange(m) + m, np.arange(m)])
+    swapped = replace(skin, tangential=skin.tangential[np.ix_(turned, turned)], cross=skin.cross[:, turned])
+    forces = np.linspace(0.3, 2.0, 4)
+    one, other = pressed(skin, 0.3, forces)[-1], pressed(swapped, 0.3, forces)[-1]
+    np.testing.assert_allclose(other.tangential[turned], one.tangential, atol=1e-7)
+    assert other.approach == pytest.approx(one.approach, rel=1e-7)
+
+
+def test_forces_that_do_not_settle_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(disc_friction, "ITERATIONS", 1)
+    with pytest.raises(ContactError, match="do not settle in 1 sweeps"):
+        disc_friction.solve_discs(drawn(5, 4, floats=False), disc_friction.unloaded(5), 1.0, 0.3)
+
+
+def test_crests_that_are_level_take_no_more_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All touch at a millionth of the force: up to it and from it on as many steps as of any pad."""
+    level = in_space(springs((0.0, 1e-6, 2e-6)))
+    first, forces = first_of(level), list[float]()
+    step = press_path._SolidPoints.step
+
+    def counted(points: Any, before: Any, start: float, end: float, *deeper: int) -> disc_friction.DiscState:
+        if points.numbers.size == level.compliance.shape[0]:
+            forces.append(end)
+        return step(points, before, start, end, *deeper)
+
+    monkeypatch.setattr(press_path._SolidPoints, "step", counted)
+    assert first < 1e-2
+    press_path.press_with_friction(level, 0.5, 1e3 * first, first, 6)
+    assert len(forces) <= 12

@@ -121,7 +121,7 @@ def run(pad: object, mass: float, *more: str) -> tuple[March, list[int | None], 
     return found, slips_of(found, 3, halts_of(scene())).steps, films[:, ::2] - films[:, 1::2]
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="slow modes")
 @pytest.mark.parametrize("mass", [1e-9, 0.2])
 def test_a_march_is_that_with_all_masses(mass: float) -> None:
     """Slips to 3 of 200 steps, signals to 6 % of the largest before all slip; without masses they are off by

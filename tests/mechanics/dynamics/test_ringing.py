@@ -1,36 +1,41 @@
-"""What rings about a load of straight lines, against the equation of motion integrated in time."""
+"""What rings about a load of straight lines, and a plate with mass on springs: the equation of motion."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from skincad.mechanics import RETARDATION
-from skincad.mechanics.dynamics.ringing import Ringer, ringer
+from skincad.inputs.material import silicone
+from skincad.mechanics import FREE_TOP, RETARDATION, MasslessRun, plate_ringing, shear_frequency, skin_mass
+from skincad.mechanics.dynamics import ringing
+from skincad.shape import section
+from tests.mechanics.designs import filleted
 
-CORNERS = np.array([0.0, 1e-3, 2.5e-3, 2.9e-3, 6e-3])
+TURNS = np.array([0.0, 1e-3, 2.5e-3, 2.9e-3, 6e-3])
 LOADS = np.array([0.0, 2.0, 2.0, -1.0, -0.5])
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.6])
 def test_ringing_is_what_the_equation_of_motion_gives(damping: float) -> None:
-    ring = Ringer(3000.0, damping)
+    ring = ringing.Ringer(3000.0, damping)
 
     def pushed(t: float, state: np.ndarray) -> list[float]:
-        load = np.interp(t, CORNERS, LOADS)
+        load = np.interp(t, TURNS, LOADS)
         return [state[1], ring.frequency**2 * (load - state[0]) - 2 * damping * ring.frequency * state[1]]
 
-    times = CORNERS[:, None] + np.linspace(0, 1, 7) * np.append(np.diff(CORNERS), 3e-3)[:, None]
+    times = TURNS[:, None] + np.linspace(0, 1, 7) * np.append(np.diff(TURNS), 3e-3)[:, None]
     motion = solve_ivp(pushed, (0, 9e-3), [0, 0], rtol=1e-9, atol=1e-12, max_step=2e-5, dense_output=True)
     x, speed = motion.sol(times.ravel()).reshape(2, *times.shape)
     lag = 2 * damping / ring.frequency * speed
-    wanted = x + lag - np.interp(times, CORNERS, LOADS)
-    assert ring.rings(CORNERS, LOADS, times) == pytest.approx(wanted, abs=1e-6)
+    wanted = x + lag - np.interp(times, TURNS, LOADS)
+    assert ring.rings(TURNS, LOADS, times) == pytest.approx(wanted, abs=1e-6)
 
 
 def test_a_ramp_of_whole_periods_leaves_nothing() -> None:
-    ring = Ringer(2 * np.pi * 500, 0.0)
+    ring = ringing.Ringer(2 * np.pi * 500, 0.0)
     corners, values = np.array([0.0, 0.004]), np.array([0.0, 1.0])
     times = corners[:, None] + np.linspace(0, 2e-3, 41)
     during, after = np.abs(ring.rings(corners, values, times)).max(axis=1)
@@ -39,7 +44,102 @@ def test_a_ramp_of_whole_periods_leaves_nothing() -> None:
 
 
 def test_silicone_on_a_spring_is_damped_by_its_retardation() -> None:
-    swing = ringer(4.0, 1e-6)
+    swing = ringing.ringer(4.0, 1e-6)
     assert swing.frequency == 2000.0
     assert swing.damping == pytest.approx(1000 * RETARDATION)
-    assert ringer(4e12, 1e-6).damping < 1
+    assert ringing.ringer(4e12, 1e-6).damping < 1
+
+
+DOWN, ALONG, MASS = 10.0, 4.0, 0.5  # N/mm, N/mm, g
+TIME = np.linspace(0.0, 0.02, 401)
+CORNERS = np.array([0.0, 0.002, 0.006, 0.007, 0.02])
+NORMAL = np.array([0.0, 2.0, 2.0, 2.0, 2.0])
+PULL = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
+STILL = np.zeros_like(CORNERS)
+
+
+def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> MasslessRun:
+    down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
+    return MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
+
+
+def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """What the skin feels more than the load, N: the plate's own mass times its acceleration."""
+    mass = ringing.TONNE * MASS * (1 + FREE_TOP)
+
+    def pushed(t: float, state: np.ndarray) -> list[float]:
+        lack = np.interp(t, CORNERS, load) - stiffness * (state[0] + RETARDATION * state[1])
+        return [state[1], lack / mass]
+
+    motion = solve_ivp(pushed, (0, TIME[-1]), [0, 0], rtol=1e-8, atol=1e-12, max_step=2e-5, dense_output=True)
+    return np.array([-ringing.TONNE * MASS * pushed(t, motion.sol(t))[1] for t in times])
+
+
+def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
+    swing = plate_ringing(springs(), CORNERS, (NORMAL, PULL), False, MASS)
+    assert swing is not None
+    some = slice(None, None, 9)
+    assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
+    assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, PULL, swing.time[some]), abs=1e-5)
+    slow = 2 * math.pi * math.sqrt(ringing.TONNE * MASS * (1 + FREE_TOP) / ALONG)
+    assert swing.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
+
+
+def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> None:
+    """A layer of 2 mm, 10 x 12 mm wide, G 0.3 MPa, 1000 kg/m3: stiffness G A / h, mass rho A h."""
+    stiffness, mass = 0.3 * 120 / 2, 1e-12 * 1000 * 120 * 2
+    assert math.sqrt(stiffness / (FREE_TOP * mass)) / (2 * math.pi) == pytest.approx(
+        shear_frequency(0.3, 1000, 2.0)
+    )
+
+
+def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
+    """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
+    moves = PULL / ALONG
+    swing = plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
+    assert swing is not None
+    assert not swing.normal.any()
+    assert swing.period == pytest.approx(2 * math.sqrt(ringing.TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
+    speed = moves[3] / (CORNERS[3] - CORNERS[2])
+    first = (swing.time >= CORNERS[2]) & (swing.time <= CORNERS[2] + swing.period / 3)
+    wanted = 2 / math.pi * math.sqrt(ALONG * ringing.TONNE * MASS) * speed
+    damping = math.pi * math.sqrt(ALONG / (ringing.TONNE * MASS)) * RETARDATION / 2
+    wanted *= math.exp(-damping * math.pi / 2)  # what is left after a quarter of a period
+    # 2 %: looked at 32 times a period, and the peak comes a little early
+    assert swing.pull[first].max() == pytest.approx(wanted, rel=0.02)
+
+
+@pytest.mark.parametrize(("normal", "pull"), [(STILL, STILL), (STILL, PULL * 0)])
+def test_nothing_rings_where_no_load_changes(normal: np.ndarray, pull: np.ndarray) -> None:
+    assert plate_ringing(springs(normal, pull), CORNERS, (normal, pull), False, MASS) is None
+
+
+def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
+    short = MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
+    swing = plate_ringing(short, CORNERS, (NORMAL, PULL), False, MASS)
+    assert swing is not None
+    assert swing.time.max() <= short.time[-1]
+    assert not swing.pull.any()
+
+
+def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
+    quick = CORNERS * [1, 0.1, 1, 1, 1]
+    normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, PULL)
+    on = MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
+    swing = plate_ringing(on, quick, (3 * NORMAL, PULL), False, MASS)
+    assert swing is not None
+    ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
+    down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
+    lifted, highest = swing.normal.min(), swing.normal.max()
+    assert lifted < -2.0  # N, of which the skin bears two: it is left, no more
+    assert swing.signals(*ridges, down, 10.0) == pytest.approx(max(highest, 2.0) / 2, rel=1e-6)
+    loose, sticking = (swing.signals(*ridges, sideways, mu) for mu in (0.41, 100.0))
+    assert loose < sticking
+    assert sticking == pytest.approx(np.abs(swing.pull).max() / 2, rel=1e-6)
+
+
+def test_a_skin_weighs_its_section_times_its_length() -> None:
+    """To 3 %: base and ridges are taken as flat, without crowns and fillets."""
+    design = filleted()
+    wanted = 1e-6 * silicone(design).density * section(design).area * design.skin.length
+    assert skin_mass(design) == pytest.approx(wanted, rel=0.03)

@@ -35,13 +35,12 @@ from skincad.mechanics import (
     triangles,
     unit_of,
 )
-from skincad.mechanics.contact.state import at_rest
+from skincad.mechanics.contact import state as contact_state
+from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.dynamics import steps as dynamics
-from skincad.mechanics.dynamics.pad import moving_matrices
-from skincad.mechanics.dynamics.steps import MOST_LENGTHS, Half, PadEquations
 from skincad.shape import area
+from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.dynamics import closed_forms
 from tests.mechanics.film.test_sliding import meshed
 
 ROUGH, SMOOTH = FrictionCoefficients(0.5, 0.5), FrictionCoefficients(0.0, 0.0)
@@ -53,7 +52,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     point's own but the third unknown's, which the spring then holds."""
     points = sparse.csr_matrix(np.eye(2, 3))
     none = sparse.csr_matrix((0, 3))
-    half = Half(points, np.array([2]), np.array([0, 1]), (none, none))
+    half = dynamics.Half(points, np.array([2]), np.array([0, 1]), (none, none))
     k, m = np.diag([stiff, 10.0, 1.0]), 1e-6 * np.diag([mass, 0.0, 1.0])
     if link is not None:
         k, m = np.diag([link, 10.0, stiff + link]), 1e-6 * np.diag([0.0, 0.0, mass])
@@ -61,7 +60,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, soft, m))
-    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
+    return Dynamics(dynamics.PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
 
 
 def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicState:
@@ -75,7 +74,8 @@ def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicStat
     return replace(rest, u=u, contact=contact, elastic_force=pad.pad.stiff @ u, plate=plate, drive=drive)
 
 
-DAMPED = [pytest.param(0.5, marks=pytest.mark.slow), 0.8, pytest.param(1.0, marks=pytest.mark.slow)]
+FINER = pytest.mark.evidence(subject="finer steps: dynamics")
+DAMPED = [pytest.param(0.5, marks=FINER), 0.8, pytest.param(1.0, marks=FINER)]
 
 
 @pytest.mark.parametrize("damped", DAMPED)
@@ -188,10 +188,10 @@ def smooth_error(matter: Matter, steps: int) -> float:
 @pytest.mark.parametrize(
     "matter",
     [
-        pytest.param(Matter(1.0, 0.3), marks=pytest.mark.slow),
+        pytest.param(Matter(1.0, 0.3), marks=FINER),
         Matter(0.8, 0.3),
-        pytest.param(Matter(0.0, 0.3), marks=pytest.mark.slow),
-        pytest.param(Matter(0.8, 0.3, 1e-4), marks=pytest.mark.slow),
+        pytest.param(Matter(0.0, 0.3), marks=FINER),
+        pytest.param(Matter(0.8, 0.3, 1e-4), marks=FINER),
         Matter(0.8, 0.3, 0.0, ((0.5, 1e-3), (0.4, 2e-4))),
         Matter(rate=3e-4),
     ],
@@ -217,10 +217,10 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     points = sparse.csr_matrix((np.ones(2), ([0, 1], [n - 1, pieces])), shape=(2, n))
     none = sparse.csr_matrix((0, n))
     inner = np.concatenate([np.arange(1, pieces), [n - 2]])
-    half = Half(points, inner, np.array([n - 1, pieces]), (none, none))
+    half = dynamics.Half(points, inner, np.array([n - 1, pieces]), (none, none))
     one = np.ones(1, dtype=np.int64)
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, 0 * k, m))
-    return Dynamics(PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
+    return Dynamics(dynamics.PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
 
 
 def flying(pad: Dynamics, place: float, speed: float) -> DynamicState:
@@ -246,7 +246,7 @@ def struck_error(steps: int) -> float:
     return abs(float(state.plate[0, 0]) - float(wanted))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer steps: dynamics")
 def test_the_order_that_impacts_leave() -> None:
     """2 still, within 0.2: without mass a point meets the plate without a jump, the force grows from 0."""
     counts = [113, 226, 452, 904, 1808]
@@ -256,7 +256,7 @@ def test_the_order_that_impacts_leave() -> None:
 
 
 @pytest.mark.parametrize("damped", DAMPED)
-@pytest.mark.parametrize("steps", [800, pytest.param(3200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("steps", [800, pytest.param(3200, marks=FINER)])
 def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -> None:
     """v0 exp(-z t / m) until the wave is back from the clamped end, z the bar's impedance.
 
@@ -278,7 +278,7 @@ def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -
 
 
 @cache
-def pad_in_motion() -> tuple[Dynamics, PadEquations]:
+def pad_in_motion() -> tuple[Dynamics, dynamics.PadEquations]:
     piece, mesh, _ = meshed()
     equations = linear(piece, mesh, 3, True)
     return Dynamics(equations), equations
@@ -300,7 +300,7 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
 def test_it_weighs_what_its_section_does() -> None:
     """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
     piece, mesh, _ = meshed()
-    moving = moving_matrices(piece, mesh, 3, False)
+    moving = moving_pad.moving_matrices(piece, mesh, 3, False)
     lift = moving.body.system.lift[: moving.mass.shape[0]]
     films = sum(abs(area(loop)) for loop in piece.pad.strips)
     skin = abs(area(piece.pad.section.outline)) - films
@@ -318,7 +318,7 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     """sqrt(G / rho) / (4 h). 0.5 %: a layer of 100 by 1 has free ends."""
     pad = replace(block(100.0, 1.0, ratio), density=1000.0)
     piece = piece_of(pad, 0.0)
-    moving = moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    moving = moving_pad.moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
     fixed = moving.body.on_cut[1] if piece.mirrored else np.empty(0, dtype=np.int64)
     free = np.setdiff1d(moving.free, fixed)
     stiff, mass = (matrix[free][:, free] for matrix in (moving.stiff, moving.mass))
@@ -336,7 +336,7 @@ def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
     """Twice the energies of u = (z, 0) and (x, z): the square of the strain without its mean, times 2 G.
     To rounding: the fields are linear."""
     piece = piece_of(replace(block(3.0, 1.0, ratio), density=1000.0), 0.0)
-    moving = moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    moving = moving_pad.moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
     space = moving.body.system.space.components[0]
     shear = piece.pad.young_modulus / (2 * (1 + ratio))
     volume = 3.0 * 1.0 * piece.pad.length / (2 if piece.mirrored else 1)
@@ -352,8 +352,7 @@ def test_a_pad_creeps_as_its_material() -> None:
     """Pulled by a held force, all moves by 1 / (1 + g), then relaxes to 1. 1 %: what volume changes bear,
     which stays elastic, and films, which do not relax."""
     pad = pad_in_motion()[0]
-    slow, quick = Matter(), Matter(relaxing=((1.0, 1e3),))
-    still, moved = (
+    still, moved, relaxed = (
         pad.step(
             pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
             Drive(1.2, 0.05),
@@ -361,17 +360,9 @@ def test_a_pad_creeps_as_its_material() -> None:
             GRIPPING,
             matter,
         )
-        for matter in (slow, quick)
+        for matter in (Matter(), Matter(relaxing=((1.0, 1e3),)), Matter(relaxing=((1.0, 1e-6),)))
     )
     assert moved.plate[0, 0] < 0.7 * still.plate[0, 0]
-    long = Matter(relaxing=((1.0, 1e-6),))
-    relaxed = pad.step(
-        pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, long),
-        Drive(1.2, 0.05),
-        1.0,
-        GRIPPING,
-        long,
-    )
     assert relaxed.plate[0] == pytest.approx(still.plate[0], rel=1e-5)
 
 
@@ -386,7 +377,7 @@ def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamic
     return pad, state, sums
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer steps: dynamics")
 @pytest.mark.parametrize(
     "matter", [Matter(0.8, 0.1), Matter(0.8, 0.1, 2.4e-5), Matter(0.8, 1.0, 0.0, ((0.5, 1e-4),))]
 )
@@ -424,10 +415,10 @@ def test_few_factorisations_are_in_memory_and_the_one_in_use_is() -> None:
     state = replace(begun(pad, 0.0, 1.0), drive=Drive(1.0, travel=0.0))
     usual, matter = 1e-3, Matter(relaxing=((0.5, 1e-3),))
     first = pad.factorised(usual, matter)
-    for i in range(3 * MOST_LENGTHS):
+    for i in range(3 * dynamics.MOST_LENGTHS):
         state = pad.step(state, Drive(1.0, travel=0.001 * i), usual, GRIPPING, matter)
         state = pad.step(state, Drive(1.0, travel=0.001 * i), (0.2 + 0.01 * i) * usual, GRIPPING, matter)
-    assert len(pad.operators) == MOST_LENGTHS
+    assert len(pad.operators) == dynamics.MOST_LENGTHS
     assert pad.factorised(usual, matter) is first
 
 
@@ -457,7 +448,7 @@ def test_slow_motion_is_the_quasi_static_one() -> None:
     """Over 10 s, 1e4 swings of the pad, with damping: forces as of the condensed pad, to 1e-4."""
     pad, (_, _, small) = pad_in_motion()[0], meshed()
     still = Compliance(small.compliance, small.gap, np.zeros(2 * small.gap.size))
-    resting, state = at_rest(small.gap.size), rest_state(pad.pad)
+    resting, state = contact_state.at_rest(small.gap.size), rest_state(pad.pad)
     last = Drive(0.0, travel=0.0)
     for i in range(1, 11):
         drive = Drive(1.2 * min(i, 5) / 5, travel=0.02 * max(0, i - 5))

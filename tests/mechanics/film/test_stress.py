@@ -1,4 +1,4 @@
-"""The film strips' stress: mirror symmetry, patches, contour integrals, similarity, refusals."""
+"""The film strips' stress and its responses: mirror symmetry, patches, contour integrals, refusals."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
+import skincad
 from skincad import load
 from skincad.base import Estimate, InputError, RefusedError
 from skincad.inputs import Design
 from skincad.mechanics import (
+    FilmResponse,
     FilmStress,
     Pad,
     RidgeField,
@@ -22,6 +24,7 @@ from skincad.mechanics import (
     condense,
     default_sizes,
     filled_pad,
+    film_response,
     film_stresses,
     pad_of,
     press,
@@ -31,12 +34,11 @@ from skincad.mechanics import (
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
-from skincad.mechanics.film.stress import REFINEMENTS, solve
 from skincad.shape import Point, Section, SensorPlace
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import doubled, yamada
+from tests.templates import template
 
-pytestmark = pytest.mark.xdist_group("film stress")  # found() is shared
 OFF = 0.5  # of the thickness, from a film to the contour around it
 ROUNDING = 1e-9  # the issue's; the halves share one solution, so only sums are rounded
 
@@ -64,8 +66,7 @@ def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
     return np.array([e.value for e in estimates])
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted"])
-@pytest.mark.slow
+@pytest.mark.parametrize("name", [template(n, tier="slow") for n in ("yamada-2002", "yamada-2002-tilted")])
 class TestTheTemplates:
     def test_normal_force_is_mirrored(self, name: str) -> None:
         """The middle ridge's difference is zero, ridge i's is minus ridge (n+1-i)'s."""
@@ -130,7 +131,7 @@ def test_what_full_stick_takes_for_granted_is_said() -> None:
     assert any("off ridge 9" in w for w in twice.warnings)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="films: other ways")
 def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
     halves = three_stresses()
@@ -182,7 +183,7 @@ def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
 def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
     """At nu = 0 a pressed block has one stress, -p along z; the elements hold it."""
     pad, thickness = strips_in_a_block(degrees)
-    state = solve(pad, thickness, 0.5, (0.0,), 0.02)[0]
+    state = film_refinements.solve(pad, thickness, 0.5, (0.0,), 0.02)[0]
     pressure, turn = 0.5 / (3.0 * 2.0), math.radians(degrees)
     for normal, along, lengthwise in (
         (state.s1, state.along1, state.lengthwise1),
@@ -235,12 +236,12 @@ def test_ignored_film_is_the_silicone_without_any_strip() -> None:
         assert estimate.value == pytest.approx(mean, abs=estimate.error + 2e-3 * abs(mean))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="films: other ways")
 def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     """Mean of n.sigma.n = contour integral of (n.t)(n.x) / area, here from the silicone's side."""
     pad, thickness = filled_pad(three())
     state = three_stresses()[0]
-    refinement = REFINEMENTS[0]
+    refinement = film_refinements.REFINEMENTS[0]
     mesh = triangles(
         pad, refinement.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
     )
@@ -314,10 +315,10 @@ def test_few_ridges(count: int) -> None:
     assert np.abs(between + between[::-1]).max() <= ROUNDING * np.abs(values(normal.s1)).max()
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted"])
 def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(film_refinements, "REFINEMENTS", REFINEMENTS[1:])
+    monkeypatch.setattr(film_refinements, "REFINEMENTS", film_refinements.REFINEMENTS[1:])
     finer = film_stresses(load(name), 4.0, (0.0, 1.0))
     for coarse, fine in zip(stresses_of(name), finer, strict=False):
         for field in ("s1", "s2", "differential", "along1", "along2", "lengthwise1", "ridge_tangential"):
@@ -327,11 +328,11 @@ def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.Monk
 
 
 def test_json_has_the_agreed_keys() -> None:
-    data = json.loads(json.dumps(three_stresses()[1].as_json()))
+    state = film_stresses(one(), 0.4, (0.3,), tol=0.5)[0]
+    data = json.loads(json.dumps(state.as_json()))
     assert set(data["film_stress_MPa"]) == {"S1", "S2"}
-    assert [set(e) for e in data["differential_stress_MPa"]] == [{"value", "error"}] * 3
-    assert data["tangential_force_N"] == 0.3
-    assert data["force_N"] == 1.2
+    assert [set(e) for e in data["differential_stress_MPa"]] == [{"value", "error"}]
+    assert (data["tangential_force_N"], data["force_N"]) == (0.3, 0.4)
 
 
 REFUSED = {
@@ -474,3 +475,54 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     )
     assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
     assert film_refinements.relative_error(alone) == pytest.approx(max(1.0, difference) / 0.09, rel=1e-9)
+
+
+RESPONSES = [
+    pytest.param(name, marks=pytest.mark.evidence(subject=name))
+    for name in ("steep-fingertip", "fingertip-soft", "yamada-2002", "yamada-2002-tilted")
+]
+
+
+@pytest.fixture(scope="module", params=["one", pytest.param("three", marks=pytest.mark.slow), *RESPONSES])
+def case(request: pytest.FixtureRequest) -> tuple[Design, FilmResponse]:
+    small = {"one": one, "three": three}.get(request.param)
+    if small is None:
+        design = load(request.param)
+    else:
+        design = small()
+        design = design.with_(contact={"force": 0.4 * design.ridge.count})
+    return design, film_response(design)
+
+
+def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -> None:
+    """Pressed alone, and pulled by a quarter: within both errors, by the forces that each tells itself."""
+    design, felt = case
+    for state in skincad.film_stress(design).states:
+        normal = np.array([float(estimate) for estimate in state.ridge_force])
+        pull = np.array([float(estimate) for estimate in state.ridge_tangential])
+        stress = felt.stress(normal, pull).reshape(-1, 2, 3)
+        error = felt.stress_error(normal, pull)
+        pairs = [(state.s1, state.s2), (state.along1, state.along2), (state.lengthwise1, state.lengthwise2)]
+        for k, pair in enumerate(pairs):
+            theirs = np.array([[float(e) for e in side] for side in pair]).T
+            assert np.abs(stress[:, :, k] - theirs).max() <= error[k] + (pair[0][0].error or 0.0)
+            assert error[k] <= 0.25 * np.abs(theirs).max()  # worth something: errors of all ridges add up
+
+
+def test_a_mirrored_force_gives_the_mirrored_stress(case: tuple[Design, FilmResponse]) -> None:
+    """S1 of ridge i under a force on ridge j is S2 of the mirrored ridge; a tangential one turns its sign."""
+    _, felt = case
+    for k, (way, sign) in enumerate(((felt.normal, 1), (felt.tangential, -1))):
+        difference = np.abs(way - sign * way[::-1, ::-1]).max(axis=(0, 1))
+        assert (difference <= 2 * felt.error[k].max(axis=0)).all()
+
+
+def test_forces_of_the_reference_add_up(case: tuple[Design, FilmResponse]) -> None:
+    design, felt = case
+    assert felt.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-9)
+    assert felt.ridge_force_per_pull.sum(axis=1) == pytest.approx([0.0, 1.0], abs=1e-9)
+
+
+def test_without_slots_there_is_none() -> None:
+    with pytest.raises(InputError, match="slot: is missing"):
+        film_response(load("plain-ridges"))

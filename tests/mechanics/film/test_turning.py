@@ -11,7 +11,7 @@ import pytest
 
 from skincad.effects import CondensedPad, Share, Step, condensed
 from skincad.mechanics import ContactPad, ContactState, Drive, FrictionCoefficients
-from skincad.mechanics.film.turning import in_skin_axes, rotated_pad
+from skincad.mechanics.film import turning
 from tests.mechanics.film.test_sliding import meshed
 
 RADIUS, SPACING = 60.0, 0.05
@@ -53,14 +53,14 @@ def test_a_plane_rolls_on_a_circle(way: int) -> None:
 def test_the_frame_turns_with_the_plate() -> None:
     """Against vectors written out: how a force along the plate and one along its normal move the skin."""
     pad, angle = meshed()[2], math.radians(4.0)
-    m, seen = pad.gap.size, rotated_pad(meshed()[2], angle)
+    m, seen = pad.gap.size, turning.rotated_pad(meshed()[2], angle)
     along, normal = (
         np.array([math.cos(angle), math.sin(angle)]),
         np.array([-math.sin(angle), math.cos(angle)]),
     )
     force = np.random.default_rng(1).normal(size=(m, 2))  # along, normal
     plain = force[:, :1] * along + force[:, 1:] * normal
-    assert in_skin_axes(force.T.ravel(), angle) == pytest.approx(plain.T.ravel(), abs=1e-14)
+    assert turning.in_skin_axes(force.T.ravel(), angle) == pytest.approx(plain.T.ravel(), abs=1e-14)
     moved = (pad.compliance @ plain.T.ravel()).reshape(2, m).T
     expected = np.concatenate([moved @ along, moved @ normal])
     # rounding

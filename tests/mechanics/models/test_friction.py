@@ -1,4 +1,4 @@
-"""What friction changes, against a finer mesh, finite strain and a scene."""
+"""Friction of the plate in a check: what it changes, its bound, against finer meshes and a scene."""
 
 from __future__ import annotations
 
@@ -11,10 +11,29 @@ import pytest
 from skincad import load, simulate
 from skincad.base import Estimate
 from skincad.inputs import Design
-from skincad.mechanics import SOLID_STEPS, Answer, Layers, TwoPresses, pad_of, plain_pad, solve_solid
-from skincad.mechanics.models.friction import CoarsePress, solve, with_friction
+from skincad.mechanics import (
+    SOLID_STEPS,
+    Answer,
+    ContactCheck,
+    ContactError,
+    Layers,
+    SizeError,
+    TwoPresses,
+    finite_strain,
+    friction,
+    pad_of,
+    plain_pad,
+    solve_solid,
+)
+from skincad.mechanics import check as adaptivity
+from skincad.mechanics.check import ModelSelection, check
+from skincad.mechanics.left_out import friction_along
+from skincad.mechanics.models import friction as pressing
+from skincad.mechanics.models.friction import LOST, PLANE_PART, CoarsePress, solve, with_friction
+from skincad.outputs.checks import lines
 from skincad.scenes import load_scene
-from tests.mechanics.designs import linear_check, small
+from tests.mechanics.designs import SHORT, linear_check, reference, small
+from tests.mechanics.test_auto import LEFT, MadeUp
 
 # mm at 4 N, `simulate yamada-2002-press --model small_strain` with effects.friction.coefficient 0 and 1
 SMOOTH, ROUGH = 0.16860, 0.15950
@@ -142,3 +161,237 @@ def test_solids_too() -> None:
         assert pressed.gripped.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
         assert pressed.gripped.ridge_force[0] > 1.05 * pressed.gripped.ridge_force[2]
         assert pressed.gripped.residual < 1e-7
+
+
+def rubbed(coefficient: float | None) -> Design:
+    return reference().with_(**SHORT, contact={"force": 0.65, "friction": coefficient})
+
+
+@pytest.fixture(scope="module")
+def smooth() -> ContactCheck:
+    return linear_check(rubbed(0.0), tol=0.05)
+
+
+def of(verdict: ContactCheck) -> list[str]:
+    return [part.effect for part in verdict.left_out]
+
+
+def without_presses(patch: pytest.MonkeyPatch) -> None:
+    """No press with friction succeeds, so that its bound stays."""
+
+    def fails(*_: object) -> None:
+        raise ContactError("the sets do not settle")
+
+    patch.setattr(pressing, "solve", fails)
+    patch.setattr(pressing, "solve_solid", fails)
+
+
+def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
+    verdict, bound = linear_check(rubbed(None), tol=0.05), friction(rubbed(None), smooth.touching)
+    assert of(smooth) == ["free ends", "finite strain"]
+    assert of(verdict) == ["free ends", "finite strain", "friction"]
+    for name, more in (("all_touch_force", bound.threshold), ("approach", bound.approach)):
+        wider, before = getattr(verdict, name), getattr(smooth, name)
+        assert wider.value == before.value
+        assert wider.error == pytest.approx(before.error + more * before.value, rel=1e-9)
+    assert verdict.ridge_force[0].error > smooth.ridge_force[0].error
+    assert any("N for not knowing friction" in line for line in lines(verdict))
+    assert verdict.as_json()["left_out"][-1]["effect"] == "friction"
+
+
+@pytest.mark.parametrize(("coefficient", "left"), [(None, True), (0.0, False), (0.5, True)])
+def test_the_closed_form_computes_no_friction(coefficient: float | None, left: bool) -> None:
+    verdict, without = (check(rubbed(c), model="winkler") for c in (coefficient, 0.0))
+    assert of(verdict) == (["friction"] if left else [])
+    assert verdict.all_touch_force.value == without.all_touch_force.value
+    assert (verdict.all_touch_force.error > without.all_touch_force.error) == left
+
+
+def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck) -> None:
+    verdict, design = linear_check(rubbed(0.5), tol=0.05), rubbed(0.5)
+    assert of(verdict) == of(smooth)
+    change = solve(plain_pad(design), 0.5, 0.65)
+    ratio = change.gripped.approach / change.without.approach
+    assert verdict.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
+    assert verdict.approach.value < 0.995 * smooth.approach.value
+    assert sum(f.value for f in verdict.ridge_force) == pytest.approx(0.65, rel=1e-9)
+    assert verdict.seconds["friction"] > 0
+
+
+def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    without_presses(monkeypatch)
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    design = load("yamada-2002").with_(contact={"friction": 15.0})
+    for model, effects in (("linear", ["free ends", "finite strain"]), ("corrected", ["finite strain"])):
+        verdict = check(design, model=model)
+        assert of(verdict) == [*effects, "friction"]
+        assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
+
+
+def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
+    MadeUp(monkeypatch)
+    monkeypatch.setattr(ModelSelection, "_linear_seconds", lambda _: 2.0)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
+    assert "friction" in of(verdict)
+    assert any("contact.friction is left out" in w and "would take about" in w for w in verdict.warnings)
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "effects"),
+    [
+        ("plain-ridges", "corrected", ["finite strain", "friction", "friction along y"]),
+        ("plain-ridges", "linear", ["free ends", "finite strain", "friction"]),
+        ("yamada-2002", "corrected", ["finite strain", "friction"]),  # strips hold the ridges along y
+        ("plain-ridges", "solid-finite-strain", ["friction", "friction along y"]),
+    ],
+)
+def test_along_y_it_counts_where_ends_are_free(
+    name: str, model: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no press tells: bounds in closed form."""
+    without_presses(monkeypatch)
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    monkeypatch.setitem(LEFT, "friction along y", 0.1)
+    assert of(check(load(name), model=model)) == effects
+    assert friction_along(load(name)).threshold < 0.15
+
+
+@pytest.mark.parametrize(
+    ("tol", "model", "said"),
+    [
+        (0.4, "linear", False),
+        (0.335, "corrected", False),  # linear would do without friction
+        (0.05, "corrected-finite-strain", False),
+        (0.034, "corrected-finite-strain", True),  # not to be met by friction: the rest meets it
+        (0.02, "corrected-finite-strain", True),
+        (0.005, "solid-finite-strain", True),
+    ],
+)
+def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
+    tol: float, model: str, said: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without_presses(monkeypatch)
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    verdict = check(load("yamada-2002"), tol=tol)
+    assert verdict.model == model
+    missed = [w for w in verdict.warnings if "not met" in w]
+    assert bool(missed) == said
+    assert all("friction may change it by 0.03: give contact.friction" in w for w in missed)
+
+
+@pytest.mark.parametrize(
+    ("value", "model", "hangs"),
+    [
+        (2.9, "linear", False),
+        (3.7, "corrected-finite-strain", False),  # 3.7 N and 4 %
+        (3.9, "solid-finite-strain", True),  # 1 % and 3 %: a better model might move it
+        (3.99, "corrected-finite-strain", False),  # no model moves it far enough
+    ],
+)
+def test_no_model_is_climbed_for_what_friction_leaves_open(
+    value: float, model: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without_presses(monkeypatch)
+    MadeUp(monkeypatch, value)
+    monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 40.0)
+    monkeypatch.setattr(adaptivity, "SHARP_SECONDS", 0.0)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    verdict = check(load("yamada-2002"), force=4.0)
+    assert verdict.model == model
+    words = "the verdict depends on friction, which is not known: give contact.friction"
+    assert (words in verdict.warnings) == hangs
+
+
+def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model by name is asked for its mesh's error alone."""
+    MadeUp(monkeypatch)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    verdict = check(load("yamada-2002"), model="linear", tol=0.005)
+    assert [w for w in verdict.warnings if "not met" in w] == [
+        "the all-touch force's error is 0.01 of its value: the tolerance 0.005 is not met"
+    ]
+
+
+def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Along y none computes it: what is said of a missed tolerance names the effect alone."""
+    without_presses(monkeypatch)
+    fake = MadeUp(monkeypatch)
+    fake.mesh = 0.01
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    monkeypatch.setitem(LEFT, "friction along y", 0.2)
+    verdict = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
+    assert verdict.model == "corrected"  # 0.1 and its mesh; 0.23 stays in any case
+    assert [w for w in verdict.warnings if "not met" in w] == [
+        "the all-touch force's error is 0.34 of its value: the tolerance 0.12 is not met; "
+        "friction may change it by 0.03 and friction along y may change it by 0.2"
+    ]
+    assert verdict.friction == verdict.as_json()["friction"] == 0.5
+
+
+@pytest.fixture(scope="module")
+def corrected() -> dict[float | None, ContactCheck]:
+    return {c: check(rubbed(c), model="corrected", tol=0.05) for c in (None, 0.0, 0.3, 1.0)}
+
+
+def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
+    corrected: dict[float | None, ContactCheck],
+) -> None:
+    """The middle of both; what is left out is half their distance."""
+    unknown = corrected[None]
+    assert of(unknown) == ["finite strain", "friction"]
+    assert all(of(corrected[known]) == ["finite strain"] for known in (0.0, 0.3, 1.0))
+    for name, key in (("all_touch_force", "threshold"), ("approach", "approach")):
+        none, much = (getattr(corrected[known], name).value for known in (0.0, 1.0))
+        middle = getattr(unknown, name)
+        assert middle.value == pytest.approx((none + much) / 2, rel=1e-9)
+        assert getattr(unknown.left_out[-1], key) * middle.value == pytest.approx(
+            abs(much - none) / 2 * middle.value / none, rel=1e-9
+        )
+        assert middle.lower <= min(none, much) <= max(none, much) <= middle.upper
+        between = getattr(corrected[0.3], name).value
+        assert min(none, much) < between < max(none, much)
+    assert unknown.seconds["friction"] > 0
+    assert any("N for not knowing friction" in line for line in lines(unknown))
+
+
+def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactCheck]) -> None:
+    """Ends that cannot bulge take less from the all-touch force: more than friction on a section changes."""
+    none, much = corrected[0.0].all_touch_force.value, corrected[1.0].all_touch_force.value
+    section = solve(plain_pad(rubbed(1.0)), 1.0, 0.65)
+    in_plane = section.gripped.all_touch_force / section.without.all_touch_force - 1
+    assert much / none - 1 > in_plane + 0.03
+
+
+def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
+    """By finite strain's bound; a section at finite strain keeps a quarter, and as much as all is the
+    error."""
+    design = rubbed(1.0)
+    large = finite_strain(design, linear_check(rubbed(0.0), tol=0.05), 0.65)
+    section, solid = solve(plain_pad(design), 1.0, 0.65), solve_solid(plain_pad(design), 1.0, 0.65)
+    fine = exact(solid.without)
+    for presses in (section, solid):
+        small_strain, _ = with_friction(fine, presses, 0.65)
+        changed, left = with_friction(fine, presses, 0.65, strain=large)
+        change = small_strain.all_touch_force.value / fine.all_touch_force.value - 1
+        by_strain = changed.all_touch_force.value / fine.all_touch_force.value - 1
+        first, last = small_strain.all_touch_force, changed.all_touch_force
+        more = last.error / last.value - first.error / first.value
+        assert left == ()
+        if presses is solid:
+            assert by_strain == pytest.approx(change - LOST.threshold * large.threshold / 2, rel=1e-9)
+            assert more == pytest.approx(LOST.threshold * large.threshold / 2, rel=1e-6)
+        else:
+            assert by_strain == pytest.approx(PLANE_PART * change, rel=1e-9)
+            assert more == pytest.approx(abs(change), rel=1e-6)
+
+
+def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:
+    wide = {"skin": {"curvature_radius": 3000.0, "width": 154.0}, "ridge": {"count": 150}}
+    design = load("plain-ridges").with_(**wide, contact={"friction": 0.5})
+    with pytest.raises(SizeError, match="at most 1000 contact points"):
+        solve(plain_pad(design), 0.5, 4.0)
