@@ -81,9 +81,7 @@ def test_the_side_towards_the_light_is_brighter_and_none_is_black() -> None:
         colour(image, seen, at)[0] for at in ((0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
     )
     assert 1.0 > top > front > right > 0.45
-    left = pictures.view(
-        [shape], -120.0, 0.0, (120, 120)
-    )  # turned away from the light: what is left of it is even
+    left = pictures.view([shape], -120.0, 0.0, (120, 120))  # away from the light: its rest is even
     dark = pictures.shaded([shape], [(1.0, 1.0, 1.0)], left)
     assert colour(dark, left, (-1.0, 0.0, 0.0))[0] == pytest.approx(0.45)
 
