@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 import tomlkit
 
+import skincad
 from bench.campaign.strategies import numbers
 from skincad.base import InputError, RefusedError, Table, table_of
 from skincad.circuit import Circuit, circuit_network, gain
 from skincad.effects import EFFECTS, Chain, effect
 from skincad.inputs import FAMILY_TABLES, Design, overridden, read_table, template_text
 from skincad.mechanics import filled_pad
-from skincad.mechanics.check import check
 from skincad.outputs import write
 from skincad.scenes import LEVELS, Readout, ScenePlate, at_level, load_scene
 from tests.small_scene import small_skin
@@ -77,7 +77,7 @@ def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:
     """The closed form's verdict on a design, and the numbers that a mesh of it begins with."""
     design = Design(**tables)
-    data = check(design, model="winkler").as_json()
+    data = skincad.check(design, model="winkler").as_json()
     if design.slot and design.skin.curvature_radius_y is None:
         pad = filled_pad(design.with_(contact={"film": "ignored"}))[0]
         data["pad"] = [pad.top, pad.length, pad.young_modulus, pad.poisson_ratio]
@@ -102,7 +102,10 @@ BASES: dict[
 }
 
 
-@pytest.mark.parametrize("kind", ["design", pytest.param("circuit", marks=pytest.mark.slow)])
+CIRCUIT = pytest.param("circuit", marks=pytest.mark.evidence(subject="ends: circuits"))
+
+
+@pytest.mark.parametrize("kind", ["design", CIRCUIT])
 def test_each_number_at_its_ends(kind: str) -> None:
     model, base, told = BASES[kind]
     assert finite(lambda: told(base()))
@@ -115,7 +118,7 @@ def test_each_number_at_its_ends(kind: str) -> None:
                 pytest.fail(f"{'.'.join(path)} = {value!r}: {failure}")
 
 
-@pytest.mark.parametrize("kind", ["design", pytest.param("circuit", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", ["design", CIRCUIT])
 def test_any_three_numbers_at_their_ends(kind: str) -> None:
     model, base, told = BASES[kind]
     other = {*FAMILY_TABLES} - {*base()}
@@ -207,11 +210,12 @@ def scene_told(folder: Path, change: dict[str, Any]) -> dict[str, Any]:
 
 
 ALL = list(scenes())
-FEW = {0, 5, 12, 13}  # a force too large and one too small, points of time too close and too far apart
+FEW = {0, 5, 13}  # a force too large and one too small, points of time too far apart
+ENDS = pytest.mark.evidence(subject="ends: scenes")
 
 
 @pytest.mark.parametrize(
-    "number", [n if n in FEW else pytest.param(n, marks=pytest.mark.slow) for n in range(len(ALL))]
+    "number", [pytest.param(n, marks=[] if n in FEW else [ENDS]) for n in range(len(ALL))]
 )
 def test_a_scene_at_its_ends(number: int, tmp_path: Path) -> None:
     change = ALL[number]

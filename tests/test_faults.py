@@ -343,7 +343,8 @@ def test_many_runs_into_one_folder_at_once(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("job", SLOW)
+@pytest.mark.slow
+@pytest.mark.parametrize("job", JOBS)
 def test_a_full_disk(job: str, tmp_path: Path) -> None:
     assert_a_full_disk_changes_nothing(command(job, False), command(job, True), tmp_path)
 

@@ -24,6 +24,7 @@ from skincad.cli.process import TRACEBACK
 from skincad.outputs import ready, write_new
 from tests.processes import python, started
 
+SLOW = pytest.mark.slow  # as the fast ones beside it, through another command or encoding
 # no library that takes long to load: advice is sought with scipy
 CHECK = "check plain-ridges --tier winkler --no-advice"
 FAILS = f"{CHECK} --force 1"
@@ -38,9 +39,15 @@ def shell(line: str, cwd: Path, **environment: str) -> subprocess.CompletedProce
     )  # fmt: skip
 
 
+LINES = [("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("new x.pdf 2>&-", 2)]
+
+
 @pytest.mark.parametrize(
     ("line", "status"),
-    [("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("templates <&- >&- 2>&-", 0), ("new x.pdf 2>&-", 2)],
+    [
+        ("templates <&- >&- 2>&-", 0),
+        *(pytest.param(*case, marks=SLOW) for case in LINES),
+    ],
 )
 def test_closed_descriptors_change_no_status(line: str, status: int, tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} {line}", tmp_path)
@@ -48,6 +55,7 @@ def test_closed_descriptors_change_no_status(line: str, status: int, tmp_path: P
     assert bool(done.stdout) == (line == "templates 2>&-")
 
 
+@pytest.mark.slow
 def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> None:
     """The files are written, and what is printed to the closed stdout goes into none of them."""
     assert shell(f"{SKINCAD} new open/mine.toml", tmp_path).returncode == 0
@@ -58,7 +66,13 @@ def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> 
 
 @pytest.mark.parametrize(
     ("command", "status", "buffered"),
-    [("templates", 0, ""), (FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")],
+    [
+        ("templates", 0, ""),
+        *(
+            pytest.param(*case, marks=SLOW)
+            for case in [(FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")]
+        ),
+    ],
 )
 def test_a_reader_who_has_had_enough_changes_no_status(
     command: str, status: int, buffered: str, tmp_path: Path
@@ -69,7 +83,11 @@ def test_a_reader_who_has_had_enough_changes_no_status(
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize(
-    ("command", "buffered"), [(f"{CHECK} --json", ""), ("templates", "1"), ("--help", "")]
+    ("command", "buffered"),
+    [
+        ("templates", "1"),
+        *(pytest.param(*case, marks=SLOW) for case in [(f"{CHECK} --json", ""), ("--help", "")]),
+    ],
 )
 def test_a_result_that_cannot_be_written_has_status_3(command: str, buffered: str, tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} {command} >/dev/full", tmp_path, PYTHONUNBUFFERED=buffered)
@@ -91,9 +109,9 @@ ENCODINGS = {
 }
 
 
-# the other two are bytes of ASCII too, as that of POSIX
+# the others are slow: two are bytes of ASCII too, as that of POSIX
 @pytest.mark.parametrize(
-    "encoding", [pytest.param(e, marks=[pytest.mark.slow] if e in ("strict", "C") else []) for e in ENCODINGS]
+    "encoding", [pytest.param(e, marks=[] if e == "POSIX alone" else [SLOW]) for e in ENCODINGS]
 )
 def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Path) -> None:
     """A name that the terminal's encoding lacks is escaped, in the result and in a message."""
@@ -113,9 +131,8 @@ def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> N
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
 
 
-@pytest.mark.parametrize(
-    ("encoding", "sign"), [("ascii", b"+-"), pytest.param("latin-1", b"\xb1", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("encoding", "sign"), [("ascii", b"+-"), ("latin-1", b"\xb1")])
 def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
     encoding: str, sign: bytes, tmp_path: Path
 ) -> None:
@@ -263,8 +280,8 @@ main()
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux how much memory is used")
-# MB beside what the libraries take: a solution asks for more
-@pytest.mark.parametrize("more", [pytest.param(20, marks=pytest.mark.slow), 60])
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [20, 60])  # MB beside what the libraries take: a solution asks for more
 def test_too_little_memory_is_one_object_and_status_3(more: int, tmp_path: Path) -> None:
     done = python(TOO_LITTLE.format(more), cwd=tmp_path)
     assert "Traceback" not in done.stderr
@@ -384,11 +401,11 @@ def assert_ended(status: int, out: str, err: str, signum: int, cwd: Path) -> Non
     ("module", "command"),
     [
         ("typer", "templates"),
-        ("pydantic_core", CHECK),
-        pytest.param("numpy.linalg", CHECK, marks=pytest.mark.slow),  # C extensions, as pydantic_core
-        pytest.param("PIL.Image", "circuit yamada-2002", marks=pytest.mark.slow),
-        pytest.param("ngsolve", "check plain-ridges", marks=pytest.mark.slow),
-        pytest.param("OCP.gp", "make plain-ridges --format dxf", marks=pytest.mark.slow),
+        pytest.param("pydantic_core", CHECK, marks=SLOW),
+        pytest.param("numpy.linalg", CHECK, marks=SLOW),  # C extensions, as pydantic_core
+        pytest.param("PIL.Image", "circuit yamada-2002", marks=SLOW),
+        pytest.param("ngsolve", "check plain-ridges", marks=SLOW),
+        pytest.param("OCP.gp", "make plain-ridges --format dxf", marks=SLOW),
     ],
 )
 def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_path: Path) -> None:
