@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from time import perf_counter
 from typing import TypeVar
 
@@ -84,10 +84,6 @@ class Outcome:
     rows: tuple[Row, ...]
     refused: dict[str, str]
     seconds: float
-
-    def as_json(self) -> dict[str, object]:
-        """Return all fields as plain data."""
-        return asdict(self)
 
 
 def force_of(design: Design, seed: int) -> float:

@@ -8,7 +8,6 @@ keys of WIDE, in a design of choice: `--start yamada-2002 --wide`.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import perf_counter
@@ -16,6 +15,7 @@ from time import perf_counter
 import numpy as np
 
 import skincad
+from bench import runner
 from skincad.studies import Query, evaluate, solve, value_of
 
 START, MODEL = "lab-bench", "corrected"
@@ -113,10 +113,8 @@ def ways(
 
 def main() -> None:
     """Print each way, and how many hit."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("count", type=int)
-    parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    parser.add_argument("--tier", default=MODEL)
+    parser = runner.parser(__doc__, "count", seed=0, recorded=False)
+    parser.add_argument("--tier", dest="model", default=MODEL)
     parser.add_argument("--start", default=START, help="a design's template")
     parser.add_argument("--wide", action="store_true", help="one of the keys of WIDE")
     options = parser.parse_args()

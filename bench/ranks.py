@@ -1,22 +1,21 @@
 """Is the better of two designs told apart as surely as is said? Pairs of neighbours in a study,
 ranked by the linear model, against `solid-finite-strain`.
 
-`python -m bench.ranks 30 --seed 100` draws 30 pairs, writes a JSON line of each to out/ranks-SEED.jsonl and
-prints how many are said to be surely different, how many of those rightly, and the same for other values of
-what two designs do not share of a model's error (`OWN` in skincad/studies/sweeping.py).
+`python -m bench.ranks 30 --seed 100` draws 30 pairs and prints how many are said to be surely different, how
+many of those rightly, and the same for other values of what two designs do not share of a model's error
+(`OWN` in skincad/studies/sweeping.py).
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
 import skincad
+from bench import runner
+from skincad.base import InputError
 from skincad.inputs import Design
 from skincad.studies import Query, changed, evaluate, model_error
 
@@ -70,13 +69,14 @@ def drawn(seed: int) -> tuple[Design, Design]:
     return one, other
 
 
-def judged(seed: int) -> Pair | None:
-    """Return a seed's pair, None where a model refuses one of its designs."""
+def judged(seed: int) -> Pair:
+    """Return a seed's pair; InputError where a model refuses one of its designs."""
     table = {}
     for model in ("linear", BEST):
         table[model] = [evaluate(design, {}, Query("check", model)) for design in drawn(seed)]
-        if any(each.refused or each.results[KEY].value is None for each in table[model]):
-            return None
+        for each in table[model]:
+            if each.refused or each.results[KEY].value is None:
+                raise InputError(model, each.refused or f"tells no {KEY}")
 
     def both(model: str, part: str) -> tuple[float, float]:
         a, b = (float(getattr(each.results[KEY], part) or 0.0) for each in table[model])
@@ -113,22 +113,9 @@ def summary(pairs: list[Pair]) -> list[str]:
 
 def main() -> None:
     """Judge pairs and print what they show."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("count", type=int)
-    parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    options = parser.parse_args()
-    out = Path(f"out/ranks-{options.seed}.jsonl")
-    out.parent.mkdir(exist_ok=True)
-    pairs = []
-    with out.open("w") as file:
-        for seed in range(options.seed, options.seed + options.count):
-            pair = judged(seed)
-            if pair is None:
-                continue
-            pairs.append(pair)
-            file.write(json.dumps(asdict(pair)) + "\n")
-            file.flush()
-    print("\n".join(summary(pairs)))
+    options = runner.parser(__doc__, "count", seed=0).parse_args()
+    seeds = range(options.seed, options.seed + options.count)
+    print("\n".join(summary(runner.rows("ranks", judged, seeds, options, kind=Pair))))
 
 
 if __name__ == "__main__":

@@ -8,9 +8,9 @@ tolerance that check asks for.
 from __future__ import annotations
 
 import math
-import sys
 
 import skincad
+from bench import runner
 from bench.campaign.random_designs import drawn
 from skincad.base import InputError, RefusedError
 from skincad.inputs import Design
@@ -41,22 +41,37 @@ def exponent(design: Design, key: str) -> float | None:
     return (last - first) / (high - low)
 
 
-def main(seeds: list[int]) -> None:
+def judged(case: runner.Case) -> runner.Row:
+    """Return of each key of a design its interval and the linear model's exponent."""
+    design = drawn(case).design if isinstance(case, int) else skincad.load(case)
+    stated = intervals(design, all_touch_force(design))
+    answers = {key: exponent(design, key) for key in stated.keys() & {*KEYS}}
+    return {
+        "case": f"seed {case}" if isinstance(case, int) else case,
+        "keys": {key: [*stated[key], answer] for key, answer in answers.items() if answer is not None},
+    }
+
+
+def line(row: runner.Row) -> str:
+    """Return a line for each key of a design."""
+    return "\n".join(
+        f"{row['case']:20} {key:24} {low:6.2f} to {high:6.2f}: {value:6.2f}"
+        + ("" if low <= value <= high else "  OUTSIDE")
+        for key, (low, high, value) in row["keys"].items()
+    )
+
+
+def main() -> None:
     """Print the rows and how many lie inside."""
-    names = [f"seed {seed}" for seed in seeds] or skincad.template_names()
-    designs = [drawn(seed).design for seed in seeds] or [skincad.load(name) for name in names]
-    inside: dict[str, list[bool]] = {key: [] for key in KEYS}
-    for name, design in zip(names, designs, strict=True):
-        stated = intervals(design, all_touch_force(design))
-        for key in stated.keys() & {*KEYS}:
-            if (answer := exponent(design, key)) is not None:
-                low, high = stated[key]
-                inside[key].append(low <= answer <= high)
-                told = "" if inside[key][-1] else "  OUTSIDE"
-                print(f"{name:20} {key:24} {low:6.2f} to {high:6.2f}: {answer:6.2f}{told}", flush=True)
-    for key, each in inside.items():
-        print(f"{key:24} {sum(each)} of {len(each)} inside")
+    parser = runner.parser(__doc__)
+    parser.add_argument("seeds", type=int, nargs="*")
+    options = parser.parse_args()
+    cases = options.seeds or skincad.template_names()
+    rows = runner.rows("sensitivities", judged, cases, options, line)
+    for key in KEYS:
+        known = [row["keys"][key] for row in rows if key in row["keys"]]
+        print(f"{key:24} {sum(low <= value <= high for low, high, value in known)} of {len(known)} inside")
 
 
 if __name__ == "__main__":
-    main([int(seed) for seed in sys.argv[1:]])
+    main()

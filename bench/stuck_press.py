@@ -11,7 +11,6 @@ and the body is the one of finite strain in both cases, at rest or where it is."
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,8 +18,9 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 import skincad
+from bench import runner
 from bench.table_strain import flat_design
-from skincad.base import Array, InputError, Mask, one_blas_thread
+from skincad.base import Array, Mask, one_blas_thread
 from skincad.inputs import Design
 from skincad.mechanics import (
     COARSE_LAYERS,
@@ -45,6 +45,7 @@ from skincad.mechanics.contact.frictionless import all_touch_force
 
 STEPS, NEWTON_STEPS, RESIDUAL = 10, 25, 1e-8
 MOST = 16_000  # unknowns
+PARTS = {"all touch": "threshold", "approach": "approach", "share": "share"}
 
 
 @dataclass
@@ -208,26 +209,32 @@ def design_of(name: str) -> Design:
     return flat_design(int(name)) if name.isdigit() else skincad.load_design(name)
 
 
+def judged(name: str) -> runner.Row:
+    """Return by quantity what sticking changes in small strain, at finite strain, and the bound."""
+    design = design_of(name)
+    small, large = (changes(design, finite=finite) for finite in (False, True))
+    force = design.contact.force
+    bound = finite_strain(design, run("linear", design, Request(force), {}, None), force)
+    return {"name": name} | {
+        what: [getattr(one, key) for one in (small, large, bound)] for what, key in PARTS.items()
+    }
+
+
+def line(row: runner.Row) -> str:
+    """Return a design's line."""
+    words = []
+    for what in PARTS:
+        small, large, bound = row[what]
+        words.append(f"{what} {small:+.4f}, {large:+.4f} ({(large - small) / bound:+.2f})")
+    return f"{row['name']}: {'; '.join(words)}"
+
+
 def main() -> None:
     """Print a line a design."""
-    for name in sys.argv[1:]:
-        design = design_of(name)
-        try:
-            small, large = (changes(design, finite=finite) for finite in (False, True))
-        except (ContactError, InputError) as refusal:
-            print(f"{name}: {refusal}")
-            continue
-        force = design.contact.force
-        bound = finite_strain(design, run("linear", design, Request(force), {}, None), force)
-        rows = (
-            ("all touch", small.threshold, large.threshold, bound.threshold),
-            ("approach", small.approach, large.approach, bound.approach),
-            ("share", small.share, large.share, bound.share),
-        )
-        words = [
-            f"{what} {one:+.4f}, {two:+.4f} ({(two - one) / part:+.2f})" for what, one, two, part in rows
-        ]
-        print(f"{name}: {'; '.join(words)}", flush=True)
+    parser = runner.parser(__doc__)
+    parser.add_argument("designs", nargs="+")
+    options = parser.parse_args()
+    runner.rows("stuck-press", judged, options.designs, options, line)
 
 
 if __name__ == "__main__":

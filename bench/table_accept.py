@@ -16,16 +16,16 @@ no such parts; and all with a finer scale and gauge. Thresholds were set on the 
 from __future__ import annotations
 
 import math
-import sys
 from collections import Counter
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import interp1d
 
 import skincad
-from bench.exam.scoring import wilson
+from bench import runner
 from skincad.base import Array, InputError, RefusedError, Stopwatch, one_blas_thread
 from skincad.inputs import Design, Plate, PressCurve
 from skincad.inputs.material import silicone
@@ -313,15 +313,29 @@ def called(of: Trial, setting: Setting) -> Acceptance:
     return judge(of.part.template, rows, setting.ruled_out, setting.good_share)
 
 
-def share(hits: int, count: int) -> str:
-    """Return a share with its 95 % interval, in percent."""
-    low, high = wilson(hits, count)
-    return f"{hits}/{count} = {100 * hits / max(1, count):.0f} % ({100 * low:.0f} to {100 * high:.0f})"
+class Call(NamedTuple):
+    """What the judge called a part."""
+
+    verdict: str
+    cause: str | None
+    alone: bool
 
 
-def table(results: list[tuple[str, Acceptance]]) -> list[str]:
+def judged(seed: int) -> dict[str, list[Any]]:
+    """Return the calls of a seed's two parts: setting, fault and call."""
+    calls = []
+    for fault in ("", list(FAULTS)[seed // len(TEMPLATES) % len(FAULTS)]):
+        of = trial(seed, fault)
+        for setting in SETTINGS:
+            if FAULTS.get(fault) not in setting.ruled_out:
+                answer = called(of, setting)
+                calls.append([setting.name, fault, Call(answer.verdict, answer.cause, bool(answer.alone))])
+    return {"calls": calls}
+
+
+def table(results: list[tuple[str, Call]]) -> list[str]:
     """Return the table of verdicts by kind, and the totals."""
-    lines = [f"{'part':22} {'in':>4} {'out':>4} {'?':>4}  {'cause right':>11}  {'named alone, right':>18}"]
+    lines = list[tuple[object, ...]]()
     right = calls = cause = alone = alone_right = 0
     for kind in ("", *FAULTS):
         rows = [verdict for name, verdict in results if name == kind]
@@ -332,43 +346,36 @@ def table(results: list[tuple[str, Acceptance]]) -> list[str]:
         hits = sum(row.cause == FAULTS[kind] for row in outs)
         single = [row for row in outs if row.alone]
         hits_alone = sum(row.cause == FAULTS[kind] for row in single)
-        named = f"{hits}/{len(outs)}" if kind else ""
-        lines.append(
-            f"{kind or 'good':22} {count['in']:4} {count['out']:4} {count[UNDECIDED]:4}  "
-            f"{named:>11}  {f'{hits_alone}/{len(single)}' if kind else '':>18}"
-        )
+        named = [f"{hits}/{len(outs)}", f"{hits_alone}/{len(single)}"] if kind else ["", ""]
+        lines.append((kind or "good", count["in"], count["out"], count[UNDECIDED], *named))
         right += count["out"] if kind else count["in"]
         calls += count["out"] + count["in"]
         cause, alone, alone_right = cause + hits, alone + len(single), alone_right + hits_alone
     good = [row for name, row in results if not name]
     outs = sum(row.verdict == "out" for name, row in results if name)
-    lines += [
-        f"called                  {share(calls, len(results))}",
-        f"right of those called   {share(right, calls)}",
-        f"good parts called out   {share(sum(row.verdict == 'out' for row in good), len(good))}",
-        f"faulty parts called out {share(outs, len(results) - len(good))}",
-        f"cause right, if out     {share(cause, outs)}",
-        f"named alone, right      {share(alone_right, alone)}",
+    return [
+        *runner.table(("part", "in", "out", "?", "cause right", "named alone, right"), lines),
+        f"called                  {runner.share(calls, len(results))}",
+        f"right of those called   {runner.share(right, calls)}",
+        f"good parts called out   {runner.share(sum(row.verdict == 'out' for row in good), len(good))}",
+        f"faulty parts called out {runner.share(outs, len(results) - len(good))}",
+        f"cause right, if out     {runner.share(cause, outs)}",
+        f"named alone, right      {runner.share(alone_right, alone)}",
     ]
-    return lines
 
 
-def main(first: int, stop: int) -> None:
+def main() -> None:
     """Print a table for each setting."""
-    results = dict[Setting, list[tuple[str, Acceptance]]]()
-    for seed in range(first, stop):
-        for fault in ("", list(FAULTS)[seed // len(TEMPLATES) % len(FAULTS)]):
-            of = trial(seed, fault)
-            for setting in SETTINGS:
-                if FAULTS.get(fault) not in setting.ruled_out:
-                    results.setdefault(setting, []).append((fault, called(of, setting)))
-    for setting, rows in results.items():
-        print(
-            f"\n{setting.name}; {setting.errors[0]:g} N, {setting.errors[1]:g} mm; "
-            f"seeds {first} to {stop - 1}"
-        )
-        print("\n".join(table(rows)), flush=True)
+    options = runner.parser(__doc__, "first", "stop").parse_args()
+    rows = runner.rows("accept", judged, range(options.first, options.stop), options)
+    for setting in SETTINGS:
+        force, approach = setting.errors
+        print(f"\n{setting.name}; {force:g} N, {approach:g} mm; seeds {options.first} to {options.stop - 1}")
+        calls = [
+            (fault, Call(*call)) for row in rows for name, fault, call in row["calls"] if name == setting.name
+        ]
+        print("\n".join(table([(fault, Call(*call)) for fault, call in calls])))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]))
+    main()

@@ -7,11 +7,12 @@ and without, at the force of bench/error_bars.py; some seconds a seed.
 from __future__ import annotations
 
 import statistics
-import sys
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
+from bench import runner
 from bench.campaign.random_designs import drawn
 from bench.error_bars import force_of
 from skincad.base import InputError
@@ -39,27 +40,34 @@ def changes(design: Design, force: float, coefficient: float) -> Iterator[tuple[
         yield NAMES[2], float(share), bound.share
 
 
+def judged(seed: int, coefficients: list[float]) -> dict[str, float]:
+    """Return each quantity's largest change of a seed's design by its bound."""
+    design = drawn(seed).design.with_(skin={"curvature_radius_y": None})
+    if skin_of(design).count > MOST_RIDGES:
+        raise InputError("ridge.count", f"more than {MOST_RIDGES} take minutes")
+    largest: dict[str, float] = {}
+    for coefficient in coefficients:
+        try:
+            for name, change, bound in changes(design, force_of(design, seed), coefficient):
+                largest[name] = max(largest.get(name, 0.0), change / bound)
+        except (ContactError, InputError) as refusal:
+            print(f"seed {seed}, {coefficient:g}: {refusal}")
+    return largest
+
+
 def main() -> None:
     """Print one line a quantity: each design counts by its largest change."""
-    low, high, *coefficients = sys.argv[1:]
-    parts: dict[str, list[float]] = {name: [] for name in NAMES}
-    for seed in range(int(low), int(high)):
-        design = drawn(seed).design.with_(skin={"curvature_radius_y": None})
-        if skin_of(design).count > MOST_RIDGES:
-            continue
-        largest: dict[str, float] = {}
-        for coefficient in map(float, coefficients or COEFFICIENTS):
-            try:
-                for name, change, bound in changes(design, force_of(design, seed), coefficient):
-                    largest[name] = max(largest.get(name, 0.0), change / bound)
-            except (ContactError, InputError) as refusal:
-                print(f"seed {seed}, {coefficient:g}: {refusal}")
-        for name, part in largest.items():
-            parts[name].append(part)
-    for name, found in parts.items():
-        held, width = sum(part <= 1 for part in found), 1 / max(statistics.median(found), 1e-9)
+    parser = runner.parser(__doc__, "first", "stop")
+    parser.add_argument("coefficients", type=float, nargs="*", default=COEFFICIENTS)
+    options = parser.parse_args()
+    name = "-".join(["friction", *map(str, options.coefficients)])
+    judge, seeds = partial(judged, coefficients=options.coefficients), range(options.first, options.stop)
+    rows = runner.rows(name, judge, seeds, options)
+    for name in NAMES:
+        parts = [row[name] for row in rows if name in row]
+        held, width = sum(part <= 1 for part in parts), 1 / max(statistics.median(parts), 1e-9)
         print(
-            f"{name:16} held {held} of {len(found)}, at worst {max(found):.2f}, median {width:.1f} times wide"
+            f"{name:16} held {held} of {len(parts)}, at worst {max(parts):.2f}, median {width:.1f} times wide"
         )
 
 

@@ -9,15 +9,15 @@ out too. Half a minute to two a scene. The one constant, STAYS of frozen_tangent
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from bench import runner
 from bench.table_swaying import drawn
-from skincad.base import InputError, one_blas_thread
+from skincad.base import one_blas_thread
 from skincad.effects import FiniteStrain, SmallStrain
 from skincad.mechanics import PadPiece, default_sizes, piece_of, triangles
 from skincad.scenes import (
@@ -111,30 +111,30 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
 
 def main() -> None:
     """Print a line a scene and ridge, and how often a lead lies within its error."""
-    rng = np.random.default_rng(int(sys.argv[1]))
-    scenes, rows = 0, list[tuple[float, float, BySource, BySource, float]]()
-    while scenes < int(sys.argv[2]):
-        try:
-            scene = history(drawn(rng), STEPS, bool(scenes % 2))
-            more, words = within(scene)
-        except InputError as refusal:
-            print(f"refused: {refusal}")
-            continue
-        print(f"scene {scenes + 1}: {words}")
+    options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
+    rng, rows = np.random.default_rng(options.seed), list[tuple[float, float, BySource, BySource, float]]()
+
+    def ridges(number: int) -> list[Any] | None:
+        """Return the rows of a scene's ridges; None where none slips in all."""
+        more, words = within(history(drawn(rng), STEPS, bool(number % 2)))
+        print(f"scene {number + 1}: {words}")
+        return more or None
+
+    for more in runner.until(options.count, ridges):
         for small, few, first, second, true in more:
             print(
                 f"  small strain {small:.2f} ± {first.total:.2f}, chosen steps {few:.2f} "
                 f"± {second.total:.2f} ({second.drift:.2f} drift), finite strain {true:.2f} ms",
                 flush=True,
             )
-        scenes, rows = scenes + bool(more), rows + more
+        rows += more
     for i, name in enumerate(("small strain", "chosen steps")):
         errors = [row[2 + i].total or 0.0 for row in rows]
         off = [abs(row[i] - row[4]) for row in rows]
         held = sum(o <= e + 1e-6 for o, e in zip(off, errors, strict=True))
         print(
-            f"{name}: within its error {held} of {len(rows)}; off by {np.median(off):.2f} ms (median), "
-            f"{max(off):.2f} at most; error told {np.median(errors):.2f} (median)"
+            f"{name}: within its error {runner.share(held, len(rows))}; off by {np.median(off):.2f} ms "
+            f"(median), {max(off):.2f} at most; error told {np.median(errors):.2f} (median)"
         )
 
 

@@ -11,16 +11,17 @@ has a bench of its own, table_swaying.py; friction and viscosity say nothing of 
 
 from __future__ import annotations
 
-import sys
+import itertools
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.exam.scoring import wilson
+from bench import runner
 from bench.random_scenes import random_scene
 from skincad.base import Array, InputError
 from skincad.mechanics import default_sizes, skin_mass, triangles
@@ -97,15 +98,12 @@ def _coarse(scene: Scene) -> March:
 
 def scenes(seed: int, count: int) -> Iterator[Scene]:
     """Yield the first random scenes of a seed whose skins can be."""
-    found, draw = 0, 0
-    while found < count:
-        try:
-            scene = random_scene(np.random.default_rng((seed, draw)))
-        except InputError:
-            continue
-        finally:
-            draw += 1
-        found += 1
+    draws = itertools.count()
+    for _ in range(count):
+        scene = None
+        while scene is None:
+            with suppress(InputError):
+                scene = random_scene(np.random.default_rng((seed, next(draws))))
         yield scene
 
 
@@ -114,8 +112,7 @@ def held(rows: list[Compared]) -> str:
     told = []
     for name, factors in (("2", [2.0] * len(rows)), ("its own", [row.within for row in rows])):
         hits = sum(row.off <= factor for row, factor in zip(rows, factors, strict=True))
-        low, high = wilson(hits, len(rows))
-        told.append(f"within {name} in {hits} of {len(rows)} ({low:.0%} to {high:.0%})")
+        told.append(f"within {name} in {runner.share(hits, len(rows))}")
     parts = np.array([row.said / row.found for row in rows])
     spread = f"{parts.min():.2f} to {parts.max():.2f}, median {np.median(parts):.2f}"
     own = ", ".join(f"{f:g} {n} times" for f, n in sorted(Counter(row.within for row in rows).items()))
@@ -124,14 +121,16 @@ def held(rows: list[Compared]) -> str:
 
 def main() -> None:
     """Print the table as it grows."""
-    seed, count, effects = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:] or EFFECTS
+    parser = runner.parser(__doc__, "seed", "count", recorded=False)
+    parser.add_argument("effects", nargs="*", default=EFFECTS)
+    options = parser.parse_args()
     rows: dict[str, list[Compared]] = defaultdict(list)
     with threadpool_limits(limits=1, user_api="blas"):
-        for number, scene in enumerate(scenes(seed, count), 1):
+        for number, scene in enumerate(scenes(options.seed, options.count), 1):
             design, history = scene.design, scene.history
             told = [f"{number:3} {skin_of(design).count} ridges, {history.time_s[-1]:7.2g} s"]
             told += ["driven"] * (history.tangential_force_N is None)
-            for effect in effects:
+            for effect in options.effects:
                 row = compared(scene, effect)
                 rows[effect].append(row)
                 missed = "" if row.off <= row.within else f" (stated: within {row.within:g})"

@@ -11,16 +11,15 @@ step, to which the judge's lead is known.
 
 from __future__ import annotations
 
-import sys
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from bench.exam.scoring import wilson
+from bench import runner
 from bench.table_leads import TIME_MS, history, leads
 from bench.table_swaying import drawn
-from skincad.base import InputError, one_blas_thread
+from skincad.base import one_blas_thread
 from skincad.effects import CondensedPad, ModalPad, SmallStrain
 from skincad.mechanics import (
     PadPiece,
@@ -134,17 +133,17 @@ def compared(scene: Scene) -> tuple[list[tuple[float | None, float, float, float
 
 def main() -> None:
     """Print a line a scene and ridge, and how often the judge's lead lies within the error."""
-    rng, wanted = np.random.default_rng(int(sys.argv[1])), int(sys.argv[2])
-    number, rows, lengths = 0, list[tuple[float | None, float, float, float]](), list[float]()
-    while number < wanted:
-        try:
-            scene = scene_of(rng, number)
-            more, words = compared(scene)
-        except InputError as refusal:
-            print(f"refused: {refusal}")
-            continue
-        number += 1
-        print(f"scene {number}: {words}")
+    options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
+    rng = np.random.default_rng(options.seed)
+    rows, lengths = list[tuple[float | None, float, float, float]](), list[float]()
+
+    def ridges(number: int) -> tuple[Scene, list[Any]]:
+        scene = scene_of(rng, number)
+        more, words = compared(scene)
+        print(f"scene {number + 1}: {words}")
+        return scene, more
+
+    for scene, more in runner.until(options.count, ridges):
         for before, lead, error, true in more:
             without = "-" if before is None else f"{before:.3f}"
             print(f"  {without}, by modes {lead:.3f} ± {error:.3f}, all masses {true:.3f} ms", flush=True)
@@ -152,8 +151,7 @@ def main() -> None:
     off = np.array([abs(lead - true) for _, lead, _, true in rows])
     errors, steps = np.array([error for _, _, error, _ in rows]), np.array(lengths)
     held = int((off <= errors + steps + 1e-9).sum())
-    low, high = wilson(held, len(rows))
-    print(f"within its error {held} of {len(rows)} ({low:.0%} to {high:.0%})")
+    print(f"within its error {runner.share(held, len(rows))}")
     print(f"off by {np.median(off):.3f} ms (median), {off.max():.3f} at most")
     print(f"error {np.median(errors):.3f} ms (median)")
 

@@ -13,17 +13,15 @@ strip has "can't tell", or if two strips are swapped that are named as alike. El
 from __future__ import annotations
 
 import pickle
-import sys
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 import skincad
-from bench.exam.scoring import wilson
+from bench import runner
 from skincad.inputs import FilmRecording
 from skincad.scenes import (
     CANT_TELL,
@@ -210,38 +208,45 @@ def judged(seed: int, folder: Path) -> tuple[Case, RecordingAcceptance, str]:
     return case, result, verdict(case, result)
 
 
+def row_of(seed: int, folder: Path) -> dict[str, str]:
+    """Return a seed's groups, what the answer is worth, and what differs."""
+    case, result, worth = judged(seed, folder)
+    off = {
+        s.name: (case.states[s.name], s.state, round(s.probability, 3), s.second, str(s.gain))
+        for s in result.strips
+        if s.state != case.states[s.name]
+    }
+    return {
+        "fault": case.kinds[0] if len(case.kinds) == 1 else "two faults" if case.kinds else "no fault",
+        "scene": case.scene,
+        "ridges": {2: "1 ridge", 6: "3 ridges"}.get(len(case.states), "all ridges"),
+        "worth": worth,
+        "text": f"{seed} {worth} {case.scene} {case.kinds} {result.duration} {off}",
+    }
+
+
 def main() -> None:
     """Print the table."""
-    first, last = int(sys.argv[1]), int(sys.argv[2])
-    folder = Path(next(iter(sys.argv[3:4]), "out/recordings"))
-    tallies: dict[tuple[str, str], Counter] = defaultdict(Counter)
-    for seed in range(first, last):
-        case, result, worth = judged(seed, folder)
-        kind = case.kinds[0] if len(case.kinds) == 1 else "two faults" if case.kinds else "no fault"
-        size = {2: "1 ridge", 6: "3 ridges"}.get(len(case.states), "all ridges")
-        for row in (("fault", kind), ("scene", case.scene), ("ridges", size), ("", "all")):
-            tallies[row][worth] += 1
-        if "-v" in sys.argv and worth != "right":
-            off = {
-                s.name: (case.states[s.name], s.state, round(s.probability, 3), s.second, str(s.gain))
-                for s in result.strips
-                if s.state != case.states[s.name]
-            }
-            print(seed, worth, case.scene, size, case.kinds, result.duration, off, flush=True)
+    parser = runner.parser(__doc__, "first", "stop")
+    parser.add_argument("folder", nargs="?", type=Path, default=Path("out/recordings"))
+    parser.add_argument("-v", "--verbose", action="store_true", help="each recording that is not right")
+    options = parser.parse_args()
+    seeds = range(options.first, options.stop)
+    rows = runner.rows("recordings", partial(row_of, folder=options.folder), seeds, options)
+    tallies: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
+    for row in rows:
+        if options.verbose and row["worth"] != "right":
+            print(row["text"])
+        for group in ("fault", "scene", "ridges"):
+            tallies[group, row[group]][row["worth"]] += 1
+        tallies["", "all"][row["worth"]] += 1
     print("| | recordings | right | undecided | wrong | right, 95 % |\n|---|---|---|---|---|---|")
     for (group, name), tally in sorted(tallies.items(), key=lambda row: (row[0][0] or "z", row[0][1])):
-        count = sum(tally.values())
-        low, high = wilson(tally["right"], count)
-        cells = [
-            f"{group}: {name}" if group else name,
-            count,
-            tally["right"],
-            tally["undecided"],
-            tally["wrong"],
-        ]
-        print("| " + " | ".join(map(str, cells)) + f" | {low:.0%} to {high:.0%} |")
+        low, high = runner.wilson(tally["right"], tally.total())
+        counts = [tally.total(), *(tally[worth] for worth in ("right", "undecided", "wrong"))]
+        cells = [f"{group}: {name}" if group else name, *map(str, counts), f"{low:.0%} to {high:.0%}"]
+        print(f"| {' | '.join(cells)} |")
 
 
 if __name__ == "__main__":
-    with threadpool_limits(limits=1, user_api="blas"):
-        main()
+    main()

@@ -10,13 +10,15 @@ number of pins.
 from __future__ import annotations
 
 import math
-import sys
+from collections.abc import Callable
+from functools import partial
 from time import perf_counter, process_time
 
 import numpy as np
 
 import skincad
-from bench import calculix_pins
+from bench import calculix_pins, runner
+from skincad.base import RefusedError
 from skincad.inputs import Design, layers, shoulder
 from skincad.inputs.material import silicone
 from skincad.mechanics.models import reduced
@@ -109,34 +111,52 @@ def many(count: int) -> Design:
     )
 
 
+def judged(seed: int, make: Callable[[int], Design], ratio: float) -> runner.Row:
+    """Return a design's comparison; RefusedError where CalculiX fails."""
+    design, began = make(seed).with_(material={"poisson_ratio": ratio}), perf_counter()
+    try:
+        numbers = compared(design)
+    except RuntimeError as failure:
+        raise RefusedError(f"{design.name} {str(failure).splitlines()[0]}") from None
+    name = design.name
+    if design.shot:
+        stiff = layers(design)[0].young_modulus.value / silicone(design).young_modulus.value
+        name += f", {stiff:.2g}"
+    return {"seed": seed, "name": name, "numbers": numbers, "seconds": perf_counter() - began}
+
+
+def line(row: runner.Row) -> str:
+    """Return a design's line."""
+    force, off, approach, share = row["numbers"]
+    numbers = f"{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}{row['seconds']:6.0f}"
+    return f"{row['seed']:3} {row['name']:16}{numbers}"
+
+
+def times() -> None:
+    """Print the seconds of a check by the number of pins."""
+    for count in (22, 44):
+        began, cpu = perf_counter(), process_time()
+        result = skincad.check(many(count))
+        spent = f"{perf_counter() - began:.1f} s, {process_time() - cpu:.1f} s of processors"
+        print(f"{result.name}: {spent}; all touch at {result.all_touch_force}", flush=True)
+
+
 def main() -> None:
     """Print a line a design."""
-    if sys.argv[1:] == ["times"]:
-        for count in (22, 44):
-            began, cpu = perf_counter(), process_time()
-            result = skincad.check(many(count))
-            spent = f"{perf_counter() - began:.1f} s, {process_time() - cpu:.1f} s of processors"
-            print(f"{result.name}: {spent}; all touch at {result.all_touch_force}", flush=True)
+    parser = runner.parser(__doc__)
+    parser.add_argument("words", nargs="*", help="layers or times; first and last seed; Poisson's ratio")
+    options = parser.parse_args()
+    words, make = options.words, random_pins
+    if words == ["times"]:
+        times()
         return
-    words, make = sys.argv[1:], random_pins
     if words[:1] == ["layers"]:
         words, make = words[1:], layered
     first, end = (int(word) for word in (words[:2] or ("0", "16")))
     ratio = float(words[2]) if len(words) > 2 else 0.49
     print(f"{'':20}{'all touch at, N':>17}{'off':>8}{'approach':>10}{'share':>8}{'s':>6}")
-    for seed in range(first, end):
-        design, began = make(seed).with_(material={"poisson_ratio": ratio}), perf_counter()
-        try:
-            force, off, approach, share = compared(design)
-        except RuntimeError as failure:
-            print(f"{seed:3} {design.name:16} {str(failure).splitlines()[0]}", flush=True)
-            continue
-        name = design.name
-        if design.shot:
-            stiff = layers(design)[0].young_modulus.value / silicone(design).young_modulus.value
-            name += f", {stiff:.2g}"
-        row = f"{seed:3} {name:16}{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}"
-        print(f"{row}{perf_counter() - began:6.0f}", flush=True)
+    judge = partial(judged, make=make, ratio=ratio)
+    runner.rows(f"{make.__name__}-{ratio:g}", judge, range(first, end), options, line)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,12 @@ hold."""
 
 from __future__ import annotations
 
-import sys
-
-from bench.table_strain import FINENESS, FINER, Judge, flat_design
+from bench import runner
+from bench.table_strain import FINENESS, FINER, compared, flat_design, line, tell
 from skincad.base import InputError
 from skincad.mechanics import (
     SOLID_ORDER,
     SOLID_STEPS,
-    ContactError,
     errors_of,
     pad_of,
     plain_pad,
@@ -26,25 +24,25 @@ MOST = 40_000  # unknowns of the coarse solid
 COEFFICIENTS = 0.3, 1.0
 
 
+def judged(case: str) -> runner.Row:
+    """Return the changes by friction of a seed and a coefficient; none of a design with many unknowns."""
+    seed, mu = int(case.split(maxsplit=1)[0]), float(case.split()[1])
+    design = flat_design(seed)
+    force = design.contact.force
+    coarse = solve_solid(plain_pad(design), mu, force)
+    if coarse.without.unknowns > MOST:
+        raise InputError("unknowns", f"must be at most {MOST}", coarse.without.unknowns)
+    fine = solve_solid(pad_of(design), mu, force, (), FINER, FINENESS, SOLID_ORDER, 2 * SOLID_STEPS)
+    pairs = [(one.without, one.gripped) for one in (coarse, fine)]
+    stated = errors_of(relative_changes(*pairs[0]), coarse.constant, coarse.by_change)
+    return {"seed": seed, "at": f", {mu:g}", "changes": compared(*pairs, stated)}
+
+
 def main() -> None:
     """Print a line a seed and coefficient, and how many of the stated errors hold."""
-    judge, steps = Judge(), 2 * SOLID_STEPS
-    for seed in range(int(sys.argv[1]), int(sys.argv[2])):
-        design = flat_design(seed)
-        force = design.contact.force
-        for mu in COEFFICIENTS:
-            try:
-                coarse = solve_solid(plain_pad(design), mu, force)
-                if coarse.without.unknowns > MOST:
-                    break
-                fine = solve_solid(pad_of(design), mu, force, (), FINER, FINENESS, SOLID_ORDER, steps)
-            except (ContactError, InputError) as refusal:
-                print(f"seed {seed}, {mu:g}: {refusal}")
-                continue
-            pairs = [(one.without, one.gripped) for one in (coarse, fine)]
-            stated = errors_of(relative_changes(*pairs[0]), coarse.constant, coarse.by_change)
-            print(f"seed {seed}, {mu:g}: {judge.line(*pairs, stated)}", flush=True)
-    print(f"held {judge.held} of {judge.judged}")
+    options = runner.parser(__doc__, "first", "stop").parse_args()
+    cases = [f"{seed} {mu}" for seed in range(options.first, options.stop) for mu in COEFFICIENTS]
+    tell(runner.rows("solid-friction", judged, cases, options, line))
 
 
 if __name__ == "__main__":

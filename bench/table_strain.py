@@ -6,10 +6,9 @@ the share that is off most in mean shares; a * marks what the stated error does 
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 
+from bench import runner
 from bench.campaign.random_designs import drawn
 from bench.error_bars import force_of
 from skincad.base import InputError
@@ -19,7 +18,6 @@ from skincad.mechanics import (
     COARSE_LAYERS,
     COARSE_PARTS,
     CoarseAnswer,
-    ContactError,
     Errors,
     Layers,
     errors_of,
@@ -41,49 +39,49 @@ def flat_design(seed: int) -> Design:
     return design.with_(skin={"curvature_radius_y": None}, contact=flat)
 
 
-class Judge:
-    """Changes from one coarse answer to another, held against those of a finer pair."""
+def compared(coarse: Pair, fine: Pair, stated: Errors) -> list[tuple[str, float, float, float]]:
+    """Return by quantity the coarse pair's change, by how much it is off the fine one's, and its error."""
+    change, truth = relative_changes(*coarse), relative_changes(*fine)
+    one, other = (
+        (after.ridge_force - before.ridge_force) / before.ridge_force.mean()
+        for before, after in (coarse, fine)
+    )
+    return [
+        ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
+        ("approach", change.approach, abs(change.approach - truth.approach), stated.approach),
+        ("share", change.share, float(np.abs(one - other).max()), stated.share),
+    ]
 
-    def __init__(self) -> None:
-        self.held = self.judged = 0
 
-    def line(self, coarse: Pair, fine: Pair, stated: Errors) -> str:
-        """Return the changes, by how much they are off, and a * where the stated error does not hold."""
-        change, truth = relative_changes(*coarse), relative_changes(*fine)
-        one, other = (
-            (after.ridge_force - before.ridge_force) / before.ridge_force.mean()
-            for before, after in (coarse, fine)
-        )
-        rows = (
-            ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
-            ("approach", change.approach, abs(change.approach - truth.approach), stated.approach),
-            ("share", change.share, float(np.abs(one - other).max()), stated.share),
-        )
-        self.judged += len(rows)
-        self.held += sum(off <= error for *_, off, error in rows)
-        return "; ".join(
-            f"{name} {v:+.4f} off {off:.4f}{'*' * (off > error)}" for name, v, off, error in rows
-        )
+def line(row: runner.Row) -> str:
+    """Return the changes, by how much they are off, and a * where the stated error does not hold."""
+    parts = (f"{name} {v:+.4f} off {off:.4f}{'*' * (off > error)}" for name, v, off, error in row["changes"])
+    return f"seed {row['seed']}{row['at']}: {'; '.join(parts)}"
+
+
+def judged(seed: int) -> runner.Row:
+    """Return a seed's changes by finite strain; none of a design with many unknowns."""
+    design = flat_design(seed)
+    force = design.contact.force
+    coarse = solve(plain_pad(design), force, {}, COARSE_LAYERS)
+    if coarse.finite.unknowns > MOST:
+        raise InputError("unknowns", f"must be at most {MOST}", coarse.finite.unknowns)
+    fine = solve(pad_of(design), force, {}, FINER, fineness=FINENESS)
+    pairs = [(one.small, one.finite) for one in (coarse, fine)]
+    stated = errors_of(relative_changes(*pairs[0]), COARSE_ERRORS, COARSE_PARTS)
+    return {"seed": seed, "at": "", "changes": compared(*pairs, stated)}
+
+
+def tell(rows: list[runner.Row]) -> None:
+    """Print how many of the stated errors hold."""
+    held = [off <= error for row in rows for *_, off, error in row["changes"]]
+    print(f"held {sum(held)} of {len(held)}")
 
 
 def main() -> None:
     """Print a line a seed, and how many of the stated errors hold."""
-    judge = Judge()
-    for seed in range(int(sys.argv[1]), int(sys.argv[2])):
-        design = flat_design(seed)
-        force = design.contact.force
-        try:
-            coarse = solve(plain_pad(design), force, {}, COARSE_LAYERS)
-            if coarse.finite.unknowns > MOST:
-                continue
-            fine = solve(pad_of(design), force, {}, FINER, fineness=FINENESS)
-        except (ContactError, InputError) as refusal:
-            print(f"seed {seed}: {refusal}")
-            continue
-        pairs = [(one.small, one.finite) for one in (coarse, fine)]
-        stated = errors_of(relative_changes(*pairs[0]), COARSE_ERRORS, COARSE_PARTS)
-        print(f"seed {seed}: {judge.line(*pairs, stated)}", flush=True)
-    print(f"held {judge.held} of {judge.judged}")
+    options = runner.parser(__doc__, "first", "stop").parse_args()
+    tell(runner.rows("strain", judged, range(options.first, options.stop), options, line))
 
 
 if __name__ == "__main__":

@@ -8,14 +8,14 @@ ridges, from how much steeper the difference rises with the pull, against mechan
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from bench import runner
 from bench.random_scenes import between, random_skin
-from skincad.base import Array, InputError
+from skincad.base import Array
 from skincad.effects import FiniteStrain, SmallStrain
 from skincad.mechanics import Drive, default_sizes, piece_of, sway_force, triangles
 from skincad.scenes import March, Scene, left_out_effects, load_scene, piece_for
@@ -97,14 +97,14 @@ def critical(small: Forces, large: Forces, ridge: int) -> float | None:
 
 def main() -> None:
     """Print a line a scene, and how often what is said lies within a factor of two."""
-    rng, parts, forces = np.random.default_rng(int(sys.argv[1])), list[float](), list[float]()
-    while len(parts) < int(sys.argv[2]):
-        try:
-            scene = drawn(rng)
-            small, large = both(scene)
-        except InputError as refusal:
-            print(f"refused: {refusal}")
-            continue
+    options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
+    rng, parts, forces = np.random.default_rng(options.seed), list[float](), list[float]()
+
+    def pair(_: int) -> tuple[Scene, tuple[Forces, Forces]]:
+        scene = drawn(rng)
+        return scene, both(scene)
+
+    for scene, (small, large) in runner.until(options.count, pair):
         end = min(len(small.difference), len(large.difference))
         there, here = large.difference[:end], small.difference[:end]
         change = float(np.abs(there - here).max() / np.abs(here).max())
@@ -122,7 +122,7 @@ def main() -> None:
         print(f"changes by {change:.2f}, said {said:.2f}{last}; {large.march.stopped or ''}", flush=True)
     held = sum(0.5 <= part <= 2 for part in parts)
     spread = f"{min(parts):.2f} to {max(parts):.2f}"
-    print(f"said over found {spread}, within a factor of two in {held} of {len(parts)}")
+    print(f"said over found {spread}, within a factor of two in {runner.share(held, len(parts))}")
     print(f"Pcr found over stated {min(forces):.2f} to {max(forces):.2f}, median {np.median(forces):.2f}")
 
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import json
 import random
-import sys
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from time import perf_counter
 from typing import Any
 
 import skincad
+from bench import runner
 from skincad.base import InputError, RefusedError
 from skincad.fabrication import Job, design_findings
 from skincad.inputs import PROCESSES, Design, grippers, silicones
@@ -130,13 +129,10 @@ def judged(seed: int) -> dict[str, Any]:
     return row
 
 
-def main(first: int, last: int) -> None:
+def main() -> None:
     """Judge the wishes of these seeds, and print each and the counts."""
-    rows = []
-    with ProcessPoolExecutor(2) as pool:
-        for job in as_completed([pool.submit(judged, seed) for seed in range(first, last)]):
-            rows.append(job.result(timeout=0))  # it is completed
-            print(json.dumps(rows[-1]), flush=True)
+    options = runner.parser(__doc__, "first", "stop").parse_args()
+    rows = runner.rows("wishes", judged, range(options.first, options.stop), options, json.dumps)
     met = [row for row in rows if row.get("met")]
     missed = [row for row in rows if row.get("feasible")]
     false = [row["seed"] for row in met if not row["again"]]
@@ -148,4 +144,4 @@ def main(first: int, last: int) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3]))
+    main()

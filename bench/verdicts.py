@@ -1,24 +1,23 @@
 """Does a better model take a verdict back? Random designs, soft and slender ones too, judged by `auto` and by
 the best model there is.
 
-`python -m bench.verdicts 40 --seed 1000` draws 40 designs, writes a JSON line of each to
-out/verdicts-SEED.jsonl and prints the share of each outcome, the designs whose verdict is taken back, and how
-wide `auto`'s errors are. The best model is pressed without friction, which `auto` has in its error; with
-`--smooth` it is told too, so that its errors are those of what it computes.
+`python -m bench.verdicts 40 --seed 1000` draws 40 designs and prints the share of each outcome, the designs
+whose verdict is taken back, and how wide `auto`'s errors are. The best model is pressed without friction,
+which `auto` has in its error; with `--smooth` it is told too, so that its errors are those of what it
+computes.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 from collections import Counter
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 
 import numpy as np
 
 import skincad
+from bench import runner
 from skincad.base import InputError, RefusedError
 from skincad.inputs import Design
 from skincad.mechanics import ContactCheck, is_decided, limits
@@ -29,7 +28,7 @@ DRAWS = 200  # until the design's own rules let one pass
 
 
 @dataclass(frozen=True)
-class CrestAllowance:
+class Comparison:
     """A seed's verdicts; forces and lengths in N and mm, None where a model has none."""
 
     seed: int
@@ -92,7 +91,7 @@ def verdict(found: ContactCheck) -> str:
     return "fails" if is_decided(found) else "open"
 
 
-def judged(seed: int, friction: float | None = None) -> CrestAllowance:
+def judged(seed: int, friction: float | None = None) -> Comparison:
     """Return a seed's verdicts; `auto` is told this `friction`, the best model that there is none."""
     design, clock, said = drawn(seed), [perf_counter()], ""
     rows: list[ContactCheck | None] = []
@@ -110,7 +109,7 @@ def judged(seed: int, friction: float | None = None) -> CrestAllowance:
         return (None, None) if of is None else (getattr(of, name).value, getattr(of, name).error)
 
     words = [verdict(of) if of else "none" for of in rows]
-    return CrestAllowance(
+    return Comparison(
         seed,
         auto.model if auto else "",
         words[0],
@@ -125,7 +124,7 @@ def judged(seed: int, friction: float | None = None) -> CrestAllowance:
     )
 
 
-def summary(rows: list[CrestAllowance]) -> list[str]:
+def summary(rows: list[Comparison]) -> list[str]:
     """Return what `rows` show, a line each."""
     outcomes = Counter((row.verdict, row.best) for row in rows)
     lines = [f"auto {ours:7} best {theirs:7} {n:4}" for (ours, theirs), n in sorted(outcomes.items())]
@@ -148,19 +147,12 @@ def summary(rows: list[CrestAllowance]) -> list[str]:
 
 def main() -> None:
     """Judge seeds and print what they show."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("count", type=int)
-    parser.add_argument("--seed", type=int, default=1000, help="the first seed")
+    parser = runner.parser(__doc__, "count", seed=1000)
     parser.add_argument("--smooth", action="store_true", help="tell auto too that there is no friction")
     options = parser.parse_args()
-    out = Path(f"out/verdicts-{options.seed}.jsonl")
-    out.parent.mkdir(exist_ok=True)
-    rows = []
-    with out.open("w") as file:
-        for seed in range(options.seed, options.seed + options.count):
-            rows.append(judged(seed, 0.0 if options.smooth else None))
-            file.write(json.dumps(asdict(rows[-1])) + "\n")
-            file.flush()
+    name, friction = ("verdicts-smooth", 0.0) if options.smooth else ("verdicts", None)
+    seeds = range(options.seed, options.seed + options.count)
+    rows = runner.rows(name, partial(judged, friction=friction), seeds, options, kind=Comparison)
     print("\n".join(summary(rows)))
 
 

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from bench.exam.cases import Case
+from bench.runner import wilson
 
 Alarm = tuple[int | None, int]  # monitored ridge from 0, None for the skin; sample
-LEVEL = 1.96  # two-sided 95 %
 
 
 @dataclass(frozen=True)
@@ -84,16 +84,6 @@ def mark(case: Case, alarms: Iterable[Alarm], window: int) -> Mark:
         gross is not None, bool(ahead), max(ahead, default=0) / case.rate, possible / case.rate, true,
         passing, other, none, case.outputs.shape[0] / case.rate, tuple(within),
     )  # fmt: skip
-
-
-def wilson(hits: int, count: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson, J. Am. Stat. Assoc. 22 (1927) 209)."""
-    if not count:
-        return 0.0, 1.0
-    share, z2 = hits / count, LEVEL**2
-    middle = (share + z2 / (2 * count)) / (1 + z2 / count)
-    half = LEVEL / (1 + z2 / count) * math.sqrt(share * (1 - share) / count + z2 / (4 * count**2))
-    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 def rate(events: int, span: float) -> tuple[float, float, float]:
