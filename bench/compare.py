@@ -37,11 +37,14 @@ NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 GOLDEN = HERE / "tests" / "golden"
 LISTINGS = ("designs", "scenes", "circuits", "studies", "silicones", "processes", "grippers")
 # The model that judges a design, and how it differs from its template: metal cut by wire, films on prints of
-# resin, a magnet behind a flat face, pillars in layers.
+# resin with a mount, a mill's parts with a mount on pins, pillars in layers.
 GOLDEN_DESIGNS: dict[str, tuple[str, dict[str, Any]]] = {
     "yamada-2002": ("winkler", {}),
-    "lab-bench": ("winkler", {}),
-    "flat-magnet": ("linear", {}),
+    "lab-bench": (
+        "winkler",
+        {"mount": {"thread": "M3", "pattern": "rectangle", "pitch_x": 14.0, "pitch_y": 8.0}},
+    ),
+    "milled-pad": ("winkler", {"mount": {"thread": "M3", "diameter": 20.0, "pin": 2.0, "fiducials": 4}}),
     "pillars-9": ("reduced", {"shot": ({"name": "dragon-skin-30", "thickness": 1.0},)}),
 }
 # The fourth digit may be rounded elsewhere; numbers of fewer digits, whole ones too, must be the same.

@@ -1,9 +1,13 @@
-"""What a mold takes: material, time, cost and plates of prints and of what is cut, against hand calculations."""
+"""What a mold takes: material, time, cost and plates of prints and of what is cut, by hand.
+
+Sheets, orders and lists that say it are in tests/golden; slicers' own estimates in consumers.
+"""
 
 from __future__ import annotations
 
-import csv
 import math
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,44 +15,48 @@ import trimesh
 from manifold3d import CrossSection
 
 import skincad
-from skincad.base import Estimate, InputError
-from skincad.fabrication import Job, by_part, casting_sheet, laid, laid_on_end, mesh, parts_csv, print_chord
+from skincad.base import InputError
+from skincad.fabrication import Job, by_part, laid, laid_on_end, mesh, print_chord
 from skincad.fabrication.estimates import (
-    DIAGONAL,
-    JERK,
-    OVERLAP,
-    ProcessEstimate,
     contour_moves,
     estimates,
     exposure_time,
     filament,
     fill_moves,
-    lines,
     machining,
     moves,
-    spacing,
 )
-from skincad.fabrication.meshes import PART_GAP, BedPart, plates
-from skincad.fabrication.parts_list import ESTIMATED, HEADS, ORDERED
-from skincad.inputs import Design, Process, processes
+from skincad.fabrication.meshes import BedPart, plates
+from skincad.inputs import Process, processes
 from skincad.shape import Point, loop
 from skincad.solids import Bore, Part, PartRole, Prism, RevolvedBody, box, plain
 from skincad.solids.mold import mold
 from tests.templates import SHIPPED, of_one_printer
 
+CNC, EDM, FDM, SLA = (processes()[name] for name in ("cnc", "edm", "fdm", "sla"))  # SLA's bed: 120 x 68 mm
+FIRM = 1000.0  # mm/s2
+HEIGHT = 10.0  # mm, 50 layers of 0.2
+JERK, OVERLAP = 10.0, 0.25  # mm/s, of a line: PrusaSlicer's own
+DIAGONAL = math.sqrt(2.0)
+BLOCK = Part("cover", PartRole.COVER, box(20.0, (-10.0, 10.0), (0.0, 5.0)))  # 40 x 20 x 5
+HOLES = tuple(Bore((x, 0.0, 0.0), "z", 5.0, 1.5) for x in (-5.0, 5.0))
 
-def estimated(design: Design) -> tuple[ProcessEstimate, ...]:
-    closed = mold(design)
-    parts = [part for part in closed.parts if part.made == "made"]
-    prints = {p.name: laid(mesh(p, print_chord(design)), laid_on_end(Job(design), p), p) for p in parts}
-    return estimates(Job(design, closed), prints)
+
+@cache
+def estimated(name: str, *settings: str) -> tuple[Any, ...]:
+    """The estimates by process of a template whose parts come from one printer."""
+    job = Job(of_one_printer(name, settings))
+    parts = [part for part in job.closed.parts if part.made == "made"]
+    chord = print_chord(job.design)
+    return estimates(job, {p.name: laid(mesh(p, chord), laid_on_end(job, p), p) for p in parts})
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_made_part_has_estimates_with_errors(name: str) -> None:
-    design = skincad.load(name)
-    processes = estimated(design)
-    assert sorted(by_part(processes)) == sorted(p.name for p in mold(design).parts if p.made == "made")
+    processes = estimated(name)
+    assert sorted(by_part(processes)) == sorted(
+        p.name for p in mold(of_one_printer(name)).parts if p.made == "made"
+    )
     for estimate in (*processes, *by_part(processes).values()):
         for number in (estimate.mass, estimate.time, estimate.cost):
             assert number.error is not None
@@ -60,47 +68,39 @@ def test_every_made_part_has_estimates_with_errors(name: str) -> None:
 
 def test_resin_takes_the_tallest_part_of_each_plate() -> None:
     """lab-bench: the cavity, 23.1 mm high, and what lies beside it; the cover does not fit there."""
-    design = of_one_printer("lab-bench")
-    (resin,) = estimated(design)
-    sla = processes()["sla"]
+    (resin,) = estimated("lab-bench")
     assert resin.plates == 2
-    assert float(resin.time) == pytest.approx((exposure_time(23.1, sla) + exposure_time(4.0, sla)) / 3600)
+    assert float(resin.time) == pytest.approx((exposure_time(23.1, SLA) + exposure_time(4.0, SLA)) / 3600)
     assert float(resin.time) < sum(float(part.time) for part in resin.parts)
-    (one,) = estimated(of_one_printer("lab-bench", ["printer.sla.build_y=120.0"]))
+    (one,) = estimated("lab-bench", "printer.sla.build_y=120.0")
     assert one.plates == 1
-    assert float(one.time) == pytest.approx(exposure_time(23.1, sla) / 3600)
+    assert float(one.time) == pytest.approx(exposure_time(23.1, SLA) / 3600)
 
 
 def test_filament_takes_all_parts_one_after_the_other() -> None:
-    (filament,) = estimated(of_one_printer("nozzle-04"))
-    assert filament.plates == 1
-    assert float(filament.time) == pytest.approx(sum(float(part.time) for part in filament.parts))
+    (printed,) = estimated("nozzle-04")
+    assert printed.plates == 1
+    assert float(printed.time) == pytest.approx(sum(float(part.time) for part in printed.parts))
 
 
 def test_parts_of_two_processes_are_told_apart() -> None:
-    design = skincad.load("milled-pad")
-    processes = estimated(design)
-    assert [(estimate.process, len(estimate.parts), estimate.plates) for estimate in processes] == [
-        ("cnc", 3, 0),
-        ("edm", 4, 0),
-    ]
-    assert [line[:16] for line in lines(Job(design), processes)] == ["By cnc, 3 parts:", "By edm, 4 parts:"]
+    rows = [(estimate.process, len(estimate.parts), estimate.plates) for estimate in estimated("milled-pad")]
+    assert rows == [("cnc", 3, 0), ("edm", 4, 0)]
 
 
 def test_cost_is_material_machine_and_setup() -> None:
     """Of lab-bench by hand; and where prices are known, its error is that of mass and time."""
-    (resin,) = estimated(of_one_printer("lab-bench"))
-    sla = processes()["sla"]
-    material = float(resin.mass) / 1000 * (1 + sla.waste) * sla.price
-    machine, setup = float(resin.time) * sla.rate, resin.plates * sla.setup / 60 * sla.rate
+    (resin,) = estimated("lab-bench")
+    material = float(resin.mass) / 1000 * (1 + SLA.waste) * SLA.price
+    machine, setup = float(resin.time) * SLA.rate, resin.plates * SLA.setup / 60 * SLA.rate
     assert float(resin.cost) == pytest.approx(material + machine + setup)
-    (sure,) = estimated(of_one_printer("lab-bench", ["printer.sla.price_error=0.0"]))
-    assert sure.cost.error == pytest.approx(material * sla.mass_error + machine * sla.time_error)
+    (sure,) = estimated("lab-bench", "printer.sla.price_error=0.0")
+    assert sure.cost.error == pytest.approx(material * SLA.mass_error + machine * SLA.time_error)
 
 
 def test_a_workshops_own_prices_count() -> None:
-    (shipped,) = estimated(of_one_printer("lab-bench"))
-    (priced,) = estimated(of_one_printer("lab-bench", ["printer.sla.price=0.0", "printer.sla.rate=20.0"]))
+    (shipped,) = estimated("lab-bench")
+    (priced,) = estimated("lab-bench", "printer.sla.price=0.0", "printer.sla.rate=20.0")
     setup, hours = 2 * 45 / 60, float(shipped.time)
     assert float(priced.cost) == pytest.approx(20.0 * (hours + setup))
     assert priced.mass == shipped.mass
@@ -115,45 +115,12 @@ def test_bad_keys_are_refused(key: str, value: float) -> None:
         of_one_printer("nozzle-04", [f"printer.fdm.{key}={value}"])
 
 
-def test_the_parts_list_has_them_beside_the_volumes() -> None:
-    design = skincad.load("plain-ridges")
-    closed, processes = mold(design), estimated(design)
-    head, *rows = parts_csv(Job(design, closed), processes).splitlines()
-    assert head.split(",") == [*HEADS, *ESTIMATED, *ORDERED]
-    cover = by_part(processes)["cover"]
-    (row,) = (row for row in rows if row.split(",")[2] == "cover")
-    cells = [
-        f"{n:.4g}" for e in (cover.mass, cover.time, cover.cost) for n in (float(e), e.error or math.nan)
-    ]
-    assert ",".join([*cells, cover.basis]) in row
-    bought = [row for row in csv.DictReader([head, *rows]) if row["made_by"] == "bought"]
-    assert not any(row[key] for row in bought for key in ESTIMATED)
-
-
-def test_the_sheet_says_them_in_a_line() -> None:
-    design = skincad.load("plain-ridges")
-    closed, processes = mold(design), estimated(design)
-    text = casting_sheet(Job(design, closed), [], "Passes.", True, None, processes)
-    assert f"Estimates. {lines(Job(design), processes)[0]}" in text
-    assert "Estimates" not in casting_sheet(Job(design, closed), [], "Passes.", True)
-    assert "5 parts on 1 plate:" in text
-
-
-def test_an_estimate_keeps_its_unit() -> None:
-    (resin,) = estimated(skincad.load("plain-ridges"))
-    assert isinstance(resin.mass, Estimate)
-    assert (resin.mass.unit, resin.time.unit, resin.cost.unit) == ("g", "h", "EUR")
-
-
-SLA = processes()["sla"]  # 120 x 68 mm
-
-
 def plate_names(parts: list[BedPart]) -> list[list[str]]:
     return [[part.name for part in plate] for plate in plates(parts, SLA)]
 
 
 def test_what_fits_exactly_shares_a_plate() -> None:
-    half = (120.0 - PART_GAP) / 2
+    half = (120.0 - 5.0) / 2  # 5 mm lie between parts
     two = [BedPart("a", half, 68.0, 5.0), BedPart("b", half, 60.0, 9.0)]
     assert plate_names([part._replace(x=part.x, y=57.0) for part in two]) == [["b", "a"]]
     assert plate_names([BedPart("a", half + 0.1, 40.0, 5.0), BedPart("b", half, 40.0, 5.0)]) == [["a"], ["b"]]
@@ -187,9 +154,6 @@ def test_no_limit_is_one_plate(key: str) -> None:
     assert len(plates([BedPart(name, 100.0, 60.0, 4.0) for name in "abc"], boundless)) == 1
 
 
-SLA = processes()["sla"]
-
-
 def counted(layers: int) -> float:
     """As PrusaSlicer counts: three layers at the first exposure, then each by a step less."""
     usual, first = SLA.exposure, SLA.first_exposure
@@ -208,9 +172,6 @@ def test_layers_fade_to_the_usual_exposure(layers: int) -> None:
 
 def test_the_least_print_is_one_layer() -> None:
     assert exposure_time(0.01, SLA) == SLA.first_exposure + SLA.lift
-
-
-FIRM = 1000.0  # mm/s2
 
 
 def stepped(length: float, speed: float, corner: float) -> float:
@@ -266,10 +227,6 @@ def test_nothing_is_filled_in_no_time() -> None:
     assert contour_moves(CrossSection(), 45.0, FIRM) == (0.0, 0.0)
 
 
-FDM = processes()["fdm"]
-HEIGHT = 10.0  # mm, 50 layers of 0.2
-
-
 def changed(**keys: float) -> Process:
     return FDM.model_copy(update=keys)
 
@@ -280,12 +237,17 @@ def block(x: float, y: float, z: float = HEIGHT) -> trimesh.Trimesh:
     return shape
 
 
+def spacing(process: Process) -> float:
+    """How far apart lines lie that are rectangles with half circles at their sides, mm."""
+    return process.line - (1 - math.pi / 4) * process.layer
+
+
 def layer_of_box(x: float, y: float, process: Process, bottom: bool) -> float:
     """Seconds of a solid layer of a rectangle, written out."""
     pitch, firm, seconds = spacing(process), process.acceleration, 0.0
-    for loop in range(process.loops):
-        in_by = process.line + 2 * loop * pitch
-        speed = process.outer_speed if loop == 0 else process.loop_speed
+    for ring in range(process.loops):
+        in_by = process.line + 2 * ring * pitch
+        speed = process.outer_speed if ring == 0 else process.loop_speed
         speed = process.first_speed if bottom else speed
         seconds += moves(2 * (x - in_by), 2, speed, JERK, firm) + moves(2 * (y - in_by), 2, speed, JERK, firm)
     in_by = process.line + (2 * process.loops - 1) * pitch - 2 * OVERLAP * process.line
@@ -342,10 +304,8 @@ def test_each_speed_saves_time_and_no_material(key: str) -> None:
 
 def test_slow_ways_take_longer() -> None:
     """Faster than 180 mm/s no way here is: the nozzle never gets there."""
-    assert (
-        filament(block(30.0, 20.0), changed(travel_speed=30.0)).seconds
-        > filament(block(30.0, 20.0), FDM).seconds
-    )
+    slow = filament(block(30.0, 20.0), changed(travel_speed=30.0))
+    assert slow.seconds > filament(block(30.0, 20.0), FDM).seconds
 
 
 def test_slits_that_a_slicer_closes_have_no_loops() -> None:
@@ -363,11 +323,6 @@ def test_higher_layers_than_the_part_are_one_layer() -> None:
     """No layer's middle is in it then: as much as the slicer says, nothing."""
     assert filament(block(30.0, 20.0, 0.3), changed(layer=2.0)).seconds == 0.0
     assert filament(block(30.0, 20.0, 1.2), changed(layer=2.0)).volume > 0.0
-
-
-CNC, EDM = processes()["cnc"], processes()["edm"]
-BLOCK = Part("cover", PartRole.COVER, box(20.0, (-10.0, 10.0), (0.0, 5.0)))  # 40 x 20 x 5
-HOLES = tuple(Bore((x, 0.0, 0.0), "z", 5.0, 1.5) for x in (-5.0, 5.0))
 
 
 def test_a_milled_block() -> None:
@@ -393,19 +348,8 @@ def test_each_hole_takes_its_time() -> None:
 
 def test_notches_of_a_comb_are_cut_by_the_fine_wire() -> None:
     """Two notches of 0.1 x 1 mm: four walls; their bottoms are as long as what they take from the edge."""
-    corners = [
-        (0, 0),
-        (30, 0),
-        (30, 8),
-        (20.1, 8),
-        (20.1, 7),
-        (20, 7),
-        (20, 8),
-        (10.1, 8),
-        (10.1, 7),
-        (10, 7),
-    ]
-    outline = loop([Point(*map(float, p)) for p in [*corners, (10, 8), (0, 8)]])
+    notches = [(20.1, 8), (20.1, 7), (20, 7), (20, 8), (10.1, 8), (10.1, 7), (10, 7), (10, 8)]
+    outline = loop([Point(*map(float, p)) for p in [(0, 0), (30, 0), (30, 8), *notches, (0, 8)]])
     comb = Part("end-a-comb", PartRole.COMB, Prism(outline, "y", 0.0, 4.0))
     minutes = 76.0 * 4.0 / EDM.finish_rate + 4.0 * 4.0 / EDM.fine_rate
     assert machining(comb, EDM).seconds == pytest.approx(60 * minutes)

@@ -1,8 +1,9 @@
-"""How silicone is mixed and filled in: flow by hand's arithmetic, air pockets against closed forms and slices."""
+"""How silicone is mixed and filled in: flow by hand, air pockets against closed forms and slices."""
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,23 +11,15 @@ import pytest
 from manifold3d import Manifold, OpType
 
 import skincad
-from skincad.fabrication import (
-    Job,
-    casting_sheet,
-    filling,
-    filling_findings,
-    manifold,
-    poured_volume,
-    pouring,
-)
+from skincad.fabrication import Job, casting_sheet, filling_findings, manifold, poured_volume
 from skincad.fabrication.filling import Space, Void, best_tilt, cells, pockets, trapped, vertical, void
 from skincad.fabrication.pouring import filling, front_time, groove_time, pouring_findings, small_batch
 from skincad.fabrication.strips import pour
 from skincad.inputs import Design, silicones
 from skincad.shape import Point, loop, rectangle
-from skincad.solids import WIDTHS, Bore, ClosedMold, CutRole, Part, PartRole, Prism, bores
+from skincad.solids import THUMB, WIDTHS, Bore, ClosedMold, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.mold import mold
-from tests.templates import KINDS, SHIPPED
+from tests.templates import KINDS, SHIPPED, template
 
 
 def test_a_front_is_a_film_under_its_own_weight(yamada: Design) -> None:
@@ -51,7 +44,7 @@ def test_a_groove_fills_as_a_gap_does_by_washburn() -> None:
 
 def test_grooves_that_the_mix_does_not_flow_into_are_brushed(yamada: Design) -> None:
     job = Job(yamada)
-    assert groove_time(job) / pouring.LAG > 300
+    assert groove_time(job) > 30
     text = casting_sheet(job, [], "", True)
     brushed, mixed, closed = (
         text.index(words) for words in ("Brush the mix", "Mix. Start", "Lay the carrier")
@@ -68,11 +61,11 @@ def test_the_thumb_presses_by_hagen_and_poiseuille() -> None:
     """A blunt tip of 16 gauge, 1.19 x 12.7 mm, and a syringe of 5 ml, 12.06 mm."""
     job = Job(skincad.load("milled-pad", ["mold.gate=2.0"]))
     how = filling(job)
-    flow = pouring.poured_volume(job) * 1e-9 / how.seconds
+    flow = poured_volume(job) * 1e-9 / how.seconds
     pressure = 128 * 20 * 12.7e-3 * flow / (math.pi * 1.19e-3**4)
     assert how.force == pytest.approx(pressure * math.pi / 4 * 12.06e-3**2, rel=1e-12)
     stiff = Job(job.design.with_(silicones={job.silicone.name: {"viscosity": 200.0}}))
-    assert filling(stiff).force <= pouring.THUMB
+    assert filling(stiff).force <= THUMB
     assert filling(stiff).seconds > how.seconds
 
 
@@ -82,9 +75,9 @@ def test_a_gate_is_wider_where_a_thumb_would_press_too_hard_and_the_skin_has_roo
     stiff = design.with_(silicones={design.material.name: {"viscosity": 200.0}}, skin={"thickness": 12.0})
     wide, job = WIDTHS.index(Job(stiff).gate or 0.0), Job(stiff)
     assert wide > 0
-    assert filling(job).force < pouring.THUMB
+    assert filling(job).force < THUMB
     narrower = Job(stiff.with_(mold={"gate": WIDTHS[wide - 1]}))
-    assert filling(narrower).force > 0.9 * pouring.THUMB
+    assert filling(narrower).force > 0.9 * THUMB
     thin = Job(stiff.with_(skin={"thickness": 3.0}))
     assert thin.gate is not None
     assert thin.gate < WIDTHS[wide]
@@ -94,11 +87,12 @@ def test_a_gate_is_wider_where_a_thumb_would_press_too_hard_and_the_skin_has_roo
 def test_every_templates_mold_is_full_within_its_pot_life(name: str) -> None:
     job = Job(skincad.load(name))
     how = filling(job)
-    assert how.force <= pouring.THUMB
+    assert how.force <= THUMB
     assert how.seconds >= max(front_time(job), job.design.mold.fill_time)
     assert pouring_findings(job) == []
     text = casting_sheet(job, [], "", True)
-    assert f"Take {pouring.time_words(how.seconds)} to fill it" in text
+    number, unit = re.search(r"Take ([\d.]+) (s|min) to fill it", text).groups()  # type: ignore[union-attr]
+    assert float(number) * {"s": 1, "min": 60}[unit] == pytest.approx(how.seconds, rel=0.05)  # two digits
     assert (f"- syringe, {how.syringe} ml" in text) == (job.gate is not None)
 
 
@@ -119,18 +113,19 @@ def test_a_mix_that_thickens_before_the_mold_is_full_is_warned_of(yamada: Design
     assert (finding.rule, finding.measured, finding.limit) == ("pot life", 7.0, 5.0)
 
 
-def test_the_least_mix_is_weighed_to_two_per_cent() -> None:
+def test_the_least_mix_is_weighed_to_two_per_cent(yamada: Design) -> None:
     known = silicones()
     assert small_batch(known["dragon-skin-10"]) == 2.0
     assert small_batch(known["sylgard-184"]) == 6.0  # 10 : 1, of which B is 0.55 g
-    assert "weigh 5.45 g of A and 0.55 g of B, 6.00 g" in pouring.weights(known["sylgard-184"], 6.0)
+    text = casting_sheet(Job(yamada.with_(material={"name": "sylgard-184"})), [], "", True)
+    assert "weigh 5.45 g of A and 0.55 g of B, 6.00 g" in text
 
 
 ROUNDING = 1e-9  # relative, of sums of a few clipped solids
 
 
 @pytest.fixture
-def yamada(yamada: Design) -> Design:
+def unshrunk(yamada: Design) -> Design:
     """Without shrinkage, so that the closed forms have round numbers."""
     return yamada.with_(mold={"shrinkage": 0.0})
 
@@ -248,42 +243,41 @@ def test_a_void_without_a_way_out_keeps_all_its_air(lidded: Void) -> None:
     assert pocket.volume == pytest.approx(shut.volume, rel=1e-3)  # the hole's chords
 
 
-def test_air_under_a_hood_is_the_prism_between_its_legs(yamada: Design) -> None:
+def test_air_under_a_hood_is_the_prism_between_its_legs(unshrunk: Design) -> None:
     tilt = math.radians(10)
-    (pocket,) = pockets(Job(yamada, hooded(mold(yamada))), 10.0)
+    (pocket,) = pockets(Job(unshrunk, hooded(mold(unshrunk))), 10.0)
     assert pocket.volume == pytest.approx(1.8 * 0.9**2 / math.tan(tilt) / 2, rel=ROUNDING)
     assert pocket.height == pytest.approx(0.9 * math.cos(tilt), rel=ROUNDING)
     assert pocket.place[1:] == (6.0, -0.6)
     assert pocket.where == "shim-5-S3, at end b's edge"
-    (level,) = pockets(Job(yamada, hooded(mold(yamada))), 0.0)
+    (level,) = pockets(Job(unshrunk, hooded(mold(unshrunk))), 0.0)
     assert level.volume == pytest.approx(1.8 * 0.9 * 12, rel=ROUNDING)
 
 
 @pytest.mark.parametrize(("least", "helps"), [(0.0, True), (0.8, True), (0.95, False)])
 def test_a_tilt_is_advised_where_it_saves_a_tenth_of_the_air(
-    yamada: Design, monkeypatch: pytest.MonkeyPatch, least: float, helps: bool
+    unshrunk: Design, monkeypatch: pytest.MonkeyPatch, least: float, helps: bool
 ) -> None:
-    hood, traps = hooded(mold(yamada)), filling_findings(Job(yamada, hooded(mold(yamada))))[0].measured
-    monkeypatch.setattr(filling, "best_tilt", lambda *_: (7.0, least * traps))
-    (finding,) = filling_findings(Job(yamada, hood))
+    hood, traps = hooded(mold(unshrunk)), filling_findings(Job(unshrunk, hooded(mold(unshrunk))))[0].measured
+    monkeypatch.setattr("skincad.fabrication.filling.best_tilt", lambda *_: (7.0, least * traps))
+    (finding,) = filling_findings(Job(unshrunk, hood))
     assert finding.remedy.startswith("mold.pour_tilt = 7" if helps else "no tilt traps less: brush")
 
 
-def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(yamada: Design) -> None:
-    hood = hooded(mold(yamada))
-    tilt, least = best_tilt(Job(yamada, hood))
-    low, high = filling.TILTS
-    others = [t for t in np.arange(tilt - 2.0, tilt + 2.25, 0.5) if low <= t <= high]
-    volumes = {float(t): sum(p.volume for p in pockets(Job(yamada, hood), float(t))) for t in others}
+def test_the_best_tilt_is_the_best_of_all_half_degrees_near_it(unshrunk: Design) -> None:
+    hood = hooded(mold(unshrunk))
+    tilt, least = best_tilt(Job(unshrunk, hood))
+    others = [t for t in np.arange(tilt - 2.0, tilt + 2.25, 0.5) if 2.0 <= t <= 60.0]
+    volumes = {float(t): sum(p.volume for p in pockets(Job(unshrunk, hood), float(t))) for t in others}
     assert 2 * tilt == round(2 * tilt)
     assert least == pytest.approx(min(volumes.values()), abs=1e-3)
     assert volumes[tilt] == pytest.approx(least, abs=1e-3)
 
 
-def test_air_at_a_shim_is_a_warning_with_the_better_tilt(yamada: Design) -> None:
-    (finding,) = filling_findings(Job(yamada, hooded(mold(yamada))))
+def test_air_at_a_shim_is_a_warning_with_the_better_tilt(unshrunk: Design) -> None:
+    (finding,) = filling_findings(Job(unshrunk, hooded(mold(unshrunk))))
     assert (finding.rule, finding.severity, finding.unit) == ("trapped air", "warning", "mm3")
-    tilt, least = best_tilt(Job(yamada, hooded(mold(yamada))))
+    tilt, least = best_tilt(Job(unshrunk, hooded(mold(unshrunk))))
     assert least < 0.5 * finding.measured
     assert finding.remedy.startswith(f"mold.pour_tilt = {tilt:g}, which traps {least:.2g} mm3: brush sil")
 
@@ -297,11 +291,11 @@ def test_no_template_keeps_air_level_or_at_its_own_tilt(name: str) -> None:
     assert best_tilt(Job(design, closed)) == (design.mold.pour_tilt, 0.0)
 
 
-def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(yamada: Design) -> None:
+def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(unshrunk: Design) -> None:
     ring = 4.0 * (15.02 * 12.0 - 15.0 * 11.98)  # height, trough less carrier
-    (level,) = pockets(Job(yamada, plain_mold(yamada)), 0.0)
+    (level,) = pockets(Job(unshrunk, plain_mold(unshrunk)), 0.0)
     assert level.volume == pytest.approx(ring, rel=ROUNDING)
-    tilted = pockets(Job(yamada, plain_mold(yamada)), 10.0)
+    tilted = pockets(Job(unshrunk, plain_mold(unshrunk)), 10.0)
     assert tilted[0].where == "carrier, at end b's edge"
     assert {p.where for p in tilted[1:]} == {f"carrier hole {i}" for i in range(1, 5)}
     # wedge over the vent's highest point, 0.61 mm from the end, and a little more in the gap
@@ -309,8 +303,8 @@ def test_without_the_reservoir_the_gap_round_the_carrier_would_keep_its_air(yama
     assert wedge < tilted[0].volume < wedge + ring
 
 
-def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
-    wide = yamada.with_(mold={"clearance": 0.2, "pour_tilt": 0.0})
+def test_air_beside_the_skin_is_only_noted_however_much(unshrunk: Design) -> None:
+    wide = unshrunk.with_(mold={"clearance": 0.2, "pour_tilt": 0.0})
     level, gap = filling_findings(Job(wide, plain_mold(wide)))
     assert level.unit == "deg"
     assert gap.measured > 10 * gap.limit
@@ -318,9 +312,9 @@ def test_air_beside_the_skin_is_only_noted_however_much(yamada: Design) -> None:
 
 
 @pytest.mark.slow
-def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
+def test_pockets_agree_with_slices_of_the_merged_solid(unshrunk: Design) -> None:
     """One solid by booleans, cut at level after level: from below, and nearer with a finer sweep."""
-    tight = yamada.with_(mold={"clearance": 0.0, "carrier": "plain"})
+    tight = unshrunk.with_(mold={"clearance": 0.0, "carrier": "plain"})
     (pocket,) = pockets(Job(tight), 10.0)
     solid = merged(void(Job(tight)), 1e-3)
     short = [pocket.volume - swept(solid, 10.0, 8.0, step) for step in (0.02, 0.005)]
@@ -328,7 +322,7 @@ def test_pockets_agree_with_slices_of_the_merged_solid(yamada: Design) -> None:
     assert short[1] < 0.1 * pocket.volume  # a slice lies up to 0.005 mm over the way out, of 0.1 mm
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "nozzle-04"])
+@pytest.mark.parametrize("name", [template("yamada-2002"), template("nozzle-04")])
 def test_finer_chords_change_no_pocket(name: str) -> None:
     design = skincad.load(name)
     space = void(Job(design, plain_mold(design)))
@@ -336,7 +330,9 @@ def test_finer_chords_change_no_pocket(name: str) -> None:
     assert coarse == pytest.approx(fine, rel=2e-3)  # circles of 0.5 to 1.25 mm as chords within 0.001 mm
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted", "nozzle-04"])
+@pytest.mark.parametrize(
+    "name", [template(name) for name in ("yamada-2002", "yamada-2002-tilted", "nozzle-04")]
+)
 def test_poured_volume_is_that_of_the_merged_solid(name: str) -> None:
     design = skincad.load(name)
     solid = merged(void(Job(design)), 1e-4)
@@ -344,31 +340,31 @@ def test_poured_volume_is_that_of_the_merged_solid(name: str) -> None:
     assert poured_volume(Job(design)) == pytest.approx(solid.volume(), rel=2e-4)  # chords
 
 
-def test_air_is_less_than_what_is_poured_and_the_same_every_time(yamada: Design) -> None:
-    closed = plain_mold(yamada)
+def test_air_is_less_than_what_is_poured_and_the_same_every_time(unshrunk: Design) -> None:
+    closed = plain_mold(unshrunk)
     for tilt in (0.0, 7.0, 33.0, 60.0):
-        air = pockets(Job(yamada, closed), tilt)
-        assert 0 < sum(p.volume for p in air) < poured_volume(Job(yamada, closed))
-        assert pockets(Job(yamada, closed), tilt) == air
+        air = pockets(Job(unshrunk, closed), tilt)
+        assert 0 < sum(p.volume for p in air) < poured_volume(Job(unshrunk, closed))
+        assert pockets(Job(unshrunk, closed), tilt) == air
 
 
-def test_a_level_carrier_is_noted_since_statics_cannot_judge_it(yamada: Design) -> None:
-    level = yamada.with_(mold={"pour_tilt": 0.0})
+def test_a_level_carrier_is_noted_since_statics_cannot_judge_it(unshrunk: Design) -> None:
+    level = unshrunk.with_(mold={"pour_tilt": 0.0})
     (finding,) = filling_findings(Job(level))
     assert (finding.severity, finding.measured, finding.limit, finding.unit) == ("note", 0.0, 2.0, "deg")
 
 
-def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(yamada: Design) -> None:
-    tight = yamada.with_(mold={"clearance": 0.0})
+def test_without_clearance_the_corner_keeps_air_and_less_tilt_is_better(unshrunk: Design) -> None:
+    tight = unshrunk.with_(mold={"clearance": 0.0})
     (finding,) = filling_findings(Job(tight))
     assert finding.where.startswith("carrier, at end b's edge")
     assert finding.severity == "note"  # less than a bubble of 1 mm
     assert finding.remedy.startswith("mold.pour_tilt = 2, which traps 0.069 mm3")
 
 
-def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(yamada: Design) -> None:
-    opened = yamada.with_(mold={"pour": "open"})
-    less = poured_volume(Job(yamada)) - poured_volume(Job(opened))
+def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(unshrunk: Design) -> None:
+    opened = unshrunk.with_(mold={"pour": "open"})
+    less = poured_volume(Job(unshrunk)) - poured_volume(Job(opened))
     assert less == pytest.approx(math.pi * 4.0, rel=1e-9)
     assert pockets(Job(opened)) == ()
     level, tilted = sorted(pockets(Job(opened, hooded(mold(opened))), 30.0), key=lambda p: -p.volume)
@@ -376,23 +372,17 @@ def test_an_open_pour_has_no_gate_to_fill_and_traps_nothing_in_the_level_trough(
     assert tilted.volume == pytest.approx(1.8 * 0.9**2 / math.tan(math.radians(30)) / 2, rel=ROUNDING)
 
 
-def test_the_sheet_tells_tilt_tip_and_reservoir(yamada: Design) -> None:
-    def sheet(**change: object) -> str:
-        design = yamada.with_(mold=change)
-        return casting_sheet(Job(design), [], "Passes.", True)
-
-    assert "Raise end b by 10 degrees, fill slowly through the gate" in sheet()
-    assert "16 gauge (1.65 mm)" in sheet()
-    assert "Top up the reservoir" in sheet()
-    opened = sheet(pour="open", pour_tilt=15.0)
-    assert "Raise end b by 15 degrees. Set the carrier down at end a first" in opened
-    assert "gate" not in opened.replace("gauge", "")
+def test_the_sheet_of_an_open_pour_has_no_gate(unshrunk: Design) -> None:
+    design = unshrunk.with_(mold={"pour": "open", "pour_tilt": 15.0})
+    text = casting_sheet(Job(design), [], "Passes.", True)
+    assert "Raise end b by 15 degrees. Set the carrier down at end a first" in text
+    assert "gate" not in text.replace("gauge", "")
 
 
-def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
-    closed = mold(yamada)
+def test_silicone_runs_off_over_the_cups_upper_rim(unshrunk: Design) -> None:
+    closed = mold(unshrunk)
     (cup,) = bores(closed.part("cover"), CutRole.RESERVOIR)
-    rim = void(Job(yamada, closed)).rim
+    rim = void(Job(unshrunk, closed)).rim
     assert rim is not None
     assert rim[:, 2] == pytest.approx(np.full(len(rim), closed.part("cover").body.high))
     away = np.hypot(rim[:, 0] - cup.start[0], rim[:, 1] - cup.start[1])
@@ -401,9 +391,9 @@ def test_silicone_runs_off_over_the_cups_upper_rim(yamada: Design) -> None:
     assert np.diff(turns) == pytest.approx(np.full(len(rim) - 1, 2 * math.pi / len(rim)))
 
 
-def test_only_the_covers_openings_let_air_out_of_a_closed_mold(yamada: Design) -> None:
-    closed = mold(yamada)
-    spaces = void(Job(yamada, closed)).spaces
+def test_only_the_covers_openings_let_air_out_of_a_closed_mold(unshrunk: Design) -> None:
+    closed = mold(unshrunk)
+    spaces = void(Job(unshrunk, closed)).spaces
     top = closed.first(PartRole.COVER).body.high
     assert {space.beside for space in spaces if space.open_at is not None} == {PartRole.COVER}
     assert {space.open_at for space in spaces} == {None, top}

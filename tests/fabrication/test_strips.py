@@ -20,7 +20,6 @@ from skincad.fabrication.strips import (
     _ahead,
     deflection,
     drag,
-    drawing_findings,
     drawing_time,
     lap,
     placement_error,
@@ -32,12 +31,11 @@ from skincad.fabrication.strips import (
     strips_per_mix,
     weight,
 )
-from skincad.inputs import Design, template_names
+from skincad.inputs import Design
 from skincad.inputs.material import silicone
 from skincad.shape import Point, SensorPlace
 from tests.bent_skin import bent, three_ridges
-from tests.families import RIDGED
-from tests.templates import of_one_printer
+from tests.templates import KINDS, SHIPPED, of_one_printer
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
 LOAD = 1e-6  # N/mm
@@ -167,7 +165,7 @@ def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -
     assert release_strain(Job(yamada)) == 0.0
 
 
-@pytest.mark.parametrize("name", template_names())
+@pytest.mark.parametrize("name", SHIPPED)
 def test_templates_have_no_strip_finding_above_a_note(name: str) -> None:
     assert [f.rule for f in strip_findings(Job(skincad.load(name))) if f.severity != "note"] == []
 
@@ -265,10 +263,6 @@ def test_a_strip_must_be_back_in_a_tenth_of_the_pot_life(cast: Design, share: fl
     assert bool(drift) == told
 
 
-def drawing_rules(design: Design) -> dict[str, Finding]:
-    return {finding.rule: finding for finding in drawing_findings(Job(design))}
-
-
 def test_a_straight_lap_has_only_the_soft_slot_on_its_way(yamada: Design) -> None:
     """Shim, glue and film: 0.05 + 0.01 + 0.028 in a slot of 0.05 x 0.25."""
     joint = lap(Job(yamada))
@@ -314,7 +308,7 @@ def test_there_is_no_lap_without_a_film_or_a_shim() -> None:
     assert lap(Job(skincad.load("yamada-2002", ["film=none", "contact.film=loose"]))) is None
 
 
-@pytest.mark.parametrize("name", RIDGED)
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("radius", [None, 100.0])
 def test_every_templates_lap_goes_in(name: str, radius: float | None) -> None:
     """Straight as they ship, and doubly curved where strips are drawn in and the cavity is whole."""
@@ -323,9 +317,10 @@ def test_every_templates_lap_goes_in(name: str, radius: float | None) -> None:
         if design.mold.method == "cast-in" or design.mold.split == "auto":
             pytest.skip("refused by the mold")
         design = design.with_(skin={"curvature_radius_y": radius})
-    assert all(f.severity != "error" for f in drawing_findings(Job(design)))
+    assert all(f.severity != "error" for f in strip_findings(Job(design)))
 
 
+@pytest.mark.evidence(subject="seeds: laps of strips")
 @pytest.mark.parametrize("curved", [False, True])
 def test_the_lap_of_a_random_design_passes_or_is_an_error(curved: bool) -> None:
     seen = 0
@@ -349,32 +344,30 @@ def test_the_lap_of_a_random_design_passes_or_is_an_error(curved: bool) -> None:
 
 def test_a_lap_that_jams_is_an_error_that_its_remedy_cures() -> None:
     tight = three_ridges().with_(film={"thickness": 0.05})
-    finding = drawing_rules(tight)["strip lap"]
+    finding = strip_rules(tight)["strip lap"]
     assert (finding.severity, finding.unit) == ("error", "mm")
     assert finding.measured == pytest.approx(0.015 + 0.01 + 0.05)
     wide = float(re.search(r"slit_clearance of ([\d.]+) mm", finding.remedy)[1])
-    assert "strip lap" not in drawing_rules(tight.with_(mold={"slit_clearance": wide}))
-    assert "strip lap" in drawing_rules(
-        tight.with_(mold={"slit_clearance": wide - 1e-3})
-    )  # whole micrometres
+    assert "strip lap" not in strip_rules(tight.with_(mold={"slit_clearance": wide}))
+    assert "strip lap" in strip_rules(tight.with_(mold={"slit_clearance": wide - 1e-3}))  # whole micrometres
 
 
 def test_a_lap_that_would_tear_its_slot_is_an_error_that_its_remedy_cures(yamada: Design) -> None:
     brittle = yamada.with_(silicones={"dragon-skin-30": {"elongation_at_break": 0.6}})
-    finding = drawing_rules(brittle)["strip lap"]
+    finding = strip_rules(brittle)["strip lap"]
     assert (finding.severity, finding.limit) == ("error", pytest.approx(0.12))
     assert finding.measured == pytest.approx(0.038 / 0.3)
     deep = float(re.search(r"slot.depth of ([\d.]+) mm", finding.remedy)[1])
-    assert "strip lap" not in drawing_rules(brittle.with_(slot={"depth": deep}))
-    assert "strip lap" in drawing_rules(brittle.with_(slot={"depth": deep - 2e-3}))  # rounded up by 1e-3
+    assert "strip lap" not in strip_rules(brittle.with_(slot={"depth": deep}))
+    assert "strip lap" in strip_rules(brittle.with_(slot={"depth": deep - 2e-3}))  # rounded up by 1e-3
 
 
 def test_a_contact_that_ends_in_its_notch_is_told() -> None:
     short = three_ridges().with_(film={"lead": 5.0})
-    finding = drawing_rules(short)["strip lead"]
+    finding = strip_rules(short)["strip lead"]
     assert (finding.measured, finding.limit, finding.severity) == (1.0, 2.0, "warning")
     assert "film.lead of 6 mm" in finding.remedy
-    assert "strip lead" not in drawing_rules(three_ridges().with_(film={"lead": 6.0}))
+    assert "strip lead" not in strip_rules(three_ridges().with_(film={"lead": 6.0}))
 
 
 def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
@@ -382,9 +375,9 @@ def test_strips_of_one_mix_fit_half_its_pot_life(yamada: Design) -> None:
     assert strips_per_mix(Job(yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 20.0}}))) == 6
     assert strips_per_mix(Job(yamada.with_(material={"name": None, "young_modulus": 0.5}))) is None
     fast = yamada.with_(silicones={"dragon-skin-30": {"pot_life_min": 3.0}})
-    finding = drawing_rules(fast)["strip batch"]
+    finding = strip_rules(fast)["strip batch"]
     assert (finding.measured, finding.limit, finding.severity) == (97.0, pytest.approx(90.0), "error")
-    assert "strip batch" not in drawing_rules(yamada)
+    assert "strip batch" not in strip_rules(yamada)
     deft = yamada.with_(printer={"edm": {"handling_s": 7.0}})
     assert strips_per_mix(Job(deft)) == 96  # 45 min: 1350 s at 14 s each
 
@@ -418,8 +411,8 @@ def test_the_pull_test_is_a_third_of_the_weaker_of_film_and_bond(yamada: Design)
 def test_a_film_that_is_cast_in_and_baked_is_told() -> None:
     cast = skincad.load("cast-in")
     hot = cast.with_(silicones={"dragon-skin-20": {"cure_c": 100.0}})
-    assert (drawing_rules(hot)["film heat"].measured, drawing_rules(hot)["film heat"].severity) == (
+    assert (strip_rules(hot)["film heat"].measured, strip_rules(hot)["film heat"].severity) == (
         100.0,
         "warning",
     )
-    assert drawing_rules(cast.with_(silicones={"dragon-skin-20": {"cure_c": 80.0}})) == {}
+    assert strip_rules(cast.with_(silicones={"dragon-skin-20": {"cure_c": 80.0}})) == {}
