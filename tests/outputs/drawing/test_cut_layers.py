@@ -17,20 +17,19 @@ from skincad.fabrication import Job
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.inputs import Design, processes
 from skincad.outputs import write_step
-from skincad.outputs.drawing.flat import write_seal_dxf, write_section_dxf
-from skincad.outputs.drawing.formats import write_sheet_dxf
-from skincad.outputs.drawing.marks import LAYERS
+from skincad.outputs.drawing import flat, formats, marks
 from skincad.outputs.drawing.part_sheet import part_sheet
 from skincad.shape import area, section
 from skincad.solids import Part, PartRole, Prism, RotatedBody, plain, unturned, workplane
-from skincad.solids.mold import mold
-from skincad.solids.shrinkage import shrinkage
 from tests.bent_skin import three_ridges
 from tests.families import RIDGED
-from tests.outputs.test_export import dxf_loops
+from tests.outputs.drawing.test_strips import dxf_loops
 
-FAST = {"steep-fingertip"}  # a split cavity; the others are slow
-NAMES = [pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow]) for name in (*RIDGED, "bent")]
+NAMES = [
+    pytest.param("yamada-2002", marks=pytest.mark.slow),
+    *(pytest.param(n, marks=pytest.mark.evidence(subject=n)) for n in RIDGED if n != "yamada-2002"),
+    pytest.param("bent", marks=pytest.mark.evidence(subject="doubly curved molds: cut layers")),
+]
 SAME = 1e-6  # relative: what is promised; found are 1e-7 at the cones' narrow ends, 1e-11 elsewhere
 # Shares of a part's length: a conical hole is as drawn at its narrow end alone, 1e-6 of 4 mm from the face
 PLANES = (0.5, 0.37, 0.63, 1e-6, 1 - 1e-6, 0.21, 0.79, 0.11, 0.89)
@@ -75,13 +74,13 @@ def without_cuts_across(part: Part) -> Part:
 
 def write_part(design: Design, part: Part, path: Path) -> None:
     sheet = part_sheet(part_drawing(Job(design), part, workplane(part).val(), None), "0", "")
-    write_sheet_dxf(sheet, path)
+    formats.write_sheet_dxf(sheet, path)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_parts_cut_profile_is_its_steps_section(name: str, tmp_path: Path) -> None:
     design = named(name)
-    for part in mold(design).parts:
+    for part in Job(design).closed.parts:
         if part.made != "made":
             continue
         write_part(design, part, tmp_path / "part.dxf")
@@ -98,7 +97,7 @@ def test_a_parts_cut_profile_is_its_steps_section(name: str, tmp_path: Path) -> 
 def test_a_cut_profile_lies_on_its_view_and_is_told_with_its_wire(tmp_path: Path) -> None:
     """Each of its corners is an end of a visible edge, to what DXF's numbers hold."""
     design = skincad.load("yamada-2002")
-    part = mold(design).part("end-b-comb")
+    part = Job(design).closed.part("end-b-comb")
     write_part(design, part, tmp_path / "part.dxf")
     drawing = ezdxf.readfile(tmp_path / "part.dxf")
     lines = [e for e in drawing.modelspace().query("LINE") if e.dxf.layer == "OUTLINE"]
@@ -116,12 +115,12 @@ def test_a_cut_profile_lies_on_its_view_and_is_told_with_its_wire(tmp_path: Path
 def test_the_section_says_that_it_is_not_for_cutting(tmp_path: Path) -> None:
     """It is the skin, smaller than the trough by its silicone's shrinkage; no layer of it is CUT."""
     design = skincad.load("yamada-2002").with_(mold={"shrinkage": 0.02})
-    write_section_dxf(design, tmp_path / "section.dxf")
+    flat.write_section_dxf(design, tmp_path / "section.dxf")
     drawing = ezdxf.readfile(tmp_path / "section.dxf")
     assert {e.dxf.layer for e in drawing.modelspace()} == {"OUTLINE", "SLOTS", "DIMENSIONS", "TEXT"}
     texts = [e.dxf.text for e in drawing.modelspace().query("TEXT")]
     assert "not for cutting" in texts[0]
-    assert f"{1 / (1 - shrinkage(design)):.6g} times as large" in texts[1]
+    assert f"{1 / (1 - 0.02):.6g} times as large" in texts[1]
     assert [text for _, text in drawing.header.custom_vars] == texts
     (outline,) = dxf_loops(tmp_path / "section.dxf")["OUTLINE"]
     assert area(outline) == pytest.approx(area(section(design).outline), rel=1e-12)
@@ -129,17 +128,17 @@ def test_the_section_says_that_it_is_not_for_cutting(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["yamada-2002", "lab-bench"])
 def test_the_seals_pattern_is_its_volume_by_its_height(name: str, tmp_path: Path) -> None:
-    closed = mold(skincad.load(name))
-    write_seal_dxf(closed, tmp_path / "seal.dxf")
+    closed = Job(skincad.load(name)).closed
+    flat.write_seal_dxf(closed, tmp_path / "seal.dxf")
     seal = closed.first(PartRole.SEAL)
     assert isinstance(seal.body, Prism)
-    flat = seal.volume / (seal.body.high - seal.body.low)
-    assert cut_area(tmp_path / "seal.dxf") == pytest.approx(flat, rel=1e-12)
+    across = seal.volume / (seal.body.high - seal.body.low)
+    assert cut_area(tmp_path / "seal.dxf") == pytest.approx(across, rel=1e-12)
     layers = {e.dxf.layer for e in ezdxf.readfile(tmp_path / "seal.dxf").modelspace()}
     assert layers == {"CUT", "DIMENSIONS", "TEXT"}
 
 
 def test_no_two_layers_have_one_colour_and_red_is_what_cuts() -> None:
-    colours = [layer.aci for layer in LAYERS.values()]
+    colours = [layer.aci for layer in marks.LAYERS.values()]
     assert len(set(colours)) == len(colours)
-    assert LAYERS["CUT"].aci == 1
+    assert marks.LAYERS["CUT"].aci == 1

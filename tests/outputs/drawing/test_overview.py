@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.fabrication import manifold
+from skincad.fabrication import Job, manifold
 from skincad.inputs import Design
 from skincad.outputs import PAGE
 from skincad.outputs.drawing.overview import drawing
 from skincad.shape import section
 from skincad.solids import ClosedMold, Part
-from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -67,7 +66,7 @@ def wide_skin() -> Design:
 def page(name: str) -> Page:
     designs = {"bent": three_ridges, "wide": wide_skin}
     design = designs[name]() if name in designs else skincad.load(name)
-    closed = mold(design)
+    closed = Job(design).closed
     root = ET.fromstring(drawing(design, closed))
     lines = [
         ((float(n.attrib["x1"]), float(n.attrib["y1"])), (float(n.attrib["x2"]), float(n.attrib["y2"])))
@@ -198,12 +197,11 @@ def test_all_lines_and_words_are_on_the_page(name: str) -> None:
     points = np.array([end for line in seen.lines for end in line])
     assert (points >= 0).all()
     assert (points <= PAGE).all()
-    for words, (x, y, anchor) in seen.texts.items():
-        half = 0.5 * 2.8 * len(words) / 2  # letters of sans-serif are half as wide as high, about
-        start = {"start": x, "middle": x - half, "end": x - 2 * half}[anchor]
-        assert start > 0
-        assert start + 2 * half < PAGE[0]
-        assert 2.8 < y < PAGE[1]
+    for words, place in seen.texts.items():
+        (left, _), (right, _) = words_box(words, place)
+        assert left > 0
+        assert right < PAGE[0]
+        assert 2.8 < place[1] < PAGE[1]
 
 
 def words_box(words: str, place: tuple[float, float, str]) -> np.ndarray:

@@ -1,33 +1,70 @@
-"""The strips' cutting pattern as another library reads its DXF: both faces have metal in the skin alone."""
+"""The strips' cutting pattern as other libraries read it, and the footprint of their board."""
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from itertools import islice
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter, defaultdict
+from functools import cache
+from itertools import islice, pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import dxf_parser
+import ezdxf
+import numpy as np
 import pytest
 import shapely
 from shapely.affinity import translate
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.fabrication import Job, electrode_findings
+from skincad.fabrication import GLUED_LENGTH, HOLE, SHOULDER, Job, electrode_findings
 from skincad.inputs import Design, template_names
-from skincad.outputs.drawing.flat import write_strips_dxf
-from skincad.shape import section
-from skincad.solids import scaled_for_shrinkage
+from skincad.outputs.drawing import flat
+from skincad.shape import Point, Segment, area, polygon, section
+from skincad.solids import STUB, scaled_for_shrinkage
 from tests.conftest import Made
 
-FILMS = [name for name in template_names() if skincad.load(name).film]
+PITCH = 2.54  # mm, of pins
+LEAD = 36.0  # mm, of yamada-2002: 17 tabs of 2.54, less the slots, aside by 30 degrees
+FAST = ("yamada-2002", "cast-in")  # drawn in and cast in
+FILMS = [
+    pytest.param(name, marks=() if name in FAST else pytest.mark.evidence(subject=name))
+    for name in template_names()
+    if skincad.load(name).film
+]
+SIDES = pytest.mark.parametrize("side", ["a", "b"])
 ROUND = 1e-9  # mm2, sixteen digits of places below 100 mm: a sliver of 1e-14 mm along a lead of 100
+Loops = dict[str, list[tuple[Segment, ...]]]
+
+
+def dxf_loops(path: Path) -> Loops:
+    loops: Loops = {}
+    for line in ezdxf.readfile(path).modelspace().query("LWPOLYLINE"):
+        corners = [(Point(x, y), bulge) for x, y, bulge in line.get_points("xyb")]
+        following = corners[1:] + corners[:1]
+        ring = tuple(Segment(a, b, bulge) for (a, bulge), (b, _) in zip(corners, following, strict=True))
+        loops.setdefault(line.dxf.layer, []).append(ring)
+    return loops
+
+
+@cache
+def pattern(name: str, side: str = "b") -> Loops:
+    """The closed lines of a template's pattern, wired at this end."""
+    design = skincad.load(name, [f'film.wiring_side="{side}"'])
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "strips.dxf"
+        flat.write_strips_dxf(Job(design), path)
+        assert all(line.closed for line in ezdxf.readfile(path).modelspace().query("LWPOLYLINE"))
+        return dxf_loops(path)
 
 
 def read(design: Design, folder: Path) -> dict[str, list[shapely.Polygon]]:
     """The closed outlines by layer, one strip after the other; a rounded corner as its chord."""
-    write_strips_dxf(Job(design), folder / "strips.dxf")
+    flat.write_strips_dxf(Job(design), folder / "strips.dxf")
     drawing = dxf_parser.parse((folder / "strips.dxf").read_text(encoding="utf-8"))
     layers = defaultdict(list)
     for entity in (e for e in drawing["entities"] if e["type"] == "LWPOLYLINE"):
@@ -47,7 +84,7 @@ def skins(design: Design) -> list[shapely.Polygon]:
     return [shapely.box(-half, -1e4, half, 1e4) for half in halves]
 
 
-def check(design: Design, folder: Path) -> None:
+def metal_in_the_skin_alone(design: Design, folder: Path) -> None:
     """Overlap outside the skin is none, even with both faces off by the registration; and each has a pad."""
     layers, film = read(design, folder), design.film
     assert film is not None
@@ -73,36 +110,43 @@ def check(design: Design, folder: Path) -> None:
             assert pad.distance(other) > 0.0
 
 
-@pytest.mark.parametrize("side", ["a", "b"])
+@SIDES
 @pytest.mark.parametrize("name", FILMS)
 def test_both_faces_have_metal_in_the_skin_alone(name: str, side: str, tmp_path: Path) -> None:
-    check(skincad.load(name, [f'film.wiring_side="{side}"']), tmp_path)
+    metal_in_the_skin_alone(skincad.load(name, [f'film.wiring_side="{side}"']), tmp_path)
 
 
 def test_a_doubly_curved_skins_strips_too(tmp_path: Path) -> None:
-    check(skincad.load("yamada-2002", ["skin.curvature_radius_y=200"]), tmp_path)
+    metal_in_the_skin_alone(skincad.load("yamada-2002", ["skin.curvature_radius_y=200"]), tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="seeds: strips")
 def test_sixty_random_designs_strips_too(tmp_path: Path) -> None:
     designs = (drawn(seed).design for seed in range(1000))
     with_film = list(islice((design for design in designs if design.film), 60))
     assert len(with_film) == 60
     for design in with_film:
-        check(design, tmp_path)
+        metal_in_the_skin_alone(design, tmp_path)
 
 
-def test_the_layers_say_what_is_cut_kept_and_marked(made: Made) -> None:
-    drawing = dxf_parser.parse((made.folder / "film/strips.dxf").read_text(encoding="utf-8"))
-    colours = {name: row["colorIndex"] for name, row in drawing["tables"]["layer"]["layers"].items()}
-    assert {name: colours[name] for name in ("CUT", "FRONT", "BACK", "ENGRAVE", "MARK", "DIMENSIONS")} == {
-        "CUT": 1,
-        "ENGRAVE": 2,
-        "FRONT": 3,
-        "BACK": 4,
-        "MARK": 5,
-        "DIMENSIONS": 6,
-    }
+@SIDES
+@pytest.mark.parametrize("name", FILMS)
+def test_metal_keeps_its_margin_and_strips_lie_apart(name: str, side: str) -> None:
+    """Where both faces have metal; a lead alone goes up to its own edge, and the other face is bare there."""
+    loops = pattern(name, side)
+    cuts = [shapely.Polygon(polygon(loop, 1e-4)) for loop in loops["CUT"] if len(loop) > 2]
+    assert all(a.distance(b) > 1.9 for a, b in pairwise(cuts))
+    margin = skincad.load(name).film.margin
+    assert margin == 0.04
+    for cut, *faces in zip(cuts, loops["FRONT"], loops["BACK"], strict=True):
+        front, back = (shapely.Polygon(polygon(face, 1e-4)) for face in faces)
+        assert cut.buffer(1e-9).contains(front.union(back))
+        assert cut.exterior.distance(front.intersection(back)) > margin - 1e-9
+        edges = [cut.exterior.intersection(face.buffer(1e-6)) for face in (front, back)]
+        assert edges[0].distance(back) > margin - 2e-6  # the buffer of 1e-6
+        assert edges[1].distance(front) > margin - 2e-6
+    middle = np.mean([s.start.x for s in loops["FRONT"][0]])
+    assert (middle > 0) == (side == "b")
 
 
 @pytest.mark.parametrize("name", FILMS)
@@ -122,3 +166,165 @@ def test_number_and_sign_are_on_what_is_not_cut_off(name: str, tmp_path: Path) -
         assert not any(box.intersects(metal) for metal in (*layers["FRONT"], *layers["BACK"]))
         assert max(end for end in ends if end < 0) < x  # the leads are at end b
         assert box.bounds[2] < min((end for end in ends if end > 0), default=math.inf)
+
+
+def test_strips_are_slot_deep_numbered_and_on_layers_with_colours(made: Made) -> None:
+    drawing = ezdxf.readfile(made.folder / "film/strips.dxf")
+    cuts = dxf_loops(made.folder / "film/strips.dxf")["CUT"]
+    assert len(cuts) == 18
+    places = np.array([s.start for s in cuts[0]])
+    long = 12.0 + LEAD + GLUED_LENGTH + 10.0  # and tab
+    assert np.ptp(places, axis=0) == pytest.approx([long, 5.04], abs=1e-12)
+    assert np.ptp(places[places[:, 0] < 6.0], axis=0)[1] == pytest.approx(0.25, abs=1e-12)
+    labels = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
+    assert labels[:3] == ["1 S1", "1 S2", "2 S1"]
+    assert labels.count("+") == 18
+    colours = {"CUT": 1, "ENGRAVE": 2, "FRONT": 3, "BACK": 4, "MARK": 5, "DIMENSIONS": 6}
+    assert {entity.dxf.layer for entity in drawing.modelspace()} == {*colours, "TEXT"}
+    read_by_another = dxf_parser.parse((made.folder / "film/strips.dxf").read_text(encoding="utf-8"))
+    layers = read_by_another["tables"]["layer"]["layers"]
+    assert {name: layers[name]["colorIndex"] for name in colours} == colours
+
+
+@SIDES
+def test_a_strip_that_is_cast_in_has_its_area_by_formula(side: str) -> None:
+    loops = pattern("cast-in", side)
+    outlines = [loop for loop in loops["CUT"] if len(loop) > 2]
+    holes = [loop for loop in loops["CUT"] if len(loop) == 2]
+    assert (len(outlines), len(holes)) == (18, 36)
+    # straight: the skin as poured, both end plates, stub and lead; then shoulders, tabs, less the corner
+    straight = 0.375 * (18 / 0.999 + 2 * 4 + STUB + 10)
+    shoulders = 2 * (0.375 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2)
+    # a tail for a weight; the tab with the pads, 5.04 wide, less the corner; beyond it the other weight's
+    tabs, corner = 8.0 * 3.0 + 9.5 * 5.04 + 3.0 * 3.04, 1.0**2 / 2
+    for outline in outlines:
+        assert area(outline) == pytest.approx(straight + shoulders + tabs - corner, rel=1e-9)
+    for hole in holes:
+        assert area(hole) == pytest.approx(math.pi * HOLE**2, rel=1e-9)
+
+
+def test_a_strip_behind_a_shim_has_its_area_by_formula() -> None:
+    """Straight, one shoulder, and the tab: label, pads, bare film round them and the cut corner."""
+    loops = pattern("yamada-2002")
+    shoulder = 0.25 * SHOULDER + 2 * (1 - math.pi / 4) * SHOULDER**2
+    tab = (4.5 + 0.5 + 3.0 + 0.5 + 1.0) * 5.04 - 1.0**2 / 2
+    assert area(loops["CUT"][0]) == pytest.approx(
+        0.25 * (12 + LEAD + GLUED_LENGTH) + shoulder + tab, rel=1e-9
+    )
+
+
+@SIDES
+def test_a_drawn_in_strips_tail_is_at_its_unwired_end(side: str) -> None:
+    """Its contact never goes through the slot; the mark at which the tail is cut is the skin's end."""
+    cut = pattern("yamada-2002", side)["CUT"][0]
+    ends = sorted(abs(f(p.start.x for p in cut)) for f in (min, max))
+    assert ends == pytest.approx([6.0 + GLUED_LENGTH, 6.0 + LEAD + 10.0])  # lead and tab
+    assert (max(p.start.x for p in cut) > 12.0) == (side == "b")
+
+
+def test_the_corner_that_tells_the_sides_is_at_the_wiring_end_and_the_ridges() -> None:
+    """Ridges are below in the drawing. The tab's corner, not that of the piece beyond for a weight."""
+    for side, sign in (("a", -1), ("b", 1)):
+        loop = pattern("cast-in", side)["CUT"][0]
+        corners = {(round(s.start.x, 6), round(s.start.z, 6)) for s in loop}
+        high, foot = max(z for _, z in corners), min(z for _, z in corners)
+        far = max(sign * x for x, z in corners if z == high)
+        assert (round(sign * far, 6), foot) not in corners
+        assert (round(sign * (far - 1.0), 6), foot) in corners
+        assert (round(sign * far, 6), round(foot + 1.0, 6)) in corners
+
+
+@SIDES
+def test_a_hooks_hole_is_its_radius_from_its_tabs_end(side: str) -> None:
+    """The film that bears the weight is as wide all round, or wider: at the wiring end the piece for a weight
+    is 3.04 mm wide, and its tab is wider."""
+    loops = pattern("cast-in", side)["CUT"]
+    tabs = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) > 2]
+    holes = [shapely.Polygon(polygon(loop, 1e-5)).bounds for loop in loops if len(loop) == 2]
+    low, low_z, high, high_z = tabs[0]
+    first, last = sorted(h for h in holes if low_z < h[1] < high_z)
+    assert (first[0] - low, high - last[2]) == pytest.approx((HOLE, HOLE), abs=1e-4)
+    whole = shapely.Polygon(polygon(next(loop for loop in loops if len(loop) > 2), 1e-5))
+    for hole in (first, last):
+        beside = whole.exterior.distance(shapely.box(*hole).centroid)
+        assert 2 * HOLE - 1e-4 < beside < 2 * HOLE + 0.03
+
+
+def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
+    root = ET.parse(made.folder / "film/strips.svg").getroot()
+    space = "{http://www.w3.org/2000/svg}"
+    classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
+    assert Counter(classes) == dict.fromkeys(("cut", "front", "back", "mark"), 18)
+    left, top, wide, high = map(float, root.attrib["viewBox"].split())
+    assert root.attrib["width"] == f"{wide:g}mm"
+    for text in root.findall(f"{space}text"):
+        assert left < float(text.attrib["x"]) < left + wide
+        assert top < float(text.attrib["y"]) < top + high
+    words = [text.text or "" for text in root.findall(f"{space}text")]
+    assert "9 S2" in words
+    assert any("+ side, which faces +x" in text for text in words)
+    assert any("draw axis (d31) along the strips" in text for text in words)
+
+
+def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
+    """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
+    short = yamada.with_(film={"lead": 8.0})
+    flat.write_strips_svg(Job(short), tmp_path / "strips.svg")
+    root = ET.parse(tmp_path / "strips.svg").getroot()
+    left, _, wide, _ = map(float, root.attrib["viewBox"].split())
+    texts = root.findall("{http://www.w3.org/2000/svg}text")
+    begin, letters = max((float(t.attrib["x"]), len(t.text or "")) for t in texts if len(t.text or "") > 60)
+    assert begin + 0.5 * letters < left + wide < begin + 0.7 * letters
+
+
+def bracketed(text: str) -> list[Any]:
+    """A text of brackets as lists of words."""
+    stack: list[list[Any]] = [[]]
+    for token in re.findall(r'"[^"]*"|[()]|[^\s()]+', text):
+        if token == "(":
+            stack.append([])
+        elif token == ")":
+            expression = stack.pop()
+            stack[-1].append(expression)
+        else:
+            stack[-1].append(token.strip('"'))
+    (whole,) = stack[0]
+    return whole
+
+
+def pads(text: str) -> dict[str, tuple[float, float]]:
+    rows = [row for row in bracketed(text) if row[0] == "pad"]
+    assert all(row[2:4] == ["thru_hole", "circle"] for row in rows)
+    assert all(["drill", f"{flat.DRILL:g}"] in row for row in rows)
+    places = {row[1]: (float(row[4][1]), float(row[4][2])) for row in rows}
+    assert len(places) == len(rows)  # no name twice
+    return places
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_on_the_board_each_strip_has_a_pin_for_each_face_in_its_own_column(name: str) -> None:
+    design = skincad.load(name)
+    text = flat.strip_board(Job(design))
+    places = pads(text)
+    labels = [f"{ridge}{side}" for ridge in range(1, design.ridge.count + 1) for side in ("S1", "S2")]
+    assert set(places) == {f"{label}{sign}" for label in labels for sign in "+-"}
+    for i, label in enumerate(labels):  # places have four decimals
+        assert places[f"{label}+"][0] - places["1S1+"][0] == pytest.approx(PITCH * i, abs=2e-4)
+        assert places[f"{label}-"][0] == places[f"{label}+"][0]
+        assert places[f"{label}-"][1] - places[f"{label}+"][1] == pytest.approx(PITCH, abs=2e-4)  # y is down
+    assert sum(x for x, _ in places.values()) == pytest.approx(0.0, abs=1e-3)
+    (yard,) = (row for row in bracketed(text) if row[0] == "fp_rect")
+    assert float(yard[2][1]) - max(x for x, _ in places.values()) == pytest.approx(
+        flat.FOOTPRINT_ROOM, abs=2e-4
+    )
+
+
+def test_seen_from_the_skin_end_a_has_its_strips_the_other_way_round() -> None:
+    b, a = (pads(flat.strip_board(Job(skincad.load("cast-in", [f'film.wiring_side="{s}"'])))) for s in "ba")
+    assert b["1S1+"][0] < b["9S2+"][0]
+    assert {name: (-x, y) for name, (x, y) in a.items()} == b
+
+
+def test_no_film_no_board() -> None:
+    with pytest.raises(ValueError, match="without film"):
+        flat.strip_board(Job(skincad.load("plain-ridges")))

@@ -17,7 +17,7 @@ import numpy as np
 
 from skincad.inputs import Design
 from skincad.inputs.material import silicone
-from skincad.outputs.simulators.meshes import Tetrahedra
+from skincad.outputs.simulators import meshes
 
 ROUNDS = 12
 
@@ -27,7 +27,7 @@ def missing() -> str:
     return "" if shutil.which("ccx") else "CalculiX is not compared: apt-get install calculix-ccx"
 
 
-def pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
+def pressed(design: Design, mesh: meshes.Tetrahedra, down: float) -> float:
     """Return the plate's force, N, at an approach, mm. Points that were let go stay free."""
     crests = np.concatenate([rows for name, rows in mesh.surfaces.items() if name != "back"])
     gap = mesh.nodes[crests].max(axis=(0, 1))[2] - mesh.nodes[:, 2]
@@ -41,7 +41,7 @@ def pressed(design: Design, mesh: Tetrahedra, down: float) -> float:
     raise RuntimeError("the contact does not settle")
 
 
-def _solved(design: Design, mesh: Tetrahedra, held: np.ndarray, moved: np.ndarray) -> np.ndarray:
+def _solved(design: Design, mesh: meshes.Tetrahedra, held: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Forces on the held points, N, that move them by so much, mm."""
     stuff = silicone(design)  # CalculiX reads 20 letters of a number
     lines = ["*NODE, NSET=all"]

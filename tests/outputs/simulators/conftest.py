@@ -18,6 +18,13 @@ DESIGNS = {
 }
 
 
+SUBJECTS = {
+    "tilted": "yamada-2002-tilted",
+    "doubly curved": "packages: doubly curved",
+    "few and steep": "steep-fingertip",
+}
+
+
 class PackageFolder:
     """A package and the folder that it was written to."""
 
@@ -33,7 +40,12 @@ def packaged(name: str, parent: Path) -> PackageFolder:
     return PackageFolder(package, parent / name)
 
 
-@pytest.fixture(scope="session", params=DESIGNS)
+def marks(name: str) -> tuple[pytest.MarkDecorator, ...]:
+    """What any commit can break is seen on the straight skin."""
+    return (pytest.mark.slow if name == "straight" else pytest.mark.evidence(subject=SUBJECTS[name]),)
+
+
+@pytest.fixture(scope="session", params=[pytest.param(name, marks=marks(name)) for name in DESIGNS])
 def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> PackageFolder:
     """Each design for MuJoCo and URDF."""
     return packaged(request.param, tmp_path_factory.getbasetemp())

@@ -1,36 +1,52 @@
-"""Every bore of a made part is on its sheet: by the solid's own faces, a reader of DXF and one of PDF."""
+"""Sheets of parts and of the assembly against the exact solids, read by other libraries than the writers'."""
 
 from __future__ import annotations
 
 import cmath
 import math
 import re
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import cadquery as cq
 import dxf_parser
+import ezdxf
 import pypdf
 import pytest
+import shapely
 
 import skincad
-from skincad.fabrication import ABOVE, FRONT, CrestAllowance, Job, hole_groups, notches, number, views
+from skincad.fabrication import (
+    ABOVE,
+    FRONT,
+    AssemblyDrawing,
+    CrestAllowance,
+    Job,
+    PartDrawing,
+    notches,
+    number,
+    views,
+)
+from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.part_drawing import part_drawing
-from skincad.inputs import Design
-from skincad.outputs.drawing.formats import sheet_svg, write_dxf, write_sheet_pdf
-from skincad.outputs.drawing.marks import Dimension, Ink, Sheet, Words, overlap
+from skincad.fabrication.parts_list import parts_list
+from skincad.inputs import Design, template_names
+from skincad.outputs.drawing import formats, marks
+from skincad.outputs.drawing.assembly_sheet import BALLOON, assembly_sheet
 from skincad.outputs.drawing.part_sheet import part_sheet
 from skincad.outputs.drawing.part_views import ViewPlacement, bore_marks
-from skincad.solids import Arc, CutRole, Part, RotatedBody, bores, solid
-from skincad.solids.mold import mold
+from skincad.solids import Arc, CutRole, Part, RotatedBody, bores, solid, workplane
 from skincad.solids.occ import projection
 from tests.bent_skin import three_ridges
 from tests.families import RIDGED
 
-FAST = {"bent"}  # doubly curved; printed with nuts, by wire and mounted are slow
+# doubly curved; printed with nuts, by wire and mounted take longer
 NAMES = [
-    pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow])
-    for name in (*RIDGED, "bent", "mounted")
+    "bent",
+    pytest.param("yamada-2002", marks=pytest.mark.slow),
+    *(pytest.param(n, marks=pytest.mark.evidence(subject=n)) for n in RIDGED if n != "yamada-2002"),
+    pytest.param("mounted", marks=pytest.mark.evidence(subject="sheets of a mounted skin")),
 ]
 READ = 1e-6  # mm, DXF has 16 digits, the drawing's places six
 THREADED = {CutRole.END_THREAD, CutRole.COVER_THREAD, CutRole.PULL, CutRole.MOUNT}
@@ -43,12 +59,25 @@ def named(name: str) -> Design:
     return three_ridges() if name == "bent" else skincad.load(name)
 
 
-def made_parts(design: Design) -> list[tuple[Part, cq.Solid]]:
-    return [(part, solid(part)) for part in mold(design).parts if part.made == "made"]
+class Drawn(NamedTuple):
+    """A made part with its exact solid, its drawing and its sheet."""
+
+    part: Part
+    shape: cq.Solid
+    drawing: PartDrawing
+    sheet: marks.Sheet
 
 
-def sheet_of(design: Design, part: Part, made: cq.Solid) -> Sheet:
-    return part_sheet(part_drawing(Job(design), part, made, None), "0", "")
+def drawn(design: Design, part: Part) -> Drawn:
+    shape = solid(part)
+    drawing = part_drawing(Job(design), part, shape, None)
+    return Drawn(part, shape, drawing, part_sheet(drawing, "0", ""))
+
+
+@cache
+def drawn_parts(name: str) -> dict[str, Drawn]:
+    design = named(name)
+    return {part.name: drawn(design, part) for part in Job(design).closed.parts if part.made == "made"}
 
 
 def diameters(path: Path) -> list[dict[str, Any]]:
@@ -74,14 +103,12 @@ def cylinders(made: cq.Solid) -> list[tuple[cq.Vector, cq.Vector, float, cq.Face
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
-    design = named(name)
-    for part, shape in made_parts(design):
-        sheet = sheet_of(design, part, shape)
-        write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
-        write_sheet_pdf(sheet, tmp_path / "part.pdf")
+    for part, _, drawing, sheet in drawn_parts(name).values():
+        formats.write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
+        formats.write_sheet_pdf(sheet, tmp_path / "part.pdf")
         read = diameters(tmp_path / "part.dxf")
         words = pypdf.PdfReader(tmp_path / "part.pdf").pages[0].extract_text()
-        groups = hole_groups(Job(design), part, shape)
+        groups = drawing.holes
         of_plan = sorted(round(2 * bore.radius, 6) for bore in bores(part))
         twice = [g.diameter for g in groups for _ in g.holes if g.depth is not None and len(g.sides) == 2]
         on_sheet = [round(e["actualMeasurement"], 6) for e in read]
@@ -106,11 +133,10 @@ def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
     """The exact solid's cylinders, found on its faces, lie where the drawing has holes, and are as deep."""
-    design = named(name)
-    for part, shape in made_parts(design):
+    for part, shape, drawing, _ in drawn_parts(name).values():
         seen = {view.name: view.of_solid for view in views(part)}
         faces = cylinders(shape)
-        for group in hole_groups(Job(design), part, shape):
+        for group in drawing.holes:
             if group.lean or group.diameter != group.far_diameter:
                 continue
             view = seen[group.view]
@@ -127,21 +153,25 @@ def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
                 assert deep, (part.name, hole, depths)
 
 
+def words_in_frame(sheet: marks.Sheet, low: float) -> list[tuple[str, tuple[float, float, float, float]]]:
+    """The words of a sheet with their boxes: all lie inside the frame, whose lower edge is at `low` mm."""
+    words = [mark.words for mark in sheet.marks if isinstance(mark, marks.Dimension)]
+    words += [mark for mark in sheet.marks if isinstance(mark, marks.Words)]
+    wide, tall = sheet.size
+    boxes = [(mark.text, mark.box()) for mark in words]
+    for text, (left, bottom, right, high) in boxes:
+        assert left >= 20.0, text
+        assert bottom >= low, text
+        assert right <= wide - 10.0, text
+        assert high <= tall - 10.0, text
+    return boxes
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_no_words_lie_on_others_and_all_is_inside_the_frame(name: str) -> None:
-    design = named(name)
-    for part, shape in made_parts(design):
-        sheet = sheet_of(design, part, shape)
-        words = [mark.words for mark in sheet.marks if isinstance(mark, Dimension)]
-        words += [mark for mark in sheet.marks if isinstance(mark, Words)]
-        boxes = [(w.text, w.box()) for w in words]
-        wide, tall = sheet.size
-        for text, (left, low, right, high) in boxes:
-            assert left >= 20.0, (part.name, text)
-            assert right <= wide - 10.0, (part.name, text)
-            assert low >= 10.0, (part.name, text)
-            assert high <= tall - 10.0, (part.name, text)
-        clashes = [(a, b) for i, (a, x) in enumerate(boxes) for b, y in boxes[:i] if overlap(x, y)]
+    for part, _, _, sheet in drawn_parts(name).values():
+        boxes = words_in_frame(sheet, 10.0)
+        clashes = [(a, b) for i, (a, x) in enumerate(boxes) for b, y in boxes[:i] if marks.overlap(x, y)]
         assert clashes == [], part.name
 
 
@@ -149,9 +179,7 @@ def test_no_words_lie_on_others_and_all_is_inside_the_frame(name: str) -> None:
 def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: str) -> None:
     """The solid's cylinders, projected by themselves: each has its centre line in the other views, and
     each thread of M3 an arc of three quarters, 3 mm wide (ISO 6410-1)."""
-    design = named(name)
-    for part, shape in made_parts(design):
-        drawing = part_drawing(Job(design), part, shape, None)
+    for part, shape, drawing, sheet in drawn_parts(name).values():
         seen = {view.name: view.of_solid for view in views(part)}
         faces = cylinders(shape)
         for group in drawing.holes:
@@ -167,8 +195,7 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
                         off = min(off, abs((u - x) * math.sin(way) - (v - y) * math.cos(way)))
                 if group.diameter == group.far_diameter:
                     assert off < 1e-5, (part.name, side_view)  # the kernel's tolerance is 1e-7
-        sheet = part_sheet(drawing, "0", "")
-        arcs = [m.stroke for m in sheet.marks if isinstance(m, Ink) and m.layer == "THREAD"]
+        arcs = [m.stroke for m in sheet.marks if isinstance(m, marks.Ink) and m.layer == "THREAD"]
         tapped = [hole for group in drawing.holes if group.thread in ("M3", "M3 x 4") for hole in group.holes]
         assert len(arcs) == len(tapped)
         for arc in arcs:
@@ -180,11 +207,10 @@ def test_threads_and_bores_from_their_sides_are_where_the_solid_has_them(name: s
 def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     """ISO 6410-1: from the mouth, above, 4 mm down, M3 wide; the bore is 6.5 mm deep."""
     design = named("mounted")
-    part, shape = next(both for both in made_parts(design) if both[0].name == "carrier")
-    drawing = part_drawing(Job(design), part, shape, None)
+    drawing = drawn(design, Job(design).closed.part("carrier")).drawing
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
-    marks = bore_marks((group,), {view: ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views})
-    hidden = [m.stroke.points for m in marks if isinstance(m, Ink) and m.layer == "HIDDEN"]
+    strokes = bore_marks((group,), {view: ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views})
+    hidden = [m.stroke.points for m in strokes if isinstance(m, marks.Ink) and m.layer == "HIDDEN"]
     assert len(hidden) == 3 * len(group.side_views)
     assert group.side_views
     for side_view in group.side_views:
@@ -197,8 +223,7 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -> None:
-    design = named(name)
-    for part, shape in made_parts(design):
+    for part, shape, _, _ in drawn_parts(name).values():
         if isinstance(part.body, RotatedBody):
             continue  # the solid leans, the notches are told in the plate's own frame
         seen = {view.name: view.of_solid for view in views(part)}
@@ -226,9 +251,7 @@ def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -
 
 def test_places_count_from_level_faces() -> None:
     """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
-    design = skincad.load("yamada-2002")
-    part, shape = next(both for both in made_parts(design) if both[0].name == "end-a-keeper")
-    drawing = part_drawing(Job(design), part, shape, None)
+    _, shape, drawing, _ = drawn_parts("yamada-2002")["end-a-keeper"]
     assert drawing.datums[2].edge == "top"
     assert any("left and upper edge" in note for note in drawing.notes)
     box = shape.BoundingBox(1e-6)
@@ -240,24 +263,18 @@ def test_places_count_from_level_faces() -> None:
 
 def test_a_ridges_groove_and_slits_lean_alike() -> None:
     """Both by the same sign, seen from the same end: the parts lie on each other."""
-    design = skincad.load("yamada-2002")
-    drawn = {part.name: part_drawing(Job(design), part, shape, None) for part, shape in made_parts(design)}
-    grooves = {groove.ridge: groove.lean for groove in drawn["cavity"].grooves}
+    drawings = {name: row.drawing for name, row in drawn_parts("yamada-2002").items()}
+    grooves = {groove.ridge: groove.lean for groove in drawings["cavity"].grooves}
     assert min(grooves.values()) < -1 < 1 < max(grooves.values())
-    for slit in drawn["end-a-comb"].slits:
+    for slit in drawings["end-a-comb"].slits:
         assert slit.lean == pytest.approx(grooves[slit.ridge], abs=1e-6)
-    for slit in drawn["end-b-comb"].slits:
+    for slit in drawings["end-b-comb"].slits:
         assert slit.lean == pytest.approx(-grooves[slit.ridge], abs=1e-6)
 
 
+@pytest.mark.evidence(subject="steep-fingertip")
 def test_a_right_piece_counts_from_its_level_side() -> None:
-    design = skincad.load("steep-fingertip")
-    drawn = {
-        part.name: part_drawing(Job(design), part, shape, None)
-        for part, shape in made_parts(design)
-        if part.name in ("cavity-left", "cavity-right")
-    }
-    left, right = drawn["cavity-left"], drawn["cavity-right"]
+    left, right = (drawn_parts("steep-fingertip")[f"cavity-{side}"].drawing for side in ("left", "right"))
     assert (left.datums[1].edge, right.datums[1].edge) == ("left", "right")
     assert any("right and lower edge" in note for note in right.notes)
     tables = [{table.title.split(":")[0]: table.rows for table in entry.tables} for entry in (left, right)]
@@ -265,13 +282,11 @@ def test_a_right_piece_counts_from_its_level_side() -> None:
     assert [row[1:3] for row in grooves[0]] == [row[1:3] for row in grooves[1]][::-1]  # its mirror image
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="sheets of a gang")
 @pytest.mark.parametrize("end", ["a", "b"])
 def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
     design = skincad.load("yamada-2002", ["mold.cavities=3"])
-    part = mold(design).part(f"end-{end}-comb")
-    shape = solid(part)
-    drawing = part_drawing(Job(design), part, shape, None)
+    part, shape, drawing, _ = drawn(design, Job(design).closed.part(f"end-{end}-comb"))
     note = next(note for note in drawing.notes if note.startswith("Slits: of the skin furthest"))
     match = re.search(r"are ([\d.]+) and ([\d.]+) to the (left|right) of them", note)
     assert match is not None
@@ -288,35 +303,30 @@ def test_a_gangs_other_slits_are_where_the_note_says(end: str) -> None:
 
 def test_a_sheet_is_no_larger_than_its_views_need() -> None:
     """A4 holds each part of yamada-2002: the detail stands in the corner that three views leave free."""
-    design = skincad.load("yamada-2002")
-    sizes = {part.name: sheet_of(design, part, shape).size for part, shape in made_parts(design)}
+    sizes = {name: row.sheet.size for name, row in drawn_parts("yamada-2002").items()}
     assert set(sizes.values()) == {(210.0, 297.0)}, sizes
 
 
 def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:
-    design = skincad.load("yamada-2002")
+    design, first = skincad.load("yamada-2002"), drawn_parts("yamada-2002")["cavity"]
     written = []
-    for again in ("a", "b"):
-        part, shape = made_parts(design)[0]
-        sheet = sheet_of(design, part, shape)
-        write_sheet_pdf(sheet, tmp_path / f"{again}.pdf")
-        write_dxf(tmp_path / f"{again}.dxf", sheet.marks, sheet.scale)
-        written.append([(tmp_path / f"{again}.{kind}").read_bytes() for kind in ("pdf", "dxf")])
-        written[-1].append(sheet_svg(sheet).encode())
+    for sheet in (first.sheet, drawn(design, first.part).sheet):
+        formats.write_sheet_pdf(sheet, tmp_path / "a.pdf")
+        formats.write_dxf(tmp_path / "a.dxf", sheet.marks, sheet.scale)
+        written.append([(tmp_path / f"a.{kind}").read_bytes() for kind in ("pdf", "dxf")])
+        written[-1].append(formats.sheet_svg(sheet).encode())
     assert written[0] == written[1]
     assert "/CreationDate" not in (pypdf.PdfReader(tmp_path / "a.pdf").metadata or {})
 
 
 def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
-    design = skincad.load("yamada-2002")
-    part, shape = made_parts(design)[0]
+    part, shape, unchecked, _ = drawn_parts("yamada-2002")["cavity"]
     drops = (0.0123, *(0.05,) * 7, math.inf)
-    drawing = part_drawing(Job(design), part, shape, CrestAllowance(drops))
+    drawing = part_drawing(Job(named("yamada-2002")), part, shape, CrestAllowance(drops))
     grooves = drawing.tables[-1]
     assert [row[-1] for row in grooves.rows] == ["0/-0.0123", *["0/-0.0500"] * 7, "free"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
     assert not any("yield" in note.lower() for note in drawing.notes)  # a shop can do nothing about it
-    unchecked = part_drawing(Job(design), part, shape, None)
     assert any("made without the check" in note for note in unchecked.notes)
     assert number(drawing.grooves[4].height) == "0.501"
 
@@ -348,14 +358,20 @@ def profile_area(path: Path) -> float:
     return abs(total)
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "lab-bench", "fingertip-soft", "milled-pad"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "yamada-2002",
+        *(
+            pytest.param(name, marks=pytest.mark.evidence(subject=name))
+            for name in ("lab-bench", "fingertip-soft", "milled-pad")
+        ),
+    ],
+)
 def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) -> None:
     """What a wire follows: true arcs, and larger than the skin by the shrinkage as the solid is."""
-    design = skincad.load(name)
-    part = mold(design).part("cavity")
-    shape = solid(part)
-    sheet = sheet_of(design, part, shape)
-    write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
+    _, shape, _, sheet = drawn_parts(name)["cavity"]
+    formats.write_dxf(tmp_path / "part.dxf", sheet.marks, sheet.scale)
     end = min(shape.Faces(), key=lambda face: face.Center().y)
     whole = cq.Face.makeFromWires(end.outerWire()).Area()
     assert profile_area(tmp_path / "part.dxf") == pytest.approx(whole, rel=1e-6)
@@ -365,15 +381,14 @@ def test_a_cavitys_profile_is_cut_to_the_solids_area(name: str, tmp_path: Path) 
 def test_the_symbol_of_texture_has_its_bar_where_material_is_cut_away(name: str, strokes: int) -> None:
     """Wire against resin; the symbol stands in its cell, and says what the process does."""
     design = skincad.load(name)
-    part, shape = next((p, m) for p, m in made_parts(design) if p.name == "cavity")
-    marks = sheet_of(design, part, shape).marks
-    (label,) = (m for m in marks if isinstance(m, Words) and "ISO 21920-1" in m.text)
-    (said,) = (m for m in marks if isinstance(m, Words) and m.text.startswith("Ra "))
+    sheet_marks = drawn(design, Job(design).closed.part("cavity")).sheet.marks
+    (label,) = (m for m in sheet_marks if isinstance(m, marks.Words) and "ISO 21920-1" in m.text)
+    (said,) = (m for m in sheet_marks if isinstance(m, marks.Words) and m.text.startswith("Ra "))
     left, right, high = label.at[0] - 1.0, label.at[0] + 38.0, label.at[1]
     inside = [
         mark.stroke.box()
-        for mark in marks
-        if isinstance(mark, Ink)
+        for mark in sheet_marks
+        if isinstance(mark, marks.Ink)
         and mark.layer == "FRAME"
         and left < mark.stroke.box()[0][0]
         and mark.stroke.box()[1][0] < right
@@ -382,4 +397,69 @@ def test_the_symbol_of_texture_has_its_bar_where_material_is_cut_away(name: str,
     ]
     assert len(inside) == strokes
     assert said.text == "Ra 1.6"  # a shop's general one, and a resin's
-    assert not overlap(label.box(), said.box())
+    assert not marks.overlap(label.box(), said.box())
+
+
+def others(names: list[str], *fast: str) -> list[Any]:
+    return [pytest.param(n, marks=() if n in fast else pytest.mark.evidence(subject=n)) for n in names]
+
+
+def area(drawing: AssemblyDrawing, part: str) -> float:
+    return sum(shapely.Polygon(f.rings[0], f.rings[1:]).area for f in drawing.faces if f.part == part)
+
+
+@pytest.mark.parametrize("name", others(["yamada-2002", "milled-pad", "steep-fingertip"], "yamada-2002"))
+def test_the_section_is_that_of_the_solids(name: str) -> None:
+    """Each part's area in the plane, by the kernel's boolean, within what chords cut off."""
+    design = skincad.load(name)
+    drawing, job = assembly_drawing(Job(design)), Job(design)
+    plane = cq.Workplane("YZ").workplane(offset=drawing.cut_at + 1e-3)
+    sheet = plane.rect(200.0, 200.0).extrude(1e-3)
+    for part in job.closed.parts:
+        if part.made != "bought":
+            cut = workplane(part).intersect(sheet)
+            volume = cut.val().Volume() if cut.solids().size() else 0.0
+            assert area(drawing, part.name) == pytest.approx(volume / 1e-3, rel=5e-3, abs=0.1), part.name
+
+
+def test_the_section_goes_through_gate_vent_and_cup() -> None:
+    drawing = assembly_drawing(Job(skincad.load("yamada-2002")))
+    faces = [face.part for face in drawing.faces]
+    for part in ("end-a-keeper", "carrier", "cover"):  # each is parted by its opening
+        assert faces.count(part) == 2, part
+    assert faces.count("end-b-keeper") == 1
+
+
+ASSEMBLIES = {
+    "bent": three_ridges,
+    "gang": lambda: skincad.load("plain-ridges", ["mold.cavities=2"]),
+}
+
+
+@pytest.mark.parametrize("name", [*ASSEMBLIES, *others(template_names(), "yamada-2002", "flat-magnet")])
+def test_every_part_has_its_row_and_what_is_seen_its_balloon(name: str) -> None:
+    job = Job(ASSEMBLIES[name]() if name in ASSEMBLIES else skincad.load(name))
+    drawing, sheet = assembly_drawing(job), assembly_sheet(assembly_drawing(job), "0", "")
+    rows = {str(n): item.what for n, item in enumerate(parts_list(job), 1)}
+    (table,) = drawing.tables
+    assert {row[2] for row in table.rows} >= {part.name for part in job.closed.parts if part.made == "made"}
+    assert all(rows[row[0]] == row[2] for row in table.rows)
+    rings = [m.stroke for m in sheet.marks if isinstance(m, marks.Ink) and isinstance(m.stroke, Arc)]
+    circles = [ring for ring in rings if ring.radius == BALLOON]
+    cut = {face.item for face in drawing.faces if face.item}
+    assert len(circles) == len(cut) + len(drawing.balloons)
+    assert {rows[item] for item in cut} >= {"cover", "carrier"}
+    words_in_frame(sheet, 8.0)
+    centres = [ring.centre for ring in circles]
+    apart = [shapely.Point(a).distance(shapely.Point(b)) for i, a in enumerate(centres) for b in centres[:i]]
+    assert min(apart) > 2 * BALLOON
+
+
+def test_the_assembly_is_read_as_pdf_and_as_dxf(tmp_path: Path) -> None:
+    sheet = assembly_sheet(assembly_drawing(Job(skincad.load("yamada-2002"))), "0", "")
+    formats.write_sheet_pdf(sheet, tmp_path / "a.pdf")
+    formats.write_sheet_dxf(sheet, tmp_path / "a.dxf")
+    words = pypdf.PdfReader(tmp_path / "a.pdf").pages[0].extract_text()
+    for text in ("section A-A", "assembly drawing", "ISO 8734 2 x 8", "end-b-keeper", "brass CW614N"):
+        assert text in words
+    assert not ezdxf.readfile(tmp_path / "a.dxf").audit().errors
