@@ -1,7 +1,9 @@
-"""The modulus from a test: recovered from curves of known modulus, within its stated interval, or refused."""
+"""The modulus from a test: recovered within its interval, or refused; `skincad fit-material`."""
 
 from __future__ import annotations
 
+import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +16,9 @@ from skincad.laws import Gent, MooneyRivlin, Ogden, Yeoh
 from skincad.material import MaterialFit, PadCurve, finite_strain_curve, fit_material, small_strain_curve
 from skincad.material.modulus import regression
 from skincad.material.pad import fit_curve, fit_to_curve
+from tests.conftest import run_skincad
 from tests.mechanics.designs import yamada
-from tests.refusals import refused
+from tests.refusals import refused, refused_command
 
 CURVES = 200
 
@@ -35,13 +38,24 @@ def holds(fit: MaterialFit, modulus: float) -> bool:
     return abs((fit.young_modulus.value or 0.0) - modulus) <= (fit.young_modulus.error or 0.0)
 
 
+STRAIN = np.linspace(0.0, 0.3, 40)
+
+
+STRESS = neo_hookean(STRAIN, 0.8)
+
+
 @pytest.mark.parametrize("end", [0.3, 0.05, -0.3])
 def test_an_exact_bar_is_recovered_to_rounding(tmp_path: Path, end: float) -> None:
+    """As strain and stress, and as extension and force."""
     strain = np.linspace(0.0, end, 40)
-    fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, neo_hookean(strain, 0.8)))
+    stress = neo_hookean(strain, 0.8)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", strain, stress))
     assert fit.kind == ("tensile" if end > 0 else "compression")
     assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)  # the file has ten digits
     assert fit.young_modulus.error == pytest.approx(0.0, abs=1e-8)
+    path = csv(tmp_path, "time_s,force_N,extension_mm", np.abs(strain), 12.0 * stress, 33.0 * strain)
+    fit = fit_material(path, gauge_length=33.0, area=12.0)
+    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)
 
 
 def test_small_strain_stress_is_modulus_times_strain(tmp_path: Path) -> None:
@@ -51,15 +65,7 @@ def test_small_strain_stress_is_modulus_times_strain(tmp_path: Path) -> None:
     assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-3)
 
 
-def test_extension_and_force_are_the_same_bar(tmp_path: Path) -> None:
-    strain = np.linspace(0.0, 0.3, 40)
-    path = csv(
-        tmp_path, "time_s,force_N,extension_mm", strain, 12.0 * neo_hookean(strain, 0.8), 33.0 * strain
-    )
-    fit = fit_material(path, gauge_length=33.0, area=12.0)
-    assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)
-
-
+@pytest.mark.evidence(subject="seeds: bars")
 @pytest.mark.parametrize(("rows", "correlation"), [(60, 0.0), (200, 0.9)])
 def test_noisy_bars_lie_within_their_interval(rows: int, correlation: float) -> None:
     """At least 90 % of 200 seeded curves lie inside; 95 % are meant, and the correlation is estimated too."""
@@ -149,8 +155,6 @@ def test_only_the_loading_is_used(tmp_path: Path) -> None:
     assert fit.young_modulus.value == pytest.approx(0.8, rel=1e-8)
 
 
-STRAIN = np.linspace(0.0, 0.3, 40)
-STRESS = neo_hookean(STRAIN, 0.8)
 BAD = {
     "few rows": ("strain,stress_MPa", (STRAIN[:7], STRESS[:7]), "at least 8 rows of loading"),
     "few within": ("strain,stress_MPa", (10 * STRAIN, STRESS), "at least 8 rows under load"),
@@ -201,6 +205,7 @@ def test_a_bad_option_is_refused(tmp_path: Path, options: dict[str, float], word
     [
         (0.3 * np.sqrt(STRAIN), "does not follow the model: the residual is"),
         (1e-5 * STRESS, "outside what a design takes"),
+        (neo_hookean(STRAIN, 4000.0), r"4e\+03 MPa is outside what a design takes, 0\.001 to 100"),
     ],
 )
 def test_a_curve_that_is_not_the_models_gives_no_modulus(
@@ -221,23 +226,10 @@ def test_the_written_range_holds_the_interval(tmp_path: Path) -> None:
         assert fit.ranged.high - fit.ranged.low < 2.3 * error  # rounded outwards to its second digit
 
 
-def test_a_modulus_that_no_design_takes_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RefusedError, match=r"4e\+03 MPa is outside what a design takes, 0\.001 to 100"):
-        fit_material(csv(tmp_path, "strain,stress_MPa", STRAIN, neo_hookean(STRAIN, 4000.0)))
-
-
-# The curve of a pad of three ridges, pressed to 2 N at 0.8 MPa
-PAD = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
-
-
-@pytest.fixture(scope="module")
-def small() -> PadCurve:
-    return small_strain_curve(PAD, 0.8, Stopwatch())
-
-
-@pytest.fixture(scope="module")
-def curve(small: PadCurve) -> PadCurve:
-    return finite_strain_curve(small, PAD, 2.0, Stopwatch())
+def bent(young_modulus: float = 0.8) -> PadCurve:
+    """A pad's curve in closed form, which finite strain stiffens by half of the approach, mm."""
+    small = np.linspace(0.0, 0.2, 30)
+    return PadCurve(young_modulus, 20 * small**1.5, small, 1 - small / 2)
 
 
 def pressed(
@@ -254,24 +246,51 @@ def noisy(test: MaterialTest, random: np.random.Generator, noise: float) -> Mate
 
 
 @pytest.mark.parametrize("offset", [-3.0, 0.0, 0.37, 12.0])
-def test_an_offset_of_approach_does_not_bias(curve: PadCurve, offset: float) -> None:
-    fit = fit_to_curve(curve, pressed(curve, 0.55, offset))
+def test_an_offset_of_approach_does_not_bias(offset: float) -> None:
+    test = pressed(bent(), 0.55, offset, deepest=0.17)
+    fit = fit_to_curve(bent(), test)
     assert fit.young_modulus.value == pytest.approx(0.55, rel=1e-6)
     assert fit.offset is not None
     assert fit.offset.value == pytest.approx(offset, abs=1e-6)
-    assert 0.0 < fit.model < 0.046 * 0.55  # the curve's own parts add up to 4.3 % (pad_curve.py)
+    ahead = np.linspace(-0.4, -0.01, 60) + offset  # rows before the touch
+    longer = np.append(ahead, test.deformation), np.append(np.zeros(60), test.load)
+    fit = fit_to_curve(bent(), MaterialTest("pad", *longer, 120, ()))
+    assert fit.young_modulus.value == pytest.approx(0.55, rel=1e-6)
 
 
-def test_rows_before_the_touch_do_not_bias(curve: PadCurve) -> None:
-    test = pressed(curve, 0.9, 0.4)
-    ahead = np.linspace(0.0, 0.39, 60)
-    longer = MaterialTest(
-        "pad", np.append(ahead, test.deformation), np.append(np.zeros(60), test.load), 120, ()
-    )
-    assert fit_to_curve(curve, longer).young_modulus.value == pytest.approx(0.9, rel=1e-6)
+def test_forces_beyond_the_model_are_refused() -> None:
+    with refused("up_to: the model ends"):
+        fit_to_curve(bent(), pressed(bent(), 0.8, 0.0, deepest=0.35))
+
+
+# The curve of a pad of three ridges, pressed to 2 N at 0.8 MPa
+PAD = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
+
+
+@pytest.fixture(scope="module")
+def small() -> PadCurve:
+    return small_strain_curve(PAD, 0.8, Stopwatch())
+
+
+@pytest.fixture(scope="module")
+def curve(small: PadCurve) -> PadCurve:
+    return finite_strain_curve(small, PAD, 2.0, Stopwatch())
 
 
 @pytest.mark.slow
+def test_a_pads_own_curve_has_a_small_error_of_its_model(small: PadCurve, curve: PadCurve) -> None:
+    """The curve is 10 % softer than plane strain at 1.3 N, and finite strain makes it stiffer by 3 %."""
+    fit = fit_to_curve(curve, pressed(curve, 0.55, 0.37))
+    assert fit.young_modulus.value == pytest.approx(0.55, rel=1e-6)
+    assert 0.0 < fit.model < 0.046 * 0.55  # the curve's own parts add up to 4.3 % (pad_curve.py)
+    at = float(np.interp(4 / 3, small.force, small.small))
+    plane = skincad.check(PAD, model="linear", force=4 / 3).approach.value or 0.0
+    assert at / plane == pytest.approx(1.10, abs=0.01)
+    strained = float(np.interp(4 / 3, curve.force, curve.strained))
+    assert strained == pytest.approx(0.9695, abs=3e-3)  # STRAINED_AT
+
+
+@pytest.mark.evidence(subject="seeds: pads")
 def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
     """At least 90 % of 200 seeded curves, without what the model's own error adds."""
     random = np.random.default_rng(4)
@@ -282,21 +301,6 @@ def test_noisy_pads_lie_within_their_scatter(curve: PadCurve) -> None:
     # and the interval is no wider than it must be: 95 % of normal errors lie within 1.96 of their deviation
     spread = float(np.std([f.values[0] for f in fits]))
     assert np.mean([f.half_width[0] for f in fits]) < 1.3 * 1.96 * spread
-
-
-@pytest.mark.slow
-def test_leaving_the_free_ends_out_would_bias(small: PadCurve, curve: PadCurve) -> None:
-    """The curve is 10 % softer than plane strain at 1.3 N, and finite strain makes it stiffer by 3 %."""
-    at = float(np.interp(4 / 3, small.force, small.small))
-    plane = skincad.check(PAD, model="linear", force=4 / 3).approach.value or 0.0
-    assert at / plane == pytest.approx(1.10, abs=0.01)
-    strained = float(np.interp(4 / 3, curve.force, curve.strained))
-    assert strained == pytest.approx(0.9695, abs=3e-3)  # STRAINED_AT
-
-
-def test_forces_beyond_the_model_are_refused(curve: PadCurve, small: PadCurve) -> None:
-    with pytest.raises(InputError, match="up_to: the model ends"):
-        fit_to_curve(curve, pressed(small, 0.8, 0.0, deepest=0.35))
 
 
 def test_a_pads_test_needs_a_flat_plate(tmp_path: Path) -> None:
@@ -311,7 +315,7 @@ def test_a_negative_force_is_refused(tmp_path: Path) -> None:
         material_test(csv(tmp_path, "approach_mm,force_N", STRAIN, STRESS - 0.05))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="a pad's modulus")
 def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curve: PadCurve) -> None:
     """A pad of 0.8 MPa, said to be of 0.5, pressed to 2 N, used up to 0.7 N.
 
@@ -330,31 +334,34 @@ def test_strips_keep_their_modulus_whatever_the_design_said(tmp_path: Path, curv
 # Approach of yamada-2002, mm, by models `solid`, `finite-strain` and `linear` at their default tolerance:
 # `skincad check yamada-2002 --tier T --force F`
 FORCE = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
+
+
 SOLID = np.array([0.04887, 0.07718, 0.12026, 0.15858, 0.19138])
+
+
 FINITE_OVER_LINEAR = np.array([0.044572, 0.06856, 0.10492, 0.13580, 0.16255]) / [
     0.044859, 0.06944, 0.10711, 0.14013, 0.16852
 ]  # fmt: skip
+BOTH = 0.25 + SOLID * FINITE_OVER_LINEAR  # of both models, from the first touch on
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="a pad's modulus")
 def test_the_models_own_approaches_give_back_their_modulus() -> None:
     """By a finer solid and finer finite strain; 1 % of E is worth 0.5 % of approach, the solid's error."""
     curve = finite_strain_curve(small_strain_curve(yamada(), 0.8, Stopwatch()), yamada(), 6.0, Stopwatch())
-    approach = np.append(0.0, SOLID * FINITE_OVER_LINEAR) + 0.25
-    fit = fit_to_curve(curve, MaterialTest("pad", approach, np.append(0.0, FORCE), 6, ()))
+    both, solid_alone = (
+        MaterialTest("pad", np.append(touch, approach), np.append(0.0, FORCE), 6, ())
+        for touch, approach in ((0.25, BOTH), (0.0, SOLID))
+    )
+    fit = fit_to_curve(curve, both)
     assert fit.young_modulus.value == pytest.approx(0.8, rel=0.01)
     assert holds(fit, 0.8)
     # small strain alone is within the error too: finite strain's change counts by half in it, not by all
-    assert fit.model > abs((fit_to_curve(curve, solid_alone()).young_modulus.value or 0.0) - 0.8) / 2
-
-
-def solid_alone() -> MaterialTest:
-    return MaterialTest("pad", np.append(0.0, SOLID), np.append(0.0, FORCE), 6, ())
+    assert fit.model > abs((fit_to_curve(curve, solid_alone).young_modulus.value or 0.0) - 0.8) / 2
 
 
 def test_a_varied_curve_scales_all_approaches_and_what_finite_strain_changes() -> None:
-    small = np.linspace(0.0, 0.2, 30)
-    curve = PadCurve(0.8, 20 * small**1.5, small, 1 - small / 2)
+    curve, small = bent(), np.linspace(0.0, 0.2, 30)
     for scale, strained in ((1.0, 1.0), (1.2, 1.0), (0.9, 0.0), (1.1, 1.5), (1.0, 0.5)):
         varied = curve.varied(scale, strained)
         assert varied.approach == pytest.approx(scale * small * (1 - strained * small / 2), rel=1e-12)
@@ -362,8 +369,7 @@ def test_a_varied_curve_scales_all_approaches_and_what_finite_strain_changes() -
 
 
 def test_a_curve_gives_its_table_nothing_before_the_touch_and_goes_straight_on() -> None:
-    small = np.linspace(0.0, 0.2, 30)
-    curve = PadCurve(0.8, 20 * small**1.5, small, 1 - small / 2)
+    curve = bent()
     assert curve.force_at(curve.approach) == pytest.approx(curve.force, abs=1e-12)
     assert curve.force_at(np.array([-1.0, -1e-9])) == pytest.approx([0.0, 0.0], abs=1e-12)
     last, step = float(curve.approach[-1]), 1e-4
@@ -371,3 +377,117 @@ def test_a_curve_gives_its_table_nothing_before_the_touch_and_goes_straight_on()
     slope = (rising[2] - rising[1]) / step
     assert rising[3] - rising[1] == pytest.approx(100 * step * slope, rel=1e-6)
     assert (rising[1] - rising[0]) / step == pytest.approx(slope, rel=0.02)  # smooth at the table's end
+
+
+JSON_KEYS = {
+    *("passed", "kind", "rows", "rows_used", "young_modulus_MPa", "low_MPa", "high_MPa", "scatter_MPa"),
+    *("model_MPa", "misfit_MPa", "offset_mm", "seconds", "warnings", "file"),
+}
+
+
+@pytest.fixture
+def bar(tmp_path: Path) -> Path:
+    stretch = 1 + np.linspace(0.0, 0.3, 40)
+    stress = 0.7 / 3 * (stretch - stretch**-2) + 1e-3 * np.random.default_rng(1).standard_normal(40)
+    rows = "\n".join(f"{s - 1:.6g},{p:.6g}" for s, p in zip(stretch, stress, strict=True))
+    (tmp_path / "bar.csv").write_text(f"strain,stress_MPa\n{rows}\n")
+    return tmp_path
+
+
+def test_a_bar_gives_a_sentence_and_lines_to_paste(bar: Path) -> None:
+    result = run_skincad("fit-material", "bar.csv", cwd=bar)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.startswith("The tensile test gives a Young's modulus of 0.699")
+    pasted = tomllib.loads(result.stdout[result.stdout.index("[material]") :])
+    design = skincad.load("yamada-2002").with_(**pasted)
+    assert design.material.young_modulus is not None
+    assert design.material.young_modulus.low < 0.7 < design.material.young_modulus.high
+    assert [p.name for p in bar.iterdir()] == ["bar.csv"]
+
+
+def test_json_is_one_object_and_nothing_else(bar: Path) -> None:
+    result = json.loads(run_skincad("fit-material", "bar.csv", "--json", cwd=bar).stdout)
+    assert result.keys() >= JSON_KEYS
+    assert result["young_modulus_MPa"].keys() == {"value", "error"}
+    assert result["low_MPa"] < 0.7 < result["high_MPa"]
+    assert result["offset_mm"] == {"value": None, "error": None}
+
+
+@pytest.mark.evidence(subject="a pad's modulus")
+def test_a_pad_writes_a_design_that_checks_with_its_range(tmp_path: Path) -> None:
+    approach = np.linspace(0.2, 0.4346, 30)
+    force = np.interp(approach, [0.25, *BOTH], [0.0, *FORCE])
+    rows = "\n".join(f"{a:.5f},{f:.4f}" for a, f in zip(approach, force, strict=True))
+    (tmp_path / "pad.csv").write_text(f"approach_mm,force_N\n{rows}\n")
+    arguments = ("pad.csv", "--design", "yamada-2002", "--set", "contact.force=5.0", "-o", "mine.toml")
+    run = run_skincad("fit-material", *arguments, "--json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    result = json.loads(run.stdout)
+    assert result["low_MPa"] < 0.8 < result["high_MPa"]
+    # straight lines between six points of a bent curve: the touch is a few um off
+    assert result["offset_mm"]["value"] == pytest.approx(0.25, abs=0.01)
+    text = (tmp_path / "mine.toml").read_text()
+    assert "# paper: nine ridges" in text
+    assert "# measured: pad test pad.csv" in text
+    written = skincad.load(tmp_path / "mine.toml")
+    said = written.material.young_modulus
+    assert said is not None
+    assert (said.low, said.high) == (result["low_MPa"], result["high_MPa"])
+    assert written.with_(material={"young_modulus": 0.8}) == skincad.load(
+        "yamada-2002", ["contact.force=5.0", "material.young_modulus=0.8"]
+    )
+    check = run_skincad("check", "mine.toml", "--tier", "linear", "--json", cwd=tmp_path)
+    assert json.loads(check.stdout)["yield"] is not None, check.stderr
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml", "pad.csv"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["none.csv"], "none.csv: cannot be read"),
+        (["empty.csv"], "empty.csv: has no rows of numbers"),
+        (["bar.csv", "--up-to", "-1"], "--up-to: must be above 0"),
+        (["bar.csv", "--up-to", "0.01"], "bar.csv: must have at least 8 rows under load up to 0.01"),
+        (["bar.csv", "--area", "3"], "--area: is not used"),
+        (["bar.csv", "--set", "skin.width=10.0"], "--set: needs --design"),
+        (["bar.csv", "-o", "new.toml"], "-o: needs --design"),
+        (["bar.csv", "--design", "yamada-2003"], "yamada-2003: no such template"),
+        (["bar.csv", "--design", "yamada-2002", "-o", "there.toml"], "-o: there.toml exists already"),
+        (["bar.csv", "--design", "yamada-2002", "-o", "new.txt"], "-o: new.txt must end in .toml"),
+        (
+            ["bar.csv", "--design", "yamada-2002", "-o", "there.toml/new.toml"],
+            "-o: there.toml/new.toml cannot",
+        ),
+        (["bar.csv", "--design", "yamada-2002", "-o", "x" * 300 + ".toml"], "-o: xxxxxxxx"),
+        (["pad.csv"], "--design: is missing"),
+        ([], "Missing argument"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2_and_no_file(bar: Path, arguments: list[str], words: str) -> None:
+    (bar / "empty.csv").write_text("")
+    (bar / "there.toml").write_text("precious")
+    (bar / "pad.csv").write_text("approach_mm,force_N\n" + "".join(f"{i},{i}\n" for i in range(20)))
+    assert refused_command("fit-material", *arguments, cwd=bar).startswith(words)
+    assert (bar / "there.toml").read_text() == "precious"
+
+
+def test_a_curve_that_is_not_the_models_exits_with_1(bar: Path) -> None:
+    rows = "".join(f"{i / 100},{(i / 100) ** 0.3}\n" for i in range(30))
+    (bar / "odd.csv").write_text(f"strain,stress_MPa\n{rows}")
+    result = run_skincad("fit-material", "odd.csv", "--json", cwd=bar)
+    assert result.returncode == 1
+    assert json.loads(result.stdout)["passed"] is False
+    assert "does not follow the model" in result.stderr
+
+
+def test_a_design_of_ones_own_keeps_its_comments_and_a_catalogs_name_goes_where_it_is_said(bar: Path) -> None:
+    run_skincad("new", "own.toml", cwd=bar)
+    result = run_skincad(
+        "fit-material", "bar.csv", "--design", "own.toml", "--set", "slot=none",
+        "--set", "contact.film=ignored", "-o", "in/here.toml", cwd=bar,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    text = (bar / "in" / "here.toml").read_text()
+    assert "[slot]" not in [line.strip() for line in text.splitlines()]
+    assert "# radius of the base circle" in text
+    assert skincad.load(bar / "in" / "here.toml").slot is None

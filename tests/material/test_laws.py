@@ -13,6 +13,7 @@ from skincad.inputs import MaterialTest
 from skincad.laws import LAWS, Gent, MooneyRivlin, NeoHooke, Ogden, Rubber, Yeoh, law
 from skincad.material import fit_material
 from skincad.material.laws import compare_laws
+from tests.conftest import run_skincad
 from tests.material.test_fit import csv
 
 STRAIN = np.linspace(0.03, 1.0, 98)
@@ -38,9 +39,12 @@ def missed(rubber: Rubber, stress: np.ndarray) -> float:
     return float(np.sqrt(np.mean((rubber.stress(1 + STRAIN) - stress) ** 2)) / stress.max())
 
 
-# five of the six are slow: a second each
+# five of the six are evidence: a second each
+EVIDENCE = pytest.mark.evidence(subject="laws of rubbers")
+
+
 @pytest.mark.parametrize(
-    "name", [n if n == "Ecoflex 00-30" else pytest.param(n, marks=pytest.mark.slow) for n in DATABASE]
+    "name", ["Ecoflex 00-30", *(pytest.param(n, marks=EVIDENCE) for n in DATABASE if n != "Ecoflex 00-30")]
 )
 def test_the_databases_curves_are_found_again(name: str, tmp_path: Path) -> None:
     """Through a file of four digits, within 1.5 % rms and the constants to 1 %; with 1 % noise too, 1.5 %."""
@@ -79,7 +83,7 @@ def test_a_law_is_found_by_its_own_curve(truth: Rubber, sign: float) -> None:
     assert [row.rms_judged for row in laws[1:]] == sorted(row.rms_judged for row in laws[1:])
 
 
-@pytest.mark.parametrize("curves", [1, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("curves", [1, pytest.param(20, marks=EVIDENCE)])
 def test_more_constants_must_be_better_beyond_what_they_saw(curves: int) -> None:
     """Noise of 0.6 % on neo-Hooke: what wins is within 1 % of it, and three times of four it is neo-Hooke."""
     truth, random = NeoHooke(mu=0.2), np.random.default_rng(3)
@@ -133,8 +137,6 @@ def test_the_lines_to_paste_are_a_design(tmp_path: Path) -> None:
 
 
 def test_the_written_design_has_the_law(tmp_path: Path) -> None:
-    from tests.conftest import run_skincad
-
     csv(tmp_path, "strain,stress_MPa", STRAIN, database("Dragon Skin 30"))
     result = run_skincad(
         "fit-material", "test.csv", "--design", "yamada-2002", "-o", "mine.toml", cwd=tmp_path
