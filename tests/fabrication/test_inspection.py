@@ -6,7 +6,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -15,8 +15,8 @@ import shapely
 import skincad
 from skincad.base import Array, Mask
 from skincad.fabrication import Job, design_findings, printed_crests, snapped_to_layers, uncertain_ridges
-from skincad.fabrication.crests import READINGS, READINGS_NEAR_EDGE, undecided_margin
-from skincad.fabrication.inspection import Inspection, Measure, inspection, inspection_lines
+from skincad.fabrication.crests import undecided_margin
+from skincad.fabrication.inspection import inspection, inspection_lines
 from skincad.inputs import Design, load, processes
 from skincad.inputs.material import silicone
 from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
@@ -31,9 +31,10 @@ from skincad.solids.mold import mold
 from skincad.solids.shrinkage import shrinkage
 from tests.fabrication.cast_parts import Parts, drawn, sliced
 from tests.families import RIDGED
+from tests.templates import KINDS, template
 
 
-def rows(design: Design) -> dict[str, Measure]:
+def rows(design: Design) -> dict[str, Any]:
     return {m.what: m for m in inspection(Job(design)).measures}
 
 
@@ -181,7 +182,7 @@ def test_the_list_is_a_form(yamada: Design) -> None:
     assert any("`=D2-FORECAST(A2,D$2:D$10,A$2:A$10)`" in line for line in text)
 
 
-@pytest.mark.parametrize("name", RIDGED)
+@pytest.mark.parametrize("name", KINDS)
 def test_the_drawing_is_an_svg_within_its_page(name: str) -> None:
     design = load(name)
     root = ET.fromstring(drawing(design, mold(design)))
@@ -213,7 +214,7 @@ def test_without_layers_crests_come_out_as_designed(yamada: Design) -> None:
     assert heights(yamada) == skin_of(yamada).crests
 
 
-@pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
+@pytest.mark.parametrize("name", [template(name) for name in ("lab-bench", "plain-ridges", "nozzle-04")])
 def test_heights_are_whole_layers_of_the_mold(name: str) -> None:
     design = skincad.load(name)
     layer = {"nozzle-04": 0.2}.get(name, 0.05)
@@ -273,7 +274,7 @@ def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
     assert uncertain_ridges(Job(moved)) == tuple(range(1, 10))
 
 
-@pytest.mark.parametrize("name", ["lab-bench", "plain-ridges", "nozzle-04"])
+@pytest.mark.parametrize("name", [template(name) for name in ("lab-bench", "plain-ridges", "nozzle-04")])
 def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     design = skincad.load(name)
     heights_and_floor = snapped_to_layers(Job(design))
@@ -313,7 +314,7 @@ class JudgedDesign(NamedTuple):
     margins `(n,)` N, and how near to 0 of it crests are read on."""
 
     design: Design
-    inspected: Inspection
+    inspected: Any
     passes: Callable[[Array], Mask]
     margin: Callable[[Array], Array]
     near: float
@@ -384,11 +385,11 @@ def measured_verdict(case: JudgedDesign, parts: Parts) -> Mask:
 
 
 def parts_of(case: JudgedDesign, seed: int, worse: float = 1.0) -> Parts:
-    readings = (1, 1) if case.decides else (READINGS, READINGS_NEAR_EDGE)
+    readings = (1, 1) if case.decides else (4, 64)  # as the sheet says
     return drawn(case.design, mold(case.design), PARTS, seed, worse, readings)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", RIDGED)
 def test_good_parts_are_kept(name: str) -> None:
     one = judged(name)
@@ -398,7 +399,7 @@ def test_good_parts_are_kept(name: str) -> None:
     assert lost < REJECTED
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", RIDGED)
 def test_parts_that_fail_are_caught(name: str) -> None:
     """Of a spoiled mold, and with one crest too low by up to three times what the verdict allows."""
@@ -430,7 +431,7 @@ def allowed_least(case: JudgedDesign) -> float:
     return float(depths[int(case.passes(out).argmin())])
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", RIDGED)
 def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str) -> None:
     """Where the limits don't decide, the measured verdict finds the process's own, which crowd at its
@@ -442,7 +443,7 @@ def test_failing_parts_of_the_process_itself_are_few_among_those_kept(name: str)
     assert bad.sum() < 20 or rejected(one, parts)[bad].mean() >= CAUGHT
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", RIDGED)
 def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     one = judged(name)
@@ -461,7 +462,7 @@ def test_a_shift_of_all_crests_fails_the_thickness_alone(name: str) -> None:
     assert one.passes(heights[None])[0] == one.passes(heights[None] - 0.1)[0]
 
 
-@pytest.mark.parametrize("name", [pytest.param("nozzle-04", marks=pytest.mark.slow), "plain-ridges"])
+@pytest.mark.parametrize("name", [template("nozzle-04"), template("plain-ridges", tier="slow")])
 def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
     """In the place of the mean crest's limit, so that it costs no more good parts than that."""
     one = judged(name)
@@ -472,7 +473,7 @@ def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
     assert (off > one.inspected.crests.beside_mold / 2).mean() > 0.01  # and it is no wider than they are
 
 
-@pytest.mark.parametrize("name", RIDGED)
+@pytest.mark.parametrize("name", KINDS)
 def test_layers_are_told_as_they_fall(name: str) -> None:
     """By another count of layers; the slicers' own are in consumers/test_print_levels.py."""
     design = skincad.load(name)
