@@ -7,6 +7,7 @@ import json
 import re
 import zlib
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,34 +17,36 @@ import pytest
 import skincad
 from skincad.base import RefusedError
 from skincad.fabrication import Job, opening_steps
+from skincad.mechanics import ContactCheck
 from skincad.outputs import view
-from skincad.outputs.view import three_js, way_out
-from skincad.solids.mold import mold
+from tests.outputs.browser import Seen, shown
 
 LARGEST = 3_000_000  # bytes: what a person still forwards
-BENT = ("yamada-2002", ["skin.curvature_radius_y=200"])
 DESIGNS = {
+    "three ridges": ("yamada-2002", ["ridge.count=3", "skin.width=5", "contact.force=1.3"]),
     "yamada-2002": ("yamada-2002", []),
     "steep-fingertip": ("steep-fingertip", []),
     "gripper-pad": ("gripper-pad", []),
-    "bent": BENT,
+    "bent": ("yamada-2002", ["skin.curvature_radius_y=200"]),
 }
+
+
+@cache
+def check_of(name: str) -> ContactCheck:
+    """The check of one of DESIGNS; a load is drawn of one by finite elements of the section."""
+    return skincad.check(skincad.load(*DESIGNS[name]), model="winkler" if name == "bent" else "linear")
 
 
 def page_of(name: str, folder: Path) -> Path:
     """The page of one of DESIGNS, with the skin under its load where it is straight."""
-    template, settings = DESIGNS[name]
-    model = "winkler" if name == "bent" else "linear"
-    design = skincad.load(template, settings)
-    result = skincad.make(design, preview=True)
-    build = result.built()
-    judged = replace(result, build=replace(build, check=skincad.check(design, model=model)))
+    result = skincad.make(skincad.load(*DESIGNS[name]), preview=True)
+    judged = replace(result, build=replace(result.built(), check=check_of(name)))
     skincad.write(judged, folder, formats="html")
     return folder / "view.html"
 
 
-def told(page: Path) -> dict[str, Any]:
-    packed = re.search(r'id="data">([^<]*)<', page.read_text("utf-8"))
+def data(file: Path) -> dict[str, Any]:
+    packed = re.search(r'id="data">([^<]*)<', file.read_text("utf-8"))
     assert packed is not None
     return json.loads(zlib.decompress(base64.b64decode(packed[1])))
 
@@ -58,14 +61,13 @@ def rim(picture: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def yamada_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return page_of("yamada-2002", tmp_path_factory.mktemp("view") / "made")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return page_of("three ridges", tmp_path_factory.mktemp("view") / "made")
 
 
-def test_every_part_is_there_as_it_is_printed(yamada_page: Path) -> None:
-    design = skincad.load("yamada-2002")
-    closed = mold(design)
-    parts = {part["name"]: part for part in told(yamada_page)["parts"]}
+def test_every_part_is_there_as_it_is_printed(file: Path) -> None:
+    closed = Job(skincad.load(*DESIGNS["three ridges"])).closed
+    parts = {part["name"]: part for part in data(file)["parts"]}
     assert list(parts) == [part.name for part in closed.parts]
     for part in closed.parts:
         points, faces = array(parts[part.name]["points"]), array(parts[part.name]["faces"], "<u4")
@@ -76,34 +78,31 @@ def test_every_part_is_there_as_it_is_printed(yamada_page: Path) -> None:
 
 @pytest.mark.parametrize("name", ["yamada-2002", "bent"])
 def test_the_steps_carry_the_sheets_words_and_move_what_leaves(name: str) -> None:
-    design = skincad.load(*DESIGNS[name])
-    closed = mold(design)
-    for step in opening_steps(Job(design, closed)):
+    job = Job(skincad.load(*DESIGNS[name]))
+    for step in opening_steps(job):
         for move in step.moves:
             for part in move.parts:
-                way = way_out(closed.part(part), move)
+                way = view.way_out(job.closed.part(part), move)
                 length = abs(way["angle"]) if "angle" in way else np.linalg.norm(way["shift"])
                 assert length == pytest.approx(abs(move.travel))
 
 
-def test_the_load_is_the_checks(yamada_page: Path) -> None:
-    load = told(yamada_page)["load"]
-    design = skincad.load("yamada-2002")
+def test_the_load_is_the_checks(file: Path) -> None:
+    load = data(file)["load"]
+    design = skincad.load(*DESIGNS["three ridges"])
     rest, moved = (array(load[key]).reshape(-1, 3) for key in ("rest", "moved"))
-    check = skincad.check(design, model="linear")
     fall = load["plate"][0] - load["plate"][1]
-    assert fall == pytest.approx(
-        check.approach.value, rel=3e-3
-    )  # the crest between two points of the outline
+    # the crest lies between two points of the outline
+    assert fall == pytest.approx(check_of("three ridges").approach.value, rel=3e-3)
     assert np.ptp(rest[:, 1]) == pytest.approx(design.skin.length)
     assert np.ptp(rest[:, 0]) == pytest.approx(design.skin.width, rel=1e-6)  # single precision
     assert np.abs((moved - rest)[rest[:, 2] == 0]).max() == 0  # the back is held
     assert array(load["pressure"]).max() > 0
 
 
-def test_a_solid_under_load_is_closed(yamada_page: Path) -> None:
+def test_a_solid_under_load_is_closed(file: Path) -> None:
     """Of every edge both directions, and outside is outside: else a cut through it isn't filled."""
-    load = told(yamada_page)["load"]
+    load = data(file)["load"]
     faces = array(load["faces"], "<u4").reshape(-1, 3)
     edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     ways, counts = np.unique(edges, axis=0, return_counts=True)
@@ -112,23 +111,34 @@ def test_a_solid_under_load_is_closed(yamada_page: Path) -> None:
     corners = array(load["rest"]).reshape(-1, 3)[faces].astype(float)
     assert np.abs(corners[:, :, 0]).max(axis=1).min() > 0  # nothing stands where a half meets its image
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6
-    design = skincad.load("yamada-2002", ["slot=none", "film=none", "contact.film=none"])  # they are filled
+    design = skincad.load(
+        "yamada-2002", [*DESIGNS["three ridges"][1], "slot=none", "film=none", "contact.film=none"]
+    )  # they are filled
     assert volume == pytest.approx(skincad.section(design).area * design.skin.length, rel=1e-4)  # chords
 
 
 def test_a_trimesh_without_the_library_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "SPDX-License-Identifier: MIT" in three_js()
+    assert "SPDX-License-Identifier: MIT" in view.three_js()
     monkeypatch.setattr(view, "VIEWER_START", "no such words")
     with pytest.raises(RefusedError, match="trimesh"):
-        three_js()
+        view.three_js()
 
 
-@pytest.mark.slow
-@pytest.mark.xdist_group("browser")
-@pytest.mark.parametrize("name", DESIGNS)
+BROWSED = [
+    pytest.param("yamada-2002", marks=pytest.mark.slow),
+    *(
+        pytest.param(name, marks=pytest.mark.evidence(subject=subject))
+        for name, subject in (
+            ("steep-fingertip", "steep-fingertip"),
+            ("gripper-pad", "gripper-pad"),
+            ("bent", "views: doubly curved"),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize("name", BROWSED)
 def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
-    from tests.outputs.browser import shown
-
     file = page_of(name, tmp_path / "made")
     assert file.stat().st_size <= LARGEST
     with shown(file) as seen:
@@ -188,7 +198,7 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
 WINDOWS = {"wide": (1400, 900), "narrow": (420, 860)}
 
 
-def pixels_per_mm(seen: Any) -> float:
+def pixels_per_mm(seen: Seen) -> float:
     """What the scale bar says."""
     bar = seen.page.locator("#ruler div").bounding_box()
     assert bar is not None
@@ -196,15 +206,12 @@ def pixels_per_mm(seen: Any) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("browser")
 @pytest.mark.parametrize("window", WINDOWS)
-def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, yamada_page: Path) -> None:
-    from tests.outputs.browser import shown
-
-    (skin,) = (part for part in told(yamada_page)["parts"] if part["name"] == "skin")
+def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, file: Path) -> None:
+    (skin,) = (part for part in data(file)["parts"] if part["name"] == "skin")
     right = np.array([1.0, 0.55, 0.0]) / np.hypot(1.0, 0.55)  # of a view from (0.55, -1, 0.75)
     wide = np.ptp(array(skin["points"]).reshape(-1, 3) @ right)
-    with shown(yamada_page, WINDOWS[window]) as seen:
+    with shown(file, WINDOWS[window]) as seen:
         page = seen.page
         page.wait_for_selector("body[data-ready]")
         page.click("#none")
@@ -232,12 +239,8 @@ def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, yamada_page: Pa
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("browser")
-@pytest.mark.parametrize("window", WINDOWS)
-def test_keys_press_what_their_list_says(window: str, yamada_page: Path) -> None:
-    from tests.outputs.browser import shown
-
-    with shown(yamada_page, WINDOWS[window]) as seen:
+def test_keys_press_what_their_list_says(file: Path) -> None:
+    with shown(file, WINDOWS["wide"]) as seen:
         page = seen.page
         page.wait_for_selector("body[data-ready]")
         assert not page.is_visible("#keys")
@@ -269,11 +272,8 @@ def test_keys_press_what_their_list_says(window: str, yamada_page: Path) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("browser")
-def test_what_the_pointer_is_on_is_named(yamada_page: Path) -> None:
-    from tests.outputs.browser import shown
-
-    with shown(yamada_page, WINDOWS["wide"]) as seen:
+def test_what_the_pointer_is_on_is_named(file: Path) -> None:
+    with shown(file, WINDOWS["wide"]) as seen:
         page = seen.page
         page.wait_for_selector("body[data-ready]")
         box = page.locator("#stage canvas").bounding_box()
@@ -294,12 +294,9 @@ def test_what_the_pointer_is_on_is_named(yamada_page: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("browser")
-def test_a_thumb_can_use_it(yamada_page: Path) -> None:
+def test_a_thumb_can_use_it(file: Path) -> None:
     """420 pixels: nothing is wider, buttons are 40 pixels high, a drag turns, two fingers zoom."""
-    from tests.outputs.browser import shown
-
-    with shown(yamada_page, WINDOWS["narrow"], touch=True) as seen:
+    with shown(file, WINDOWS["narrow"], touch=True) as seen:
         page = seen.page
         page.wait_for_selector("body[data-ready]")
         for mode in ("#skin", "#mold"):

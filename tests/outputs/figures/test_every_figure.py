@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,15 +21,13 @@ from matplotlib.transforms import Bbox
 
 import skincad
 from skincad.base import Result
-from skincad.fabrication import mesh, upright
+from skincad.fabrication import Job, mesh, upright
 from skincad.inputs import PressCurve
 from skincad.mechanics import sensitivities
 from skincad.outputs import Axes, diagram, gain_figure, sheet
-from skincad.outputs.figures.canvas import HEAD, LABEL, NOTE, SMALL, STYLE, TITLE, Picture, own_style, to_rgb
-from skincad.outputs.figures.design import design_figure, label_places, view
-from skincad.outputs.figures.results import models_figure, sensitivity_figure
-from skincad.outputs.figures.scenes import ridge_groups, scene_figure
-from skincad.solids.mold import mold
+from skincad.outputs.figures import canvas, results, scenes
+from skincad.outputs.figures import design as pictures
+from skincad.outputs.figures.canvas import Picture
 from skincad.studies import ErrorMeasure, Ladder, Measurement
 from tests.families import RIDGED
 from tests.small_scene import THIRD, small_scene
@@ -108,8 +105,8 @@ def result(name: str, folder: Path) -> Result:
 @cache
 def figures_of(name: str, folder: Path) -> dict[str, Picture]:
     """The figures of a result, laid out and drawn."""
-    figures = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name]()}
-    with own_style():
+    figures = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name](folder)}
+    with canvas.own_style():
         for figure in figures.values():
             figure.canvas.draw()
     return figures
@@ -117,8 +114,8 @@ def figures_of(name: str, folder: Path) -> dict[str, Picture]:
 
 def design(name: str) -> Picture:
     subject = skincad.load(name)
-    closed = mold(subject)
-    return design_figure(subject, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
+    closed = Job(subject).closed
+    return pictures.design_figure(subject, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
 
 
 def ladder() -> Picture:
@@ -136,56 +133,63 @@ def ladder() -> Picture:
     )
 
 
-def many_signals() -> Picture:
-    """All of nine ridges told, each with an error, and each slips."""
-    with TemporaryDirectory() as folder:
-        simulation = small("steady-pull", Path(folder), *FEW, "readout.ridges=[1, 2, 3]")
-    one = simulation.signals[3]  # type: ignore[attr-defined]
-    signals = {"signals": dict.fromkeys(range(1, 10), one), "error": dict.fromkeys(range(1, 10), 2.5e-4)}
-    return scene_figure(replace(simulation, **signals, slip_steps=[2 * i for i in range(1, 10)]))  # type: ignore[type-var]
+def many_signals(folder: Path) -> Picture:
+    """All of nine ridges monitored, each with an error, and each slips."""
+    simulation: Any = result("pull", folder)
+    signals = dict.fromkeys(range(1, 10), simulation.signals[3])
+    error = dict.fromkeys(signals, 2.5e-4)
+    slips = [2 * i for i in signals]
+    return scenes.scene_figure(replace(simulation, signals=signals, error=error, slip_steps=slips))
 
 
 def measured_gain() -> Picture:
     circuit_gain = skincad.gain(skincad.load_circuit("yamada-2002"))
-    calibration = SimpleNamespace(offset=-12.5)
     points = SimpleNamespace(
-        frequency=circuit_gain.frequency[::9], gain=circuit_gain.gain[::9] - 12.0, calibration=calibration
+        frequency=circuit_gain.frequency[::9],
+        gain=circuit_gain.gain[::9] - 12.0,
+        calibration=SimpleNamespace(offset=-12.5),
     )
-    return gain_figure(type(circuit_gain)(**{**vars(circuit_gain), "measured": points}))
+    return gain_figure(replace(circuit_gain, measured=points))
 
 
 DESIGNS = ("yamada-2002", "plain-ridges", "steep-fingertip")
-OTHERS: dict[str, Callable[[], Picture]] = {
-    **{
-        f"design {name}": lambda name=name: design(name)
-        for name in ("yamada-2002", "plain-ridges", "steep-fingertip")
-    },
+OTHERS: dict[str, Callable[[Path], Picture]] = {
+    **{f"design {name}": lambda _, name=name: design(name) for name in DESIGNS},
     "signals of many ridges": many_signals,
-    "ladder": ladder,
-    "gain with data": measured_gain,
-    "models": lambda: models_figure(
+    "ladder": lambda _: ladder(),
+    "gain with data": lambda _: measured_gain(),
+    "models": lambda _: results.models_figure(
         [("winkler", 4e-4, 0.8), ("linear", 0.7, 0.45), ("corrected", 2.8, 0.14)]
     ),
-    "one model": lambda: models_figure([("corrected-finite-strain", 2.8, 0.14)]),
-    "sensitivities": lambda: sensitivity_figure(sensitivities(skincad.load("yamada-2002"), 2.64)),
+    "one model": lambda _: results.models_figure([("corrected-finite-strain", 2.8, 0.14)]),
+    "sensitivities": lambda _: results.sensitivity_figure(sensitivities(skincad.load("yamada-2002"), 2.64)),
 }
-QUICK = {"press", "section", "film stress", "one model", "models"}  # the others are slow
-EVERY = [
-    pytest.param(name, marks=() if name in QUICK else pytest.mark.slow, id=name)
-    for name in [*RESULTS, *OTHERS]
-]
+
+
+QUICK = {"pull", "check of one ridge", "one model", "models", "gain with data"}
+
+
+def tier(name: str) -> tuple[pytest.MarkDecorator, ...]:
+    """Slow is one figure of a kind; designs and circuits beside yamada-2002 are evidence."""
+    if name in QUICK:
+        return ()
+    if name == "check of many ridges":
+        return (pytest.mark.evidence(subject="gripper-pad"),)
+    if name.startswith("design "):
+        subject = name.removeprefix("design ")
+        return () if subject == "yamada-2002" else (pytest.mark.evidence(subject=subject),)
+    if name.startswith("circuit ") and name != "circuit yamada-2002":
+        return (pytest.mark.evidence(subject="figures: circuits"),)
+    return (pytest.mark.slow,)
+
+
+EVERY = [pytest.param(name, marks=tier(name)) for name in [*RESULTS, *OTHERS]]
+ONE_DESIGN = pytest.mark.parametrize("name", [pytest.param(n, marks=tier(f"design {n}")) for n in DESIGNS])
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("figures")
-
-
-@pytest.fixture(params=EVERY)
-def drawn(request: pytest.FixtureRequest, folder: Path) -> dict[str, Picture]:
-    figures = figures_of(request.param, folder)
-    assert figures
-    return figures
 
 
 def points(axes: Axes) -> Iterator[np.ndarray]:
@@ -230,45 +234,23 @@ def hidden(figure: Picture) -> bool:
     )
 
 
-def test_nothing_is_cut_off(drawn: dict[str, Picture]) -> None:
-    assert [name for name, figure in drawn.items() if cut(figure)] == []
+def titles_clear_of_legends(figure: Picture) -> bool:
+    boxes = [legend.get_window_extent() for legend in figure.legends]
+    boxes += [axes.get_legend().get_window_extent() for axes in figure.axes if axes.get_legend()]
+    titles = [axes.title for axes in figure.axes if axes.title.get_text()]
+    titles += [text for text in figure.texts if text.get_text() == figure.get_suptitle() != ""]
+    return not any(box.overlaps(title.get_window_extent()) for box in boxes for title in titles)
 
 
-def test_no_legend_hides_a_curve(drawn: dict[str, Picture]) -> None:
-    assert [name for name, figure in drawn.items() if hidden(figure)] == []
-
-
-def test_what_is_looked_for_is_found() -> None:
-    """A legend on a curve and a word beyond the edge: the looks above can fail."""
-    with sheet((4.0, 3.0)) as figure:
-        axes = figure.add_subplot()
-        axes.plot([0, 1], [0, 1], label="a curve")
-        axes.legend(loc="center")
-        figure.canvas.draw()
-        assert hidden(figure)
-        assert not cut(figure)
-        figure.text(0.9, 0.5, "a word that is too long")
-        assert cut(figure)
-
-
-def test_titles_and_legends_lie_clear_of_each_other(drawn: dict[str, Picture]) -> None:
-    for name, figure in drawn.items():
-        boxes = [legend.get_window_extent() for legend in figure.legends]
-        boxes += [axes.get_legend().get_window_extent() for axes in figure.axes if axes.get_legend()]
-        titles = [axes.title for axes in figure.axes if axes.title.get_text()]
-        titles += [text for text in figure.texts if text.get_text() == figure.get_suptitle() != ""]
-        for box in boxes:
-            assert not any(box.overlaps(title.get_window_extent()) for title in titles), name
-
-
-def test_every_axis_names_its_unit(drawn: dict[str, Picture]) -> None:
-    for name, figure in drawn.items():
-        for axes in figure.axes:
-            for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
-                label = axis.label.get_text()
-                names = any(re.match("[a-z]", tick.get_text()) for tick in axis.get_ticklabels())
-                if label and axis.get_visible() and not names:
-                    assert named(label), f"{name}: {label!r}"
+def labels(figure: Picture) -> list[str]:
+    """The labels of axes of numbers."""
+    return [
+        label
+        for axes in figure.axes
+        for axis in ((axes.xaxis, axes.yaxis) if axes.axison else ())
+        if (label := axis.label.get_text()) and axis.get_visible()
+        if not any(re.match("[a-z]", tick.get_text()) for tick in axis.get_ticklabels())
+    ]
 
 
 def named(label: str) -> bool:
@@ -278,6 +260,35 @@ def named(label: str) -> bool:
     if words.startswith(NUMBERED) or words.endswith(", relative") or "relative," in words:
         return True
     return any(words.endswith((f", {unit}", f"_{unit}")) for unit in UNITS)
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_figure_is_whole_and_of_one_style(kind: str, folder: Path) -> None:
+    """Nothing is cut off, no legend hides a curve or a title, axes have units; one font in five sizes."""
+    figures = figures_of(kind, folder)
+    assert figures
+    for name, figure in figures.items():
+        assert not cut(figure), name
+        assert not hidden(figure), name
+        assert titles_clear_of_legends(figure), name
+        assert [label for label in labels(figure) if not named(label)] == [], name
+        letters = [text for text in figure.findobj(Text) if text.get_text() and text.get_visible()]
+        assert {text.get_fontname() for text in letters} == {"DejaVu Sans"}, name
+        sizes = {canvas.NOTE, canvas.SMALL, canvas.LABEL, canvas.TITLE, canvas.HEAD}
+        assert {text.get_fontsize() for text in letters} <= sizes, name
+
+
+def test_cut_and_hidden_can_fail() -> None:
+    """A legend on a curve and a word beyond the edge: the contract can fail."""
+    with sheet((4.0, 3.0)) as figure:
+        axes = figure.add_subplot()
+        axes.plot([0, 1], [0, 1], label="a curve")
+        axes.legend(loc="center")
+        figure.canvas.draw()
+        assert hidden(figure)
+        assert not cut(figure)
+        figure.text(0.9, 0.5, "a word that is too long")
+        assert cut(figure)
 
 
 def test_figures_are_there_of_each_kind_of_result() -> None:
@@ -321,7 +332,7 @@ def test_the_differential_stress_is_drawn_in_a_panel_for_each_ridge(folder: Path
 
 def test_only_the_ridge_that_is_read_has_an_error_band(folder: Path) -> None:
     """Ridge 3 of 1, 2, 3; and of all of nine."""
-    for figure in (figures_of("pull", folder)["signals.png"], many_signals()):
+    for figure in (figures_of("pull", folder)["signals.png"], many_signals(folder)):
         panels = figure.axes[1:-1]
         bands = [i for i, axes in enumerate(panels) if axes.collections]
         assert bands == [2]
@@ -332,19 +343,9 @@ def test_only_the_ridge_that_is_read_has_an_error_band(folder: Path) -> None:
 
 @pytest.mark.parametrize(("count", "panels"), [(1, 1), (2, 2), (9, 9), (10, 5), (40, 8), (999, 9)])
 def test_many_ridges_share_panels(count: int, panels: int) -> None:
-    groups = ridge_groups(list(range(1, count + 1)))
+    groups = scenes.ridge_groups(list(range(1, count + 1)))
     assert len(groups) == panels
     assert [ridge for group in groups for ridge in group] == list(range(1, count + 1))
-
-
-def test_every_letter_is_of_one_style(drawn: dict[str, Picture]) -> None:
-    """One font, and sizes of the style only."""
-    for name, figure in drawn.items():
-        letters = [text for text in figure.findobj(Text) if text.get_text() and text.get_visible()]
-        assert letters, name
-        assert {text.get_fontname() for text in letters} == {"DejaVu Sans"}, name
-        sizes = {text.get_fontsize() for text in letters}
-        assert sizes <= {NOTE, SMALL, LABEL, TITLE, HEAD}, name
 
 
 def test_no_figure_has_a_colour_of_its_own() -> None:
@@ -364,7 +365,7 @@ BLIND = (
 
 def lightness_and_hue(colour: str, seen: np.ndarray) -> np.ndarray:
     """A colour in CIE L*a*b* (D65), as an eye sees it that mixes linear RGB by `seen`."""
-    rgb = np.array(to_rgb(colour))
+    rgb = np.array(canvas.to_rgb(colour))
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
     xyz = to_xyz @ np.clip(seen @ linear, 0.0, 1.0) / [0.9505, 1.0, 1.089]
@@ -375,7 +376,7 @@ def lightness_and_hue(colour: str, seen: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("seen", [np.eye(3), *map(np.array, BLIND)], ids=["all", "no red", "no green"])
 def test_colour_blind_readers_tell_the_curves_apart(seen: np.ndarray) -> None:
     """10 is four times what is just noticed (2.3: Mahy, Van Eycken, Oosterlinck 1994)."""
-    colours = STYLE["axes.prop_cycle"].by_key()["color"]
+    colours = canvas.STYLE["axes.prop_cycle"].by_key()["color"]
     places = [lightness_and_hue(colour, seen) for colour in colours]
     pairs = combinations(zip(colours, places, strict=True), 2)
     apart = {(a, b): float(np.linalg.norm(p - q)) for (a, p), (b, q) in pairs}
@@ -390,7 +391,7 @@ def leaders(figure: Picture) -> list[shapely.LineString]:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=() if name in DESIGNS else pytest.mark.slow) for name in RIDGED],
+    [pytest.param(n, marks=pytest.mark.evidence(subject=n) if n != "yamada-2002" else ()) for n in RIDGED],
 )
 def test_no_two_leaders_cross(name: str, folder: Path) -> None:
     known = f"design {name}"
@@ -403,22 +404,22 @@ def test_leaders_from_any_places_do_not_cross() -> None:
     random = np.random.default_rng(1)
     for _ in range(200):
         anchors = [tuple(at) for at in random.uniform(0, (600, 700), (10, 2))]
-        ends = label_places(anchors, (640, 760))
+        ends = pictures.label_places(anchors, (640, 760))
         lines = [shapely.LineString(pair) for pair in zip(anchors, ends, strict=True)]
         assert not any(a.intersects(b) for a, b in combinations(lines, 2))
         rows = np.sort([row for _, row in ends])
         assert np.diff(rows).min() >= 0.028 * 760 - 1e-9
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@ONE_DESIGN
 def test_a_scale_bar_is_as_long_as_it_says(name: str, folder: Path) -> None:
     axes = figures_of(f"design {name}", folder)[f"design {name}"].axes[0]
     (bar,) = [line for line in axes.lines if line.get_gid() == "scale bar"]
     words = next(text.get_text() for text in axes.texts if text.get_text().endswith(" mm along x"))
     length = float(words.partition(" ")[0])
     subject = skincad.load(name)
-    skin = next(part for part in mold(subject).parts if part.name == "skin")
-    camera = view([upright(mesh(skin, 0.05))], 32.0, 28.0, axes.images[0].get_size()[::-1])
+    skin = next(part for part in Job(subject).closed.parts if part.name == "skin")
+    camera = pictures.view([upright(mesh(skin, 0.05))], 32.0, 28.0, axes.images[0].get_size()[::-1])
     ends = np.array([camera.pixel(np.array([x, 0.0, 0.0])) for x in (0.0, subject.skin.width)])
     per_mm = np.linalg.norm(ends[1] - ends[0]) / subject.skin.width
     drawn_length = np.linalg.norm(np.diff(bar.get_xydata(), axis=0))
@@ -426,7 +427,7 @@ def test_a_scale_bar_is_as_long_as_it_says(name: str, folder: Path) -> None:
     assert 0.1 * subject.skin.width < length <= 0.3 * subject.skin.width + 1e-9
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@ONE_DESIGN
 def test_the_whole_section_states_its_height_scale(name: str, folder: Path) -> None:
     axes = figures_of(f"design {name}", folder)[f"design {name}"].axes[1]
     scale = axes.get_aspect()
