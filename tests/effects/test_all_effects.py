@@ -1,4 +1,4 @@
-"""Every term that EFFECTS lists, by one test each: a new one is tested by being listed.
+"""Every effect that EFFECTS lists, by one test each: a new one is tested by being listed.
 
 A table that a term cannot be without is in NEEDED; friction is always there, for stick and slip.
 """
@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from skincad.base import InputError
 from skincad.effects import (
     EFFECTS,
     MASS,
@@ -35,27 +37,44 @@ from skincad.mechanics import (
     piece_of,
     triangles,
 )
-from skincad.scenes import March
+from skincad.scenes import March, load_scene
 from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
 from tests.outlines import outline
+from tests.processes import python
+from tests.refusals import refused, refused_by
+from tests.small_scene import small_scene
 
 MU, PLATE = 0.6, 0.2  # g
+
+
 NEEDED: dict[str, dict[str, Any]] = {"friction": {"coefficient": MU}}
+
+
 VARIANTS: dict[str, tuple[dict[str, Any], ...]] = {
     "viscosity": ({}, {"prony": [[0.5, 1e-4], [0.2, 1e-3]]}),
     "inertia": ({}, {"spectral_radius": 1.0}),
     "texture": ({"wavelength": 0.5, "amplitude": 0.002},),
 }
+
+
 COMPANIONS = {"inertia": ("viscosity",)}  # masses that nothing damps flutter where they slide
+
+
 DT = 1e-5
+
+
 DOWN, ALONG = 16, 8  # steps to be pressed, then moved: enough to stick, to slip in part and to slip
+
+
 TERMS = [
     (name, table)
     for name in EFFECTS
     if issubclass(effect(name), Term)
     for table in VARIANTS.get(name, (NEEDED.get(name, {}),))
 ]
+
+
 CASES = pytest.mark.parametrize(("name", "table"), TERMS, ids=[f"{n}-{len(t)}" for n, t in TERMS])
 
 
@@ -228,6 +247,62 @@ def test_work_is_stored_moves_or_is_lost(name: str, table: dict[str, Any]) -> No
     """1e-3 of it, the issue's."""
     run = dragged_through_gross_slip(*built(name, table), within=1e-3)
     assert run.column("viscous").min() >= 0
+
+
+SLIP = "yamada-2002-slip"
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_unknown_key_is_refused(name: str) -> None:
+    with refused_by(f"effects.{name}.no_such_key: unknown key"):
+        load_scene(SLIP, [f"effects.{name}.no_such_key=1"])
+
+
+@pytest.mark.parametrize(
+    ("name", "setting"),
+    [
+        ("inertia", "effects.inertia={}"),
+        ("viscosity", "effects.viscosity={}"),
+        ("texture", "effects.texture={wavelength=0.5, amplitude=0.002}"),
+    ],
+)
+def test_finite_strain_takes_no_term_but_friction(name: str, setting: str) -> None:
+    with pytest.raises(InputError, match=rf"effects\.{name}.*does not work together with"):
+        load_scene(SLIP, [setting, "effects.finite_strain={}"])
+
+
+def test_a_scene_has_one_law() -> None:
+    with refused("must name one law at most"):
+        load_scene(SLIP, ["effects.finite_strain={}", "effects.small_strain={}"])
+
+
+@pytest.mark.slow
+def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
+    """Up to the march's end; then, to say what leaving it out would change, its own file and no more."""
+    program = (
+        "import sys\n"
+        "from skincad.scenes.scene import load_scene\n"
+        "from skincad.scenes.simulation import simulate\n"
+        "def modules():\n"
+        "    return {m for m in sys.modules if m.startswith('skincad.')}\n"
+        "def tick(stage, step, left=None):\n"
+        "    global marched\n"
+        "    marched = modules()\n"
+        "scene = load_scene('scene.toml', ['skin=small.toml', 'history.normal_force_N=[0.0, 1.3]',"
+        " 'effects.film=none', 'effects.friction=none', 'history.steps=1', 'readout.ridges=[]'])\n"
+        "simulate(scene, budget=1e-3, tick=tick)\n"
+        "print(*(m for m in marched if m.startswith('skincad.effects.')))\n"
+        "print(*(modules() - marched))\n"
+        "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
+    )
+    small_scene(tmp_path, "yamada-2002-press", "readout.ridges=[]")  # its files
+    process = python(program, cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    marched, after, heavy = process.stdout.split("\n")[:3]
+    assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
+    names = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
+    assert set(after.split()) == names
+    assert heavy == ""
 
 
 def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() -> None:

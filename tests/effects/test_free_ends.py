@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import skincad
 from skincad.base import InputError
-from skincad.effects import LeftOutEffect
-from skincad.effects.free_ends import CALIBRATED, LEAST, SLIPPING, FreeEnds
-from skincad.inputs import Design
-from skincad.mechanics import added_compliance, force_changes
-from skincad.mechanics.check import check
+from skincad.mechanics import added_compliance
 from skincad.scenes import LEVELS, at_level, load_scene
-from tests.mechanics.designs import yamada
-from tests.outlines import outline
 from tests.small_scene import THIRD, small_scene
 
 PRESS = ("yamada-2002-press", THIRD, "history.steps=2", "effects.friction=none", "readout.ridges=[]")
@@ -32,7 +26,7 @@ def shares(simulation: object) -> np.ndarray:
 def test_approach_and_shares_are_the_corrected_models(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, *PRESS, ENDS)
     plane, simulation = at_level(small_scene(tmp_path, *PRESS), LEVELS[1]), at_level(scene, LEVELS[1])
-    model = check(scene.design.with_(contact={"film": "bonded"}), force=1.3, model="corrected")
+    model = skincad.check(scene.design.with_(contact={"film": "bonded"}), force=1.3, model="corrected")
     wanted = np.array([force.value for force in model.ridge_force])
     approach = model.approach.value
     # 1 %: nine ridges agree to 0.6 % (ends.py), the model's own error is 0.5 %
@@ -42,7 +36,7 @@ def test_approach_and_shares_are_the_corrected_models(tmp_path: Path) -> None:
     assert plane.march.readings[-1].approach < 0.95 * approach
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="free ends of scenes")
 def test_outer_ridges_of_nine_bear_more(tmp_path: Path) -> None:
     """plain-ridges at 4 N: the outer ridge's share doubles. Measured 0.25 % and 0.32 % (ends.py)."""
     scene = ("yamada-2002-press", ["skin=plain-ridges", "history.steps=2", "effects.film=none"])
@@ -51,7 +45,7 @@ def test_outer_ridges_of_nine_bear_more(tmp_path: Path) -> None:
         at_level(load_scene(scene[0], [*scene[1], *bare, *more]), LEVELS[1]) for more in ([], [ENDS])
     )
     design = simulation.scene.design.with_(contact={"friction": 0.0})
-    model = check(design, force=4.0, model="corrected")
+    model = skincad.check(design, force=4.0, model="corrected")
     wanted = np.array([force.value for force in model.ridge_force])
     assert simulation.march.readings[-1].approach == pytest.approx(model.approach.value, rel=0.005)
     assert shares(simulation) == pytest.approx(wanted, abs=0.005 * wanted.mean())
@@ -75,7 +69,7 @@ def test_ends_are_not_known_with_a_past(tmp_path: Path) -> None:
         small_scene(tmp_path, *PRESS, ENDS, "effects.viscosity.retardation_time=1e-4")
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="free ends of scenes")
 def test_at_finite_strain_ends_add_what_they_add_at_small_strain(tmp_path: Path) -> None:
     """Under a force that one ridge bears: as much more approach, by both ways of steps; rounding."""
     light = (*PRESS[:1], "history.normal_force_N=[0.0, 0.013]", *PRESS[2:])
@@ -86,27 +80,3 @@ def test_at_finite_strain_ends_add_what_they_add_at_small_strain(tmp_path: Path)
         sunk = free.march.readings[-1].approach - plane.march.readings[-1].approach
         assert sunk == pytest.approx(0.013 * added_compliance(free.scene.design)[1, 1], rel=1e-6)
         assert free.march.loads[-1, 0] == pytest.approx([0.0, 0.013, 0.0], rel=1e-9, abs=1e-12)
-
-
-def said(design: Design, slips: float, pull: float = 1.0) -> LeftOutEffect:
-    scene = outline(design, (0.0, 1.0, 2.0), (0.0, 3.0, 3.0), (0.0, 0.0, pull))
-    path = replace(scene.path, slips=np.full_like(scene.path.slips, slips))
-    entry = FreeEnds.left_out(replace(scene, path=path))
-    assert entry is not None
-    return entry
-
-
-def test_what_leaving_ends_out_changes_follows_the_pull_where_all_slips() -> None:
-    """Ridges that share evenly, S1 - S2 all by the pull: by the share of force that moves."""
-    design = yamada()
-    shift = np.abs(force_changes(design, np.full((1, 9), 3.0 / 9))).max() / (3.0 / 9)
-    assert said(design, 1.0).change == pytest.approx(CALIBRATED * shift)
-    assert said(design, 0.5).change == pytest.approx(max(CALIBRATED * shift * 0.5**SLIPPING, LEAST))
-    long = said(design.with_(skin={"length": 24.0}), 1.0)
-    assert long.change == pytest.approx(said(design, 1.0).change / 2)
-
-
-def test_what_hardly_changes_or_is_not_pulled_is_told_roughly() -> None:
-    assert said(yamada(), 1.0).within == 2.5
-    assert said(yamada(), 0.0).within == 10.0
-    assert said(yamada(), 1.0, pull=0.0).within == 10.0

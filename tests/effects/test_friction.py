@@ -1,4 +1,4 @@
-"""Laws of friction as a scene names them: their keys, their energy, and who slips first by another law."""
+"""Laws of friction as a scene names them: their keys, their energy, and which ridge slips first."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.effects import Friction, MarchedPad, RidgePath, SmallStrain, Term
-from skincad.effects.slip_order import flipped
-from skincad.mechanics import FrictionCoefficients
+from skincad.effects import Friction, MarchedPad, RidgePath, Share, SmallStrain, Step, Term, condensed
+from skincad.mechanics import ContactPad, Drive, FrictionCoefficients
 from skincad.scenes import load_scene
 from skincad.scenes.march import march
 from tests.effects.test_all_effects import COMPANIONS, built, dragged_through_gross_slip, piece
@@ -85,19 +84,33 @@ def pads() -> dict[str, tuple[MarchedPad, list[Term]]]:
     return cases
 
 
-@pytest.mark.parametrize("table", [SHEAR, KINETIC, TABLE], ids=["shear", "kinetic", "table"])
-@pytest.mark.parametrize("name", ["small_strain", "viscosity", "inertia"])
-def test_work_is_stored_moves_or_is_lost(name: str, table: dict[str, Any]) -> None:
+LAWS = {"shear": SHEAR, "kinetic": KINETIC, "table": TABLE}
+# each law and each pad once; evidence goes through all nine pairs
+PAIRS = {("small_strain", "kinetic"), ("viscosity", "table"), ("inertia", "shear")}
+
+
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        pytest.param(
+            *(name, law),
+            marks=[] if (name, law) in PAIRS else pytest.mark.evidence(subject="laws of friction"),
+        )
+        for name in ("small_strain", "viscosity", "inertia")
+        for law in LAWS
+    ],
+)
+def test_work_is_stored_moves_or_is_lost(name: str, law: str) -> None:
     """To 1e-3 as by Coulomb's law; where points break off from static friction, what they lose within the
     step is straight in it: 1e-2."""
-    pad, others = pads()[name]
+    (pad, others), table = pads()[name], LAWS[law]
     within = 1e-2 if "kinetic" in table else 1e-3
     run = dragged_through_gross_slip(pad, [Friction(**table), *others], within)
     normal, tangential = run.column("normal"), run.column("tangential")
     assert abs(tangential[-1]) < 0.95 * 1.5 * normal[-1]  # the law's cap is at work
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="laws of friction")
 def test_finite_strain_slips_by_area() -> None:
     """Dragged through gross slip, each point bears what the law says of it: 1e-9 of the largest, for the
     contact is solved on the last tangent but one."""
@@ -146,28 +159,93 @@ def test_the_order_of_slip_flips_where_load_and_area_do_not_go_together() -> Non
     """Ridge 1 bears 0.5 of its load and 0.05 MPa; ridge 2 0.4 of its, but 0.1 MPa."""
     loads = [0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0]
     seen = path(*loads, [True, False, False])
-    assert flipped(seen, by_area=False) == (1, 2)
     entries = list(Friction(coefficient=0.5).afterwards(seen))
     assert entries == [
         "the order of slip rests on effects.friction.law: ridge 1 slips first, "
         "but by a constant shear stress ridge 2 would"
     ]
     other_way = path(*loads, [False, True, False])
-    assert flipped(other_way, by_area=True) == (2, 1)
-    assert "by Coulomb's law ridge 1 would" in next(Friction(**SHEAR).afterwards(other_way))
+    (entry,) = Friction(**SHEAR).afterwards(other_way)
+    assert "ridge 2 slips first, but by Coulomb's law ridge 1 would" in entry
+
+
+def warned(seen: RidgePath) -> list[str]:
+    return list(Friction(coefficient=0.5).afterwards(seen))
 
 
 def test_the_order_of_slip_is_not_told_where_it_is_the_same_or_nothing_slips() -> None:
     loads = [0.4, 1.0, 1.0], [0.2, 0.4, 0.3]
-    assert flipped(path(*loads, [1.0, 4.0, 4.0], [True, False, False]), by_area=False) is None
-    assert flipped(path(*loads, [2.1, 4.1, 4.0], [True, False, False]), by_area=False) is None  # too close
-    assert flipped(path(*loads, [4.0, 4.0, 4.0], [False, False, False]), by_area=False) is None
+    assert warned(path(*loads, [1.0, 4.0, 4.0], [True, False, False])) == []
+    assert warned(path(*loads, [2.1, 4.1, 4.0], [True, False, False])) == []  # too close
+    assert warned(path(*loads, [4.0, 4.0, 4.0], [False, False, False])) == []
 
 
 def test_a_ridge_that_has_just_met_the_plate_or_leaves_it_counts_for_nothing() -> None:
     """Its few points slip at once, whatever the law."""
     seen = path([0.01, 1.0, 1.0], [0.01, 0.4, 0.3], [0.1, 4.0, 4.0], [True, False, False])
-    assert flipped(seen, by_area=False) is None
+    assert warned(seen) == []
     leaves = path([0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0], [True, False, False])
     leaves.normal[-1, 0] = 0.0
-    assert flipped(leaves, by_area=False) is None
+    assert warned(leaves) == []
+
+
+FLEXIBLE = 0.25  # mm/N
+
+
+def springs() -> ContactPad:
+    """Two points at the same height on springs of their own, alike in x and in z."""
+    one, two = np.eye(4), np.zeros(2)
+    ridge = np.array([0, 1])
+    return ContactPad(FLEXIBLE * one, two, np.array([-1.0, 1.0]), ridge, np.ones(2), np.zeros((0, 3, 4)), 4)
+
+
+@pytest.mark.parametrize("coefficient", [0.2, 0.7])
+def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: float) -> None:
+    """The plate's work in x is what springs keep and friction takes; friction takes mu N times the slide."""
+    skin, cone = condensed(springs()), FrictionCoefficients(coefficient, coefficient)
+    state = skin.start()
+    drives = [Drive(2.0, travel=0.0), *(Drive(2.0, travel=0.05 * i) for i in range(1, 41))]
+    before, dissipated, work = Drive(0.0, travel=0.0), 0.0, 0.0
+    for drive in drives:
+        step = Step(0.0, 1.0, before, drive, 0.0)
+        after = skin.advanced(state, step, [Share(cone=cone)])
+        reading = skin.reading(state, after)
+        work += (after.travel - state.travel) * (state.tangential.sum() + after.tangential.sum()) / 2
+        dissipated += reading.dissipated
+        state, before = after, drive
+    limit = coefficient * 2.0  # N, on both points together
+    stretched = FLEXIBLE * limit / 2
+    assert dissipated == pytest.approx(limit * (2.0 - stretched), rel=0.05)
+    assert work == pytest.approx(dissipated + limit * stretched / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("before", "after", "mean"),
+    [
+        (0.2, 0.6, 0.4),
+        (0.6, 0.0, 0.3),  # at the step's end it carries nothing
+        (0.0, 0.6, 0.3),
+        (-0.2, 0.6, 0.6),  # the force turned round before the point slipped, and dragged it all the way
+    ],
+)
+def test_friction_takes_the_mean_force_of_a_step_times_the_slide(
+    before: float, after: float, mean: float, way: float
+) -> None:
+    skin, slid = condensed(springs()), 0.1
+    first, last = skin.start(), skin.start()
+    first = replace(first, tangential=way * np.array([before, 0.0]) + 0.0, normal=np.array([2.0, 2.0]))
+    last = replace(
+        last,
+        tangential=way * np.array([after, 0.1]) + 0.0,  # a freed point's is 0, not -0
+        normal=np.array([2.0, 1.0]),
+        slipped=-way * np.array([slid, 0.0]),
+        residual=1e-11,
+    )
+    reading = skin.reading(first, last)
+    assert reading.dissipated == pytest.approx(mean * slid, rel=1e-12)
+    assert (reading.normal, reading.tangential) == (pytest.approx(3.0), pytest.approx(way * (after + 0.1)))
+    # what the springs hold: half of flexibility times force squared, in both directions
+    assert reading.elastic == pytest.approx(FLEXIBLE / 2 * (2.0**2 + 1.0**2 + after**2 + 0.1**2), rel=1e-12)
+    assert reading.residual == 1e-11
+    assert reading.work is None  # the plate does not turn

@@ -1,7 +1,8 @@
-"""Slip of pins: against pins that don't feel each other, in closed form, and solid pins in CalculiX."""
+"""Slip of pins: against springs of their own in closed form, by heights, by symmetry, and what is refused."""
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,9 @@ from skincad.inputs.material import silicone
 from skincad.mechanics import Drive, GrossSlip, advance, crown_radius, lone
 from skincad.mechanics.contact.tips import unloaded
 from skincad.mechanics.models.pin_cell import pin_cell
-from skincad.scenes import Scene
+from skincad.scenes import Scene, Simulation
+from skincad.shape import skin_of
+from tests import families
 from tests.refusals import refused
 
 MU = 0.2
@@ -45,7 +48,7 @@ def scene(design: Design, steps: int = 100, **effects: Any) -> Scene:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: slip")
 def test_pins_far_apart_slip_as_springs_side_by_side() -> None:
     """A pin slips once the plate has gone mu p times its compliance: the beam's on its base, Mindlin's of the
     contact, and what its own force softens. All springs' forces then are the plate's pull."""
@@ -69,7 +72,7 @@ def test_pins_far_apart_slip_as_springs_side_by_side() -> None:
     assert result.slip_steps[4] == result.gross_slip_step == int(np.ceil(20 + 80 * 0.999 / 1.02))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: slip")
 def test_order_follows_height_and_curvature() -> None:
     graded = skincad.simulate(scene(nine(pitch=4.0).with_(skin={"width": 12.0, "length": 12.0})))
     assert max(s for i, s in enumerate(graded.slip_steps) if i != 4) < graded.slip_steps[4]
@@ -83,7 +86,7 @@ def test_order_follows_height_and_curvature() -> None:
     assert pressed[middle] > pressed[1] > pressed[0]
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: slip")
 def test_errors_and_energy_of_a_pull() -> None:
     """The plate's work is stored or lost to friction; half the steps slip within the error."""
     result, coarse = (skincad.simulate(scene(nine(), steps)) for steps in (100, 50))
@@ -141,9 +144,56 @@ def test_flat_tips_are_pulled_until_they_lift() -> None:
     assert share == pytest.approx(0.25 / 1.5, rel=0.15)  # the base gives way to the foot's moment
 
 
+@pytest.mark.slow
 def test_a_map_of_pins_is_drawn() -> None:
     result = skincad.simulate(scene(nine(), 10))
     drawings = result.figures()
     assert list(drawings) == ["signals.png"]
     figure = drawings["signals.png"]
     assert [axes.get_xlabel() for axes in figure.axes[:2]] == ["step", "x, mm; the plate is pulled to +x"]
+
+
+PRESS, STEPS = 0.25, 200  # N, of friction's limit where it is 1
+
+
+def pillars() -> Design:
+    """Pillars of nearly one height: the middle one of the family's would nearly tip over."""
+    return families.pillars().with_(pin={"heights": [6.0, 5.9]})
+
+
+@cache
+def pulled(name: str) -> Simulation:
+    """The plate presses within a second, and pulls in the next."""
+    history = {
+        "steps": STEPS,
+        "time_s": [0.0, 1.0, 2.0],
+        "normal_force_N": [0.0, PRESS, PRESS],
+        "tangential_force_N": [0.0, 0.0, 1.2 * 0.3 * PRESS],
+    }
+    design = pillars() if name == "pillars" else families.OF_FAMILIES[name]()
+    effects = {"friction": {"coefficient": 0.3}}
+    return skincad.simulate(Scene(name="pull", skin=design, history=history, effects=effects))
+
+
+@pytest.mark.slow
+def test_short_pillars_slip_before_the_high_one_and_bear_what_the_check_says() -> None:
+    """The springs are those of the reduced model at that force, within what friction at the tips changes."""
+    result = pulled("pillars")
+    steps = np.array(result.slip_steps, dtype=float)
+    assert result.gross_slip_step == steps[4] == steps.max()
+    assert np.delete(steps, 4).max() < steps[4] - 2
+    check = skincad.check(pillars().with_(contact={"force": PRESS}), model="reduced")
+    shares = [float(share) for share in check.ridge_force]
+    assert result.march.loads[STEPS // 2, 0] == pytest.approx(shares, rel=1e-3)
+
+
+@pytest.mark.evidence(subject="pins: slip")
+def test_pins_mirrored_in_y_slip_alike_and_work_is_accounted_for() -> None:
+    for name in ("pillars", "dome"):
+        result = pulled(name)
+        tips = np.array([placed.tip for placed in skin_of(result.scene.design).placed])
+        twin = np.linalg.norm(tips[:, None] - (tips * [1, -1, 1])[None], axis=2).argmin(axis=1)
+        loads = result.march.loads[-2, :2]
+        # a root's mean over the base is by points that no plane mirrors
+        np.testing.assert_allclose(loads, loads[:, twin], rtol=2e-3, atol=1e-3 * loads.max())
+        assert result.energy["imbalance"] < 5e-3

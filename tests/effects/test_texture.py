@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.effects.texture import Texture
+from skincad.effects import effect
 from skincad.inputs import template_text
 from skincad.scenes import LEVELS, Simulation, at_level, load_scene
 from tests.small_scene import small_scene
 
+Texture = effect("texture")
 SLIDE = (
     "history.steps=300",
     "history.time_s=[0.0, 0.02, 0.2]",
