@@ -1,4 +1,4 @@
-"""What shop drawings and cutting patterns say of parts."""
+"""What shop drawings and cutting patterns say of parts; whole drawings are in tests/golden."""
 
 from __future__ import annotations
 
@@ -20,28 +20,6 @@ from skincad.solids import PartRole
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 from tests.templates import SHIPPED, of_one_printer
-
-
-@pytest.mark.parametrize(
-    ("name", "part", "says"),
-    [
-        (
-            "yamada-2002",
-            "cavity",
-            "Wire Ø0.03 with a spark gap of 0.01 a side: for inner corners of radius 0.05, with 0.025",
-        ),
-        (
-            "yamada-2002",
-            "end-a-comb",
-            "Wire Ø0.03 with a spark gap of 0.01 a side: for a 0.06 wide notch of a shim, with 0.005",
-        ),
-        ("milled-pad", "cavity", "Ball-end mill Ø0.5: as wide as inner corners of radius 0.25."),
-    ],
-)
-def test_the_cutter_is_named_with_what_it_leaves_for_trim_cuts(name: str, part: str, says: str) -> None:
-    """By hand: 0.05 - 0.025, 0.03 - 0.025, and 0.25 - 0.25."""
-    design = skincad.load(name)
-    assert any(row.startswith(says) for row in notes(Job(design), mold(design).part(part)))
 
 
 def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:

@@ -137,8 +137,13 @@ def test_layers_weigh_what_is_left_beside_pockets(depth: float) -> None:
     assert weighs.skin.mass == pytest.approx(1e-6 * (own * (whole - behind) + 2000.0 * behind), rel=1e-9)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["yamada-2002", "rings-5", "pillars-9"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("yamada-2002", marks=pytest.mark.slow),
+        *(pytest.param(name, marks=pytest.mark.evidence(subject=name)) for name in ("rings-5", "pillars-9")),
+    ],
+)
 def test_a_layered_skin_is_made_whole(name: str, tmp_path: Path) -> None:
     design = skincad.load(name).with_(shot=({**CORE, "bond": "primer"},))
     made = skincad.make(design, checked=False)

@@ -16,6 +16,7 @@ import pytest
 import skincad
 from skincad.base import InputError
 from skincad.fabrication import (
+    Finding,
     Job,
     MakeResult,
     casting_sheet,
@@ -24,9 +25,7 @@ from skincad.fabrication import (
     interference,
     laid_on_end,
     poured_volume,
-    warning,
 )
-from skincad.fabrication.rules import error, note
 from skincad.inputs import Design
 from skincad.outputs import explosion_offset
 from skincad.outputs.drawing.overview import drawing
@@ -35,6 +34,7 @@ from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 from tests.conftest import run_skincad
 from tests.processes import lines_until, started
+from tests.templates import template
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,24 @@ def small() -> Design:
 @pytest.fixture(scope="module")
 def unchecked(small: Design) -> MakeResult:
     return skincad.make(small, checked=False)
+
+
+def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: MakeResult) -> None:
+    two = (
+        Finding("gap", "cavity, slit", 0.1, 0.2, "mm", "a wider slit", "error"),
+        Finding("wall", "end", 1.0, 2.0, "mm", "more", "error"),
+    )
+    grave = Finding("detail", "cover", 0.1, 0.2, "mm", "larger lengths", "warning")
+    light = Finding("cure", "sla", 1.0, 0.0, "", "bake it", "note")
+    broken = replace(unchecked, findings=(*two, grave, grave, light))
+    rows = str(broken).splitlines()
+    assert rows[1] == "  mold           2 errors, 2 warnings; 3 more findings with -v"
+    assert rows[2:] == [str(two[0]), str(two[1]), "Next: a wider slit."]
+    warned = str(replace(unchecked, findings=(grave, light))).splitlines()
+    assert warned[1:3] == ["  mold           no errors, 1 warning; 1 more note with -v", str(grave)]
+    assert str(light) not in warned
+    assert str(light) in replace(unchecked, findings=(grave, light)).details().splitlines()
+    assert str(replace(unchecked, findings=(grave,), strict=True)).endswith("Next: larger lengths.")
 
 
 def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: MakeResult) -> None:
@@ -71,24 +89,6 @@ def test_everything_says_that_nobody_asked(unchecked: MakeResult, tmp_path: Path
     for name in ("casting-sheet.md", "casting-sheet.html"):
         assert "Not checked whether all ridges touch." in (tmp_path / "made" / name).read_text("utf-8")
     assert json.loads((tmp_path / "made" / "make.json").read_text())["all_touch_force_N"] is None
-
-
-def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: MakeResult) -> None:
-    two = (
-        error("gap", "cavity, slit", 0.1, 0.2, "mm", "a wider slit"),
-        error("wall", "end", 1.0, 2.0, "mm", "more"),
-    )
-    grave = warning("detail", "cover", 0.1, 0.2, "mm", "larger lengths")
-    light = note("cure", "sla", 1.0, 0.0, "", "bake it")
-    broken = replace(unchecked, findings=(*two, grave, grave, light))
-    rows = str(broken).splitlines()
-    assert rows[1] == "  mold           2 errors, 2 warnings; 3 more findings with -v"
-    assert rows[2:] == [str(two[0]), str(two[1]), "Next: a wider slit."]
-    warned = str(replace(unchecked, findings=(grave, light))).splitlines()
-    assert warned[1:3] == ["  mold           no errors, 1 warning; 1 more note with -v", str(grave)]
-    assert str(light) not in warned
-    assert str(light) in replace(unchecked, findings=(grave, light)).details().splitlines()
-    assert str(replace(unchecked, findings=(grave,), strict=True)).endswith("Next: larger lengths.")
 
 
 @pytest.mark.slow
@@ -152,13 +152,8 @@ def test_a_preview_finds_what_the_whole_finds(preview: MakeResult, unchecked: Ma
 def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: MakeResult) -> None:
     left_out = unchecked.files().keys() - preview.files().keys()
     assert {f"solids/{name}.step" for name in ("skin", "cavity", "assembly")} <= left_out
-    assert preview.files().keys() >= {
-        "solids/skin.stl",
-        "solids/mold.3mf",
-        "drawings/section.dxf",
-        "picture.png",
-        "casting-sheet.md",
-    }
+    kept = {"solids/skin.stl", "solids/mold.3mf", "drawings/section.dxf", "picture.png", "casting-sheet.md"}
+    assert kept <= preview.files().keys()
     assert preview.files().keys() <= unchecked.files().keys()
 
 
@@ -237,11 +232,11 @@ def mold_texts(design: Design, closed: ClosedMold) -> Iterator[str]:
 @pytest.mark.parametrize(
     ("name", "settings"),
     [
-        ("lab-bench", ["ridge.count=3"]),
-        ("cast-in", ["ridge.count=3", 'mold.pour="open"']),
-        ("plain-ridges", PRINTED),
-        ("yamada-2002", ["ridge.count=3", "mold.cavities=2", *PRINTED]),
-        ("steep-fingertip", []),
+        template("lab-bench", ["ridge.count=3"]),
+        template("cast-in", ["ridge.count=3", 'mold.pour="open"']),
+        template("plain-ridges", PRINTED),
+        template("yamada-2002", ["ridge.count=3", "mold.cavities=2", *PRINTED]),
+        template("steep-fingertip", []),
     ],
 )
 def test_a_mold_whose_parts_have_other_names_is_judged_and_told_alike(name: str, settings: list[str]) -> None:
