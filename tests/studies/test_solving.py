@@ -383,7 +383,7 @@ def test_a_search_that_runs_out_denies_nothing() -> None:
     assert walk.as_json()["searched"] == "partial"
 
 
-@pytest.mark.slow  # three evaluations of three seconds
+@pytest.mark.evidence(subject="optima: solve")
 def test_a_key_that_the_closed_form_does_not_know_is_solved() -> None:
     """The closed form says the same for every crown: corrected needs 2.73 N at 0.01 mm, 2.44 N at 0.09 mm."""
     solution = solve(DESIGN, {"all_touch_force": 2.45}, {"ridge.crown": (0.01, 0.09)})
