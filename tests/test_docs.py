@@ -1,9 +1,10 @@
-"""What the code cites of docs/ is there, page and heading; the labelled section is what the program draws."""
+"""README.md and docs/ name what is there, the code cites pages that are there, pictures are the program's."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,15 @@ from PIL import Image
 
 from bench.geometry_plot import geometry_plot
 from skincad.circuit import Circuit
+from skincad.cli.app import app
 from skincad.effects import EFFECTS, effect
 from skincad.inputs import Design
 from skincad.outputs import table_entries
 from skincad.scenes import Scene
+from tests.conftest import Made
 
 ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text("utf-8")
 CITING = ("skincad", "templates", "tests", "bench", "examples", "README.md", "CHANGELOG.md", "pyproject.toml")
 CITATION = re.compile(r"\bdocs/([\w/-]+\.\w+)(?:#([\w-]+))?")
 TEXT = {".py", ".toml", ".md", ".ipynb"}
@@ -34,6 +38,7 @@ def texts() -> Iterator[Path]:
         yield from [place] if place.is_file() else (p for p in place.rglob("*") if p.suffix in TEXT)
 
 
+@cache
 def cited() -> list[tuple[str, str, str]]:
     rows = {
         (path.relative_to(ROOT).as_posix(), page, anchor)
@@ -43,6 +48,7 @@ def cited() -> list[tuple[str, str, str]]:
     return sorted(rows)
 
 
+@cache
 def anchors(page: Path) -> set[str]:
     """A heading's anchor as GitHub and mkdocs make it: lower case, only letters, digits, - and _."""
     headings = re.findall(r"^#+ (.+)$", page.read_text(), re.M)
@@ -74,11 +80,10 @@ def test_the_facts_are_cited() -> None:
     assert sum(page == "evidence/facts.md" for _, page, _ in cited()) > 15
 
 
-@pytest.mark.parametrize(("where", "page", "anchor"), cited())
-def test_what_is_cited_is_there(where: str, page: str, anchor: str) -> None:
-    assert (ROOT / "docs" / page).is_file(), f"{where} cites docs/{page}"
-    if anchor:
-        assert anchor in anchors(ROOT / "docs" / page), f"{where} cites docs/{page}#{anchor}"
+def test_what_is_cited_is_there() -> None:
+    for where, page, anchor in cited():
+        assert (ROOT / "docs" / page).is_file(), f"{where} cites docs/{page}"
+        assert not anchor or anchor in anchors(ROOT / "docs" / page), f"{where} cites docs/{page}#{anchor}"
 
 
 def test_the_files_that_pages_send_people_to_are_there() -> None:
@@ -130,11 +135,55 @@ def test_the_keys_that_pages_name_are_there() -> None:
     assert {name.removeprefix("circuit.") for name in named} - known == set()
 
 
+def difference(one: Path, other: Path, size: tuple[int, int]) -> float:
+    """Mean difference of two pictures, grey, of 255."""
+    shown, drawn = (np.asarray(Image.open(p).convert("L").resize(size), dtype=float) for p in (one, other))
+    return float(np.abs(shown - drawn).mean())
+
+
 def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:
     geometry_plot(tmp_path / "geometry.png")
-    shown, drawn = (
-        np.asarray(Image.open(path).convert("L").resize((275, 215)), dtype=float)
-        for path in (ROOT / "docs/understand/geometry.png", tmp_path / "geometry.png")
-    )
     # its font ships with matplotlib, so only rounding differs; a tilt of 20 for 14 degrees makes 0.6
-    assert np.abs(shown - drawn).mean() < 0.2
+    picture = ROOT / "docs/understand/geometry.png"
+    assert difference(picture, tmp_path / "geometry.png", (275, 215)) < 0.2
+
+
+@pytest.mark.slow
+def test_readmes_picture_is_what_the_program_draws(made: Made) -> None:
+    # other fonts move letters by a pixel or two: 0.3; tilted strips already make 1.1, a lower ridge 1.9
+    assert difference(ROOT / "README.png", made.folder / "picture.png", (363, 203)) < 0.6
+
+
+@pytest.mark.slow
+def test_readme_explains_every_file_of_a_make(made: Made) -> None:
+    table = README.split("## What you get")[1].split("\n## ")[0]
+    written = [name for name, _ in made.written.files]
+    for name in written:
+        stem, _, kind = name.rpartition(".")
+        of_part = f"solids/{Path(stem).name}.step" in written  # not each part is named
+        assert f"`{name}`" in table or (of_part and f".{kind}`" in table), name
+
+
+def test_readme_is_short_and_shows_every_command() -> None:
+    assert len(README.splitlines()) <= 110
+    for command in app.registered_commands:
+        assert f"skincad {command.name or command.callback.__name__}" in README
+
+
+def glossary() -> list[list[str]]:
+    """Rows of the glossary: words, meaning, places in the code."""
+    lines = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8").splitlines()
+    cells = [line.strip("|").split("|") for line in lines]
+    return [[cell.strip() for cell in row] for row in cells if len(row) == 3 and set(row[0]) - set("- ")]
+
+
+def test_the_glossary_points_to_what_is_there_and_explains_a_word_once() -> None:
+    package = ROOT / "skincad"
+    code = "".join(path.read_text(encoding="utf-8") for path in package.rglob("*.py"))
+    classes = {*re.findall(r"^class (\w+)", code, re.MULTILINE)}
+    places = [place for row in glossary() for place in re.findall(r"`([^`]+)`", row[2])]
+    assert len(places) > 50
+    for place in places:
+        assert (package / place).exists() if "/" in place else place in classes, place
+    words = [word for row in glossary() for word in row[0].split(", ") if row[0] != "word"]
+    assert {word for word in words if words.count(word) > 1} == {"lead"}  # of a strip, and in time

@@ -10,6 +10,7 @@ import pytest
 import skincad
 from skincad.inputs import display_name
 from skincad.live import apply_moves, start_session
+from skincad.live.controls import controls
 from skincad.shape import FAMILIES, skin_of
 from tests.conftest import run_skincad
 from tests.refusals import assert_a_line

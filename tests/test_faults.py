@@ -1,11 +1,10 @@
 """Faults: a run that is killed, interrupted, out of space or not alone leaves the old or new result, whole.
 
-skincad starts no workers of its own (test_no_workers): there is no part of it that could be killed alone.
+skincad starts no workers of its own (tests/attacks/test_code.py): no part of it could be killed alone.
 """
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import os
@@ -22,7 +21,6 @@ from pathlib import Path
 
 import pytest
 
-import skincad
 from skincad.base import InputError, checked_folder, files_below, replaced
 from tests.conftest import run_skincad
 from tests.processes import python, started
@@ -425,27 +423,3 @@ def test_ctrl_c(job: str, tmp_path: Path) -> None:
         assert contents(tmp_path / "here") == earlier
     else:
         assert contents(tmp_path / "here").keys() == earlier.keys()
-
-
-STARTS_NOTHING = {"Lock", "RLock", "current_thread", "main_thread"}  # of threading
-
-
-@pytest.mark.slow
-def test_no_workers() -> None:
-    """No part of skincad starts threads or processes: none can die alone. But for a study's, which says so
-    and loses nothing that was finished (`tests/studies/test_running.py`), and a live page's, which says so
-    and takes another (`tests/live/test_worker.py`)."""
-    starters = {"multiprocessing", "concurrent", "subprocess", "threading", "joblib", "asyncio"}
-    package = Path(skincad.__file__).parent
-    for file in {*package.rglob("*.py")} - {
-        package / "studies" / "running.py",
-        package / "live" / "worker.py",
-    }:
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                names = (
-                    [node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names]
-                )
-                if names == ["threading"] and {a.name for a in node.names} <= STARTS_NOTHING:
-                    continue
-                assert not {name.split(".")[0] for name in names} & starters, file

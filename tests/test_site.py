@@ -15,6 +15,8 @@ from skincad.cli.app import app
 from skincad.inputs import Flat, Pin, Pocket, Ridge, Ring
 from tests.outputs.browser import shown
 
+pytestmark = pytest.mark.slow  # building it takes seconds
+
 ROOT = Path(__file__).parent.parent
 LOADED = re.compile(
     r"""<(?:script|img|iframe|source)\b[^>]*\bsrc=["']?((?:https?:)?//[^"' >]+)"""
@@ -49,7 +51,6 @@ def test_nothing_is_loaded_from_another_host(site: Path) -> None:
             assert not found, (path.name, found)
 
 
-@pytest.mark.slow
 def test_it_opens_and_searches_from_files(site: Path) -> None:
     with shown(site / "index.html") as seen:
         seen.page.get_by_label("Search", exact=True).first.press_sequentially("levelling")
@@ -61,15 +62,14 @@ def test_it_opens_and_searches_from_files(site: Path) -> None:
         assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("width", [420, 1400])
-def test_no_page_is_wider_than_its_window(site: Path, width: int) -> None:
+def test_no_page_is_wider_than_its_window(site: Path) -> None:
+    beyond = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     with shown(site / "index.html") as seen:
-        seen.page.set_viewport_size({"width": width, "height": 900})
         for file in sorted(site.rglob("*.html")):
             seen.page.goto(file.as_uri())
-            beyond = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
-            assert seen.page.evaluate(beyond) <= 0, file.name
+            for width in (420, 1400):
+                seen.page.set_viewport_size({"width": width, "height": 900})
+                assert seen.page.evaluate(beyond) <= 0, (file.name, width)
 
 
 def test_reference_has_every_command_option_name_and_key(site: Path) -> None:

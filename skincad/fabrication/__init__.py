@@ -11,7 +11,7 @@ __getattr__, __dir__ = face(
         fit_pad_command read_command
     coupon_reading: CouponReading no_growth_words read_coupon
     crests: listed_crests printed_crests snapped_to_layers uncertain_ridges
-    drawn_features: ABOVE FRONT Groove HoleGroup LEFT SideView Slit hole_groups notches number views
+    drawn_features: ABOVE FRONT Groove HoleGroup LEFT SideView Slit notches number views
     electrodes: SHOULDER electrode_findings fan_out
     estimates: by_part
     fasteners: major mount_of

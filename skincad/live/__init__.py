@@ -6,11 +6,9 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    desk: ReplyTiming
     page: Page
     serve: free_port
     session: apply_moves start_session
     shapes: view
-    worker: preload
     """,
 )
