@@ -15,11 +15,11 @@ from skincad.base import InputError
 from skincad.fabrication import Job, casting_sheet, extent
 from skincad.inputs import Design
 from skincad.solids import CAVITIES, ClosedMold, PartRole
-from skincad.solids.ends import gate
 from skincad.solids.mold import mold
 from tests.families import RIDGED
 
 FEW, MANY = 80, 1000
+RANDOM = pytest.mark.evidence(subject="seeds: molds")
 RESCUED = 12  # of them are built
 LARGEST_SHARE = 0.10  # of valid sections without a mold; those shorter than 4 mm are 6 % of what is drawn
 # what a mold has where bolts, pins, gate and vent find room
@@ -69,17 +69,17 @@ def told_in_keys_that_were_written(found: list[InputError], count: int) -> None:
         assert refused.remedy
 
 
-@pytest.mark.slow
+@RANDOM
 def test_nine_of_ten_random_sections_have_a_mold() -> None:
     told_in_keys_that_were_written([result for _, result, _ in few() if isinstance(result, InputError)], FEW)
 
 
-@pytest.mark.slow
+@RANDOM
 def test_nine_of_ten_of_many_random_sections_have_a_mold() -> None:
     told_in_keys_that_were_written([refused for _, refused in refusals(sections(MANY))], MANY)
 
 
-@pytest.mark.slow
+@RANDOM
 def test_where_plain_values_make_a_mold_the_computed_one_is_that_in_a_round_block() -> None:
     """Up to the next half millimetre of width and height, where neither wall nor floor is given."""
     pairs = [(mold(d), mold(plain(d))) for d in map(skincad.load, RIDGED)]
@@ -92,6 +92,7 @@ def test_where_plain_values_make_a_mold_the_computed_one_is_that_in_a_round_bloc
     assert len(pairs) > FEW / 5  # else nothing is shown
 
 
+@RANDOM
 def test_a_value_that_was_written_is_refused_not_changed() -> None:
     refused = set().union(*(keys(result) for _, _, result in few() if isinstance(result, InputError)))
     computed = {"mold.wall", "mold.carrier_thickness", "mold.carrier", "mold.gate", "mold.vent"}
@@ -128,8 +129,7 @@ def test_a_split_cavity_has_the_floor_that_its_pieces_need() -> None:
 
 def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
     thin = yamada.with_(skin={"thickness": 1.0, "curvature_radius": 1e3}, slot=None)
-    assert gate(yamada) == 2.0
-    assert gate(thin) is None
+    assert (Job(yamada).gate, Job(thin).gate) == (2.0, None)
     sheet = casting_sheet(Job(thin), [], "", True)
     assert "pour in a thin stream" in sheet
     assert "gate" not in sheet
@@ -152,7 +152,7 @@ def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: De
     assert list(faults(short, kernel=False)) == []
 
 
-@pytest.mark.slow
+@RANDOM
 def test_molds_that_only_computed_values_make_are_sound() -> None:
     """True solids of a dozen; those of many ridges take the kernel minutes, and are built the same way."""
     small = (d for d in sections(200, seed=2) if d.ridge.count <= 5 and d.skin.length < 60)

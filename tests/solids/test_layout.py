@@ -1,26 +1,66 @@
-"""Screws, nuts, pins, pry notches and pull holes: that they fit, and that they open where they should."""
+"""Where screws, nuts, pins, notches and pull holes are, how long and thick they must be; how a cover bows."""
 
 from __future__ import annotations
 
 import math
+import re
+from functools import cache
+from itertools import pairwise, product
+from math import perm
 
+import numpy as np
 import pytest
+from numpy.polynomial.legendre import leggauss
+from scipy.sparse import coo_matrix, identity
+from scipy.sparse.linalg import spsolve
 
 import skincad
 from skincad.base import InputError
-from skincad.fabrication import manifold
-from skincad.inputs import Design, processes
+from skincad.fabrication import Job, casting_sheet, manifold
+from skincad.inputs import PROCESSES, Design, Mount, processes
 from skincad.shape import section
-from skincad.solids import Bore, CutRole, Part, PartRole, Prism, bores, fits, scaled_for_shrinkage
-from skincad.solids.layout import NUT_FLATS, layout
+from skincad.solids import (
+    CAVITIES,
+    END_PLATES,
+    LENGTHS,
+    METRIC,
+    MOST_BOW,
+    Bore,
+    CutRole,
+    Layout,
+    Part,
+    PartRole,
+    Prism,
+    blind_thread,
+    bores,
+    bow,
+    fits,
+    insert_radius,
+    lid_process,
+    run_out_room,
+    scaled_for_shrinkage,
+    screw_for,
+    split_ridges,
+    standard_length,
+    thick_enough,
+    torque,
+)
+from skincad.solids.fasteners import blind_depth, engagement, least_thickness
+from skincad.solids.layout import (
+    Spans,
+    choose_screws,
+    layout,
+    screw_rows,
+)
 from skincad.solids.mold import mold
+from tests.bent_skin import three_ridges
 from tests.families import RIDGED
 from tests.templates import KINDS, of_one_printer
 
-HEIGHT = 2.4  # mm, ISO 4032, M3
+NUT_HEIGHT, NUT_FLATS = 2.4, 5.5  # mm, ISO 4032, M3
 
 
-def plug(cut: Bore | Prism) -> Part:
+def filling(cut: Bore | Prism) -> Part:
     return Part("plug", PartRole.COVER, cut)
 
 
@@ -40,7 +80,7 @@ def test_a_nut_goes_into_each_pocket_of_a_printed_end_plate_and_does_not_turn(na
     for part, cut in nuts:
         assert part.name.startswith("end-b")
         assert cut.high == part.body.high  # open outward
-        assert cut.high - cut.low >= HEIGHT
+        assert cut.high - cut.low >= NUT_HEIGHT
         levels = [s.start.z for s in cut.outline]
         flats = max(levels) - min(levels)
         # play as the process needs it, but less than what lets a hexagon turn: corner to corner
@@ -58,7 +98,7 @@ def test_pocket_and_bolt_hole_are_one_way_through_without_a_film(yamada: Design)
 def test_cuts_lie_in_their_part_and_meet_no_other_by_volume(name: str) -> None:
     for part in mold(skincad.load(name)).parts:
         body = manifold(Part("body", PartRole.COVER, part.body), 1e-3)
-        plugs = [manifold(plug(cut), 1e-3) for cut in part.cuts]
+        plugs = [manifold(filling(cut), 1e-3) for cut in part.cuts]
         for i, one in enumerate(plugs):
             assert (one - body).volume() < 1e-9, (part.name, i)
             assert all((one ^ other).volume() < 1e-9 for other in plugs[i + 1 :]), (part.name, i)
@@ -189,3 +229,296 @@ def test_holes_to_be_tapped_are_as_wide_as_m3_less_its_pitch() -> None:
     for role in (CutRole.END_THREAD, CutRole.PULL):
         wide = {2 * hole.radius for part in parts for hole in bores(part, role)}
         assert wide == {3.0 - 0.5}  # ISO 2306, coarse pitch
+
+
+NU = 0.35  # the formula has none
+PRESSURE, LEAST_COVER = 0.01, 4.0  # MPa of a syringe pushed by hand; mm
+# N/mm: a spring a node that keeps a plate on two screws from turning about them; its load is none
+TINY = 1e-6
+
+
+POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)]
+
+
+def terms(x: float, y: float, by_x: int = 0, by_y: int = 0) -> np.ndarray:
+    """The element's twelve terms at a point, or their derivatives."""
+    return np.array(
+        [perm(i, by_x) * perm(j, by_y) * x ** max(i - by_x, 0) * y ** max(j - by_y, 0) for i, j in POWERS],
+        dtype=float,
+    )
+
+
+def element(a: float, b: float, rigid: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and load of a rectangle a by b by Adini, Clough and Melosh (Zienkiewicz, section 10.4):
+    deflection and both slopes at each corner."""
+    corners = [(0.0, 0.0), (a, 0.0), (a, b), (0.0, b)]
+    at = np.array([terms(x, y, *d) for x, y in corners for d in ((0, 0), (1, 0), (0, 1))])
+    of = np.linalg.inv(at)
+    law = rigid / (1 - NU**2) * np.array([[1, NU, 0], [NU, 1, 0], [0, 0, (1 - NU) / 2]])
+    points, weights = leggauss(4)
+    stiff, load = np.zeros((12, 12)), np.zeros(12)
+    for u, wu in zip((points + 1) / 2, weights / 2, strict=True):
+        for v, wv in zip((points + 1) / 2, weights / 2, strict=True):
+            x, y, area = a * u, b * v, a * b * wu * wv
+            curve = np.array([terms(x, y, 2, 0), terms(x, y, 0, 2), 2 * terms(x, y, 1, 1)]) @ of
+            stiff += area * curve.T @ law @ curve
+            load += area * terms(x, y) @ of
+    return stiff, load
+
+
+def lines(limit: float, fixed: set[float], size: float) -> np.ndarray:
+    """A grid's lines from -limit to limit, one through every fixed place, about `size` apart."""
+    stops = sorted({-limit, limit, *(v for v in fixed if abs(v) < limit)})
+    parts = [np.linspace(u, v, max(1, round((v - u) / size)) + 1)[:-1] for u, v in pairwise(stops)]
+    return np.concatenate([*parts, [limit]])
+
+
+def plate_bow(place: Layout, modulus: float, size: float, points: tuple[tuple[float, float], ...]) -> float:
+    """The largest deflection over the carriers, mm, of a plate held at points, pushed up over them."""
+    borders = {c + s * place.trough for c in place.centres for s in (-1, 1)}
+    xs = lines(place.half, borders | {x for x, _ in points}, size)
+    ys = lines(place.cover, {-place.end, place.end} | {y for _, y in points}, size)
+    number = np.arange(xs.size * ys.size).reshape(xs.size, ys.size)
+    rows_, columns, values, force = [], [], [], np.zeros(3 * number.size)
+    elements = {}
+    for i, j in product(range(xs.size - 1), range(ys.size - 1)):
+        a, b = xs[i + 1] - xs[i], ys[j + 1] - ys[j]
+        key = round(a, 9), round(b, 9)
+        if key not in elements:
+            elements[key] = element(a, b, modulus * place.lid**3 / 12)
+        stiff, load = elements[key]
+        nodes = number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]
+        dofs = np.array([3 * n + k for n in nodes for k in range(3)])
+        rows_.append(np.repeat(dofs, 12))
+        columns.append(np.tile(dofs, 12))
+        values.append(stiff.ravel())
+        x, y = (xs[i] + xs[i + 1]) / 2, (ys[j] + ys[j + 1]) / 2
+        if abs(y) < place.end and min(abs(x - c) for c in place.centres) < place.trough:
+            force[dofs] += PRESSURE * load
+    size_ = force.size
+    whole = coo_matrix((np.concatenate(values), (np.concatenate(rows_), np.concatenate(columns))))
+    whole = whole.tocsr() + TINY * identity(size_)
+    fixed = {3 * number[np.argmin(abs(xs - x)), np.argmin(abs(ys - y))] for x, y in points}
+    free = np.array([i for i in range(size_) if i not in fixed])
+    w = np.zeros(size_)
+    w[free] = spsolve(whole[free][:, free], force[free])
+    over = abs(ys) <= place.end + 1e-9
+    return float(abs(w[::3].reshape(number.shape)[:, over]).max())
+
+
+@cache
+def placed(name: str, cavities: int) -> tuple[Design, Layout]:
+    design = scaled_for_shrinkage(skincad.load(name).with_(mold={"cavities": cavities}))
+    return design, layout(design, section(design), split_cavity=bool(split_ridges(design)))[0]
+
+
+@pytest.mark.parametrize("cavities", [1, 6])
+@pytest.mark.parametrize("name", RIDGED)
+def test_no_cover_bows_by_more_than_its_limit_and_the_formula_is_on_the_safe_side(
+    name: str, cavities: int
+) -> None:
+    if name == "steep-fingertip" and cavities > 1:
+        return  # a split cavity has one skin
+    design, place = placed(name, cavities)
+    modulus = lid_process(design).part_modulus
+    formula = bow(place.spans, place.lid, modulus)
+    computed = plate_bow(place, modulus, 2.0, place.bolts)
+    assert computed <= formula <= MOST_BOW == 0.02
+    assert computed > 0.1 * formula  # a plate on its walls' screws is stiffer than beams, not tenfold
+
+
+def test_a_plate_on_its_corners_bows_as_in_the_books() -> None:
+    """Timoshenko and Woinowsky-Krieger, section 47: 0.0257 q a4 / D for nu 0.3; the elements against that, so
+    that they may judge. The formula has 2 x 5/384 and no 1 - nu2."""
+    side, thick, modulus = 40.0, 4.0, 2000.0
+    _, place = placed("yamada-2002", 1)
+    square = place._replace(half=side / 2, cover=side / 2, end=side / 2, trough=side / 2, lid=thick)
+    corners = tuple((x, y) for x in (-side / 2, side / 2) for y in (-side / 2, side / 2))
+    rigid = modulus * thick**3 / 12 / (1 - NU**2)
+    coefficient = plate_bow(square, modulus, 1.0, corners) * rigid / (PRESSURE * side**4)
+    assert coefficient == pytest.approx(0.0257, rel=0.05)  # nu 0.35, not 0.3, and elements of a fortieth
+    formula = bow(Spans(side, side, side), thick, modulus) * modulus * thick**3 / 12 / (PRESSURE * side**4)
+    assert formula == pytest.approx(10 / 384, rel=1e-12)
+    assert formula / (1 - NU**2) > coefficient
+
+
+def test_a_beam_under_a_load_in_its_middle_bows_as_integrated() -> None:
+    """Moment by hand, twice integrated numerically, from the middle where the slope is none."""
+    a, c, modulus, thick = 41.0, 26.0, 2000.0, 5.0
+    x = np.linspace(0.0, a / 2, 20001)
+    inner = np.clip(x - (a - c) / 2, 0.0, None)
+    moment = PRESSURE * (c / 2 * x - inner**2 / 2)
+    step = x[1] - x[0]
+    slope = np.cumsum(moment[::-1])[::-1] * step / (modulus * thick**3 / 12)
+    assert bow(Spans(a, c, 0.0), thick, modulus) == pytest.approx(slope.sum() * step, rel=1e-3)  # first order
+
+
+def test_a_cover_is_as_thick_as_it_must_and_has_as_few_screws_as_it_may() -> None:
+    spans = Spans(60.0, 50.0, 0.0)
+    thick = thick_enough(spans, 2000.0, 0.5)
+    assert bow(spans, thick, 2000.0) <= MOST_BOW < bow(spans, thick - 0.5, 2000.0)
+    assert thick_enough(Spans(10.0, 5.0, 0.0), 2000.0, 0.5) == LEAST_COVER
+    choices = screw_rows(40.0, 10.0, 3.2, 8.0)
+    assert choices[:2] == [(1, 0.0, 60.0), (2, pytest.approx(33.6), pytest.approx(33.6))]
+    assert all(row.spacing >= 8.0 for row in choices[1:])
+    row, least = choose_screws(choices, 60.0, 50.0, 2000.0, None, 0.5)
+    assert least == thick
+    fewer = [choice for choice in choices if choice.screws < row.screws]
+    assert all(bow(Spans(60.0, 50.0, choice.reach), thick, 2000.0) > MOST_BOW for choice in fewer)
+    assert choose_screws(choices, 60.0, 50.0, 2000.0, 3.0, 0.5)[1] == 3.0  # given, so kept
+
+
+def test_screws_stand_between_the_skins_and_clear_of_all_else() -> None:
+    """Six skins on two screws bowed by 3.76 mm: each land has its own."""
+    for name in ("yamada-2002", "lab-bench"):
+        _, place = placed(name, 6)
+        row_places = sorted({x for x, _ in place.bolts})
+        assert len(row_places) == 7
+        for x, _ in place.bolts:
+            assert min(abs(x - lane) for lane in place.lanes) >= 1.2 + 2 * 1.7 - 1e-9
+            assert min(abs(x - c) for c in place.centres) >= place.trough + 1.2 + 1.7 - 1e-9
+
+
+def test_pins_stand_aside_of_screws() -> None:
+    for name in RIDGED:
+        design, place = placed(name, 1)
+        for pin in (part.body.start for part in mold(design).of(PartRole.COVER_PIN)):
+            for bolt in place.bolts:
+                distance = np.hypot(pin[0] - bolt[0], pin[1] - bolt[1])
+                assert distance >= 1.0 + design.mold.clearance + 1.7 + 1.2 - 0.7, name  # keyed aside by that
+
+
+LISTED = {5, 6, 8, 10, 12, 16, 20, 25, 30}  # ISO 4762, M3; a longer one is cut from a rod
+
+
+@pytest.mark.parametrize("name", [*RIDGED, "bent"])
+def test_every_screw_is_in_the_standard_and_ends_free_in_its_hole(name: str) -> None:
+    """By the sheet's own words against the parts' bores: at least 1 mm free, and 2.5 more for the tap."""
+    design = three_ridges() if name == "bent" else skincad.load(name)
+    closed = mold(design)
+    text = casting_sheet(Job(design, closed), [], "", True)
+    lengths = [int(size) for size in re.findall(r"M3 x (\d+)", text)]
+    assert len(lengths) == 2
+    assert {length for length in lengths if length <= 30} <= LISTED
+    assert (max(lengths) > 30) == ("studs, DIN 976" in text)
+    cover, blocks = closed.first(PartRole.COVER), closed.of(*CAVITIES)
+    ((count, long),) = re.findall(r"(\d+) M3 x (\d+) for the cover", text)
+    assert int(count) == len(bores(cover, CutRole.COVER_BOLT))
+    clamped = cover.body.high - cover.body.low
+    clamped += max((b.length for p in blocks for b in bores(p, CutRole.COVER_BOLT)), default=0.0)
+    hole = min(b.length for p in blocks for b in bores(p, CutRole.COVER_THREAD))
+    washers = re.search(r"for the cover.*?, (\d+) washers", text)
+    engaged = int(long) - clamped - (0.5 * int(washers[1]) if washers else 0.0)
+    process = Job(design).block_process
+    tap = 0.0 if closed.of(PartRole.BASE) or process.thread != "tapped" else 2.5  # a split base's are open
+    assert hole - engaged >= 1.0 + tap - 1e-9
+    assert engaged >= 1.25 * 3 - 1e-9
+    if name != "bent":  # along y: through both plates, and a nut or the thread of the second
+        ends = [p for p in closed.of(*END_PLATES) if p.end == "b"]
+        tapped = any(bores(p, CutRole.END_THREAD) for p in ends)
+        assert lengths[0] >= closed.length + 2 * design.mold.end_plate + (0.0 if tapped else 0.5)
+
+
+def test_a_blind_hole_is_as_deep_as_its_screw_needs_and_no_deeper() -> None:
+    known = processes()
+    for name in PROCESSES:
+        process = known[name]
+        for clamped in (1.0, 4.0, 4.5, 10.0, 33.3):
+            deep = blind_depth(clamped, process)
+            long, washers = screw_for(clamped, deep, process)
+            assert (long, washers) == (standard_length(clamped + engagement(process)), 0)
+            assert screw_for(clamped, deep - 0.4, process)[1] <= 1
+            if process.thread == "tapped":
+                assert deep == pytest.approx(long - clamped + 1.0 + 2.5, abs=1e-12)
+                assert screw_for(clamped, deep - 0.4, process) == (long, 1)  # a washer of 0.5 makes up for it
+                assert screw_for(clamped, deep - 2.5, process, bottomed=True) == (long, 0)
+
+
+def test_lengths_are_the_next_of_the_list_and_beyond_it_a_rods() -> None:
+    assert set(LENGTHS) == LISTED
+    assert [standard_length(v) for v in (1.0, 5.0, 5.01, 20.5, 30.0)] == [5.0, 5.0, 6.0, 25.0, 30.0]
+    assert standard_length(133.2) == 134.0
+    far = skincad.load("plain-ridges", ["skin.length=130"])
+    assert "M3 studs, DIN 976, with a nut at both ends: 4 M3 x 143 through both end plates" in casting_sheet(
+        Job(far), [], "", True
+    )
+
+
+def test_a_plate_too_thin_for_a_thread_has_nuts_behind_it() -> None:
+    steel, thin = (skincad.load("yamada-2002", [f"mold.end_plate={t}"]) for t in (3.75, 3.7))
+    for design, role in ((steel, CutRole.END_THREAD), (thin, CutRole.END_BOLT)):
+        plate = mold(design).part("end-b-comb")
+        assert len(bores(plate, role)) == 2
+    assert "with nuts, 0 of them sunk" in casting_sheet(Job(thin), [], "", True)
+
+
+def test_torque_is_what_the_head_bears() -> None:
+    """0.2 d F, F by 20 MPa in plastic on the ring of a head of 5.5 mm round a hole of 3.4."""
+    known, ring = processes(), math.pi / 4 * (5.5**2 - 3.4**2)
+    assert torque(known["sla"]) == torque(known["fdm"]) == pytest.approx(0.2 * 3e-3 * 20 * ring, abs=0.01)
+    assert torque(known["edm"]) == pytest.approx(0.2 * 3e-3 * 60 * ring, abs=0.01)
+    assert "a torque of 0.17 N m" in casting_sheet(Job(skincad.load("lab-bench")), [], "", True)
+    assert "a torque of 0.52 N m" in casting_sheet(Job(skincad.load("yamada-2002")), [], "", True)
+    assert engagement(known["cnc"]) == 1.5 * 3.0
+
+
+@pytest.mark.parametrize("cover", [4.0, 46.0])
+def test_a_floor_stays_under_the_threads_of_the_thickest_cover(cover: float) -> None:
+    """A screw of 55 for a cover of 46 goes 9 into the cavity: 10 of hole with an insert."""
+    flat = skincad.load("plain-ridges", ["ridge.height=0.2", "mold.pour=open", f"mold.cover={cover}"])
+    block = mold(flat).part("cavity")
+    deep = {b.length for b in bores(block, CutRole.COVER_THREAD)}
+    assert deep == {7.0} if cover == 4.0 else {10.0}
+    bottom = min(s.start.z for s in block.body.outline)
+    assert min(b.start[2] for b in bores(block, CutRole.COVER_THREAD)) - bottom >= 1.2
+
+
+METAL, RESIN = processes()["edm"], processes()["sla"]
+# source: ISO 261 (diameter, coarse pitch), ISO 273 (medium clearance hole)
+COARSE = {"M2": (2.0, 0.4, 2.4), "M2.5": (2.5, 0.45, 2.9), "M3": (3.0, 0.5, 3.4), "M4": (4.0, 0.7, 4.5)}
+
+
+@pytest.mark.parametrize("name", COARSE)
+def test_the_drill_is_a_pitch_narrower_than_the_thread(name: str) -> None:
+    """ISO 2306 rounds diameter less pitch to the drills that there are, by 0.05 mm at most."""
+    diameter, pitch, clearance = COARSE[name]
+    assert METRIC[name][:2] == (diameter, pitch)
+    assert METRIC[name].drill == pytest.approx(diameter - pitch, abs=0.051)
+    assert METRIC[name].clearance == clearance
+    assert METRIC[name].insert_hole >= diameter + 2 * pitch  # there is brass round the thread
+
+
+@pytest.mark.parametrize("name", COARSE)
+def test_a_screw_has_its_thread_and_the_tap_its_run_out(name: str) -> None:
+    diameter, pitch, _ = COARSE[name]
+    tapped, insert = blind_thread(name, METAL), blind_thread(name, RESIN)
+    assert tapped.insert == ""
+    assert tapped.least == diameter  # in metal
+    assert tapped.depth - tapped.most == pytest.approx(5 * pitch, abs=1e-9)  # DIN 76-1, short
+    assert tapped.most - tapped.least == pytest.approx(1.0)  # a screw of a standard length finds its place
+    assert insert.insert == "glued"
+    assert insert.most == METRIC[name].insert >= insert.least == 1.5 * diameter
+    assert insert.depth == pytest.approx(insert.most + 1.0, abs=1e-9)
+    process = RESIN.model_copy(update={"thread": "tapped"})
+    assert blind_thread(name, process).least == 1.5 * diameter  # in plastic
+
+
+def test_an_m3_is_the_mold_s_own() -> None:
+    for process in (METAL, RESIN):
+        blind = blind_thread("M3", process)
+        assert 2 * blind.radius == (2.5 if not blind.insert else 2 * insert_radius("M3", blind.insert))
+        assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(
+            run_out_room(process)
+        )
+
+
+def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
+    for mount, process, deepest, word in (
+        (Mount(thread="M3", diameter=9.0), METAL, 3.0 + 1.0 + 2.5, "M3 threads"),
+        (Mount(thread="M4", diameter=9.0), RESIN, 8.1 + 1.0, "M4 glued inserts"),
+        (Mount(thread="M2", diameter=9.0, pin=3.0), METAL, 2.0 + 1.0 + 2.0, "M2 threads"),
+        (Mount(fiducials=3, fiducial_depth=2.0), METAL, 2.0, "fiducials"),
+    ):
+        need, what = least_thickness(mount, process)
+        assert math.isclose(need, deepest + 1.0, abs_tol=1e-9)
+        assert word in what

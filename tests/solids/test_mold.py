@@ -1,3 +1,7 @@
+"""The mold of a straight skin, of several in one block, and of one whose cavity is split."""
+
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -5,21 +9,30 @@ import pytest
 
 import skincad
 from skincad.base import InputError
-from skincad.fabrication import interference, manifold, perforated
+from skincad.fabrication import Job, design_findings, interference, manifold, perforated, poured_volume
+from skincad.fabrication.filling import pockets
 from skincad.inputs import Design, load
 from skincad.shape import area, polygon, rectangle, section, skin_of
-from skincad.solids import STUB, Bore, ClosedMold, CutRole, Part, PartRole, bores, box
-from skincad.solids.layout import BOLT_RADIUS, LEDGE, NUT_DEPTH
+from skincad.solids import (
+    STUB,
+    Bore,
+    ClosedMold,
+    CutRole,
+    Move,
+    Part,
+    PartRole,
+    bores,
+    box,
+    safe_strain,
+    split_ridges,
+)
 from skincad.solids.mold import mold
 from tests.families import RIDGED
-from tests.templates import KINDS, of_one_printer
+from tests.solids.kinds import many_locked
+from tests.templates import of_one_printer
 
-
-@pytest.mark.parametrize("name", KINDS)
-def test_no_two_parts_interfere_closed_or_while_opening(name: str) -> None:
-    design = skincad.load(name)
-    gap = min(design.mold.clearance, design.mold.slit_clearance)
-    assert interference(mold(design), gap / 10) == []
+BOLT_RADIUS = 1.7  # mm, ISO 273, M3, medium series
+LEDGE, NUT_DEPTH = 2.0, 2.75  # mm, the seat under a carrier; ISO 4032, M3, and some play
 
 
 def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
@@ -29,12 +42,6 @@ def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
     findings = interference(type(closed)(parts, closed.opening), 1e-3)
     assert {f.rule for f in findings} == {"interference"}
     assert any("end-a-comb" in f.where for f in findings)
-
-
-def test_an_undercut_is_judged_by_its_own_rule_not_as_interference() -> None:
-    steep = skincad.load("yamada-2002", ["skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none"])
-    assert max(u.width for u in skin_of(steep).undercuts.values()) > 0.05
-    assert interference(mold(steep), 1e-3) == []
 
 
 def test_every_hole_of_the_carrier_has_a_way_out_for_air() -> None:
@@ -135,12 +142,6 @@ def test_comb_and_keeper_close_the_end_but_for_the_slits(yamada: Design) -> None
     mouth = 0.05 + 2 * gap
     slivers = 18 * (mouth**2 * 0.16 / (2 * 60) - mouth**3 / (12 * 60))
     assert area(comb.outline) + area(keeper.outline) == pytest.approx(whole - slits - slivers, abs=1e-6)
-
-
-def test_a_skin_without_slots_has_plain_end_plates() -> None:
-    names = [p.name for p in mold(skincad.load("plain-ridges")).parts]
-    assert "end-a" in names
-    assert not any("comb" in n or "shim" in n for n in names)
 
 
 def test_a_shim_stands_out_by_its_grip_at_both_ends(yamada: Design) -> None:
@@ -298,11 +299,6 @@ def test_opening_leaves_cast_in_strips_in_the_skin(cast: Design) -> None:
     assert {"skin", "carrier", "strip-1-S1", "strip-9-S2"} <= set(steps[-1].parts)
 
 
-@pytest.mark.parametrize("change", [{"slot": {"tilt": 30.0}}, {"film": {"wiring_side": "a"}}])
-def test_cast_in_strips_block_nothing_tilted_or_wired_at_the_gate(cast: Design, change: dict) -> None:
-    assert interference(mold(cast.with_(**change)), 1e-3) == []
-
-
 def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     """Tabs are wider than a notch: on the way of the end plates they would be met."""
     closed = mold(cast)
@@ -351,3 +347,102 @@ def test_under_a_nut_enough_of_a_thin_end_plate_is_left() -> None:
         assert holes
         for hole in holes:
             assert hole.length == pytest.approx(max(thick - NUT_DEPTH, 1.0))
+
+
+def gang(name: str, count: int) -> Design:
+    return skincad.load(name).with_(mold={"cavities": count})
+
+
+def test_every_skin_of_a_gang_is_the_single_one_moved(yamada: Design) -> None:
+    one = mold(yamada).part("skin")
+    centres = []
+    for part in mold(gang("yamada-2002", 3)).parts:
+        if part.made == "cast":
+            assert part.volume == pytest.approx(one.volume, rel=1e-12)  # moments about each one's own corner
+            centres.append(manifold(part, 1e-3).bounding_box()[0] - manifold(one, 1e-3).bounding_box()[0])
+    assert centres[1] == pytest.approx(0.0, abs=1e-12)
+    assert centres[2] == pytest.approx(-centres[0], abs=1e-12)
+    assert centres[2] > 11.0 + 2 * 2.0 + 2 * 1.7  # skin, ledges, a bolt between
+
+
+def test_gates_reservoirs_and_bolts_are_one_for_each_and_one_between() -> None:
+    """Genus counts through holes: bolts in count + 1 lanes, a gate for each skin."""
+    closed = mold(gang("yamada-2002", 4))
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made == "made"}
+    assert genus["cavity"] == 2 * 5
+    assert genus["end-a-comb"] == 5 + 2
+    assert genus["end-a-keeper"] == 5 + 4
+    assert genus["cover"] == 2 + 5 + 4 * 5  # pins, a bolt a row; reservoir and four bleeds each
+
+
+def test_grams_and_air_are_those_of_the_single_mold_times_the_skins(yamada: Design) -> None:
+    single, many = mold(yamada), gang("yamada-2002", 4)
+    assert poured_volume(Job(many)) == pytest.approx(4 * poured_volume(Job(yamada, single)), rel=1e-12)
+    assert pockets(Job(many), 1.0) == pockets(Job(yamada, single), 1.0)
+
+
+STEEP = "steep-fingertip"
+
+
+def errors(design: Design) -> list[str]:
+    return [f.rule for f in design_findings(Job(design)) if f.severity == "error"]
+
+
+def test_the_steep_fingertip_is_locked_in_a_whole_cavity_and_free_in_a_split_one() -> None:
+    steep = skincad.load(STEEP)
+    assert errors(steep.with_(mold={"split": "none"})) == ["undercut", "undercut"]
+    assert errors(steep) == []
+    assert split_ridges(steep) == [1, 3]
+    assert skin_of(steep).undercuts[1].strain > safe_strain(steep) > skin_of(steep).undercuts[2].strain
+
+
+def test_a_piece_pulled_along_its_neighbours_ridge_is_seen_to_interfere() -> None:
+    closed = mold(many_locked())
+    ways = {step.parts[0]: step.axis for step in closed.opening}
+    wrong = tuple(
+        Move(step.parts, ways["cavity-left"], step.travel) if step.parts == ("cavity-5",) else step
+        for step in closed.opening
+    )
+    findings = interference(ClosedMold(closed.parts, wrong), 1e-3)
+    assert any("cavity-5 against skin" in f.where for f in findings)
+
+
+def test_pulled_straight_the_outer_pieces_would_catch_the_outer_ridges() -> None:
+    closed = mold(skincad.load(STEEP))
+    straight = tuple(
+        Move(s.parts, (0.0, -1.0), s.travel) if s.parts == ("cavity-right",) else s for s in closed.opening
+    )
+    assert any(
+        "cavity-right against skin" in f.where for f in interference(ClosedMold(closed.parts, straight), 1e-3)
+    )
+
+
+@pytest.mark.parametrize("design", [skincad.load(STEEP), many_locked()], ids=["template", "seven ridges"])
+def test_pieces_fill_the_whole_cavity(design: Design) -> None:
+    """Less their bores."""
+    closed, whole = mold(design), mold(design.with_(mold={"split": "none"}))
+    pieces = [p for p in closed.parts if p.name.startswith("cavity")]
+    bodies = math.fsum(part.body.volume for part in pieces)
+    assert bodies == pytest.approx(whole.part("cavity").body.volume, rel=1e-12)
+    assert closed.part("skin").volume == pytest.approx(whole.part("skin").volume, rel=1e-12)
+
+
+def test_holes_of_the_pieces_go_through_where_they_should() -> None:
+    """Genus counts through holes: a y bolt a lane, and z bolts, which end in threads through the base."""
+    closed = mold(skincad.load(STEEP))
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.name.startswith("cavity")}
+    assert genus == {"cavity-base": 4, "cavity-left": 2, "cavity-1": 0, "cavity-right": 2}
+
+
+def test_a_cavity_without_a_locked_ridge_stays_whole(yamada: Design) -> None:
+    assert mold(yamada.with_(mold={"split": "auto"})) == mold(yamada)
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [({"floor": 9.0, "carrier_thickness": 3.0}, "mold.floor"), ({"cavities": 2}, "mold.cavities")],
+)
+def test_a_split_cavity_without_room_is_refused(change: dict, key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mold(skincad.load(STEEP).with_(mold=change))
+    assert refused.value.key == key

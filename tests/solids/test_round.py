@@ -1,4 +1,4 @@
-"""Round skins and their molds: what turns about z, three ways, and that nothing shares its room."""
+"""Round skins and their molds: what turns about z, and what only they refuse."""
 
 from __future__ import annotations
 
@@ -9,31 +9,20 @@ import numpy as np
 import pytest
 import shapely
 
-import skincad
 from skincad.base import InputError
 from skincad.fabrication import Job, design_findings, interference, manifold, mesh
 from skincad.fabrication.filling import pockets
-from skincad.inputs import Design
 from skincad.shape import polygon, section, skin_of
-from skincad.solids import CutRole, PartRole, TurnedBody, bores, skin_part, solid, volume
+from skincad.solids import CutRole, PartRole, TurnedBody, bores, skin_part
 from skincad.solids.mold import mold
-from skincad.solids.round import UNDER_GROOVES
-from skincad.solids.shrinkage import shrinkage
-from tests import families
+from tests.families import rings
+from tests.solids.kinds import IN_A_BLOCK, round_flat
 
-ROUND = ["rings", "round-nibs", "round-flat"]
-
-
-def of(name: str) -> Design:
-    if name != "round-flat":
-        return families.OF_FAMILIES[name]()
-    skin = {"outline": "round", "curvature_radius": 30.0, "thickness": 4.0, "width": 14.0}
-    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}}
-    return skincad.Design(name=name, skin=skin, flat={"columns": 1, "rows": 1, "pitch": 4.0}, **rest)
+UNDER_GROOVES = 3.0  # mm of a disc under its deepest groove
 
 
 def test_a_bare_round_skin_is_a_cylinder_under_a_spherical_cap() -> None:
-    design = of("round-flat")
+    design = round_flat()
     radius, half = 30.0, 7.0
     cap = radius - math.sqrt(radius**2 - half**2)
     handbook = math.pi * half**2 * (4.0 - cap) + math.pi * cap**2 * (3 * radius - cap) / 3
@@ -42,35 +31,23 @@ def test_a_bare_round_skin_is_a_cylinder_under_a_spherical_cap() -> None:
 
 def test_rings_turn_about_the_middle() -> None:
     """By the section's polygon, cut at x = 0: another library's area and centroid, chords within 1e-6 mm."""
-    design = of("rings")
+    design = rings()
     whole = shapely.Polygon(polygon(section(design).outline, 1e-6))
     half = whole.intersection(shapely.box(0.0, -1.0, 100.0, 100.0))
     turned = 2 * math.pi * half.centroid.x * half.area
     assert skin_part(design).volume == pytest.approx(turned, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["rings", "round-flat", pytest.param("round-nibs", marks=pytest.mark.slow)])
-def test_every_part_has_its_formulas_volume_by_kernel_and_mesh(name: str) -> None:
-    for part in mold(of(name)).parts:
-        shape = solid(part)  # one valid solid
-        assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9), part.name
-        # chords within c of the surface move the volume by less than c times the area
-        assert manifold(part, 1e-3).volume() == pytest.approx(part.volume, abs=1e-3 * shape.Area())
-
-
 def test_a_cavity_in_a_block_is_a_disc_of_the_same_trough() -> None:
-    design = of("rings")
-    whole, parted = mold(design), mold(design.with_(mold={"block_process": "fdm", "lid_process": "fdm"}))
-    disc, block = parted.part("cavity"), parted.part("block")
+    design = rings()
+    whole, parted = mold(design), mold(design.with_(mold=IN_A_BLOCK))
+    disc = parted.part("cavity")
     assert {*disc.cuts} == {cut for cut in whole.part("cavity").cuts if cut.role is CutRole.TROUGH}
-    for part in (disc, block):
-        assert volume(part, solid(part)) == pytest.approx(part.volume, rel=2e-9), part.name
     low, _, bottom, high, _, top = manifold(disc, 1e-3).bounding_box()
     least = -manifold(parted.part("skin"), 1e-3).bounding_box()[2] + UNDER_GROOVES
     assert top == 0.0
     assert least <= -bottom < least + 0.5  # a round height, in halves of a millimetre
     assert high - low == pytest.approx(parted.part("carrier").body.outline[0].chord, abs=1e-2)  # chords
-    assert interference(parted, design.mold.clearance / 10) == []
     assert parted.opening[-1].parts == ("cavity",)
 
 
@@ -85,25 +62,14 @@ def test_a_cavity_in_a_block_is_a_disc_of_the_same_trough() -> None:
 )
 def test_what_a_wire_or_a_lathe_does_not_make_is_an_error(tables: dict[str, str], where: str) -> None:
     lathe = {"based_on": "cnc", "tool": "lathe", "tool_radius": 0.1, "groove_ratio": 0.0}
-    design = of("rings").with_(printer={"lathe": lathe}, mold={"lid_process": "sla", **tables})
+    design = rings().with_(printer={"lathe": lathe}, mold={"lid_process": "sla", **tables})
     errors = [f.where for f in design_findings(Job(design)) if f.severity == "error"]
     assert errors[0].startswith(where) if where else errors == [], errors
 
 
-@pytest.mark.parametrize("name", ROUND)
-def test_parts_share_nothing_closed_or_opening(name: str) -> None:
-    design = of(name)
-    closed = mold(design)
-    assert interference(closed, design.mold.clearance / 10) == []
-    moved = [part for step in closed.opening for part in step.parts]
-    still = {part.name for part in closed.parts} - {*moved}
-    assert len(moved) == len({*moved})
-    assert still == {part.name for part in closed.of(PartRole.CAVITY)}
-
-
 def test_a_skin_that_is_not_in_its_trough_shares_its_room() -> None:
     """Of a skin that lies 0.01 mm too low: what its sections say is touching is not taken for it."""
-    design = of("rings")
+    design = rings()
     closed = mold(design)
     skin = closed.part("skin")
     area = manifold(skin, 1e-3).surface_area()
@@ -116,9 +82,9 @@ def test_a_skin_that_is_not_in_its_trough_shares_its_room() -> None:
 
 
 def test_grooves_are_as_deep_as_the_rings_are_high_and_the_silicone_shrinks() -> None:
-    design = of("rings")
+    design = rings()
     points = np.asarray(mesh(mold(design).part("cavity"), 1e-3).vertices)
-    grown, skin = 1 / (1 - shrinkage(design)), skin_of(design)
+    grown, skin = 1 / (1 - Job(design).shrinkage), skin_of(design)
     radii = np.hypot(points[:, 0], points[:, 1])
     for placed in skin.placed:
         near = np.abs(radii - placed.summit.x * grown) < skin.profile.tip_width / 4
@@ -127,7 +93,7 @@ def test_grooves_are_as_deep_as_the_rings_are_high_and_the_silicone_shrinks() ->
 
 
 def test_the_mold_has_no_ends_and_its_vent_stands_at_the_skins_rim() -> None:
-    closed = mold(of("rings"))
+    closed = mold(rings())
     assert not closed.of(PartRole.END_PLATE, PartRole.COMB, PartRole.KEEPER, PartRole.END_PIN)
     (vent,) = bores(closed.part("carrier"), CutRole.VENT)
     (trough,) = (cut for cut in closed.part("cavity").cuts if cut.role is CutRole.TROUGH)
@@ -138,7 +104,7 @@ def test_the_mold_has_no_ends_and_its_vent_stands_at_the_skins_rim() -> None:
 
 def test_holes_of_the_carrier_keep_off_its_rim() -> None:
     mount = {"thread": "M3", "diameter": 22.0, "pin": 2.0, "fiducials": 3}
-    design = of("rings").with_(skin={"width": 34.0}, mount=mount)
+    design = rings().with_(skin={"width": 34.0}, mount=mount)
     carrier = mold(design).part("carrier")
     radius = manifold(carrier, 1e-4).bounding_box()[3]
     roles = {bore.role for bore in bores(carrier)}
@@ -149,7 +115,7 @@ def test_holes_of_the_carrier_keep_off_its_rim() -> None:
 
 def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
     """By the wedges of the turned skin: tilted, the back's highest place is at the vent, at the rim."""
-    job = Job(of("rings").with_(mold={"carrier": "plain"}))
+    job = Job(rings().with_(mold={"carrier": "plain"}))
     assert pockets(job, 10.0) == ()
     # end b down by 10 deg: air up to the vent's level, at most a wedge of the back, 16 mm x tan(10 deg) high
     (air,) = (p for p in pockets(job, -10.0) if p.harm == "body")
@@ -173,7 +139,7 @@ def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
 )
 def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
     with pytest.raises(InputError) as refusal:
-        mold(of("rings").with_(**change))
+        mold(rings().with_(**change))
     assert str(refusal.value).startswith(f"{key}: ")
     assert rule in str(refusal.value)
     assert "\n" not in str(refusal.value)
@@ -191,7 +157,7 @@ def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], key:
 )
 def test_what_no_ring_can_be_is_one_line(change: dict[str, object], key: str, rule: str) -> None:
     with pytest.raises(InputError) as refusal:
-        of("rings").with_(**change)
+        rings().with_(**change)
     assert str(refusal.value).startswith(f"{key}: ")
     assert rule in str(refusal.value)
     assert "\n" not in str(refusal.value)
@@ -199,7 +165,7 @@ def test_what_no_ring_can_be_is_one_line(change: dict[str, object], key: str, ru
 
 def test_thin_walls_between_rings_are_a_warning_with_their_width() -> None:
     """The tooth of the mold between two rings is their pitch less a root."""
-    design = of("rings").with_(ring={"root_width": 1.7, "root_fillet": 0.1}, mold={"process": "fdm"})
+    design = rings().with_(ring={"root_width": 1.7, "root_fillet": 0.1}, mold={"process": "fdm"})
     (thin,) = (f for f in design_findings(Job(design)) if f.rule == "wall")
     assert thin.measured == pytest.approx(0.3)
     assert "two rings' roots" in thin.where

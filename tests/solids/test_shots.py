@@ -9,15 +9,13 @@ import pytest
 
 import skincad
 from skincad import InputError
-from skincad.fabrication import interference, mesh
+from skincad.fabrication import mesh
 from skincad.inputs import Design
 from skincad.solids import CutRole, PartRole, behind, room, skin_part
 from skincad.solids.mold import mold
-from skincad.solids.shots import plugged
 from skincad.solids.skin import cast_skin
+from tests.solids.kinds import ARC, LEVEL, STIFF
 
-STIFF = {"young_modulus": 2.0, "poisson_ratio": 0.499}
-LEVEL, ARC = {**STIFF, "thickness": 1.0}, {**STIFF, "depth": 1.0}
 CHORD = 1e-3  # mm
 
 
@@ -38,22 +36,17 @@ def layered(name: str, *shots: dict[str, Any], **tables: Any) -> Design:
     ],
 )
 def test_a_plug_fills_the_room_of_its_shot(name: str, shot: dict[str, Any], pegs: int) -> None:
-    """Its exact solid, its formula and its mesh agree, and it goes in and out of the closed mold. Under its
-    plate it is what lies behind the face, less a clearance all round: at most that thin a rim of it."""
+    """Under its plate it is what lies behind the face, less a clearance all round: at most that thin a
+    rim of it."""
     design = layered(name, shot)
     closed = mold(design)
     (stage,) = closed.earlier
     (plug,) = stage.of(PartRole.PLUG)
-    solid = skincad.mold_solids(design)[plug.name].val()
-    assert solid.isValid()
-    assert solid.Volume() == pytest.approx(plug.volume, rel=5e-6)  # the kernel's own accuracy
-    assert mesh(plug, CHORD).volume == pytest.approx(plug.volume, rel=3e-4)
     assert len(plug.adds) - design.skin.round == pegs
-    assert interference(stage, CHORD) == []
     plate = closed.first(PartRole.CARRIER).body.volume
     whole, gap = behind(design, 1).volume, design.mold.clearance
     around = 2 * (design.skin.width + design.skin.length) * design.skin.thickness
-    under = solid.Volume() - plate + math.fsum(cut.volume for cut in plug.cuts)
+    under = plug.volume - plate + math.fsum(cut.volume for cut in plug.cuts)
     assert whole - gap * around - 1.0 < under < whole * 1.01 + pegs * 2.0
 
 
@@ -91,7 +84,6 @@ def test_core_pins_stand_in_a_plug_whose_shot_their_pockets_go_through() -> None
         assert len(pins) == 9
         assert len([cut for cut in plug.cuts if cut.role is CutRole.CORE]) == 9
         assert {*(pin.name for pin in pins), plug.name} == set(stage.opening[-1].parts)
-        assert interference(stage, CHORD) == []
         assert mesh(plug, CHORD).euler_number == 2 - 2 * (9 + 1)  # with the vent: no film closes a hole
     shallow = mold(
         layered("pillars-9", {**STIFF, "thickness": 2.0}, pin={"pocket": {"diameter": 1.6, "depth": 1.0}})
@@ -103,7 +95,6 @@ def test_core_pins_stand_in_a_plug_whose_shot_their_pockets_go_through() -> None
 def test_plugs_are_used_from_the_front() -> None:
     """The layer in front is poured first; a shot that is laid on wet needs none."""
     shots = (LEVEL, {**STIFF, "thickness": 2.0, "bond": "wet"}, {**STIFF, "depth": 1.0})
-    assert plugged(layered("lab-bench", *shots, mold={"gate": None})) == [3, 1]
     closed = mold(layered("lab-bench", *shots, mold={"gate": None}))
     assert [part.name for part in closed.plugs] == ["plug-3", "plug-1"]
     assert all(part.made == "made" for part in closed.plugs)
@@ -111,7 +102,6 @@ def test_plugs_are_used_from_the_front() -> None:
     assert first.volume > last.volume
     for stage in closed.earlier:
         assert not stage.of(PartRole.SKIN, PartRole.CARRIER)
-        assert interference(stage, CHORD) == []
 
 
 def test_rivets_hold_behind_a_neck_that_the_silicone_lets_go() -> None:

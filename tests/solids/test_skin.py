@@ -1,4 +1,5 @@
-"""Skins that are curved along y too: the section revolved, by formula, CAD kernel and print mesh."""
+"""The skin's solid: straight, curved along y too (the section revolved), of unlike ridges, and scaled for
+shrinkage."""
 
 from __future__ import annotations
 
@@ -12,12 +13,26 @@ import pytest
 import trimesh
 
 import skincad
-from skincad.fabrication import measure, mesh
+from skincad.fabrication import Job, measure, mesh
 from skincad.inputs import Design
 from skincad.outputs import write_step
-from skincad.shape import Point, curves, section
-from skincad.solids import KernelError, Part, PartRole, RevolvedBody, skin_part, skin_solid, solid, swept
+from skincad.shape import Point, area, loop, section
+from skincad.solids import (
+    KernelError,
+    Part,
+    PartRole,
+    RevolvedBody,
+    scaled_for_shrinkage,
+    skin_part,
+    skin_solid,
+    solid,
+    swept,
+)
+from skincad.solids.mold import mold
 from skincad.solids.skin import cast_skin
+from tests.bent_skin import three_ridges
+from tests.families import RIDGED
+from tests.solids.kinds import FEW
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]
@@ -36,7 +51,11 @@ def body(part: Part) -> RevolvedBody:
 
 
 @pytest.mark.parametrize(
-    "radius", [pytest.param(r, marks=[pytest.mark.slow] if r in BETWEEN else []) for r in RADII]
+    "radius",
+    [
+        pytest.param(r, marks=[pytest.mark.evidence(subject="kernel: hard sections")] if r in BETWEEN else [])
+        for r in RADII
+    ],
 )
 def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(yamada: Design, radius: float) -> None:
     design = bent(yamada, radius)
@@ -56,14 +75,12 @@ def test_lines_nearly_parallel_or_square_to_the_axis_are_as_drawn() -> None:
         offset, up = (draw.choice([0.0, 10 ** draw.uniform(-16, -2)]) for _ in range(2))
         points = [Point(-0.5, 0.0), Point(0.5, up), Point(0.5 + offset, 2.0 + up), Point(offset - 0.5, 2.0)]
         radius = 10 ** draw.uniform(1, 3)
-        part = Part(
-            "wedge", PartRole.SKIN, RevolvedBody(curves.loop(points), -radius, -1 / radius, 1 / radius)
-        )
+        part = Part("wedge", PartRole.SKIN, RevolvedBody(loop(points), -radius, -1 / radius, 1 / radius))
         # rounding of 1e-12 mm on a face of 2 mm by 2 mm, and that of the radius
         assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (offset, up)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="kernel: hard sections")
 def test_hard_sections_revolve(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         for radius in (1.5 * design.skin.thickness + design.skin.length, design.skin.curvature_radius):
@@ -204,3 +221,60 @@ def test_what_cannot_be_revolved_is_refused(yamada: Design, skin: dict, key: str
 def test_a_revolved_part_is_not_swept_along_a_straight_axis(yamada: Design) -> None:
     with pytest.raises(ValueError, match="moves along its axis only"):
         swept(skin_part(bent(yamada, 30.0)), "z", 5.0, 1e-3)
+
+
+UNLIKE = [0.45, 0.5, 0.56]
+either = pytest.mark.parametrize(
+    "few", [skincad.load("yamada-2002", FEW), three_ridges()], ids=["straight", "bent along y"]
+)
+
+
+@either
+def test_a_higher_ridge_adds_to_the_solid(few: Design) -> None:
+    """`skin_solid` holds the CAD kernel's volume against area x path."""
+    highest, lower = (few.with_(ridge={"heights": [*UNLIKE[:2], last]}) for last in (UNLIKE[2], 0.5))
+    more = skin_solid(highest).val().Volume() - skin_solid(lower).val().Volume()
+    # 0.06 mm of a ridge 0.5 mm wide at its tip, wider below, 12 mm long; bent it is longer by a tenth
+    assert 0.06 * 0.5 * 12.0 < more < 1.2 * 0.06 * 0.65 * 12.0
+
+
+@either
+def test_the_mold_is_as_deep_as_its_highest_ridge(few: Design) -> None:
+    closed = mold(few.with_(ridge={"heights": UNLIKE}))
+    outline = closed.first(PartRole.SKIN).body.outline
+    assert -min(s.start.z for s in outline) == pytest.approx(4.55, abs=0.02)  # a summit on its side's lean
+    assert len(closed.parts) == len(mold(few).parts)
+
+
+@pytest.mark.parametrize("name", RIDGED)
+def test_the_cavity_shrinks_to_the_part(name: str) -> None:
+    """Volume by the cube; the slots' holes are the shims', which don't shrink, and grow with the length."""
+    design = skincad.load(name)
+    by = 1 / (1 - Job(design).shrinkage)
+    cast, part = mold(design).part("skin"), skin_part(design)
+    assert by > 1.0009
+    holes = sum(area(slot.loop()) for slot in section(design).slots) * design.skin.length
+    # a shim is not larger, so the poured skin has holes of their old section over the larger length
+    assert cast.volume + by * holes == pytest.approx(by**3 * (part.volume + holes), rel=1e-12)
+
+
+def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Design) -> None:
+    by = 1 / (1 - 0.01)
+    old, new = (section(d) for d in (yamada, scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.01}))))
+    for a, b in zip(old.outline, new.outline, strict=True):
+        assert b.start == pytest.approx((by * a.start.x, by * a.start.z), abs=1e-12)  # rounding
+        assert b.bulge == pytest.approx(a.bulge, rel=1e-9, abs=1e-12)
+    for a, b in zip(old.slots, new.slots, strict=True):
+        assert b.centre == pytest.approx((by * a.centre.x, by * a.centre.z), abs=1e-12)
+        assert (b.thickness, b.depth) == (a.thickness, a.depth)
+
+
+def test_ones_own_shrinkage_goes_before_the_silicones(yamada: Design) -> None:
+    assert Job(yamada).shrinkage == 0.001
+    assert Job(yamada.with_(mold={"shrinkage": 0.0})).shrinkage == 0.0
+    assert section(scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.0}))) == section(yamada)
+
+
+def test_what_is_poured_may_pass_a_keys_limit() -> None:
+    flat = skincad.load("yamada-2002", ["skin.curvature_radius=1e8"])
+    assert scaled_for_shrinkage(flat).skin.curvature_radius == pytest.approx(1e8 / 0.999)
