@@ -121,7 +121,6 @@ def ratios(model: str, ours: list[PressedPad], theirs: list[Row]) -> None:
 
 
 def main() -> None:
-    """Print both tables, or what to install."""
     if calculix.missing():
         print(calculix.missing())
         return

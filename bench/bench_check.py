@@ -92,7 +92,6 @@ def stages(row: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Print both tables."""
     asked = sys.argv[1:] or list(MODELS)
     rows = models([name for name in asked if ready(name)])
     for name in asked:

@@ -111,7 +111,6 @@ def apart(one: FrictionalPad, other: FrictionalPad) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print the differences by fineness, and the course of the finest, or what to install."""
     if getfem.missing():
         print(getfem.missing())
         return

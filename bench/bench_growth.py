@@ -79,7 +79,6 @@ def table(label: str, rows: dict[str, dict[str, Any]], sizes: list[float]) -> No
 
 
 def main() -> None:
-    """Print the tables."""
     most = int(sys.argv[1]) if len(sys.argv) > 1 else RIDGES[-1]
     counts = sorted({n for n in (*RIDGES, max(most, RIDGES[-1])) if n <= most})
     for template, largest in (("plain-ridges", most), ("yamada-2002", min(most, MOST_STRIPED))):

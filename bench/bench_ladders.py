@@ -97,7 +97,6 @@ def prices(names: list[str]) -> None:
 
 
 def main() -> None:
-    """Climb what fits."""
     parser = argparse.ArgumentParser()
     parser.add_argument("template", nargs="?", default="yamada-2002")
     parser.add_argument("--ladder", action="append", choices=list(LADDERS))

@@ -59,7 +59,6 @@ def step_seconds(scene: Scene, pad: MarchedPad, steps: int) -> float:
 
 
 def main() -> None:
-    """Print milliseconds a step and their ratio to the back-solve, case by case."""
     design = load_scene("yamada-2002-slip").design.with_(contact={"film": "bonded"})
     piece = piece_of(*filled_pad(design))
     mesh = triangles(piece.pad, REFINEMENTS[0].sizes(piece))

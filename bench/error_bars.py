@@ -1,21 +1,28 @@
-"""How honest error bars are: the stated error of random designs against the error that a better refinement
-shows.
+"""How honest error bars are: stated errors of random designs against those that a better refinement shows.
 
 A design's force is drawn too: one at which ridges that shared it evenly were strained by 0.3 to 5 %. The part
 of an error that is the mesh's is held against the refinement above on the same model, the part that is the
 model's against the model above; on every tenth seed both against the top refinement: two refinements may
-share one bias."""
+share one bias.
+
+`python -m bench.error_bars ROWS.jsonl` solves the seeds that the file does not have yet, the dearest last,
+and prints the table. Which: `--first SEED --seeds N`; without what is dear, solids and free ends: `--plane`.
+`--picture PNG` draws the calibration plot.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
 
+from bench import runner
 from bench.campaign.random_designs import drawn
 from skincad.base import Array, Estimate, InputError, RefusedError
 from skincad.inputs import Design
@@ -264,3 +271,44 @@ def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:
 
     for name in dict.fromkeys(map(key, rows)):
         yield name, [row for row in rows if key(row) == name]
+
+
+def table(rows: list[Row]) -> list[str]:
+    """Return the table's lines."""
+    lines = []
+    for (model, part, quantity, against), mine in groups(rows):
+        held = np.mean([row.held for row in mine])
+        missed = [f"{row.seed} ({row.true:.2g} > {row.stated:.2g})" for row in mine if not row.held]
+        width = float(np.median([row.width for row in mine]))
+        lines.append(
+            (model, part, quantity, against, len(mine), f"{held:.1%}", f"{width:.2g}", " ".join(missed))
+        )
+    head = ("model", "part", "of", "against", "cases", "held", "median width", "missed")
+    return runner.table(head, lines)
+
+
+def main() -> None:
+    parser = runner.parser(__doc__)
+    parser.add_argument("rows", type=Path)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
+    parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--plane", action="store_true", help="no solids, no free ends")
+    parser.add_argument("--picture", type=Path)
+    options = parser.parse_args()
+    options.records = options.rows
+    seeds = sorted(range(options.first, options.first + options.seeds), key=lambda s: (s % TOPS == 0, s))
+    judge = partial(outcome, solids=not options.plane, ends=not options.plane)
+    outcomes = sorted(runner.rows("error-bars", judge, seeds, options), key=lambda one: one["seed"])
+    rows = [Row(**row) for one in outcomes for row in one["rows"]]
+    print("\n".join(table(rows)))
+    for one in outcomes:
+        for name, why in one["refused"].items():
+            print(f"seed {one['seed']}: {name}: {why}")
+    if options.picture:
+        from bench.calibration_plot import calibration_plot
+
+        calibration_plot(rows, options.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -29,7 +29,6 @@ HEAD = "# All-touch forces of the shipped designs, by revision: python -m bench.
 
 
 def main(pictures: bool) -> None:
-    """Write what has changed."""
     rows = {}
     for name in template_names("designs"):
         design, known = skincad.load_design(name), forces().get(name, {})

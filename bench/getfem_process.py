@@ -23,7 +23,6 @@ ELASTIC = (
 
 
 def main() -> None:
-    """Go through the steps that are asked."""
     data = json.loads(Path("asked.json").read_text())
     getfem.util("trace level", 0)
     getfem.util("warning level", 0)

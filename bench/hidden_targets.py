@@ -112,7 +112,6 @@ def ways(
 
 
 def main() -> None:
-    """Print each way, and how many hit."""
     parser = runner.parser(__doc__, "count", seed=0, recorded=False)
     parser.add_argument("--tier", dest="model", default=MODEL)
     parser.add_argument("--start", default=START, help="a design's template")

@@ -112,7 +112,6 @@ def summary(pairs: list[Pair]) -> list[str]:
 
 
 def main() -> None:
-    """Judge pairs and print what they show."""
     options = runner.parser(__doc__, "count", seed=0).parse_args()
     seeds = range(options.seed, options.seed + options.count)
     print("\n".join(summary(runner.rows("ranks", judged, seeds, options, kind=Pair))))

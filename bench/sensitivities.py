@@ -62,7 +62,6 @@ def line(row: runner.Row) -> str:
 
 
 def main() -> None:
-    """Print the rows and how many lie inside."""
     parser = runner.parser(__doc__)
     parser.add_argument("seeds", type=int, nargs="*")
     options = parser.parse_args()

@@ -230,7 +230,6 @@ def line(row: runner.Row) -> str:
 
 
 def main() -> None:
-    """Print a line a design."""
     parser = runner.parser(__doc__)
     parser.add_argument("designs", nargs="+")
     options = parser.parse_args()

@@ -365,7 +365,6 @@ def table(results: list[tuple[str, Call]]) -> list[str]:
 
 
 def main() -> None:
-    """Print a table for each setting."""
     options = runner.parser(__doc__, "first", "stop").parse_args()
     rows = runner.rows("accept", judged, range(options.first, options.stop), options)
     for setting in SETTINGS:

@@ -145,7 +145,6 @@ def scenes(_names: list[str]) -> int:
 
 
 def main() -> None:
-    """Print the tables."""
     parser = argparse.ArgumentParser()
     parser.add_argument("names", nargs="*", default=template_names())
     parser.add_argument("--only", choices=("budget", "tol", "mesh", "scene"))

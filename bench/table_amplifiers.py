@@ -111,7 +111,6 @@ def line(found: SceneRun, circuit: Circuit, rate: bool, bandwidth: float) -> str
 
 
 def main() -> None:
-    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", default=["steady-pull", "yamada-2002-slip"], metavar="SCENE")
     parser.add_argument("--bandwidth", type=float, nargs="*", default=BANDWIDTHS, metavar="HZ")

@@ -166,7 +166,6 @@ def confused(every: list[Case]) -> None:
 
 
 def main() -> None:
-    """Print the exam."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("out/exam"))
     parser.add_argument("circuits", nargs="*", default=list(CIRCUITS), metavar="CIRCUIT")

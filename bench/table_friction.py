@@ -56,7 +56,6 @@ def judged(seed: int, coefficients: list[float]) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print one line a quantity: each design counts by its largest change."""
     parser = runner.parser(__doc__, "first", "stop")
     parser.add_argument("coefficients", type=float, nargs="*", default=COEFFICIENTS)
     options = parser.parse_args()

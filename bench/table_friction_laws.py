@@ -98,7 +98,6 @@ def print_scene(name: str, scene: Scene) -> None:
 
 
 def main() -> None:
-    """Print the table as it grows."""
     if len(sys.argv) > 1:
         print_scene(" ".join(sys.argv[1:]), load_scene(sys.argv[1], sys.argv[2:]))
         return

@@ -110,7 +110,6 @@ def within(scene: Scene) -> tuple[list[tuple[float, float, BySource, BySource, f
 
 
 def main() -> None:
-    """Print a line a scene and ridge, and how often a lead lies within its error."""
     options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
     rng, rows = np.random.default_rng(options.seed), list[tuple[float, float, BySource, BySource, float]]()
 

@@ -120,7 +120,6 @@ def held(rows: list[Compared]) -> str:
 
 
 def main() -> None:
-    """Print the table as it grows."""
     parser = runner.parser(__doc__, "seed", "count", recorded=False)
     parser.add_argument("effects", nargs="*", default=EFFECTS)
     options = parser.parse_args()

@@ -132,7 +132,6 @@ def compared(scene: Scene) -> tuple[list[tuple[float | None, float, float, float
 
 
 def main() -> None:
-    """Print a line a scene and ridge, and how often the judge's lead lies within the error."""
     options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
     rng = np.random.default_rng(options.seed)
     rows, lengths = list[tuple[float | None, float, float, float]](), list[float]()

@@ -104,7 +104,6 @@ def refusals(designs: Iterator[Design]) -> list[tuple[Design, InputError]]:
 
 
 def main() -> None:
-    """Print the table: how many of the sections each rule refuses, with an example."""
     count, start = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT, time.perf_counter()
     answer = refusals(sections(count))
     rules: dict[str, list[str]] = defaultdict(list)

@@ -58,7 +58,6 @@ def compared(pulls: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.fl
 
 
 def main() -> None:
-    """Print the pulls, mN, of one row's pins by CalculiX and by skincad."""
     began = perf_counter()
     both = compared(PULLS)
     print(f"{perf_counter() - began:.0f} s")

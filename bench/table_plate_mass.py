@@ -47,7 +47,6 @@ def told(name: str, found: Simulation, still: Simulation, seconds: float) -> str
 
 
 def main() -> None:
-    """Print the table as it grows."""
     runs: dict[str, list[str]] = {"quasi-static": []}
     runs |= {f"{m:g} g": ["effects.inertia={}", VISCOUS, f"plate.mass={m}"] for m in MASSES}
     runs["viscous"] = [VISCOUS]

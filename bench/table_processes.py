@@ -40,7 +40,6 @@ def counts(found: list[Finding]) -> str:
 
 
 def main() -> None:
-    """Print the table."""
     start = time.perf_counter()
     answer = rows()
     print(f"{'warnings/notes':22}" + "".join(f"{p:>8}" for p in (*PROCESSES, "own")))

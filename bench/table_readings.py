@@ -112,7 +112,6 @@ def fitted(way: Callable[[dict[str, float]], Complex], ranges: Ranges) -> tuple[
 
 
 def main() -> None:
-    """Print the table."""
     for name, (way, ranges) in READINGS.items():
         rms, found = fitted(way, ranges)
         print(

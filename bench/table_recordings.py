@@ -226,7 +226,6 @@ def row_of(seed: int, folder: Path) -> dict[str, str]:
 
 
 def main() -> None:
-    """Print the table."""
     parser = runner.parser(__doc__, "first", "stop")
     parser.add_argument("folder", nargs="?", type=Path, default=Path("out/recordings"))
     parser.add_argument("-v", "--verbose", action="store_true", help="each recording that is not right")

@@ -46,7 +46,6 @@ def longer(design: Design, count: int, changes: dict[str, Any]) -> Design:
 
 
 def main() -> None:
-    """Print a line a pad."""
     head = f"{'all touch':>11}{'approach':>10}{'share':>8}{'reduced, s':>12}{'corrected, s':>14}"
     print(f"{'relative difference to the corrected model':56}{head}")
     for name, count, changes in PADS:

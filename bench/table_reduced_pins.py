@@ -142,7 +142,6 @@ def times() -> None:
 
 
 def main() -> None:
-    """Print a line a design."""
     parser = runner.parser(__doc__)
     parser.add_argument("words", nargs="*", help="layers or times; first and last seed; Poisson's ratio")
     options = parser.parse_args()

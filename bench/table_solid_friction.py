@@ -39,7 +39,6 @@ def judged(case: str) -> runner.Row:
 
 
 def main() -> None:
-    """Print a line a seed and coefficient, and how many of the stated errors hold."""
     options = runner.parser(__doc__, "first", "stop").parse_args()
     cases = [f"{seed} {mu}" for seed in range(options.first, options.stop) for mu in COEFFICIENTS]
     tell(runner.rows("solid-friction", judged, cases, options, line))

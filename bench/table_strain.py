@@ -79,7 +79,6 @@ def tell(rows: list[runner.Row]) -> None:
 
 
 def main() -> None:
-    """Print a line a seed, and how many of the stated errors hold."""
     options = runner.parser(__doc__, "first", "stop").parse_args()
     tell(runner.rows("strain", judged, range(options.first, options.stop), options, line))
 

@@ -96,7 +96,6 @@ def critical(small: Forces, large: Forces, ridge: int) -> float | None:
 
 
 def main() -> None:
-    """Print a line a scene, and how often what is said lies within a factor of two."""
     options = runner.parser(__doc__, "seed", "count", recorded=False).parse_args()
     rng, parts, forces = np.random.default_rng(options.seed), list[float](), list[float]()
 

@@ -130,7 +130,6 @@ def judged(seed: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Judge the wishes of these seeds, and print each and the counts."""
     options = runner.parser(__doc__, "first", "stop").parse_args()
     rows = runner.rows("wishes", judged, range(options.first, options.stop), options, json.dumps)
     met = [row for row in rows if row.get("met")]

@@ -146,7 +146,6 @@ def summary(rows: list[Comparison]) -> list[str]:
 
 
 def main() -> None:
-    """Judge seeds and print what they show."""
     parser = runner.parser(__doc__, "count", seed=1000)
     parser.add_argument("--smooth", action="store_true", help="tell auto too that there is no friction")
     options = parser.parse_args()

@@ -134,7 +134,6 @@ def slips(design: Design) -> None:
 
 
 def main() -> None:
-    """Print the numbers, one step after the other."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     design = layered(wished(), bone(folder / "bone.step"))

@@ -132,7 +132,6 @@ def preloaded() -> None:
 
 
 def main() -> int:
-    """Run the campaign and print its figures."""
     parser = argparse.ArgumentParser(prog="python -m bench.campaign", description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)

@@ -142,7 +142,6 @@ def summary(outcomes: list[Outcome]) -> str:
 
 
 def main() -> None:
-    """Print the summary of some seeds."""
     first, last = (int(n) for n in (*sys.argv[1:], *("0", "500")[len(sys.argv) - 1 :]))
     print(summary([outcome(seed) for seed in range(first, last)]))
 

@@ -220,7 +220,6 @@ def alarms(values: np.ndarray, threshold: float, back: float, *, skin: bool) -> 
 
 
 def main(folder: Path) -> None:
-    """Fit, write, and print the cross-validation."""
     answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
     answer = [m for m in answer if m.time.size >= FEWEST] + shipped(folder / "shipped")
     rows = [list(variants(m, folder / "outputs")) for m in answer]

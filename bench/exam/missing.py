@@ -39,7 +39,6 @@ def told(h: Heard, what: str) -> Heard:
 
 
 def main(folder: Path) -> None:
-    """Print the table."""
     answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
     rows = [list(variants(m, folder / "outputs")) for m in answer if m.time.size >= FEWEST]
     print(f"{len(rows)} scenes\n{HEAD}")

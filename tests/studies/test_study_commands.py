@@ -11,11 +11,13 @@ import skincad
 from skincad.base import InputError
 from skincad.cli import run
 
-RADIUS = ["--vary", "skin.curvature_radius=20:200", "--tier", "winkler"]
+RADIUS = "--vary skin.curvature_radius=20:200 --tier winkler"
+SOLVE = f"solve yamada-2002 {RADIUS} --target"
+SWEEP = "sweep yamada-2002 --vary skin.length=8:14:4"
 
 
-def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
-    status = run([*arguments])
+def said(capsys: pytest.CaptureFixture[str], command: str) -> tuple[int, str]:
+    status = run(command.split())
     return status, capsys.readouterr().out
 
 
@@ -23,18 +25,7 @@ def test_solve_tells_the_value_and_writes_the_design(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     copy, picture = tmp_path / "solved.toml", tmp_path / "solved.png"
-    status, text = said(
-        capsys,
-        "solve",
-        "yamada-2002",
-        "--target",
-        "all_touch_force=1.5",
-        *RADIUS,
-        "-o",
-        str(copy),
-        "--picture",
-        str(picture),
-    )
+    status, text = said(capsys, f"{SOLVE} all_touch_force=1.5 -o {copy} --picture {picture}")
     assert status == 0
     assert text.startswith("yamada-2002: skin.curvature_radius ")
     assert "gives all_touch_force 1.5 N." in text
@@ -49,23 +40,21 @@ def test_solve_tells_the_value_and_writes_the_design(
         "yamada-2002"
     )
     with pytest.raises(InputError, match="exists already"):
-        run(["solve", "yamada-2002", "--target", "approach=1", *RADIUS, "-o", str(copy)])
+        run(f"{SOLVE} approach=1 -o {copy}".split())
 
 
 def test_solve_without_a_solution_is_status_1_and_writes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     copy = tmp_path / "solved.toml"
-    status, text = said(
-        capsys, "solve", "yamada-2002", "--target", "all_touch_force=0.1", *RADIUS, "-o", str(copy)
-    )
+    status, text = said(capsys, f"{SOLVE} all_touch_force=0.1 -o {copy}")
     assert status == 1
     assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is" in text
     assert not copy.exists()
 
 
 def test_solve_prints_one_object(capsys: pytest.CaptureFixture[str]) -> None:
-    status, text = said(capsys, "solve", "yamada-2002", "--target", "all_touch_force=1.5", *RADIUS, "--json")
+    status, text = said(capsys, f"{SOLVE} all_touch_force=1.5 --json")
     data = json.loads(text)
     assert (status, data["feasible"], data["file"]) == (0, True, None)
 
@@ -96,25 +85,16 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
 
 
 def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rows = [
-        "sweep",
-        "yamada-2002",
-        "--vary",
-        "skin.length=8:14:4",
-        "--tier",
-        "winkler",
-        "-o",
-        str(tmp_path / "out"),
-    ]
-    status, text = said(capsys, *rows)
+    rows = f"{SWEEP} --tier winkler -o {tmp_path / 'out'}"
+    status, text = said(capsys, rows)
     assert status == 0
     assert "4 evaluations, 0 reused" in text
     assert "smallest 1" not in text
-    assert "smallest 1" in said(capsys, *rows, "--verbose")[1]
-    data = json.loads(said(capsys, *rows, "--json")[1])
+    assert "smallest 1" in said(capsys, f"{rows} --verbose")[1]
+    data = json.loads(said(capsys, f"{rows} --json")[1])
     assert (data["evaluations"], data["reused"]) == (0, 4)
     assert {Path(file["path"]).name for file in data["files"]} >= {"sweep.csv", "study.html", "effects.png"}
-    data = json.loads(said(capsys, *rows, "--json", "--fresh", "--rank", "approach=max")[1])
+    data = json.loads(said(capsys, f"{rows} --json --fresh --rank approach=max")[1])
     assert (data["evaluations"], data["reused"]) == (4, 0)
     assert data["ranked_by"] == [{"key": "approach_mm", "goal": "max"}]
 
@@ -122,31 +102,22 @@ def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.Captu
 def test_a_sweep_of_refused_rows_alone_is_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, text = said(
-        capsys,
-        "sweep",
-        "yamada-2002",
-        "--vary",
-        "skin.width=1,2",
-        "--tier",
-        "winkler",
-        "-o",
-        str(tmp_path / "out"),
-    )
+    out = tmp_path / "out"
+    status, text = said(capsys, f"sweep yamada-2002 --vary skin.width=1,2 --tier winkler -o {out}")
     assert status == 1
     assert "2 refused" in text
 
 
 def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rows = ["sweep", "yamada-2002", "--vary", "skin.length=8:14:4", "-o", str(tmp_path / "out")]
-    said(capsys, *rows, "--tier", "winkler")
+    rows = f"{SWEEP} -o {tmp_path / 'out'}"
+    said(capsys, f"{rows} --tier winkler")
     log = tmp_path / "out" / "evaluations.jsonl"
     before = log.read_bytes()
-    for wrong in (["--tier", "lineer"], ["--tier", "winkler", "--force", "-1"], ["--rank", "x=least"]):
+    for wrong in ("--tier lineer", "--tier winkler --force -1", "--rank x=least"):
         with pytest.raises(InputError):
-            run([*rows, "--fresh", *wrong])
+            run(f"{rows} --fresh {wrong}".split())
         assert log.read_bytes() == before
-    said(capsys, *rows, "--tier", "winkler", "--fresh")
+    said(capsys, f"{rows} --tier winkler --fresh")
     assert log.read_bytes().startswith(before)  # asked anew, and nothing that was finished is lost
     assert len(log.read_bytes().splitlines()) == 8
 
@@ -154,20 +125,17 @@ def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--target", "all_touch_force", *RADIUS], "target: must be KEY=VALUE"),
-        (["--target", "all_touch_force=a", *RADIUS], "must be a number"),
-        (["--target", "all_touch_force=nan", *RADIUS], "must be finite"),
-        (["--target", "approach=1", "--vary", "skin.length"], "vary: must be KEY=LOW:HIGH"),
-        (["--target", "approach=1", "--vary", "skin.lenth=8:12"], "did you mean 'length'"),
-        (
-            ["--target", "approach=1", "--vary", "material.name=all", "--picture", "x.png"],
-            "one key with a range",
-        ),
+        (f"--target all_touch_force {RADIUS}", "target: must be KEY=VALUE"),
+        (f"--target all_touch_force=a {RADIUS}", "must be a number"),
+        (f"--target all_touch_force=nan {RADIUS}", "must be finite"),
+        ("--target approach=1 --vary skin.length", "vary: must be KEY=LOW:HIGH"),
+        ("--target approach=1 --vary skin.lenth=8:12", "did you mean 'length'"),
+        ("--target approach=1 --vary material.name=all --picture x.png", "one key with a range"),
     ],
 )
-def test_bad_input_is_one_line(arguments: list[str], says: str) -> None:
+def test_bad_input_is_one_line(arguments: str, says: str) -> None:
     with pytest.raises(InputError) as refused:
-        run(["solve", "yamada-2002", *arguments])
+        run(f"solve yamada-2002 {arguments}".split())
     assert says in str(refused.value).replace("--", "")
     assert "\n" not in str(refused.value)
 
@@ -176,5 +144,5 @@ def test_a_foreign_folder_is_refused_before_any_work(tmp_path: Path, monkeypatch
     (tmp_path / "mine.txt").write_text("keep")
     monkeypatch.setattr("skincad.sweep", None)
     with pytest.raises(InputError, match="holds files"):
-        run(["sweep", "yamada-2002", "--vary", "skin.length=8:14:4", "-o", str(tmp_path)])
+        run(f"{SWEEP} -o {tmp_path}".split())
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
