@@ -108,8 +108,10 @@ def foreign(command: str) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-@pytest.mark.parametrize("text", foreign("make"))
+@pytest.mark.parametrize(
+    ("command", "text"),
+    [*(("make", text) for text in foreign("make")), *((name, "renamed") for name in COMMANDS)],
+)
 def test_a_foreign_manifest_gives_nothing_away(tmp_path: Path, command: str, text: str) -> None:
     out = tmp_path / "out"
     (out / "src").mkdir(parents=True)

@@ -114,7 +114,13 @@ def called(design: Design, name: str) -> Design:
     return design.with_(silicones={"own": {"based_on": "ecoflex-00-30", "name": name}})
 
 
-@pytest.mark.parametrize("name", [*hostile_names(5)])
+HOSTILE = pytest.mark.evidence(subject="hostile names")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if i < 3 else [HOSTILE]) for i, name in enumerate(hostile_names(20))],
+)
 def test_a_silicones_name_stays_text_in_every_file(name: str, build: Build, tmp_path: Path) -> None:
     design = called(build.design, name)
     renamed = Job(design, build.closed)

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from skincad import cli
 from skincad.base import InputError, did_you_mean, shown
 from skincad.inputs import read_table
-from tests.attacks.test_measurements import READERS
-from tests.attacks.test_tables import LOADERS, OWN, kinds, paths, refusal_words
+from tests.attacks.test_files import LOADERS, OWN, READERS, kinds, paths, refusal_words
 
 STEERING = ("Cc", "Cf", "Zl", "Zp")
 EVERY = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if unicodedata.category(c) in STEERING)

@@ -93,7 +93,7 @@ def linear(design: Design) -> list[float | None]:
     return [result.approach.value, result.all_touch_force.value, *(e.value for e in result.ridge_force)]
 
 
-@pytest.mark.parametrize(("job", "times"), [(linear, 1), (assembled, 4)])
+@pytest.mark.parametrize(("job", "times"), [pytest.param(linear, 1, marks=pytest.mark.slow), (assembled, 2)])
 def test_two_threads_give_the_numbers_of_one(job: Callable[[Design], object], times: int) -> None:
     designs = pads()
     alone = [job(design) for design in designs]

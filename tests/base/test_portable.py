@@ -119,6 +119,7 @@ def results(folder: Path) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 def test_every_result_pickles_and_copies(tmp_path: Path) -> None:
     for name, result in results(tmp_path).items():
         for way in WAYS:

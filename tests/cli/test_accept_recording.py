@@ -12,6 +12,8 @@ from tests.conftest import run_skincad
 from tests.refusals import refused_command
 from tests.scenes.recordings import prediction, recording, scene, text
 
+pytestmark = pytest.mark.xdist_group("scenes/test_acceptance.py")  # which has the prediction in its process
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

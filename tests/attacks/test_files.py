@@ -1,14 +1,15 @@
-"""Files that mean harm: designs, scenes, circuits and printers; only skincad's own error leaves, in one line.
+"""Files that mean harm, TOML and CSV: only skincad's own error leaves, in one line.
 
 Hypothesis writes them: as bytes, as templates with bytes changed, and as tables with any value at any key.
 """
 
 from __future__ import annotations
 
+import os
 import signal
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from copy import deepcopy
 from pathlib import Path
@@ -19,10 +20,12 @@ import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skincad.base import DEEPEST, MOST_PARTS, InputError, tables_of
-from skincad.circuit import load_circuit
-from skincad.inputs import LARGEST_FILE, load, read_table, template_text
+from skincad.base import DEEPEST, MOST_PARTS, InputError, read_columns, tables_of
+from skincad.base import LARGEST_FILE as LARGEST_TABLE
+from skincad.circuit import COLUMNS, load_circuit
+from skincad.inputs import LARGEST_FILE, load, material_test, read_table, template_text
 from skincad.scenes import load_scene
+from skincad.shape import crest_drops
 from tests.refusals import assert_a_line, refused
 
 LOADERS: dict[str, tuple[Callable[[Path], object], str, str]] = {
@@ -220,12 +223,17 @@ def bounded() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-ALIKE = {"80,000 tables": "80,000 tables in one", "50,000 machines": "50,000 silicones"}  # shown by these too
+QUICK = {  # one of each kind that takes least; the others are slow
+    *("a key of 40,000 parts", "a key with spaces", "3000 tables deep", "300 inline tables deep"),
+    *("3000 lists deep", "a key of a million letters", "quotes", "dots", "blanks", "1e3 unknown keys"),
+}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in ALIKE else []) for name in BOMBS]
-)
+def bombs(names: Iterable[str]) -> list[Any]:
+    return [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in names]
+
+
+@pytest.mark.parametrize("name", bombs(BOMBS))
 def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> None:
     file, read = tmp_path / "bomb.toml", load_scene if BOMBS[name].startswith(SCENE[:40]) else load
     file.write_text(BOMBS[name])
@@ -235,7 +243,7 @@ def test_no_table_takes_work_out_of_proportion(name: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("key", ["ridge.height", "printer"])  # a value and a table
-@pytest.mark.parametrize("name", [name for name, text in BOMBS.items() if text.startswith("a = ")])
+@pytest.mark.parametrize("name", bombs(name for name, text in BOMBS.items() if text.startswith("a = ")))
 def test_no_override_does_either(name: str, key: str) -> None:
     with bounded(), refused():
         load("yamada-2002", [f"{key}={BOMBS[name].removeprefix('a = ')}"])
@@ -337,14 +345,8 @@ def test_bad_overrides(text: str) -> None:
 @given(text=st.text(max_size=60))
 @settings(max_examples=50, deadline=None)
 def test_any_override(text: str) -> None:
-    for key in (
-        "",
-        "ridge.height=",
-        "material.young_modulus=",
-        "printer.sla=",
-        "silicones.lab-10=",
-        "grippers.mine=",
-    ):
+    numbers, tables = ("ridge.height=", "material.young_modulus="), ("printer.sla=", "silicones.lab-10=")
+    for key in ("", *numbers, *tables, "grippers.mine="):
         assert "\n" not in refusal_words(lambda key=key: load("yamada-2002", [key + text]))  # type: ignore[misc]
 
 
@@ -368,11 +370,95 @@ def test_huge_counts_of_a_design_are_refused_before_any_work(override: str) -> N
 @pytest.mark.parametrize(
     "override", ["history.steps=1000000000", "history.steps=1000001", "readout.ridges=" + str([1] * 1000)]
 )
-def test_huge_counts_of_a_scene_are_refused_before_any_work(override: str) -> None:
+def test_huge_counts_of_a_scene_and_a_circuit_are_refused_before_any_work(override: str) -> None:
     with pytest.raises(InputError):
         load_scene("yamada-2002-slip", [override])
-
-
-def test_huge_counts_of_a_circuit_are_refused_before_any_work() -> None:
     with pytest.raises(InputError, match=r"sweep\.points"):
         load_circuit("yamada-2002", ["sweep.points=1000000000"])
+
+
+DESIGN = load("plain-ridges")
+READERS: dict[str, Callable[[Path], object]] = {
+    "crests": lambda path: crest_drops(path, DESIGN),
+    "material test": material_test,
+    "gain curve": lambda path: read_columns(path, COLUMNS),
+}
+readers = pytest.mark.parametrize("kind", READERS)
+HEADS = st.sampled_from(
+    ["ridge,crest_mm", "approach_mm,force_N", "strain,stress_MPa", "frequency_Hz,gain_dB"]
+)
+EVIL_CELLS = (
+    "0",
+    "1",
+    "-1",
+    "1e400",
+    "nan",
+    "inf",
+    "-inf",
+    "",
+    '"',
+    "'",
+    "1,2",
+    "1_0",
+    "0x10",
+    "9" * 400,
+    "\x00",
+)
+CELLS = st.sampled_from([*EVIL_CELLS, "=1+1"]) | st.floats().map(repr)
+
+
+def attacked_table(kind: str, data: bytes) -> None:
+    with evil(data, "evil.csv") as file:
+        assert_a_line(refusal_words(lambda: READERS[kind](file)))
+
+
+@readers
+@given(data=st.binary(max_size=300))
+@settings(max_examples=50, deadline=None)
+def test_any_bytes_of_a_table(kind: str, data: bytes) -> None:
+    attacked_table(kind, data)
+
+
+@readers
+@given(head=HEADS, rows=st.lists(st.lists(CELLS, min_size=1, max_size=3).map(",".join), max_size=12))
+@settings(max_examples=100, deadline=None)
+def test_any_cells(kind: str, head: str, rows: list[str]) -> None:
+    attacked_table(kind, "\n".join([head, *rows]).encode())
+
+
+BAD_TABLES = {
+    "a cell of 1e6 digits": b"ridge,crest_mm\n1," + b"9" * 1_000_000,
+    "a quote that never ends": b'ridge,crest_mm\n1,"' + b"9\n" * 200_000,
+    "1e6 columns": b"ridge," * 1_000_000,
+    "a column twice": b"ridge,crest_mm,crest_mm\n1,2,3",
+    "only NULs": b"\x00" * 1000,
+    "half of a letter": b"ridge,crest_mm\n\xc3,1",
+    "lone carriage returns": b"ridge,crest_mm\r1,2\r" * 3,
+    "a row of 1e6 cells": b"ridge,crest_mm\n" + b"1," * 1_000_000,
+}
+
+
+@readers
+@pytest.mark.parametrize("name", BAD_TABLES)
+def test_bad_tables(kind: str, name: str) -> None:
+    with evil(BAD_TABLES[name], "evil.csv") as file, refused():
+        READERS[kind](file)
+
+
+@readers
+def test_what_is_no_file_is_not_waited_for(kind: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    loop = tmp_path / "loop.csv"
+    loop.symlink_to(loop)
+    for path in (tmp_path / "pipe.csv", Path("/dev/zero"), tmp_path, loop, Path("a\x00b"), Path("x" * 5000)):
+        with refused():
+            READERS[kind](path)
+
+
+@readers
+def test_a_file_too_large_is_not_read(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / "large.csv"
+    with file.open("wb") as sparse:
+        sparse.truncate(LARGEST_TABLE + 1)
+    with pytest.raises(InputError, match="must be at most"):
+        READERS[kind](file)
