@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 from itertools import chain
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import skincad
 from skincad.base import Calculation, Quantity, rounded
 from skincad.fabrication import Job
 from skincad.inputs import Design
-from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
+from skincad.outputs import calculations, pages
 from tests.families import RIDGED
 
 VARIANTS: dict[str, dict[str, object]] = {
@@ -34,9 +35,9 @@ def design_of(name: str) -> Design:
 
 def steps(design: Design) -> list[Calculation]:
     return [
-        *contact_calculations(design, 0.6),
-        *casting_calculations(Job(design)),
-        *strip_calculations(design),
+        *calculations.contact_calculations(design, 0.6),
+        *calculations.casting_calculations(Job(design)),
+        *calculations.strip_calculations(design),
     ]
 
 
@@ -93,7 +94,7 @@ def test_a_formula_has_its_given_symbols_and_no_other(name: str) -> None:
 
 
 def test_one_symbol_means_one_thing_in_the_contact_steps() -> None:
-    steps = contact_calculations(skincad.load("yamada-2002"), 0.6)
+    steps = calculations.contact_calculations(skincad.load("yamada-2002"), 0.6)
     quantities: dict[str, Quantity] = {}
     for quantity in chain.from_iterable((step.result, *step.given) for step in steps):
         assert quantities.setdefault(quantity.symbol, quantity).value == quantity.value
@@ -102,7 +103,7 @@ def test_one_symbol_means_one_thing_in_the_contact_steps() -> None:
 def test_the_steps_end_in_the_closed_forms_verdict() -> None:
     design = skincad.load("yamada-2002")
     check = skincad.check(design, model="winkler")
-    values = {step.result.symbol: step.result.value for step in contact_calculations(design)}
+    values = {step.result.symbol: step.result.value for step in calculations.contact_calculations(design)}
     assert values["F"] == check.all_touch_force.value
     assert values["delta"] == check.approach.value
 
@@ -112,4 +113,55 @@ def test_no_line_is_written_where_none_holds() -> None:
     symbols = [step.result.symbol for step in steps(design_of("doubly curved"))]
     assert "F" not in symbols
     assert "g" in symbols
-    assert strip_calculations(skincad.load("plain-ridges")) == []
+    assert calculations.strip_calculations(skincad.load("plain-ridges")) == []
+
+
+MINUS = "\u2212"  # as it is printed
+
+
+def step(text: str, **values: float) -> Calculation:
+    quantities = tuple(Quantity(name, "", value, "1") for name, value in values.items())
+    return Calculation("a step", Quantity("F", "", 1.0, "N"), text, quantities, "nowhere")
+
+
+def read(drawn: str) -> str:
+    """What a reader sees, from left to right; a fraction's line as /."""
+    root = ElementTree.fromstring(drawn)
+    for fraction in root.iter("mfrac"):
+        fraction[0].tail = "/"
+    return "".join(root.itertext()).replace("\u2061", "").replace(MINUS, "-")
+
+
+@pytest.mark.parametrize(
+    ("text", "symbols", "numbers"),
+    [
+        ("a * (b + c)", "F=a·(b+c)", "F=2·(3+-4.5)"),
+        ("a - (b - c)", "F=a-(b-c)", "F=2-(3-(-4.5))"),
+        ("a / (b * c)", "F=a/b·c", "F=2/3·(-4.5)"),
+        ("c**2", "F=c2", "F=(-4.5)2"),
+        ("sin(a / b)**2", "F=sin2(a/b)", "F=sin2(2/3)"),
+        ("sqrt(a + b)", "F=a+b", "F=2+3"),
+        ("-a + b", "F=-a+b", "F=-2+3"),
+    ],
+)
+def test_a_formula_reads_as_it_computes(text: str, symbols: str, numbers: str) -> None:
+    calculation = step(text, a=2.0, b=3.0, c=-4.5)
+    assert read(pages.formula(calculation)) == symbols
+    assert read(pages.formula_with_numbers(calculation)) == numbers
+
+
+def test_indices_primes_greek_letters_and_powers_of_ten() -> None:
+    calculation = step("E1 * nu * c_b", E1=1e-12, nu=0.499, c_b=2.5e9)
+    drawn = pages.formula(calculation)
+    assert "<msup><mi>E</mi><mo>\u2032</mo></msup>" in drawn
+    assert "<mi>\u03bd</mi>" in drawn
+    assert "<msub><mrow><mi>c</mi></mrow><mi>b</mi></msub>" in drawn
+    assert read(pages.formula_with_numbers(calculation)) == "F=1·10-12·0.499·2.5·109"
+
+
+def test_what_each_ridge_has_stays_a_symbol_under_its_sum() -> None:
+    many = Quantity("k_i", "", (1.0, 2.0), "N/mm")
+    calculation = Calculation(
+        "a sum", Quantity("F", "", 3.0, "N"), "sum(k_i * (g - k_i))", (many,), "nowhere"
+    )
+    assert read(pages.formula_with_numbers(calculation)) == "F=∑iki·(g-ki)"

@@ -10,8 +10,7 @@ from PIL import Image
 
 import skincad
 from skincad.inputs import template_names
-from skincad.outputs import forces
-from skincad.outputs.gallery import entries, force_of, page, smallest_detail
+from skincad.outputs import forces, gallery
 from tests.conftest import Made
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
@@ -20,7 +19,7 @@ NAMES = template_names()
 
 def test_the_page_is_current() -> None:
     """`python -m bench.gallery` writes it."""
-    assert (DOCS / "gallery.md").read_text() == page()
+    assert (DOCS / "gallery.md").read_text() == gallery.page()
     assert sorted(path.stem for path in (DOCS / "gallery").iterdir()) == NAMES
 
 
@@ -33,23 +32,20 @@ def test_every_force_is_of_the_design_that_ships() -> None:
 
 def test_a_changed_design_has_no_force() -> None:
     higher = skincad.load_design("yamada-2002", ["ridge.height=0.6"])
-    assert force_of(higher).value is None
+    assert gallery.force_of(higher).value is None
 
 
-def test_a_row_says_what_a_design_is() -> None:
-    row = entries()["lab-bench"]
-    assert (row["family"], row["count"], row["size_mm"]) == ("ridge", 9, [22.0, 24.0])
-    assert (row["process"], row["end_plate_process"], row["silicone"]) == ("sla", "edm", "dragon-skin-10")
-    assert (row["smallest_detail_mm"], row["smallest_detail"]) == (0.1, "slot")
+def test_a_designs_force_is_above_what_all_ridges_need() -> None:
+    row = gallery.entries()["lab-bench"]
     needed = row["all_touch_force_N"]
     assert needed["value"] + needed["error"] < row["force_N"] == 4.0
 
 
 def test_the_smallest_detail_is_the_narrowest_of_groove_tooth_and_slot() -> None:
     bare = skincad.load_design("plain-ridges")
-    assert smallest_detail(bare) == (0.25, "tooth between two ridges' roots")
-    assert smallest_detail(bare.with_(ridge={"tip_width": 0.2}))[0] == 0.2
-    assert smallest_detail(skincad.load_design("cast-in"))[1] == "film"
+    assert gallery.smallest_detail(bare) == (0.25, "tooth between two ridges' roots")
+    assert gallery.smallest_detail(bare.with_(ridge={"tip_width": 0.2}))[0] == 0.2
+    assert gallery.smallest_detail(skincad.load_design("cast-in"))[1] == "film"
 
 
 def assert_alike(shown: Path, drawn: Path) -> None:
@@ -64,7 +60,7 @@ def test_the_picture_of_yamada_2002_is_what_the_program_draws(made: Made) -> Non
     assert_alike(DOCS / "gallery" / "yamada-2002.png", made.folder / "picture.png")
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "yamada-2002"])
 def test_every_picture_is_what_the_program_draws(name: str, tmp_path: Path) -> None:
     result = skincad.make(skincad.load_design(name), preview=True)
@@ -72,10 +68,15 @@ def test_every_picture_is_what_the_program_draws(name: str, tmp_path: Path) -> N
     assert_alike(DOCS / "gallery" / f"{name}.png", tmp_path / "out" / "picture.png")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.slow if n == "yamada-2002" else pytest.mark.evidence(subject=n))
+        for n in NAMES
+    ],
+)
 def test_every_force_is_what_the_model_gives(name: str) -> None:
-    known, row = force_of(skincad.load_design(name)), forces()[name]
+    known, row = gallery.force_of(skincad.load_design(name)), forces()[name]
     again = skincad.check(skincad.load_design(name), model=row["model"]).all_touch_force
     assert known.value == pytest.approx(again.value, rel=1e-3)
     assert known.error == pytest.approx(again.error, rel=0.1)

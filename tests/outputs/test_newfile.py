@@ -1,7 +1,12 @@
+"""What `skincad new` writes and `skincad templates` lists: keys explained, values with their sources."""
+
+from __future__ import annotations
+
 import json
 import re
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import jsonschema
@@ -20,66 +25,18 @@ from skincad.inputs import (
     Kind,
     processes,
     silicones,
+    table_text,
     template_names,
     template_text,
 )
-from skincad.outputs import schema_of, write_new
-from skincad.outputs.tomls import commented_toml
+from skincad.outputs import listing, schema_of, tomls, write_new
 from skincad.scenes import Scene, load_scene
-from tests.conftest import run_skincad
-from tests.families import OF_FAMILIES, RIDGED
+from tests.conftest import run_skincad, skincad_process
+from tests.families import OF_FAMILIES
 from tests.refusals import refused
 
-
-@pytest.mark.parametrize("name", template_names())
-def test_a_new_file_is_its_template_with_every_key_explained(tmp_path: Path, name: str) -> None:
-    path, schema = write_new(tmp_path / "mine.toml", f"designs/{name}")
-    assert skincad.load(path) == skincad.load(name).with_(name="mine")
-    text = path.read_text()
-    assert text.startswith(f"#:schema ./{schema.name}\n")
-    ridged = ("tip_fillet", "d33") if name in RIDGED else ()
-    for key in ("curvature_radius", "clearance", "tilt", "radius", *ridged):
-        line = next(i for i, row in enumerate(text.splitlines()) if row.lstrip("# ").startswith(f"{key} ="))
-        assert any(row.startswith("# ") and "[" in row for row in text.splitlines()[line - 2 : line]), key
-
-
 EACH = [(kind, name) for kind in KINDS for name in template_names(kind)]
-every_template = pytest.mark.parametrize(("kind", "name"), EACH)
-
-
-@every_template
-def test_the_schema_accepts_every_template(kind: Kind, name: str) -> None:
-    jsonschema.validate(tomllib.loads(template_text(name, kind)), json.loads(schema_of(kind)))
-
-
-@every_template
-def test_a_new_file_says_what_its_template_says(kind: Kind, name: str, tmp_path: Path) -> None:
-    path, schema = write_new(tmp_path / "mine.toml", f"{kind}/{name}")
-    assert tomllib.loads(path.read_text()) == {**tomllib.loads(template_text(name, kind)), "name": "mine"}
-    assert path.read_text().startswith(f"#:schema ./{schema.name}\n")
-    family = next(
-        (key for key in FAMILY_TABLES if kind == "designs" and key in tomllib.loads(path.read_text())), ""
-    )
-    assert schema.read_text() == schema_of(kind, family)
-    loaders = {"designs": skincad.load, "scenes": load_scene, "circuits": load_circuit}
-    assert loaders[kind](path).name == "mine"
-
-
-@pytest.mark.parametrize("name", OF_FAMILIES)
-def test_a_design_and_its_schema_show_the_keys_of_its_family(name: str) -> None:
-    design = OF_FAMILIES[name]()
-    family, others = design.features.family, {*FAMILY_TABLES} - {design.features.family}
-    schema = json.loads(schema_of("designs", family))
-    text = commented_toml("designs", design.to_toml(), name, "x.json")
-    tables = {
-        line.strip("# []").partition(".")[0] for line in text.splitlines() if re.match(r"^(# )?\[", line)
-    }
-    assert tables & {*others, "slot", "film"} == set()
-    assert {*schema["properties"]} & {*others, "slot", "film"} == set()
-    assert family in tables & {*schema["properties"]}
-    jsonschema.validate(tomllib.loads(text), schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({key: value for key, value in design if key != family}, schema)
+LOADERS = {"designs": skincad.load, "scenes": load_scene, "circuits": load_circuit}
 
 
 def explained(text: str) -> dict[str, str]:
@@ -93,6 +50,40 @@ def explained(text: str) -> dict[str, str]:
             above = rows[i - 2] if rows[i - 1].startswith("#   ") else rows[i - 1]
             meanings[table + key[2]] = above
     return meanings
+
+
+@pytest.mark.parametrize(("kind", "name"), EACH)
+def test_a_new_file_is_its_template_with_every_key_explained(kind: Kind, name: str, tmp_path: Path) -> None:
+    path, schema = write_new(tmp_path / "mine.toml", f"{kind}/{name}")
+    text, shipped = path.read_text(), tomllib.loads(template_text(name, kind))
+    data = tomllib.loads(text)
+    assert data == {**shipped, "name": "mine"}
+    assert text.startswith(f"#:schema ./{schema.name}\n")
+    family = next((key for key in FAMILY_TABLES if kind == "designs" and key in data), "")
+    assert schema.read_text() == schema_of(kind, family)
+    jsonschema.validate(shipped, json.loads(schema_of(kind)))
+    assert LOADERS[kind](path) == LOADERS[kind](name).with_(name="mine")
+    meanings = explained(text)
+    assert all(meaning.startswith("# ") for meaning in meanings.values())
+    for key in ("skin.curvature_radius", "mold.clearance", "contact.plate.tilt") if kind == "designs" else ():
+        assert "[" in meanings[key], key
+
+
+@pytest.mark.parametrize("name", OF_FAMILIES)
+def test_a_design_and_its_schema_show_the_keys_of_its_family(name: str) -> None:
+    design = OF_FAMILIES[name]()
+    family, others = design.features.family, {*FAMILY_TABLES} - {design.features.family}
+    schema = json.loads(schema_of("designs", family))
+    text = tomls.commented_toml("designs", design.to_toml(), name, "x.json")
+    tables = {
+        line.strip("# []").partition(".")[0] for line in text.splitlines() if re.match(r"^(# )?\[", line)
+    }
+    assert tables & {*others, "slot", "film"} == set()
+    assert {*schema["properties"]} & {*others, "slot", "film"} == set()
+    assert family in tables & {*schema["properties"]}
+    jsonschema.validate(tomllib.loads(text), schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({key: value for key, value in design if key != family}, schema)
 
 
 def keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, FieldInfo]]:
@@ -265,9 +256,7 @@ def test_a_name_that_no_comment_can_hold_is_refused_and_nothing_is_written(tmp_p
 def test_a_file_that_would_be_no_design_never_takes_its_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        "skincad.outputs.tomls.commented_toml", lambda *_: "name = 'x'\n[ridge]\nheight = -1\n"
-    )
+    monkeypatch.setattr(tomls, "commented_toml", lambda *_: "name = 'x'\n[ridge]\nheight = -1\n")
     with pytest.raises(InputError):
         write_new(tmp_path / "mine.toml")
     assert not list(tmp_path.iterdir())
@@ -278,3 +267,65 @@ def test_a_file_that_appears_meanwhile_is_not_written_over(tmp_path: Path) -> No
         staging.write_text("ours")
         (tmp_path / "a.png").write_text("mine")
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a.png": "mine"}
+
+
+EVERY = (*KINDS, "studies", "silicones", "processes", "grippers")
+listed = cache(listing)
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_kind_is_listed_alone_as_among_all(kind: str) -> None:
+    """Lines and words are golden."""
+    data, lines = listed(kind)
+    every, rows = listed(None)
+    assert tuple(every) == EVERY
+    assert data["kind"] == kind
+    assert list(data["entries"]) == every[kind]
+    if kind in (*KINDS, "studies"):
+        assert every[kind] == template_names(kind)
+    if kind in KINDS:
+        assert lines == [row for row in rows if row.startswith(f"{kind[:-1]} ")]
+        for row, (name, entry) in zip(lines[kind == "designs" :], data["entries"].items(), strict=True):
+            assert name in row
+            assert row.endswith(entry["about"])
+    if kind in ("silicones", "processes"):
+        assert data["entries"] == tomllib.loads(table_text(kind))
+
+
+def test_each_number_of_a_process_has_a_source() -> None:
+    data, lines = listed("processes")
+    for name, table in data["entries"].items():
+        assert table.keys() == data["sources"][name].keys()
+        assert all(re.match("assumption|source: ", source) for source in data["sources"][name].values())
+        assert sum(line.startswith(f"  {name}  ") for line in lines) == len(table)
+
+
+def test_a_kind_that_is_none_is_told() -> None:
+    with pytest.raises(InputError, match=r"^kind: no such kind, got 'silicon'; did you mean 'silicones'\?$"):
+        listed("silicon")
+
+
+def test_the_command_lists_a_kind(tmp_path: Path) -> None:
+    process = run_skincad("templates", "silicones", cwd=tmp_path)
+    assert process.stdout.splitlines() == listed("silicones")[1]
+    data = json.loads(run_skincad("templates", "processes", "--json", cwd=tmp_path).stdout)
+    assert data == listed("processes")[0]
+    wrong = run_skincad("templates", "silicon", cwd=tmp_path)
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+    assert wrong.stderr == "skincad: KIND: no such kind, got 'silicon'; did you mean 'silicones'?\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("skincad templates s", ["scenes", "studies", "silicones"]),
+        ("skincad new x.toml --template circ", ["circuits/yamada-2002"]),
+        ("skincad new x.toml --template ho", ["home-printer", "hold"]),
+        ("skincad new x.toml --template silic", ["silicones"]),
+    ],
+)
+def test_a_shell_completes_kinds_and_templates(words: str, wanted: list[str], tmp_path: Path) -> None:
+    shell = {"_SKINCAD_COMPLETE": "complete_bash", "COMP_WORDS": words}
+    process = skincad_process(cwd=tmp_path, COMP_CWORD=str(len(words.split()) - 1), **shell)
+    assert process.stdout.split() == wanted

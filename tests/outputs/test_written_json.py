@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 
 from skincad.base import files_below
-from skincad.cli.app import app
 from skincad.studies.accuracy import circuit
+from tests.conftest import run_skincad
 from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder
@@ -25,7 +22,7 @@ THIRDS = (
 )
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
     "make": (
-        *("make", *SMALL, "--format", "dxf", "--set", "contact.force=0.01"),
+        *("make", *SMALL, "--preview", "--format", "toml", "--set", "contact.force=0.01"),
         *("--tier", "winkler", "--no-advice"),
     ),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
@@ -61,16 +58,11 @@ def strict(text: str) -> Any:
     return json.loads(text, parse_constant=never, object_pairs_hook=once)
 
 
-def run(arguments: tuple[str, ...]) -> tuple[int, str]:
-    """Run a command in this process; return its status and what it prints on stdout."""
-    command = typer.main.get_command(app)
-    with contextlib.redirect_stdout(io.StringIO()) as said:
-        status = command.main(list(arguments), prog_name="skincad", standalone_mode=False)
-    return status or 0, said.getvalue()
+Ran = tuple[Path, dict[str, tuple[int, str]]]  # a folder, and each command's status and words
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tuple[int, str]]]:
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     """One folder that all commands have written into, and what each said; by a cheap model and a short
     ladder: JSON is as strict of them."""
     folder = tmp_path_factory.mktemp("all")
@@ -88,13 +80,14 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, tupl
         for name, arguments in RUNS.items():
             into = ("-o", str(out)) if arguments[0] in WRITING else ()
             small = ("simulate", *scene, *arguments[2:]) if name == "simulate" else arguments
-            table[name] = run((*small, "--json", *into))
+            process = run_skincad(*small, "--json", *into, cwd=folder)
+            table[name] = process.returncode, process.stdout
     return out, table
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_what_is_printed_is_json(name: str, told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
-    status, text = told[1][name]
+def test_what_is_printed_is_json(name: str, ran: Ran) -> None:
+    status, text = ran[1][name]
     assert text.count("\n") == 1
     assert isinstance(strict(text), dict)
     assert status == (1 if name == "make" else 0)
@@ -102,17 +95,17 @@ def test_what_is_printed_is_json(name: str, told: tuple[Path, dict[str, tuple[in
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DEAR)
-def test_what_takes_longer_is_json_too(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert isinstance(strict(run((*DEAR[name], "--json"))[1]), dict)
+def test_what_takes_longer_is_json_too(name: str, tmp_path: Path) -> None:
+    process = run_skincad(*DEAR[name], "--json", cwd=tmp_path)
+    assert isinstance(strict(process.stdout), dict)
     assert bool(list(tmp_path.rglob("*.json"))) == (DEAR[name][0] in WRITING)
     for path in tmp_path.rglob("*.json"):
         strict(path.read_text("utf-8"))
 
 
-def test_all_commands_live_in_one_folder(told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
+def test_all_commands_live_in_one_folder(ran: Ran) -> None:
     """The manifests together list every file, each once."""
-    out, _ = told
+    out, _ = ran
     manifests = {command: strict((out / f"{command}.json").read_text("utf-8")) for command in WRITING}
     listed = [name for manifest in manifests.values() for name in manifest["files"]]
     assert sorted([*listed, *(f"{command}.json" for command in WRITING)]) == list(files_below(out))
@@ -122,8 +115,8 @@ def test_all_commands_live_in_one_folder(told: tuple[Path, dict[str, tuple[int, 
     assert manifests["circuit"]["name"] == "transimpedance"  # the later one
 
 
-def test_every_file_is_listed_with_what_is_printed(told: tuple[Path, dict[str, tuple[int, str]]]) -> None:
-    out, said = told
+def test_every_file_is_listed_with_what_is_printed(ran: Ran) -> None:
+    out, said = ran
     for name in ("circuit again", "accuracy", "make"):
         files = strict(said[name][1])["files"]
         manifest = strict((out / f"{RUNS[name][0]}.json").read_text("utf-8"))
@@ -132,7 +125,7 @@ def test_every_file_is_listed_with_what_is_printed(told: tuple[Path, dict[str, t
 
 
 def test_the_schema_is_json(tmp_path: Path) -> None:
-    run(("new", str(tmp_path / "mine.toml")))
+    assert run_skincad("new", "mine.toml", cwd=tmp_path).returncode == 0
     assert isinstance(strict((tmp_path / "mine.schema.json").read_text("utf-8")), dict)
 
 

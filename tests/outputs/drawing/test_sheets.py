@@ -32,10 +32,8 @@ from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.part_drawing import part_drawing
 from skincad.fabrication.parts_list import parts_list
 from skincad.inputs import Design, template_names
-from skincad.outputs.drawing import formats, marks
-from skincad.outputs.drawing.assembly_sheet import BALLOON, assembly_sheet
+from skincad.outputs.drawing import assembly_sheet, formats, marks, part_views
 from skincad.outputs.drawing.part_sheet import part_sheet
-from skincad.outputs.drawing.part_views import ViewPlacement, bore_marks
 from skincad.solids import Arc, CutRole, Part, RotatedBody, bores, solid, workplane
 from skincad.solids.occ import projection
 from tests.bent_skin import three_ridges
@@ -209,7 +207,9 @@ def test_a_mounts_thread_ends_before_its_bore_with_a_line_across() -> None:
     design = named("mounted")
     drawing = drawn(design, Job(design).closed.part("carrier")).drawing
     (group,) = (group for group in drawing.holes if group.role is CutRole.MOUNT)
-    strokes = bore_marks((group,), {view: ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views})
+    strokes = part_views.bore_marks(
+        (group,), {view: part_views.ViewPlacement((0.0, 0.0), 2.0) for view in drawing.views}
+    )
     hidden = [m.stroke.points for m in strokes if isinstance(m, marks.Ink) and m.layer == "HIDDEN"]
     assert len(hidden) == 3 * len(group.side_views)
     assert group.side_views
@@ -439,24 +439,24 @@ ASSEMBLIES = {
 @pytest.mark.parametrize("name", [*ASSEMBLIES, *others(template_names(), "yamada-2002", "flat-magnet")])
 def test_every_part_has_its_row_and_what_is_seen_its_balloon(name: str) -> None:
     job = Job(ASSEMBLIES[name]() if name in ASSEMBLIES else skincad.load(name))
-    drawing, sheet = assembly_drawing(job), assembly_sheet(assembly_drawing(job), "0", "")
+    drawing, sheet = assembly_drawing(job), assembly_sheet.assembly_sheet(assembly_drawing(job), "0", "")
     rows = {str(n): item.what for n, item in enumerate(parts_list(job), 1)}
     (table,) = drawing.tables
     assert {row[2] for row in table.rows} >= {part.name for part in job.closed.parts if part.made == "made"}
     assert all(rows[row[0]] == row[2] for row in table.rows)
     rings = [m.stroke for m in sheet.marks if isinstance(m, marks.Ink) and isinstance(m.stroke, Arc)]
-    circles = [ring for ring in rings if ring.radius == BALLOON]
+    circles = [ring for ring in rings if ring.radius == assembly_sheet.BALLOON]
     cut = {face.item for face in drawing.faces if face.item}
     assert len(circles) == len(cut) + len(drawing.balloons)
     assert {rows[item] for item in cut} >= {"cover", "carrier"}
     words_in_frame(sheet, 8.0)
     centres = [ring.centre for ring in circles]
     apart = [shapely.Point(a).distance(shapely.Point(b)) for i, a in enumerate(centres) for b in centres[:i]]
-    assert min(apart) > 2 * BALLOON
+    assert min(apart) > 2 * assembly_sheet.BALLOON
 
 
 def test_the_assembly_is_read_as_pdf_and_as_dxf(tmp_path: Path) -> None:
-    sheet = assembly_sheet(assembly_drawing(Job(skincad.load("yamada-2002"))), "0", "")
+    sheet = assembly_sheet.assembly_sheet(assembly_drawing(Job(skincad.load("yamada-2002"))), "0", "")
     formats.write_sheet_pdf(sheet, tmp_path / "a.pdf")
     formats.write_sheet_dxf(sheet, tmp_path / "a.dxf")
     words = pypdf.PdfReader(tmp_path / "a.pdf").pages[0].extract_text()

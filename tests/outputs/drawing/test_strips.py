@@ -27,15 +27,11 @@ from skincad.outputs.drawing import flat
 from skincad.shape import Point, Segment, area, polygon, section
 from skincad.solids import STUB, scaled_for_shrinkage
 from tests.conftest import Made
+from tests.templates import template
 
 PITCH = 2.54  # mm, of pins
 LEAD = 36.0  # mm, of yamada-2002: 17 tabs of 2.54, less the slots, aside by 30 degrees
-FAST = ("yamada-2002", "cast-in")  # drawn in and cast in
-FILMS = [
-    pytest.param(name, marks=() if name in FAST else pytest.mark.evidence(subject=name))
-    for name in template_names()
-    if skincad.load(name).film
-]
+FILMS = [template(name) for name in template_names() if skincad.load(name).film]
 SIDES = pytest.mark.parametrize("side", ["a", "b"])
 ROUND = 1e-9  # mm2, sixteen digits of places below 100 mm: a sliver of 1e-14 mm along a lead of 100
 Loops = dict[str, list[tuple[Segment, ...]]]

@@ -27,7 +27,6 @@ from skincad.mechanics import sensitivities
 from skincad.outputs import Axes, diagram, gain_figure, sheet
 from skincad.outputs.figures import canvas, results, scenes
 from skincad.outputs.figures import design as pictures
-from skincad.outputs.figures.canvas import Picture
 from skincad.studies import ErrorMeasure, Ladder, Measurement
 from tests.families import RIDGED
 from tests.small_scene import THIRD, small_scene
@@ -103,7 +102,7 @@ def result(name: str, folder: Path) -> Result:
 
 
 @cache
-def figures_of(name: str, folder: Path) -> dict[str, Picture]:
+def figures_of(name: str, folder: Path) -> dict[str, canvas.Picture]:
     """The figures of a result, laid out and drawn."""
     figures = dict(result(name, folder).figures()) if name in RESULTS else {name: OTHERS[name](folder)}
     with canvas.own_style():
@@ -112,13 +111,13 @@ def figures_of(name: str, folder: Path) -> dict[str, Picture]:
     return figures
 
 
-def design(name: str) -> Picture:
+def design(name: str) -> canvas.Picture:
     subject = skincad.load(name)
     closed = Job(subject).closed
     return pictures.design_figure(subject, closed, {part.name: mesh(part, 0.05) for part in closed.parts})
 
 
-def ladder() -> Picture:
+def ladder() -> canvas.Picture:
     measure = ErrorMeasure(
         "force", "error of the all-touch force, relative", "1", "the finest: a solid", "", floor=1e-4
     )
@@ -133,7 +132,7 @@ def ladder() -> Picture:
     )
 
 
-def many_signals(folder: Path) -> Picture:
+def many_signals(folder: Path) -> canvas.Picture:
     """All of nine ridges monitored, each with an error, and each slips."""
     simulation: Any = result("pull", folder)
     signals = dict.fromkeys(range(1, 10), simulation.signals[3])
@@ -142,7 +141,7 @@ def many_signals(folder: Path) -> Picture:
     return scenes.scene_figure(replace(simulation, signals=signals, error=error, slip_steps=slips))
 
 
-def measured_gain() -> Picture:
+def measured_gain() -> canvas.Picture:
     circuit_gain = skincad.gain(skincad.load_circuit("yamada-2002"))
     points = SimpleNamespace(
         frequency=circuit_gain.frequency[::9],
@@ -153,7 +152,7 @@ def measured_gain() -> Picture:
 
 
 DESIGNS = ("yamada-2002", "plain-ridges", "steep-fingertip")
-OTHERS: dict[str, Callable[[Path], Picture]] = {
+OTHERS: dict[str, Callable[[Path], canvas.Picture]] = {
     **{f"design {name}": lambda _, name=name: design(name) for name in DESIGNS},
     "signals of many ridges": many_signals,
     "ladder": lambda _: ladder(),
@@ -216,14 +215,14 @@ def inside(box: Bbox | None, at: np.ndarray) -> bool:
     return bool(np.any((box.x0 < at[:, 0]) & (at[:, 0] < box.x1) & (box.y0 < at[:, 1]) & (at[:, 1] < box.y1)))
 
 
-def cut(figure: Picture) -> bool:
+def cut(figure: canvas.Picture) -> bool:
     """Whether anything that is drawn, letters too, reaches out of the figure."""
     box = figure.get_tightbbox(figure.canvas.get_renderer()).padded(-EDGE / figure.dpi)
     wide, high = figure.get_size_inches()
     return bool(min(box.x0, box.y0) < 0 or box.x1 > wide or box.y1 > high)
 
 
-def hidden(figure: Picture) -> bool:
+def hidden(figure: canvas.Picture) -> bool:
     """Whether a legend lies over what is drawn of data, as far as its axes show it."""
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
     return any(
@@ -234,7 +233,7 @@ def hidden(figure: Picture) -> bool:
     )
 
 
-def titles_clear_of_legends(figure: Picture) -> bool:
+def titles_clear_of_legends(figure: canvas.Picture) -> bool:
     boxes = [legend.get_window_extent() for legend in figure.legends]
     boxes += [axes.get_legend().get_window_extent() for axes in figure.axes if axes.get_legend()]
     titles = [axes.title for axes in figure.axes if axes.title.get_text()]
@@ -242,7 +241,7 @@ def titles_clear_of_legends(figure: Picture) -> bool:
     return not any(box.overlaps(title.get_window_extent()) for box in boxes for title in titles)
 
 
-def labels(figure: Picture) -> list[str]:
+def labels(figure: canvas.Picture) -> list[str]:
     """The labels of axes of numbers."""
     return [
         label
@@ -383,7 +382,7 @@ def test_colour_blind_readers_tell_the_curves_apart(seen: np.ndarray) -> None:
     assert min(apart.values()) > 10, min(apart, key=apart.__getitem__)
 
 
-def leaders(figure: Picture) -> list[shapely.LineString]:
+def leaders(figure: canvas.Picture) -> list[shapely.LineString]:
     """The lines from parts to their names, in the picture's pixels."""
     named = [text for axes in figure.axes for text in axes.texts if getattr(text, "arrow_patch", None)]
     return [shapely.LineString([text.xy, text.xyann]) for text in named]

@@ -19,9 +19,8 @@ from skincad.inputs import Design
 from skincad.mechanics import FilmStress, Sensitivity, film_stresses
 from skincad.mechanics.film import stress
 from skincad.outputs import Axes, gain_figure, save
-from skincad.outputs.figures import results
+from skincad.outputs.figures import canvas, results
 from skincad.outputs.figures import stress as film_pictures
-from skincad.outputs.figures.canvas import Picture
 
 
 def test_each_ridge_has_its_bar_and_the_mean_is_a_line(yamada: Design) -> None:
@@ -176,8 +175,11 @@ def states() -> tuple[FilmStress, ...]:
         return film_stresses(design, 2.0, (0.0, 0.5), show=(1, 2))
 
 
+Drawn = tuple[canvas.Picture, Path]
+
+
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Picture, Path]:
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Drawn:
     """The picture of Fig 8, and its file."""
     path = tmp_path_factory.mktemp("drawn") / "stress.png"
     figure = film_pictures.film_stress_figure(*states())
@@ -185,14 +187,14 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Picture, Path]:
     return figure, path
 
 
-def test_a_film_stress_picture_is_900_wide_and_not_blank(drawn: tuple[Picture, Path]) -> None:
+def test_a_film_stress_picture_is_900_wide_and_not_blank(drawn: Drawn) -> None:
     image = Image.open(drawn[1])
     assert image.size[0] == 900
     assert image.format == "PNG"
     assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 50  # a field, not lines
 
 
-def test_both_panels_hold_the_numbers(drawn: tuple[Picture, Path]) -> None:
+def test_both_panels_hold_the_numbers(drawn: Drawn) -> None:
     for axes, state in zip(drawn[0].axes[:2], states(), strict=True):
         for bars, estimates in zip(axes.containers, (state.s1, state.s2, state.differential), strict=True):
             points, _, (spans,) = bars
@@ -204,7 +206,7 @@ def test_both_panels_hold_the_numbers(drawn: tuple[Picture, Path]) -> None:
     assert titles[2:] == ["ridge 1", "ridge 2"] * 2
 
 
-def test_the_note_tells_the_lean_with_its_figure(drawn: tuple[Picture, Path]) -> None:
+def test_the_note_tells_the_lean_with_its_figure(drawn: Drawn) -> None:
     note, share = drawn[0].get_supxlabel(), states()[0].lean_share(1).value
     assert "Outer ridges lean" in note
     assert f"{share:.0%}" in note
@@ -213,7 +215,7 @@ def test_the_note_tells_the_lean_with_its_figure(drawn: tuple[Picture, Path]) ->
 
 
 @pytest.mark.slow
-def test_a_film_stress_picture_has_the_same_bytes_again(drawn: tuple[Picture, Path], tmp_path: Path) -> None:
+def test_a_film_stress_picture_has_the_same_bytes_again(drawn: Drawn, tmp_path: Path) -> None:
     save(film_pictures.film_stress_figure(*states()), tmp_path / "again.png")
     assert (tmp_path / "again.png").read_bytes() == drawn[1].read_bytes()
 

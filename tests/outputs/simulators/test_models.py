@@ -16,7 +16,6 @@ from skincad.outputs import links
 from skincad.outputs.simulators import links as weights
 from skincad.outputs.simulators import models
 from skincad.outputs.simulators import springs as room
-from skincad.outputs.simulators.links import Weight
 from tests.consumers import gmsh
 from tests.outputs.simulators.conftest import PackageFolder
 from tests.processes import run_gmsh
@@ -117,7 +116,7 @@ def test_a_strict_reader_takes_the_urdf(simulated: PackageFolder) -> None:
     assert high[0] - low[0] == pytest.approx(simulated.package.surfaces["carrier"].extents[0], rel=0.2)
 
 
-LOPSIDED = Weight(
+LOPSIDED = weights.Weight(
     2.0, np.array([1.0, -2.0, 3.0]), np.array([[9.0, 1.0, -2.0], [1.0, 8.0, 0.5], [-2.0, 0.5, 7.0]])
 )
 
@@ -145,9 +144,9 @@ def test_a_urdf_reader_reads_an_inertia(tmp_path: Path) -> None:
     assert inertial.inertia * 1e9 == pytest.approx(LOPSIDED.inertia)
 
 
-def box(mass: float, x: float, y: float, z: float, at: tuple[float, float, float]) -> Weight:
+def box(mass: float, x: float, y: float, z: float, at: tuple[float, float, float]) -> weights.Weight:
     inertia = mass / 12 * np.diag([y * y + z * z, x * x + z * z, x * x + y * y])
-    return Weight(mass, np.array(at), inertia)
+    return weights.Weight(mass, np.array(at), inertia)
 
 
 def test_two_boxes_are_one_and_apart_again() -> None:
