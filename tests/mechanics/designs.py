@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from skincad import load
+from skincad import check, load
 from skincad.base import Estimate
 from skincad.inputs import Design
 from skincad.mechanics import Answer, Request
-from skincad.mechanics.check import check
 from skincad.mechanics.models import linear
 
 linear_check = partial(check, model="linear")  # the verdict by one model, whatever it leaves out

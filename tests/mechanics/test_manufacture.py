@@ -8,8 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import skincad
-from skincad import load
+from skincad import check, load
 from skincad.mechanics import (
     KEYS,
     Request,
@@ -21,39 +20,38 @@ from skincad.mechanics import (
     pad_of,
     plane_piece,
     press,
+    problem,
     ridge_forces,
     ridge_model,
     sensitivities,
     unit_of,
 )
-from skincad.mechanics.contact.frictionless import seen_by_plate
-from skincad.mechanics.manufacture import (
-    MODEL_MISCLASSIFIES,
-    MODULUS,
-    SCALED_MISCLASSIFIES,
-    all_touch,
-    manufacture,
-)
-from skincad.mechanics.models import corrected
-from skincad.mechanics.models.linear import PlaneSolution, level
-from skincad.mechanics.problem import Spread
+from skincad.mechanics import manufacture as yields
+from skincad.mechanics.contact import frictionless
+from skincad.mechanics.models import corrected, linear
 from skincad.shape import skin_of
 from tests.families import RIDGED
 from tests.mechanics.designs import linear_check, reference
+from tests.templates import template
 
 
 @pytest.fixture(
     scope="module",
-    params=["yamada-2002", "fingertip-soft", pytest.param("nozzle-04", marks=pytest.mark.slow)],
+    params=[
+        "plain-ridges",
+        *(template(n, tier="slow") for n in ("yamada-2002", "fingertip-soft", "nozzle-04")),
+    ],
 )
-def case(request: pytest.FixtureRequest) -> tuple[PlaneSolution, RidgeModel, float, float]:
+def case(request: pytest.FixtureRequest) -> tuple[linear.PlaneSolution, RidgeModel, float, float]:
     design = load(request.param)
     pad, force = pad_of(design), design.contact.force
-    solution = level(plane_piece(pad, 0.5, whole=True), 2, force)
+    solution = linear.level(plane_piece(pad, 0.5, whole=True), 2, force)
     return solution, ridge_model(solution.ridges, force, unit_of(pad), solution.scale), unit_of(pad), force
 
 
-def test_reduced_forces_are_the_condensed_ones(case: tuple[PlaneSolution, RidgeModel, float, float]) -> None:
+def test_reduced_forces_are_the_condensed_ones(
+    case: tuple[linear.PlaneSolution, RidgeModel, float, float],
+) -> None:
     solution, model, _, force = case
     reduced = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force / solution.scale]))[0]
     # coupling by a fixed pressure under each crown: 2 % of the mean share
@@ -61,7 +59,7 @@ def test_reduced_forces_are_the_condensed_ones(case: tuple[PlaneSolution, RidgeM
 
 
 def test_reduced_model_judges_parts_as_the_condensed_one(
-    case: tuple[PlaneSolution, RidgeModel, float, float],
+    case: tuple[linear.PlaneSolution, RidgeModel, float, float],
 ) -> None:
     solution, model, _, force = case
     sigma = 0.15 * float(np.ptp(model.gap))
@@ -77,7 +75,7 @@ def test_reduced_model_judges_parts_as_the_condensed_one(
     ])  # fmt: skip
     assert np.abs(reduced - exact).max() < 0.02 * scaled_force
     wrong = np.mean((reduced > 0).all(axis=1) != (exact > 0).all(axis=1))
-    assert wrong <= MODEL_MISCLASSIFIES + 0.02  # 200 parts: two standard errors of a 2 % share
+    assert wrong <= yields.MODEL_MISCLASSIFIES + 0.02  # 200 parts: two standard errors of a 2 % share
 
 
 def test_a_force_far_below_what_closes_the_gaps_settles() -> None:
@@ -102,15 +100,15 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     """docs/evidence/facts.md#manufacture: F9 +32 % and +65 %."""
     design = reference()
     pad = pad_of(design)
-    solution = level(plane_piece(pad, whole=True), 2, 4.0)
+    solution = linear.level(plane_piece(pad, whole=True), 2, 4.0)
     model = ridge_model(solution.ridges, 6.0, unit_of(pad), solution.scale)
     outer = np.zeros((3, 9))
     outer[1, [0, -1]], outer[2, [0, -1]] = 0.025 / unit_of(pad), 0.05 / unit_of(pad)
-    force = all_touch(model, outer, 4.0 / solution.scale)
+    force = yields.all_touch(model, outer, 4.0 / solution.scale)
     assert force[1:] / force[0] - 1 == pytest.approx([0.32, 0.65], abs=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yield: plain-ridges")
 def test_share_of_failing_reference_parts() -> None:
     """27 % of parts need more than 4 N at crest errors of sigma 0.02 mm, 45 % at 0.03 mm.
 
@@ -118,13 +116,13 @@ def test_share_of_failing_reference_parts() -> None:
     a margin of 0.97 N over 42 N/mm x 0.02 mm on either side leaves 1 - 0.88^2 = 23 % already.
     """
     pad = pad_of(reference())
-    solution = level(plane_piece(pad, 0.5, whole=True), 2, 4.0)
+    solution = linear.level(plane_piece(pad, 0.5, whole=True), 2, 4.0)
     scaled_force, ridges = 4.0 / solution.scale, solution.ridges
     model = ridge_model(ridges, 4.0, unit_of(pad), solution.scale)
     rigid = (0.8, 0.8, 0.8)
-    spreads = [Spread("test", sigma, rigid) for sigma in (0.02, 0.03)]
-    yields = [manufacture(model, 4.0, 3.0265, spread) for spread in spreads]
-    failing = [1 - m.passing.value for m in yields]
+    spreads = [problem.Spread("test", sigma, rigid) for sigma in (0.02, 0.03)]
+    results = [yields.manufacture(model, 4.0, 3.0265, spread) for spread in spreads]
+    failing = [1 - m.passing.value for m in results]
     assert failing == pytest.approx([0.27, 0.45], abs=0.015)
     drops = np.random.default_rng(1).normal(0.0, 0.02 / unit_of(pad), (400, 9))
     start = press(ridges.flexibility, ridges.gap, scaled_force).active
@@ -137,7 +135,7 @@ def test_share_of_failing_reference_parts() -> None:
 def test_yield_by_the_modulus_alone_is_the_share_of_its_range_that_passes(case) -> None:
     solution, model, _, force = case
     threshold = solution.all_touch_force
-    result = manufacture(model, force, threshold, Spread("edm", 1e-9, (0.5, 0.8, 1.5)))
+    result = yields.manufacture(model, force, threshold, problem.Spread("edm", 1e-9, (0.5, 0.8, 1.5)))
     assert result.passing.value == pytest.approx((0.8 * force / threshold - 0.5) / 1.0, abs=0.015)  # 3 sigma
     assert result.largest.startswith("the modulus (0.5 to 1.5 MPa)")
     assert result.modulus_sensitivity == pytest.approx(threshold / 0.8)
@@ -148,7 +146,7 @@ def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
     solution, model, unit, force = case
     threshold = solution.all_touch_force
     sigma = 0.5 * (force - threshold) / (threshold / (0.5 * float(np.ptp(model.gap)) * unit))
-    result = manufacture(model, force, threshold, Spread("sla", sigma, (0.8, 0.8, 0.8)))
+    result = yields.manufacture(model, force, threshold, problem.Spread("sla", sigma, (0.8, 0.8, 0.8)))
     margin = (force - threshold) / (max(result.crest_sensitivity) * sigma)
     alone = 0.5 * (1 + math.erf(margin / math.sqrt(2)))
     # the other crests' smaller slopes widen it, nonlinearity moves it: within 0.1 of the two-sided share
@@ -158,8 +156,6 @@ def test_yield_by_one_pair_of_crests_is_a_normal_share(case) -> None:
 
 @pytest.mark.slow
 def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> None:
-    # gone
-
     design = load("yamada-2002")
     base = linear_check(design)
     rows = [
@@ -175,8 +171,6 @@ def test_sensitivity_is_the_change_of_a_part_with_one_low_crest(tmp_path) -> Non
 
 @pytest.mark.slow
 def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
-    # gone
-
     design = load("yamada-2002")
     rows = [f"{r},{skin_of(design).placed[r - 1].frame.at(0.0, 0.5).z!r}" for r in range(9, 0, -1)]
     (tmp_path / "crests.csv").write_text("# a comment\n\nridge,crest_mm\n" + "\n".join(rows))
@@ -184,7 +178,7 @@ def test_a_part_as_designed_measures_as_designed(tmp_path) -> None:
     assert part.all_touch_force.value == pytest.approx(base.all_touch_force.value, rel=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yield: {name}")
 @pytest.mark.parametrize("name", ["yamada-2002", "plain-ridges"])
 def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: str) -> None:
     """What the yield of better models rests on: free ends as a change of stiffness alone."""
@@ -195,10 +189,10 @@ def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: st
         corrected.plain_pad(design), coarse_sizes(corrected.plain_pad(design), 1.0), whole=True
     )
     small, scale = condensed_pad(meshed, forms_of(meshed, corrected.ORDER), corrected.LAYERS, {})
-    ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit)
+    ridges = frictionless.seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit)
     drops = np.random.default_rng(1).normal(0.0, sigma, (150, design.ridge.count))
     model, threshold = answer.ridge_model, answer.all_touch_force.value
-    model_threshold = all_touch(model, np.zeros((1, design.ridge.count)), threshold / model.scale)[0]
+    model_threshold = yields.all_touch(model, np.zeros((1, design.ridge.count)), threshold / model.scale)[0]
     scaled_force = np.full(len(drops), force / model.scale * model_threshold / (threshold / model.scale))
     scaled = (ridge_forces(model, drops / model.unit, scaled_force) > 0).all(axis=1)
     start = press(ridges.flexibility, ridges.gap, force / scale).active
@@ -208,7 +202,7 @@ def test_scaled_to_the_free_ends_it_judges_parts_as_the_condensed_solid(name: st
     ]
     exact = np.array([np.unique(ridges.of_point[s.force > 0]).size == design.ridge.count for s in states])
     assert 0.05 < exact.mean() < 0.95
-    assert np.mean(scaled != exact) <= SCALED_MISCLASSIFIES  # measured: 4.7 % and 0.7 %
+    assert np.mean(scaled != exact) <= yields.SCALED_MISCLASSIFIES  # measured: 4.7 % and 0.7 %
 
 
 def two_springs(gap: float, unit: float, scale: float) -> RidgeModel:
@@ -223,8 +217,11 @@ def test_yield_and_slopes_of_two_springs_are_those_by_hand(stiffer: float) -> No
     better model's threshold is a change of the springs' stiffness."""
     unit, scale, gap, sigma = 0.5, 3.0, 0.2, 0.04  # mm, N, of the unit, mm
     all_touch, force = gap * scale, 0.75
-    result = manufacture(
-        two_springs(gap, unit, scale), force, all_touch * stiffer, Spread("sla", sigma, (0.8, 0.8, 0.8))
+    result = yields.manufacture(
+        two_springs(gap, unit, scale),
+        force,
+        all_touch * stiffer,
+        problem.Spread("sla", sigma, (0.8, 0.8, 0.8)),
     )
     wide = sigma / unit * math.sqrt(2)
     scaled_force = force / scale / stiffer
@@ -235,7 +232,7 @@ def test_yield_and_slopes_of_two_springs_are_those_by_hand(stiffer: float) -> No
     passing = below(scaled_force) - below(-scaled_force)
     share = result.passing.value or 0.0
     # the sample's error, and what the reduced model misjudges where half of the parts pass
-    wrong = MODEL_MISCLASSIFIES if abs(stiffer - 1) < 0.05 else SCALED_MISCLASSIFIES
+    wrong = yields.MODEL_MISCLASSIFIES if abs(stiffer - 1) < 0.05 else yields.SCALED_MISCLASSIFIES
     sample = (result.passing.error or 0.0) - wrong * 4 * share * (1 - share)
     assert abs(share - passing) <= sample <= 0.02  # three standard errors of 10 000 parts drawn at random
     slope = scale / unit * stiffer
@@ -246,12 +243,12 @@ def test_yield_and_slopes_of_two_springs_are_those_by_hand(stiffer: float) -> No
 
 
 def test_a_modulus_that_scatters_more_than_the_crests_is_the_larger_loss() -> None:
-    springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 1e-4, (0.4, 0.8, 1.6))
-    result = manufacture(springs, 0.75, 0.6, spread)
+    springs, spread = two_springs(0.2, 0.5, 3.0), problem.Spread("sla", 1e-4, (0.4, 0.8, 1.6))
+    result = yields.manufacture(springs, 0.75, 0.6, spread)
     # stiffer than 0.8 MPa by 0.75 / 0.6 they no longer touch
     assert result.passing.value == pytest.approx((0.8 * 0.75 / 0.6 - 0.4) / 1.2, abs=0.02)
     assert result.largest.startswith("the modulus (0.4 to 1.6 MPa)")
-    sure = manufacture(springs, 2.0, 0.6, Spread("sla", 1e-4, (0.7, 0.8, 0.9)))
+    sure = yields.manufacture(springs, 2.0, 0.6, problem.Spread("sla", 1e-4, (0.7, 0.8, 0.9)))
     assert (sure.passing.value, sure.largest) == (1.0, "")
     lowest = 1 / (1 + 1.96**2 / 4096)  # Wilson's interval where none of 4096 fails
     assert sure.passing.error == pytest.approx(1 - lowest, rel=1e-9)
@@ -260,17 +257,17 @@ def test_a_modulus_that_scatters_more_than_the_crests_is_the_larger_loss() -> No
 
 def test_a_better_models_misjudged_share_is_what_was_measured_and_little_more() -> None:
     """4.7 % of the parts at worst, in the test above; by the linear model's own 2 %."""
-    assert 0.047 <= SCALED_MISCLASSIFIES <= 0.08
-    assert MODEL_MISCLASSIFIES < SCALED_MISCLASSIFIES
+    assert 0.047 <= yields.SCALED_MISCLASSIFIES <= 0.08
+    assert yields.MODEL_MISCLASSIFIES < yields.SCALED_MISCLASSIFIES
 
 
 @pytest.mark.parametrize("unsure", [0.0, 0.1, 0.8])
 def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float) -> None:
     """Two ridges that touch from 0.6 N on, asked for 0.75 N; at a threshold of up to 1.08 N none does."""
-    springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.8, 0.8, 0.8))
-    result = manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
+    springs, spread = two_springs(0.2, 0.5, 3.0), problem.Spread("sla", 0.04, (0.8, 0.8, 0.8))
+    result = yields.manufacture(springs, 0.75, 0.6, spread, unsure * 0.6)
     worst, sure, best = (
-        manufacture(springs, 0.75 / (1 + more), 0.6, spread) for more in (unsure, 0.0, -unsure)
+        yields.manufacture(springs, 0.75 / (1 + more), 0.6, spread) for more in (unsure, 0.0, -unsure)
     )
     assert result.passing.value == sure.passing.value
     assert result.interval == (worst.interval[0], best.interval[1])
@@ -279,18 +276,18 @@ def test_the_yields_error_holds_what_another_threshold_would_give(unsure: float)
     assert result.passing.error == max((sure.passing.value or 0.0) - low, high - (sure.passing.value or 0.0))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="seeds: yields")
 def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
     """Random pairs of ridges, asked for half to twice what they need, known to 0 to 150 %."""
     dice = np.random.default_rng(7)
     for _ in range(60):
         gap, unit, scale = dice.uniform(0.05, 0.5), dice.uniform(0.2, 2.0), dice.uniform(0.5, 5.0)
         needed = gap * scale
-        spread = Spread(
+        spread = problem.Spread(
             "sla", 10 ** dice.uniform(-4, 0), (dice.uniform(0.3, 0.8), 0.8, dice.uniform(0.8, 2.0))
         )
         unsure = dice.choice([0.0, 1.0]) * needed * dice.uniform(0, 1.5)
-        result = manufacture(
+        result = yields.manufacture(
             two_springs(gap, unit, scale), needed * dice.uniform(0.5, 2), needed, spread, unsure
         )
         low, high = result.interval
@@ -299,15 +296,15 @@ def test_a_yield_and_its_interval_lie_inside_0_to_100_percent() -> None:
 
 
 def test_a_design_that_needs_more_than_asked_is_told_so_and_not_to_refine_its_mold() -> None:
-    springs, spread = two_springs(0.2, 0.5, 3.0), Spread("sla", 0.04, (0.4, 0.8, 1.6))
-    result = manufacture(springs, 0.4, 0.6, spread)
+    springs, spread = two_springs(0.2, 0.5, 3.0), problem.Spread("sla", 0.04, (0.4, 0.8, 1.6))
+    result = yields.manufacture(springs, 0.4, 0.6, spread)
     assert result.largest.startswith("the design itself, which needs 0.6 N of 0.4 N")
 
 
 def test_the_modulus_counts_in_proportion_and_the_pitch_as_its_square() -> None:
     """The last crest's fall goes with the square of its arm; what the base adds is within the error."""
-    changes = {row.key: row.change for row in sensitivities(skincad.load("plain-ridges"), 100.0)}
-    assert changes[MODULUS].value == 1.0
+    changes = {row.key: row.change for row in sensitivities(load("plain-ridges"), 100.0)}
+    assert changes[yields.MODULUS].value == 1.0
     pitch = changes["ridge.pitch"]
     assert pitch.lower == pytest.approx(2.0 - 0.1, rel=5e-3)
     assert (pitch.upper or 0.0) > 2.0
@@ -316,36 +313,36 @@ def test_the_modulus_counts_in_proportion_and_the_pitch_as_its_square() -> None:
 
 @pytest.mark.parametrize("name", RIDGED)
 def test_the_largest_comes_first_and_each_has_its_error(name: str) -> None:
-    rows = sensitivities(skincad.load(name), 2.0)
+    rows = sensitivities(load(name), 2.0)
     sizes = [abs(row.change.value or 0.0) for row in rows]
     rises = [later - first for first, later in pairwise(sizes)]
     assert max(rises) <= 1e-3 * sizes[0]  # those that round to the same stand by name
-    assert {row.key for row in rows} == {*KEYS, MODULUS}
+    assert {row.key for row in rows} == {*KEYS, yields.MODULUS}
     assert all((row.change.error or 0.0) > 0 for row in rows)
 
 
 def test_a_single_ridge_and_heights_of_ones_own() -> None:
-    one = skincad.load("plain-ridges").with_(ridge={"count": 1})
+    one = load("plain-ridges").with_(ridge={"count": 1})
     assert sensitivities(one, 1.0) == ()
-    level = skincad.load("plain-ridges").with_(ridge={"levelling": 1.0})
+    level = load("plain-ridges").with_(ridge={"levelling": 1.0})
     assert sensitivities(level, 1.0) == ()  # its force is rounding
     heights = {"count": 3, "heights": [0.5, 0.5, 0.5]}
-    uneven = skincad.load("plain-ridges").with_(ridge=heights, skin={"width": 5.0})
+    uneven = load("plain-ridges").with_(ridge=heights, skin={"width": 5.0})
     assert "ridge.height" not in {row.key for row in sensitivities(uneven, 1.0)}
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="milled-pad")
 @pytest.mark.parametrize(("key", "by"), [("skin.curvature_radius", 0.02), ("ridge.pitch", 0.02)])
 def test_the_error_holds_what_the_linear_model_finds(key: str, by: float) -> None:
     """Differences of 2 % are far above the mesh's own. On another pad: bench/sensitivities.py."""
-    design = skincad.load("milled-pad").with_(ridge={"count": 7}, skin={"thickness": 3.0})
+    design = load("milled-pad").with_(ridge={"count": 7}, skin={"thickness": 3.0})
     table, _, name = key.partition(".")
     now = getattr(getattr(design, table), name)
     low, high = (
-        skincad.check(design.with_(**{table: {name: now * (1 + sign * by)}}), model="linear").all_touch_force
+        check(design.with_(**{table: {name: now * (1 + sign * by)}}), model="linear").all_touch_force
         for sign in (-1, 1)
     )
-    middle = skincad.check(design, model="linear").all_touch_force.value
+    middle = check(design, model="linear").all_touch_force.value
     assert low.value is not None
     assert high.value is not None
     assert middle is not None

@@ -9,9 +9,8 @@ import pytest
 
 from skincad import load
 from skincad.inputs import Plate
-from skincad.mechanics import Answer, Request, plane_piece, run
+from skincad.mechanics import Answer, Request, plane_piece, problem, run
 from skincad.mechanics.models import linear
-from skincad.mechanics.problem import rise
 from tests.mechanics.designs import linear_check, plane
 from tests.refusals import refused_by
 
@@ -34,7 +33,7 @@ def shares(verdict) -> np.ndarray:
     return np.array([f.value for f in verdict.ridge_force])
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="shaped plates")
 def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
     for plate in (
         {"shape": "tilted", "tilt": 0.0},
@@ -57,16 +56,16 @@ def test_a_tilt_is_the_base_circle_rolled_aside() -> None:
     """On an arc, tilting by a moves the lowest point by R a: a hand calculation for the gaps."""
     x = np.linspace(-4, 4, 9)
     arc = 60.5 * (1 - np.cos(x / 60))
-    gap = arc + rise(Plate(shape="tilted", tilt=1.0), 60.5 * np.sin(x / 60))
+    gap = arc + problem.rise(Plate(shape="tilted", tilt=1.0), 60.5 * np.sin(x / 60))
     assert x[np.argmin(gap)] == -1.0  # R a = 60 x 0.01745
 
 
 def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     x = np.array([-4.0, 0.0, 4.0])
-    height = rise(Plate(shape="cylinder", radius=60.5), x)
+    height = problem.rise(Plate(shape="cylinder", radius=60.5), x)
     assert height == pytest.approx(60.5 - np.sqrt(60.5**2 - x**2), rel=1e-9)  # closed form, cancelling
     assert on(shape="cylinder", radius=60.5).all_touch_force.value > 1.9 * flat().all_touch_force.value
-    assert np.isinf(rise(Plate(shape="cylinder", radius=2.0), x)[0])
+    assert np.isinf(problem.rise(Plate(shape="cylinder", radius=2.0), x)[0])
 
 
 @pytest.mark.parametrize("model", ["winkler", "linear"])

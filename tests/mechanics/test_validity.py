@@ -18,14 +18,7 @@ from skincad.mechanics import (
     ridge_strain,
     small_strain_violation,
     tipping,
-)
-from skincad.mechanics.validity import (
-    LARGEST_SLOPE,
-    SMALL_STRAIN,
-    buckling_force,
-    exceeds_small_strain,
-    slope_warnings,
-    strain_warnings,
+    validity,
 )
 
 
@@ -62,20 +55,23 @@ def test_a_ridge_tips_over_as_a_column_that_shears(design: Design, height: float
     """Haringx' condition, P (1 + P / (G A)) = Euler's force between two clamps of which one slides."""
     ridge = design.with_(ridge={"height": height})
     euler = math.pi**2 * 0.8 / (1 - 0.4**2) * 12.0 * 0.8**3 / 12 / height**2
-    shear, tips = 5 / 6 * 0.8 / 2.8 * 0.8 * 12.0, buckling_force(ridge)
+    shear, tips = 5 / 6 * 0.8 / 2.8 * 0.8 * 12.0, validity.buckling_force(ridge)
     assert tips * (1 + tips / shear) == pytest.approx(euler, rel=1e-12)
     assert tipping(ridge, answer(1.0, 0.1, 0.3)) == pytest.approx(0.3 / tips)
 
 
 def test_strained_is_what_bears_much_or_nearly_tips_over(design: Design) -> None:
     squeeze, slender = limits(design).squeeze, design.with_(ridge={"height": 4.0})
-    assert not exceeds_small_strain(design, answer(1.0, 0.05, 0.099 * squeeze))
-    assert exceeds_small_strain(design, answer(1.0, 0.05, 0.101 * squeeze))
-    tips = buckling_force(slender)
+    assert not validity.exceeds_small_strain(design, answer(1.0, 0.05, 0.099 * squeeze))
+    assert validity.exceeds_small_strain(design, answer(1.0, 0.05, 0.101 * squeeze))
+    tips = validity.buckling_force(slender)
     assert tips < 0.1 * squeeze
-    assert not exceeds_small_strain(slender, answer(1.0, 0.49 * tips))
-    assert exceeds_small_strain(slender, answer(1.0, 0.51 * tips))
-    assert "51% of the force at which it tips over" in strain_warnings(slender, answer(1.0, 0.51 * tips))[0]
+    assert not validity.exceeds_small_strain(slender, answer(1.0, 0.49 * tips))
+    assert validity.exceeds_small_strain(slender, answer(1.0, 0.51 * tips))
+    assert (
+        "51% of the force at which it tips over"
+        in validity.strain_warnings(slender, answer(1.0, 0.51 * tips))[0]
+    )
 
 
 def test_beyond_its_range_a_model_says_why() -> None:
@@ -111,8 +107,8 @@ def test_the_verdict_is_judged_where_all_begin_to_touch_and_the_warning_at_the_f
     assert "strain is 0.5" in small_strain_violation(design, 8.0, answer(None, 0.1, half))
     assert "strain is 0.5" in small_strain_violation(design, 8.0, answer(12.0, 0.1, half))
     assert "strain is 0.4" in small_strain_violation(design, 8.0, answer(6.4, 0.1, half))
-    assert strain_warnings(design, answer(4.0, SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
-    assert strain_warnings(design, answer(4.0, 0.1, half)) == (
+    assert validity.strain_warnings(design, answer(4.0, validity.SMALL_STRAIN * squeeze * (1 - 1e-9))) == ()
+    assert validity.strain_warnings(design, answer(4.0, 0.1, half)) == (
         "nominal ridge strain 0.5 is beyond the small-strain range (0.1)",
         "the most loaded ridge bears 102% of the force at which it tips over",
     )
@@ -123,18 +119,18 @@ def plate(design: Design, **values: object) -> Design:
 
 
 def test_a_plates_slope_is_told_with_what_it_leaves_out_and_refused_where_too_steep(design: Design) -> None:
-    assert slope_warnings(design) == ()
-    assert slope_warnings(plate(design, shape="step", position=0.0, height=0.1)) == ()
-    (warning,) = slope_warnings(plate(design, shape="cylinder", radius=55.0))
+    assert validity.slope_warnings(design) == ()
+    assert validity.slope_warnings(plate(design, shape="step", position=0.0, height=0.1)) == ()
+    (warning,) = validity.slope_warnings(plate(design, shape="cylinder", radius=55.0))
     # half of 11 mm by 55 mm; half its square is 0.5 %
     assert warning == "contact is taken as vertical: with slopes of up to 0.1 that is 0.5% off"
-    (off_centre,) = slope_warnings(plate(design, shape="cylinder", radius=55.0, position=-5.5))
+    (off_centre,) = validity.slope_warnings(plate(design, shape="cylinder", radius=55.0, position=-5.5))
     assert off_centre == "contact is taken as vertical: with slopes of up to 0.2 that is 2.0% off"
-    (tilted,) = slope_warnings(plate(design, shape="tilted", tilt=-math.degrees(math.atan(0.08))))
+    (tilted,) = validity.slope_warnings(plate(design, shape="tilted", tilt=-math.degrees(math.atan(0.08))))
     assert tilted == "contact is taken as vertical: with slopes of up to 0.08 that is 0.3% off"
-    edge = 5.5 / LARGEST_SLOPE
-    slope_warnings(plate(design, shape="cylinder", radius=edge * 1.0001))
+    edge = 5.5 / validity.LARGEST_SLOPE
+    validity.slope_warnings(plate(design, shape="cylinder", radius=edge * 1.0001))
     with pytest.raises(
         InputError, match=r"contact\.plate: must not slope by more than 0\.35 within the skin"
     ):
-        slope_warnings(plate(design, shape="cylinder", radius=edge * 0.9999))
+        validity.slope_warnings(plate(design, shape="cylinder", radius=edge * 0.9999))

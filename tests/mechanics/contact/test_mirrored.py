@@ -10,12 +10,10 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint
 
 from skincad.inputs import Design
 from skincad.mechanics import Pad, Request, half_of, height_of, pad_of, plane_piece, ridge_model, unit_of
-from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.mesh import PadMesh
-from skincad.mechanics.bodies.plane_body import THROUGH, undetected_contact
-from skincad.mechanics.contact.frictionless import on_both_sides
+from skincad.mechanics.bodies import elements, fe, plane_body
+from skincad.mechanics.bodies import mesh as meshes
+from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import linear
-from skincad.mechanics.models.linear import level
 from tests.mechanics.designs import THREE, filleted, reference, yamada
 
 FORCE, ORDER = 1.3, 2
@@ -50,15 +48,15 @@ def straight(mesh: Any, image: dict[str, str] | None = None) -> Any:
     return mirrored
 
 
-def both(pad: Pad, fineness: float = 0.25) -> tuple[PadMesh, PadMesh]:
+def both(pad: Pad, fineness: float = 0.25) -> tuple[meshes.PadMesh, meshes.PadMesh]:
     """The half of a pad, and the whole of it on the same triangles and their images, in the half's unit."""
     half = plane_piece(pad, fineness)
     assert half.mirrored
     numbers = pad.ridges
     image = {f"contact{a}": f"contact{b}" for a, b in zip(numbers, reversed(numbers), strict=True)}
     image |= {name: name for name in ("back", "free", "inside")}
-    whole = PadMesh(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
-    return PadMesh(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
+    whole = meshes.PadMesh(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
+    return meshes.PadMesh(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
 
 
 CASES = {
@@ -72,7 +70,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_the_half_tells_of_the_whole(name: str) -> None:
     pad = pad_of(CASES[name]())
-    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
+    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
     assert half.approach == pytest.approx(exact.approach, rel=ROUNDING)
     scale = ROUNDING * FORCE
     assert half.all_touch_force == pytest.approx(exact.all_touch_force, rel=ROUNDING, abs=scale)
@@ -91,8 +89,8 @@ def test_the_half_tells_of_the_whole(name: str) -> None:
 def test_loads_on_one_side_are_the_wholes(name: str) -> None:
     """Symmetric and antisymmetric loads of the half give what one load does on either side of the whole."""
     pad = pad_of(CASES[name]())
-    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
-    sides = on_both_sides(half.ridges, half.half, pad.ridges)
+    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
+    sides = frictionless.on_both_sides(half.ridges, half.half, pad.ridges)
     off = np.abs(half.x) > 1e-9
     x = np.concatenate([half.x, -half.x[off]])
     mine, theirs = np.argsort(x), np.argsort(exact.x)
@@ -112,7 +110,7 @@ def test_loads_on_one_side_are_the_wholes(name: str) -> None:
 @pytest.mark.parametrize("name", ["odd", "even"])
 def test_the_yields_model_is_the_wholes(name: str) -> None:
     pad = pad_of(CASES[name]())
-    half, exact = (level(piece, ORDER, FORCE) for piece in both(pad))
+    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
     model = linear.reduced_model(pad, half, FORCE, {})
     wanted = ridge_model(exact.ridges, max(FORCE, exact.all_touch_force or 0.0), exact.unit, exact.scale)
     for mine, theirs in ((model.coupling, wanted.coupling), (model.indentation, wanted.indentation)):
@@ -134,7 +132,7 @@ def test_what_is_not_its_own_image_is_meshed_whole() -> None:
     piece = plane_piece(pad, 0.25)
     assert piece.unit == unit_of(piece.piece)
     with pytest.raises(ValueError, match="zip"):
-        level(piece, ORDER, FORCE, (0.0, 0.01, 0.0))
+        linear.level(piece, ORDER, FORCE, (0.0, 0.01, 0.0))
     low = linear.solve(pad, Request(FORCE, 0.05, crest_offsets=(0.0, 0.0, 0.03)))
     shares = [f.value or 0.0 for f in low.ridge_force]
     assert shares[2] < shares[0]  # crests of one part are not mirrored, nor what they bear
@@ -145,12 +143,16 @@ def test_what_crosses_the_middle_of_a_half_meets_its_image() -> None:
     system = elements.assemble(elements.curved(piece.mesh, ORDER), ORDER, piece.piece.materials)
     above = 2 * piece.height / piece.unit
     vertices = np.arange(system.mesh.nv)  # in a hierarchical basis 1 at each vertex is a translation
-    for shift, wrong in ((-2 * THROUGH, "two ridges meet in the middle"), (-THROUGH / 2, None), (0.1, None)):
+    for shift, wrong in (
+        (-2 * plane_body.THROUGH, "two ridges meet in the middle"),
+        (-plane_body.THROUGH / 2, None),
+        (0.1, None),
+    ):
         moved = np.zeros(system.lift.size)
         moved[vertices] = shift
         loops = elements.outlines(system, moved)
-        assert undetected_contact(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
-        assert undetected_contact(loops, lambda x: np.full_like(x, above)) is None
+        assert plane_body.undetected_contact(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
+        assert plane_body.undetected_contact(loops, lambda x: np.full_like(x, above)) is None
 
 
 def test_the_cut_is_held_in_one_direction_and_only_there_is_a_half() -> None:

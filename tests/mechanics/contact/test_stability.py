@@ -9,22 +9,13 @@ import pytest
 from scipy import linalg
 
 from skincad.inputs import Design
-from skincad.mechanics import Layers, body_of, default_sizes, pad_of, triangles, unit_of
-from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies.solid_body import SolidLinearised
+from skincad.mechanics import Layers, body_of, default_sizes, pad_of, triangles, unit_of, validity
+from skincad.mechanics.bodies import elements, plane_body, solid_body
 from skincad.mechanics.contact import newton
-from skincad.mechanics.contact.newton import (
-    DivergedError,
-    PressedPad,
-    PressedState,
-    press_to,
-    stable,
-    tipping_ridge,
-)
-from skincad.mechanics.validity import buckling_force
 from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference
 
+stable = newton.stable  # of which some tests rid the module
 SCALE = 0.8 * 12.0  # N for a force of 1 on the reference section, whose unit is a mm
 
 
@@ -33,16 +24,16 @@ def design_of(count: int) -> Design:
 
 
 @cache
-def pad(count: int = 1) -> PressedPad:
+def pad(count: int = 1) -> newton.PressedPad:
     whole = pad_of(design_of(count))
     assert unit_of(whole) * whole.young_modulus * whole.length == pytest.approx(SCALE * unit_of(whole))
     mesh = elements.curved(triangles(whole, default_sizes(whole, 0.25)), 2)
-    return PressedPad(
+    return newton.PressedPad(
         plane_body.body(mesh, 2, {"skin": (1.0, whole.poisson_ratio)}), whole.top / unit_of(whole)
     )
 
 
-def spectra(what: PressedPad, state: PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def spectra(what: newton.PressedPad, state: newton.PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues of the tangent, free and as the plate holds it, and the latter's first vector."""
     body = what.body
     matrix = plane_body.tangent(body, state.values, body.residual(state.values)).matrix
@@ -57,7 +48,7 @@ def spectra(what: PressedPad, state: PressedState) -> tuple[np.ndarray, np.ndarr
 
 
 def test_what_the_plate_holds_up_is_stable() -> None:
-    state = press_to(pad(), 2.6 / SCALE)
+    state = newton.press_to(pad(), 2.6 / SCALE)
     free, under_plate, _ = spectra(pad(), state)
     assert free[0] < 0 < under_plate[0]
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
@@ -66,38 +57,40 @@ def test_what_the_plate_holds_up_is_stable() -> None:
 
 
 def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DivergedError, match="ridge 1 tips over, no equilibrium beyond is stable") as caught:
-        press_to(pad(), 4.0 / SCALE)
+    with pytest.raises(
+        newton.DivergedError, match="ridge 1 tips over, no equilibrium beyond is stable"
+    ) as caught:
+        newton.press_to(pad(), 4.0 / SCALE)
     last = caught.value.reached
     # a column that shears is within 25 % of any ridge higher than wide (validity.buckling_force)
-    assert last * SCALE == pytest.approx(buckling_force(design_of(1)), rel=0.25)
+    assert last * SCALE == pytest.approx(validity.buckling_force(design_of(1)), rel=0.25)
     monkeypatch.setattr(newton, "stable", lambda *_, **__: True)
-    state = press_to(pad(), 1.1 * last)
+    state = newton.press_to(pad(), 1.1 * last)
     _, under_plate, _ = spectra(pad(), state)
     assert under_plate[0] < 0
     linear = pad().body.linearised(state.values, pad().body.residual(state.values))
     assert not stable(pad().body, linear, state.ridges, state.contact)
-    _, under_plate, _ = spectra(pad(), press_to(pad(), last))
+    _, under_plate, _ = spectra(pad(), newton.press_to(pad(), last))
     assert under_plate[0] > 0
 
 
 def test_the_ridge_that_tips_over_is_named() -> None:
     what = pad(3)
-    state = press_to(what, 4.0 / SCALE)
+    state = newton.press_to(what, 4.0 / SCALE)
     _, _, mode = spectra(what, state)
     nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.x_of_largest_displacement(mode)).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
-    tipping = tipping_ridge(what.body, state.values, linear, state.contact)
+    tipping = newton.tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])
     assert ridge != 2
     assert tipping in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
 
 
-def sides(count: int) -> tuple[PressedPad, PressedPad]:
+def sides(count: int) -> tuple[newton.PressedPad, newton.PressedPad]:
     """The half of a pad and, on its triangles and their images, the whole; in the half's unit."""
     design = design_of(count)
     return tuple(
-        PressedPad(
+        newton.PressedPad(
             plane_body.body(elements.curved(piece.mesh, 2), 2, piece.whole.materials),
             piece.whole.top / piece.unit,
         )
@@ -105,18 +98,20 @@ def sides(count: int) -> tuple[PressedPad, PressedPad]:
     )
 
 
-def force_of(what: PressedPad, share: float) -> float:
+def force_of(what: newton.PressedPad, share: float) -> float:
     """A force on what is meshed that is as much on a ridge, in units."""
     return share if what.body.antisymmetric.size == 0 else share / 2
 
 
-@pytest.mark.parametrize("count", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3))])
+@pytest.mark.parametrize(
+    "count", [1, *(pytest.param(n, marks=pytest.mark.evidence(subject="stability: halves")) for n in (2, 3))]
+)
 def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The half and the whole are refused at the same force, also where every ridge tips to the same side."""
     limits = []
     for what in sides(count):
-        with pytest.raises(DivergedError) as caught:
-            press_to(what, force_of(what, 1.2 * count))
+        with pytest.raises(newton.DivergedError) as caught:
+            newton.press_to(what, force_of(what, 1.2 * count))
         limits.append((caught.value.reached / force_of(what, 1.0), str(caught.value)))
     (half, words), (whole, _) = limits
     assert half == pytest.approx(whole, rel=1e-6)  # the same bisection on the same triangles
@@ -126,24 +121,24 @@ def test_what_turns_round_is_seen_on_the_half(count: int, monkeypatch: pytest.Mo
     # its own image cannot tip over: by that alone the half would stand far beyond
     monkeypatch.setattr(plane_body.PlaneLinearised, "antisymmetric", lambda _: None)
     what = sides(count)[0]
-    assert press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
+    assert newton.press_to(what, force_of(what, 1.5 * half)).force == force_of(what, 1.5 * half)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="stability: halves")
 def test_what_turns_round_is_seen_on_a_solids_half(monkeypatch: pytest.MonkeyPatch) -> None:
     """One ridge between clamped ends, on the same triangles: the same bisection."""
     limits = []
     for piece in both(pad_of(design_of(1))):
         body = body_of(piece, Layers(2.0, 2.0, 2), clamped_end=True)
         share = piece.whole.length / 2 / piece.unit / piece.sides
-        with pytest.raises(DivergedError, match="ridge 1 tips over") as caught:
-            press_to(PressedPad(body, piece.whole.top / piece.unit), 1.2 * share)
+        with pytest.raises(newton.DivergedError, match="ridge 1 tips over") as caught:
+            newton.press_to(newton.PressedPad(body, piece.whole.top / piece.unit), 1.2 * share)
         limits.append((caught.value.reached / share, body, share, piece))
     (half, body, share, piece), (whole, *_) = limits
     assert half == pytest.approx(whole, rel=1e-6)
-    monkeypatch.setattr(SolidLinearised, "antisymmetric", lambda _: None)
-    what = PressedPad(body, piece.whole.top / piece.unit)
-    assert press_to(what, 1.5 * half * share).force == 1.5 * half * share
+    monkeypatch.setattr(solid_body.SolidLinearised, "antisymmetric", lambda _: None)
+    what = newton.PressedPad(body, piece.whole.top / piece.unit)
+    assert newton.press_to(what, 1.5 * half * share).force == 1.5 * half * share
 
 
 @pytest.mark.parametrize("count", [1, 3])
@@ -156,7 +151,7 @@ def test_both_kinds_of_movements_are_all_there_are(
     monkeypatch.setattr(newton, "stable", lambda *_, **__: True)
     counted = []
     for what in sides(count):
-        state = press_to(what, force_of(what, share * 2.62 / SCALE * count))
+        state = newton.press_to(what, force_of(what, share * 2.62 / SCALE * count))
         linear = what.body.linearised(state.values, what.body.residual(state.values))
         kinds = [kind for kind in (linear, linear.antisymmetric()) if kind is not None]
         assert len(kinds) == (2 if what.body.antisymmetric.size else 1)

@@ -497,7 +497,8 @@ def case(request: pytest.FixtureRequest) -> tuple[Design, FilmResponse]:
 def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -> None:
     """Pressed alone, and pulled by a quarter: within both errors, by the forces that each tells itself."""
     design, felt = case
-    for state in skincad.film_stress(design).states:
+    tol = 0.1 if design.ridge.count == 1 else None
+    for state in skincad.film_stress(design, tol=tol).states:
         normal = np.array([float(estimate) for estimate in state.ridge_force])
         pull = np.array([float(estimate) for estimate in state.ridge_tangential])
         stress = felt.stress(normal, pull).reshape(-1, 2, 3)

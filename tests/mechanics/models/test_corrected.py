@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from skincad import check
 from skincad.mechanics import Layers, Request, coarse_sizes, forms_of, meshed_piece, pad_of, solve_level
-from skincad.mechanics.check import check
 from skincad.mechanics.models import corrected, linear
 from tests.mechanics.designs import THREE, filleted, reference
 from tests.mechanics.models.test_solid import FORCE, assert_inside, refined
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: corrected")
 def test_refined_solid_lies_inside() -> None:
     answer = corrected.answer(reference().with_(**THREE), Request(FORCE))
     assert_inside(answer, refined())
@@ -20,7 +20,7 @@ def test_refined_solid_lies_inside() -> None:
     assert answer.all_touch_force.value == pytest.approx(refined().all_touch_force, rel=5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: corrected")
 def test_small_fillets_leave_the_change_alone() -> None:
     """What a sharp section spares: the change of approach and F9 differ by less than half their error."""
     design = filleted().with_(**THREE)
@@ -31,7 +31,7 @@ def test_small_fillets_leave_the_change_alone() -> None:
     assert ratios[0][1] == pytest.approx(ratios[1][1], rel=corrected.ERRORS.threshold / 2)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: corrected")
 def test_finer_layers_change_less_than_the_error() -> None:
     pad = pad_of(reference().with_(**THREE))
     few, many = (
@@ -53,7 +53,7 @@ VARIANTS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: corrected")
 @pytest.mark.parametrize("name", VARIANTS)
 def test_the_changes_error_on_variants(name: str) -> None:
     """Against order 3 with fillets on a finer mesh and finer layers, both sides."""
@@ -85,10 +85,9 @@ def test_a_long_pad_is_hardly_changed() -> None:
     assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01
 
 
-@pytest.mark.parametrize(
-    "force", [pytest.param(1e-3, marks=pytest.mark.slow), 1.0, pytest.param(20.0, marks=pytest.mark.slow)]
-)
-def test_any_force(force: float) -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize("force", [1e-3, 20.0])
+def test_light_and_heavy_forces(force: float) -> None:
     answer = corrected.answer(filleted().with_(**THREE), Request(force, tol=0.05))
     assert sum(f.value or 0.0 for f in answer.ridge_force) == pytest.approx(force, rel=1e-9)
     assert all((f.value or 0.0) >= 0.0 for f in answer.ridge_force)

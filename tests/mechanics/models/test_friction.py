@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from skincad import load, simulate
+from skincad import check, load, simulate
 from skincad.base import Estimate
 from skincad.inputs import Design
 from skincad.mechanics import (
@@ -26,20 +26,22 @@ from skincad.mechanics import (
     solve_solid,
 )
 from skincad.mechanics import check as adaptivity
-from skincad.mechanics.check import ModelSelection, check
-from skincad.mechanics.left_out import friction_along
+from skincad.mechanics import left_out as bounds
 from skincad.mechanics.models import friction as pressing
-from skincad.mechanics.models.friction import LOST, PLANE_PART, CoarsePress, solve, with_friction
 from skincad.outputs.checks import lines
 from skincad.scenes import load_scene
-from tests.mechanics.designs import SHORT, linear_check, reference, small
+from tests.mechanics.designs import linear_check, small
 from tests.mechanics.test_auto import LEFT, MadeUp
 
 # mm at 4 N, `simulate yamada-2002-press --model small_strain` with effects.friction.coefficient 0 and 1
 SMOOTH, ROUGH = 0.16860, 0.15950
 
 
-def exact(answer: CoarsePress) -> Answer:
+def rubbed(coefficient: float | None) -> Design:
+    return small().with_(contact={"friction": coefficient})
+
+
+def exact(answer: pressing.CoarsePress) -> Answer:
     """A coarse answer as a model's that knows it to the last digit."""
     shares = tuple(Estimate(float(f), 0.0, "N") for f in answer.ridge_force)
     first, down = Estimate(answer.all_touch_force, 0.0, "N"), Estimate(answer.approach, 0.0, "mm")
@@ -48,17 +50,17 @@ def exact(answer: CoarsePress) -> Answer:
 
 @cache
 def on_yamada() -> TwoPresses:
-    return solve(plain_pad(load("yamada-2002")), 1.0, 4.0)
+    return pressing.solve(plain_pad(load("yamada-2002")), 1.0, 4.0)
 
 
 def test_a_scenes_press_gives_way_less_by_as_much() -> None:
     smooth = replace(exact(on_yamada().without), approach=Estimate(SMOOTH, 0.0, "mm"))
-    approach = with_friction(smooth, on_yamada(), 4.0)[0].approach
+    approach = pressing.with_friction(smooth, on_yamada(), 4.0)[0].approach
     assert abs((approach.value or 0.0) - ROUGH) < 0.05 * (SMOOTH - ROUGH)
     assert approach.lower < ROUGH < approach.upper
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yamada-2002")
 def test_the_scene_still_gives_way_so_far() -> None:
     for coefficient, approach in ((0.0, SMOOTH), (1.0, ROUGH)):
         scene = load_scene("yamada-2002-press", [f"effects.friction.coefficient={coefficient}"])
@@ -72,7 +74,7 @@ def test_the_scene_still_gives_way_so_far() -> None:
 
 def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
     """An independent linear solver: F9 + 0.8 to + 1.4 %, the approach - 4.6 to - 5.3 % at 0.2 to 1."""
-    answer, _ = with_friction(exact(on_yamada().without), on_yamada(), 4.0)
+    answer, _ = pressing.with_friction(exact(on_yamada().without), on_yamada(), 4.0)
     by_force = (answer.all_touch_force.value or 0.0) / (on_yamada().without.all_touch_force or 1.0) - 1
     by_approach = (answer.approach.value or 0.0) / on_yamada().without.approach - 1
     assert by_force == pytest.approx(0.014, abs=0.002)
@@ -89,7 +91,7 @@ def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error() -> None
 
 
 # judged on: none of these set the errors
-@pytest.mark.slow
+@pytest.mark.evidence(subject="friction: {name}")
 @pytest.mark.parametrize("coefficient", [0.2, 1.0])
 @pytest.mark.parametrize("name", ["milled-pad", "steep-fingertip", "nozzle-04"])
 def test_other_pads_change_less_too(name: str, coefficient: float) -> None:
@@ -99,8 +101,8 @@ def test_other_pads_change_less_too(name: str, coefficient: float) -> None:
 def assert_inside(design: Design, coefficient: float) -> None:
     force = design.contact.force
     assert_same(
-        solve(plain_pad(design), coefficient, force),
-        solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200),
+        pressing.solve(plain_pad(design), coefficient, force),
+        pressing.solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200),
         force,
     )
 
@@ -110,7 +112,7 @@ def test_a_finer_solid_and_more_steps_change_less_than_the_stated_error() -> Non
 
 
 # judged on: none of these set the errors
-@pytest.mark.slow
+@pytest.mark.evidence(subject="friction: {name}")
 @pytest.mark.parametrize("coefficient", [0.2, 1.0])
 @pytest.mark.parametrize("name", ["milled-pad", "steep-fingertip", "nozzle-04"])
 def test_other_solids_change_less_too(name: str, coefficient: float) -> None:
@@ -125,7 +127,7 @@ def assert_inside_in_space(design: Design, coefficient: float) -> None:
 
 
 def assert_same(coarse: TwoPresses, fine: TwoPresses, force: float) -> None:
-    (answer, _), truth = with_friction(exact(fine.without), coarse, force), fine.gripped
+    (answer, _), truth = pressing.with_friction(exact(fine.without), coarse, force), fine.gripped
     assert answer.all_touch_force.lower <= (truth.all_touch_force or 0.0) <= answer.all_touch_force.upper
     assert answer.approach.lower <= truth.approach <= answer.approach.upper
     missed = np.abs(np.array([f.value for f in answer.ridge_force]) - truth.ridge_force)
@@ -143,16 +145,17 @@ def assert_same(coarse: TwoPresses, fine: TwoPresses, force: float) -> None:
 def test_shaped_plates_and_measured_parts_are_pressed_with_friction(plate: dict[str, object]) -> None:
     """Equal drops are none; a plate or a part that is not symmetric has other forces left than right."""
     design = small().with_(contact={"plate": plate})
-    solution = solve(pad_of(design), 0.5, 0.65).gripped
+    solution = pressing.solve(pad_of(design), 0.5, 0.65).gripped
     assert solution.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
     assert solution.residual < 1e-10
-    same, lower = (solve(pad_of(small()), 0.5, 0.65, (0.02, 0.02, d)).gripped for d in (0.02, 0.03))
-    level = solve(pad_of(small()), 0.5, 0.65).gripped
+    same, lower = (pressing.solve(pad_of(small()), 0.5, 0.65, (0.02, 0.02, d)).gripped for d in (0.02, 0.03))
+    level = pressing.solve(pad_of(small()), 0.5, 0.65).gripped
     assert same.all_touch_force == pytest.approx(level.all_touch_force, rel=1e-9)
     assert (lower.all_touch_force or 0.0) > 1.05 * (level.all_touch_force or 0.0)
     assert lower.ridge_force[2] < level.ridge_force[2]
 
 
+@pytest.mark.slow
 def test_solids_too() -> None:
     """A tilted plate moves sideways as no force holds it; a part's half is none."""
     tilted = small().with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
@@ -161,10 +164,6 @@ def test_solids_too() -> None:
         assert pressed.gripped.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
         assert pressed.gripped.ridge_force[0] > 1.05 * pressed.gripped.ridge_force[2]
         assert pressed.gripped.residual < 1e-7
-
-
-def rubbed(coefficient: float | None) -> Design:
-    return reference().with_(**SHORT, contact={"force": 0.65, "friction": coefficient})
 
 
 @pytest.fixture(scope="module")
@@ -210,7 +209,7 @@ def test_the_closed_form_computes_no_friction(coefficient: float | None, left: b
 def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck) -> None:
     verdict, design = linear_check(rubbed(0.5), tol=0.05), rubbed(0.5)
     assert of(verdict) == of(smooth)
-    change = solve(plain_pad(design), 0.5, 0.65)
+    change = pressing.solve(plain_pad(design), 0.5, 0.65)
     ratio = change.gripped.approach / change.without.approach
     assert verdict.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
     assert verdict.approach.value < 0.995 * smooth.approach.value
@@ -232,7 +231,7 @@ def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.Monk
 def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
     MadeUp(monkeypatch)
-    monkeypatch.setattr(ModelSelection, "_linear_seconds", lambda _: 2.0)
+    monkeypatch.setattr(adaptivity.ModelSelection, "_linear_seconds", lambda _: 2.0)
     monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
     assert "friction" in of(verdict)
@@ -257,7 +256,7 @@ def test_along_y_it_counts_where_ends_are_free(
     monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.1)
     assert of(check(load(name), model=model)) == effects
-    assert friction_along(load(name)).threshold < 0.15
+    assert bounds.friction_along(load(name)).threshold < 0.15
 
 
 @pytest.mark.parametrize(
@@ -338,6 +337,7 @@ def corrected() -> dict[float | None, ContactCheck]:
     return {c: check(rubbed(c), model="corrected", tol=0.05) for c in (None, 0.0, 0.3, 1.0)}
 
 
+@pytest.mark.slow
 def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
     corrected: dict[float | None, ContactCheck],
 ) -> None:
@@ -359,10 +359,11 @@ def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
     assert any("N for not knowing friction" in line for line in lines(unknown))
 
 
+@pytest.mark.slow
 def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactCheck]) -> None:
     """Ends that cannot bulge take less from the all-touch force: more than friction on a section changes."""
     none, much = corrected[0.0].all_touch_force.value, corrected[1.0].all_touch_force.value
-    section = solve(plain_pad(rubbed(1.0)), 1.0, 0.65)
+    section = pressing.solve(plain_pad(rubbed(1.0)), 1.0, 0.65)
     in_plane = section.gripped.all_touch_force / section.without.all_touch_force - 1
     assert much / none - 1 > in_plane + 0.03
 
@@ -372,21 +373,23 @@ def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
     error."""
     design = rubbed(1.0)
     large = finite_strain(design, linear_check(rubbed(0.0), tol=0.05), 0.65)
-    section, solid = solve(plain_pad(design), 1.0, 0.65), solve_solid(plain_pad(design), 1.0, 0.65)
+    section, solid = pressing.solve(plain_pad(design), 1.0, 0.65), solve_solid(plain_pad(design), 1.0, 0.65)
     fine = exact(solid.without)
     for presses in (section, solid):
-        small_strain, _ = with_friction(fine, presses, 0.65)
-        changed, left = with_friction(fine, presses, 0.65, strain=large)
+        small_strain, _ = pressing.with_friction(fine, presses, 0.65)
+        changed, left = pressing.with_friction(fine, presses, 0.65, strain=large)
         change = small_strain.all_touch_force.value / fine.all_touch_force.value - 1
         by_strain = changed.all_touch_force.value / fine.all_touch_force.value - 1
         first, last = small_strain.all_touch_force, changed.all_touch_force
         more = last.error / last.value - first.error / first.value
         assert left == ()
         if presses is solid:
-            assert by_strain == pytest.approx(change - LOST.threshold * large.threshold / 2, rel=1e-9)
-            assert more == pytest.approx(LOST.threshold * large.threshold / 2, rel=1e-6)
+            assert by_strain == pytest.approx(
+                change - pressing.LOST.threshold * large.threshold / 2, rel=1e-9
+            )
+            assert more == pytest.approx(pressing.LOST.threshold * large.threshold / 2, rel=1e-6)
         else:
-            assert by_strain == pytest.approx(PLANE_PART * change, rel=1e-9)
+            assert by_strain == pytest.approx(pressing.PLANE_PART * change, rel=1e-9)
             assert more == pytest.approx(abs(change), rel=1e-6)
 
 
@@ -394,4 +397,4 @@ def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:
     wide = {"skin": {"curvature_radius": 3000.0, "width": 154.0}, "ridge": {"count": 150}}
     design = load("plain-ridges").with_(**wide, contact={"friction": 0.5})
     with pytest.raises(SizeError, match="at most 1000 contact points"):
-        solve(plain_pad(design), 0.5, 4.0)
+        pressing.solve(plain_pad(design), 0.5, 4.0)

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from scipy import interpolate, sparse
 
-from skincad import check, load
+from skincad import InputError, check, load
 from skincad.inputs import Design
 from skincad.mechanics import Answer, Request, pad_of, pressed
 from skincad.mechanics import check as checking
 from skincad.mechanics.models import corrected, linear, reduced
-from skincad.mechanics.models.reduced import ERRORS, FeatureModel, all_touch_force, at_approach
 from skincad.shape import skin_of
 
 
@@ -38,10 +37,12 @@ def answers(count: int) -> tuple[Answer, Answer]:
 
 
 def assert_same(quick: Answer, full: Answer) -> None:
-    assert quick.all_touch_force.value == pytest.approx(full.all_touch_force.value, rel=ERRORS.threshold)
-    assert quick.approach.value == pytest.approx(full.approach.value, rel=ERRORS.approach)
+    assert quick.all_touch_force.value == pytest.approx(
+        full.all_touch_force.value, rel=reduced.ERRORS.threshold
+    )
+    assert quick.approach.value == pytest.approx(full.approach.value, rel=reduced.ERRORS.approach)
     shares = [np.array([f.value for f in answer.ridge_force]) for answer in (quick, full)]
-    assert np.abs(shares[0] - shares[1]).max() <= ERRORS.share * shares[1].mean()
+    assert np.abs(shares[0] - shares[1]).max() <= reduced.ERRORS.share * shares[1].mean()
     assert shares[0].sum() == pytest.approx(shares[1].sum(), rel=1e-8)  # the root's
 
 
@@ -51,19 +52,19 @@ def test_twenty_five_features_are_those_of_the_full_model() -> None:
     assert_same(*answers(25))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="reduced: {count}")
 @pytest.mark.parametrize("count", [45, 101])
 def test_more_are_too(count: int) -> None:
     assert_same(*answers(count))
 
 
-def springs(count: int, reach: int = 3) -> FeatureModel:
+def springs(count: int, reach: int = 3) -> reduced.FeatureModel:
     """Features that stiffen, each felt by its neighbours."""
     indentation = np.linspace(0.0, 1.0, 40)
     offsets = [*range(-reach, reach + 1)]
     coupling = sparse.diags([0.1 * 0.5 ** abs(k) for k in offsets], offsets, (count, count), format="csr")
     gap = 0.2 * np.linspace(-1.0, 1.0, count) ** 2
-    return FeatureModel(gap, 2 * indentation**1.5, indentation, coupling)
+    return reduced.FeatureModel(gap, 2 * indentation**1.5, indentation, coupling)
 
 
 def test_each_touching_feature_bears_what_its_indentation_asks_for() -> None:
@@ -80,18 +81,18 @@ def test_each_touching_feature_bears_what_its_indentation_asks_for() -> None:
 
 def test_all_touch_where_the_last_gap_closes() -> None:
     model = springs(31)
-    first = all_touch_force(model)
+    first = reduced.all_touch_force(model)
     fewer, all_of_them = (pressed(model, share * first)[0] for share in (0.999, 1.001))
     assert (fewer > 0).sum() == 29
     assert (all_of_them > 0).all()
     one = replace(model, gap=model.gap[:1], coupling=model.coupling[:1, :1])
-    assert all_touch_force(one) == 0.0
+    assert reduced.all_touch_force(one) == 0.0
 
 
 def test_two_thousand_features_are_a_sparse_system() -> None:
     """What a pad of pins has: the time is not asserted, but a dense system would not end."""
     model = springs(2000)
-    forces, indentation = at_approach(model, 0.25)
+    forces, indentation = reduced.at_approach(model, 0.25)
     assert (indentation > 0).any()
     assert (indentation < 0).any() == (forces == 0).any()
     assert pressed(model, float(forces.sum()))[1] == pytest.approx(0.25, rel=1e-7)
@@ -103,7 +104,7 @@ def test_without_free_ends_it_is_plane_strain() -> None:
     design = pad(15)
     model = reduced.feature_model(design, design.contact.force, {}, ends=False)
     full = linear.solve(pad_of(design), Request(design.contact.force))
-    assert all_touch_force(model) == pytest.approx(full.all_touch_force.value, rel=0.02)
+    assert reduced.all_touch_force(model) == pytest.approx(full.all_touch_force.value, rel=0.02)
     assert pressed(model, design.contact.force)[1] == pytest.approx(full.approach.value, rel=0.01)
 
 
@@ -119,6 +120,5 @@ def test_auto_takes_it_of_many_features_alone(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_unlike_features_are_none_of_its() -> None:
-    with pytest.raises(Exception, match="must be alike for the reduced model"):
+    with pytest.raises(InputError, match="must be alike for the reduced model"):
         check(pad(9, levelling=0.5), model="reduced")
-    assert check(pad(9), model="reduced").model == "reduced"

@@ -13,9 +13,9 @@ from skincad.effects.pin_pad import pin_pad
 from skincad.inputs import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics import Drive, advance, crown_radius, hertz, lone
-from skincad.mechanics.contact.tips import unloaded
+from skincad.mechanics.contact import tips as tip_contact
+from skincad.mechanics.models import pin_cell as cells_of
 from skincad.mechanics.models import reduced
-from skincad.mechanics.models.pin_cell import pin_cell, pin_curve
 from tests.families import dome, pillars
 
 
@@ -23,7 +23,7 @@ def test_slim_pins_bend_as_beams() -> None:
     """What a pin of 8 mm turns and goes more than one of 6 mm: base and crown drop out."""
     slim = {"root_fillet": None, "tip_diameter": 2.0, "root_diameter": 2.0, "crown": 0.0}
     design = pillars().with_(pin={"heights": [8.0, 6.0], **slim})
-    tall, low = (pin_cell(lone(design, height, 4.0)) for height in (8.0, 6.0))
+    tall, low = (cells_of.pin_cell(lone(design, height, 4.0)) for height in (8.0, 6.0))
     bending = silicone(design).young_modulus.value * math.pi * 2.0**4 / 64
     area = math.pi * silicone(design).young_modulus.value
     # 1 %: the load on the tip is no beam's, which a diameter further down is forgotten
@@ -37,15 +37,15 @@ def test_slim_pins_bend_as_beams() -> None:
 
 def test_light_pins_press_as_spheres() -> None:
     """Where hardly anything touches, Hertz's approach and the pin's own."""
-    cell = pin_cell(lone(pillars(), 6.0, 4.0))
+    cell = cells_of.pin_cell(lone(pillars(), 6.0, 4.0))
     material = silicone(pillars())
     modulus = material.young_modulus.value / (1 - material.poisson_ratio**2)
-    force, indentation = (column[1:6] for column in pin_curve(cell.design))
+    force, indentation = (column[1:6] for column in cells_of.pin_curve(cell.design))
     closed = hertz(force, crown_radius(pillars()), modulus) + cell.axial * force
     assert indentation == pytest.approx(closed, rel=0.02)  # a rim at finite distance
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: compliance")
 def test_the_tips_compliance_is_that_of_pressing() -> None:
     design = dome()
     cells, model = reduced.pin_cells(design), reduced.pin_model(design)
@@ -68,7 +68,7 @@ def test_a_row_of_pins_moves_the_base_as_a_ridge() -> None:
     ridges = skincad.Design(name="ridges", skin=skin, ridge=ridge, **rest)
     plane = reduced.feature_model(ridges, 1.0, {}, ends=False).coupling.toarray()[4, 5:8] * 60.0
     slim = {"root_diameter": width, "tip_diameter": 0.8, "crown": 0.05, "height": 1.0, "heights": None}
-    cell = pin_cell(lone(pillars().with_(pin={**slim, "root_fillet": None}), 1.0, thick))
+    cell = cells_of.pin_cell(lone(pillars().with_(pin={**slim, "root_fillet": None}), 1.0, thick))
     along = step * np.arange(-80, 81)
     row = [cell.sinking(np.hypot(thick * k, along), width / 2).sum() * step for k in (1, 2, 3)]
     assert row == pytest.approx(plane, abs=0.06 * abs(plane[0]))
@@ -85,7 +85,7 @@ def test_friction_of_pins_lies_between_tips_that_slide_and_stick() -> None:
         skin={"width": 12.0, "length": 12.0, "curvature_radius": 15.0, "curvature_radius_y": 15.0},
     )
     force, tips = 0.3, pin_pad(bent).tips
-    rough = advance(tips, unloaded(tips), Drive(force, travel=0.0), 100.0).approach
+    rough = advance(tips, tip_contact.unloaded(tips), Drive(force, travel=0.0), 100.0).approach
     free, stuck = (
         reduced.pressed(reduced.pin_model(bent, stuck=sticks), force)[1] for sticks in (False, True)
     )
@@ -128,7 +128,7 @@ def graded(count: int) -> Design:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="calculix: {count} by {count} pins")
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 @pytest.mark.parametrize("count", [3, 5])
 def test_calculix_gives_graded_pins_the_same_forces(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,7 +141,7 @@ def test_calculix_gives_graded_pins_the_same_forces(count: int, monkeypatch: pyt
     assert share <= errors.share + 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="calculix: one pin")
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 def test_calculix_agrees_with_the_axisymmetric_pin() -> None:
     """3 %: at a sixth of the tip its mesh is 1.2 % stiff on a pin alone, and Poisson's ratio is 0.49."""
@@ -155,7 +155,7 @@ def test_calculix_agrees_with_the_axisymmetric_pin() -> None:
     assert ours.value == pytest.approx(0.12, rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: compliance")
 def test_tips_feel_each_other_alike_along_x_and_y() -> None:
     """Nine pins turned by a right angle are the same nine."""
     design = pillars()
@@ -168,13 +168,13 @@ def test_tips_feel_each_other_alike_along_x_and_y() -> None:
     assert np.abs(by_y[np.ix_(turned, turned)] - by_x).max() <= 0.1 * largest
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="pins: compliance")
 def test_a_pressed_pin_tilts_its_neighbour_as_a_pulled_one_presses_it() -> None:
     """Betti's theorem: how a tip goes aside as its neighbour is pressed, from the harmonic of that alone,
     against the mean with how the neighbour rises as the tip is pulled, from the other harmonic."""
     design = pillars().with_(pin={"heights": None, "height": 3.0})
     whole, n = reduced.tip_compliance(design, reduced.pin_cells(design)), 9
-    cell = pin_cell(lone(design, 3.0, 4.0))
+    cell = cells_of.pin_cell(lone(design, 3.0, 4.0))
     out, up = (np.interp([4.9, 5.0, 5.1], cell.radius, row) for row in cell.by_push)
     aside = -out[1] + 3.0 * (up[2] - up[0]) / 0.2  # of the pin at -x, as the other is pulled up
     # 20 %: a root that does not bend takes the mean over it, and stiffens the base

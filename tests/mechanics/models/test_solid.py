@@ -11,12 +11,14 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from skincad import load
 from skincad.base import InputError
 from skincad.inputs import Design
 from skincad.mechanics import (
     Layers,
     Pad,
     Request,
+    Sizes,
     SolidSolution,
     coarse_sizes,
     default_sizes,
@@ -30,19 +32,17 @@ from skincad.mechanics import (
     triangles,
     unit_of,
 )
-from skincad.mechanics.bodies.condense import dissection, schur
-from skincad.mechanics.bodies.mesh import PadMesh
-from skincad.mechanics.bodies.prisms import AlongY, SectionForms, line, prisms
-from skincad.mechanics.contact.frictionless import COMPLEMENTARITY
+from skincad.mechanics.bodies import condense, mesh, prisms
+from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import corrected, linear, solid
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.designs import SHORT, THREE, assert_inside, filleted, yamada
-from tests.mechanics.designs import reference as sharp
+from tests.mechanics.designs import SHORT, THREE, assert_inside, filleted, reference, yamada
 
 FEW = Layers(0.6, 2.0, 3)
 USUAL = Layers(0.6, 2.0, 4)
 FORCE = 1.3  # N on three ridges
+FACTS = pytest.mark.evidence(subject="solid: facts")
 
 
 def coarse(
@@ -52,21 +52,24 @@ def coarse(
     return solve_level(meshed, forms_of(meshed, order), along, force, {}, **how)
 
 
+def whole_of(pad: Pad, sizes: Sizes) -> mesh.PadMesh:
+    return mesh.PadMesh(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
+
+
 @cache
 def refined() -> SolidSolution:
     """Three ridges of the reference section: order 3 on a finer mesh and finer layers than any rung's."""
-    pad = pad_of(sharp().with_(**THREE))
+    pad = pad_of(reference().with_(**THREE))
     meshed = meshed_piece(pad, coarse_sizes(pad, 2.0))
     return solve_level(meshed, forms_of(meshed, 3), Layers(0.15, 1.8, 4), FORCE, {})
 
 
-@pytest.mark.parametrize("order", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("order", [2, pytest.param(3, marks=FACTS)])
 def test_plane_strain_of_the_prisms_is_the_linear_model(order: int) -> None:
     """The whole section on the same mesh: the same functions. 1e-5: on curved triangles, where integrands
     are rational, ngsolve's quadrature of the parts differs from that of the whole (measured 4e-6, 2e-7)."""
-    pad = pad_of(sharp())
-    mesh = triangles(pad, default_sizes(pad, 0.25))
-    meshed = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), mesh)
+    pad = pad_of(reference())
+    meshed = whole_of(pad, default_sizes(pad, 0.25))
     solution = solve_level(meshed, forms_of(meshed, order), None, 4.0, {})
     exact = linear.level(meshed, order, 4.0)
     assert solution.approach == pytest.approx(exact.approach, rel=1e-5)
@@ -78,17 +81,16 @@ def test_plane_strain_of_the_prisms_is_the_linear_model(order: int) -> None:
 def test_plane_strain_on_straight_triangles_is_the_linear_model(order: int) -> None:
     """Quadrature is exact here: rounding only."""
     pad = block(3.0, 2.0, 0.499)
-    mesh = triangles(pad, coarse_sizes(pad, 1.0))
-    meshed = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), mesh)
+    meshed = whole_of(pad, coarse_sizes(pad, 1.0))
     solution = solve_level(meshed, forms_of(meshed, order), None, 0.5, {})
     exact = linear.level(meshed, order, 0.5)
     assert solution.approach == pytest.approx(exact.approach, rel=1e-10)
 
 
-@pytest.mark.parametrize("film", [pytest.param(False, marks=pytest.mark.slow), True])
+@pytest.mark.parametrize("film", [pytest.param(False, marks=FACTS), True])
 def test_clamped_ends_are_plane_strain(film: bool) -> None:
     """With u_y = 0 at both ends the solution doesn't depend on y: rounding only, the film at 3750 E."""
-    pad = pad_of((yamada() if film else sharp()).with_(**SHORT))
+    pad = pad_of((yamada() if film else reference()).with_(**SHORT))
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
     plane = solve_level(meshed, forms, None, 1.0, {})
@@ -109,11 +111,11 @@ def test_patch_uniform_compression(order: int) -> None:
 def test_half_is_the_whole() -> None:
     """A mesh of half the section against one of all of it: at order 2 they differ by the mesh, 0.5 %; of F9,
     1.7 % of the force here, by that of the force."""
-    pad = pad_of(sharp().with_(ridge={"count": 3}, skin={"width": 5.0, "length": 6.0}))
+    pad = pad_of(reference().with_(ridge={"count": 3}, skin={"width": 5.0, "length": 6.0}))
     sizes = coarse_sizes(pad, 1.5)
     half = meshed_piece(pad, sizes)
     assert half.mirrored
-    whole = PadMesh(pad, pad, False, unit_of(pad), height_of(pad), triangles(pad, sizes))
+    whole = whole_of(pad, sizes)
     one, other = (solve_level(m, forms_of(m, 2), FEW, 1.0, {}) for m in (half, whole))
     assert one.approach == pytest.approx(other.approach, rel=5e-3)
     assert one.all_touch_force == pytest.approx(other.all_touch_force, abs=5e-3)
@@ -128,9 +130,9 @@ def test_a_half_is_half_of_the_area() -> None:
     assert half_of(replace(pad, section=replace(pad.section, outline=pad.section.outline[1:]))) is None
 
 
-def assembled(forms: SectionForms, along: AlongY) -> sparse.csr_matrix:
+def assembled(forms: prisms.SectionForms, along: prisms.AlongY) -> sparse.csr_matrix:
     """The prisms' stiffness as one sparse matrix."""
-    solid = prisms(forms, along)
+    solid = prisms.prisms(forms, along)
     blocks = np.array([solid.stiffness(t) for t in range(len(forms.functions))])
     rows, columns = np.broadcast_arrays(solid.unknowns[:, :, None], solid.unknowns[:, None])
     index = rows.ravel(), columns.ravel()
@@ -139,20 +141,20 @@ def assembled(forms: SectionForms, along: AlongY) -> sparse.csr_matrix:
 
 def test_nested_dissection_is_a_solve() -> None:
     """The Schur complement's inverse against the sparse solver's columns; condition 1e5 leaves 1e-9."""
-    pad = pad_of(sharp().with_(ridge={"count": 1}, skin={"width": 2.0, "length": 4.0}))
+    pad = pad_of(reference().with_(ridge={"count": 1}, skin={"width": 2.0, "length": 4.0}))
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0))
     forms = forms_of(meshed, 2)
-    along = line(graded(2.0, 1.0, 2.0), 2)
-    solid, matrix = prisms(forms, along), assembled(forms, along)
+    along = prisms.line(graded(2.0, 1.0, 2.0), 2)
+    solid, matrix = prisms.prisms(forms, along), assembled(forms, along)
     layers, count = along.at.size, forms.clamped.size
     free = ~np.tile(forms.clamped, 3)
     functions = [np.concatenate([f + shift * count for shift in range(3)]) for f in forms.functions]
     functions = [f[free[f]] for f in functions]
     numbers = np.arange(matrix.shape[0]).reshape(-1, layers)
     contact = forms.plane.contact
-    fronts = dissection(functions, forms.centres, contact)
+    fronts = condense.dissection(functions, forms.centres, contact)
     # u_y is free to translate without symmetry at y = 0: the clamped back holds it
-    complement, _ = schur(
+    complement, _ = condense.schur(
         lambda t: [(solid.unknowns[t], solid.stiffness(t))],
         fronts,
         lambda f: numbers[f].ravel(),
@@ -168,7 +170,7 @@ def test_nested_dissection_is_a_solve() -> None:
 
 
 def test_layers_integrate_polynomials() -> None:
-    along = line(graded(3.0, 0.5, 1.8), 4)
+    along = prisms.line(graded(3.0, 0.5, 1.8), 4)
     y = along.at
     assert along.weight.sum() == pytest.approx(3.0, rel=1e-13)  # rounding
     assert y**4 @ along.mass @ y**2 == pytest.approx(3.0**7 / 7, rel=1e-12)
@@ -176,10 +178,10 @@ def test_layers_integrate_polynomials() -> None:
     assert y**3 @ along.stiff @ y**3 == pytest.approx(9 * 3.0**5 / 5, rel=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="solid: facts")
 def test_free_ends_as_in_the_facts() -> None:
     """docs/evidence/facts.md: approach 0.2224 mm, F9 23 % below 3.026 N, outer share doubled; meshes: 1 %."""
-    solution = solid.solve(pad_of(sharp()), Request(4.0))
+    solution = solid.solve(pad_of(reference()), Request(4.0))
     assert not solution.warnings
     assert solution.touching == 9
     assert solution.approach.value == pytest.approx(0.2224, rel=1e-2)
@@ -189,67 +191,37 @@ def test_free_ends_as_in_the_facts() -> None:
 
 @pytest.mark.parametrize(
     ("length", "approach"),
-    [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=pytest.mark.slow), (48.0, 0.1859)],
+    [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=FACTS), (48.0, 0.1859)],
 )
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
     """Of docs/evidence/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs errs too."""
-    pad = replace(pad_of(sharp()), length=length)
+    pad = replace(pad_of(reference()), length=length)
     solution = coarse(pad, force=4.0 * length / 12.0)
     assert solution.approach == pytest.approx(approach, rel=1.5e-2)
 
 
-@pytest.mark.parametrize("design", [pytest.param(sharp, marks=pytest.mark.slow), yamada])
-def test_similarity(design: Any) -> None:
-    """Lengths times 2 and E by 4 leave every force: the mesh is the same, so 1e-6 is rounding."""
-    pad = pad_of(design().with_(**THREE))
-    large = scaled(pad, 2.0)
-    one, two = coarse(pad, along=FEW, force=FORCE), coarse(large, along=FEW, force=FORCE)
-    assert two.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-6)
-    assert two.ridge_force == pytest.approx(one.ridge_force, rel=1e-6)
-    assert two.approach == pytest.approx(2 * one.approach, rel=1e-6)
-
-
-def scaled(pad: Pad, by: float) -> Pad:
-    def larger(loop: Any) -> Any:
-        def point(p: Any) -> Any:
-            return type(p)(p.x * by, p.z * by)
-
-        return tuple(replace(s, start=point(s.start), end=point(s.end)) for s in loop)
-
-    return replace(
-        pad,
-        section=replace(pad.section, outline=larger(pad.section.outline), slots=()),
-        length=pad.length * by,
-        young_modulus=pad.young_modulus / by**2,
-        film_modulus=pad.film_modulus / by**2,
-        strips=tuple(larger(s) for s in pad.strips),
-    )
-
-
-@pytest.mark.slow
+@pytest.mark.evidence(subject="solid: facts")
 def test_bonded_strips_hold_the_ends() -> None:
     """Strips at 3750 times E resist the stretch along y, so free ends soften the pad less; measured 1.139
     against 1.280."""
-    bare, bonded = pad_of(sharp()), pad_of(yamada())
+    bare, bonded = pad_of(reference()), pad_of(yamada())
     ratios = [coarse(p).approach / coarse(p, along=None).approach for p in (bare, bonded)]
     assert ratios == pytest.approx([1.280, 1.139], abs=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: corrected")
 def test_answer_holds_the_refined_solution_and_its_residual() -> None:
-    solution, exact = solid.solve(pad_of(sharp().with_(**THREE)), Request(FORCE)), refined()
+    solution, exact = solid.solve(pad_of(reference().with_(**THREE)), Request(FORCE)), refined()
     assert not solution.warnings
-    assert solution.residual <= COMPLEMENTARITY
+    assert solution.residual <= frictionless.COMPLEMENTARITY
     assert solution.touching == 3
     assert sum(f.value or 0.0 for f in solution.ridge_force) == pytest.approx(FORCE, rel=1e-9)
     assert_inside(solution, exact)
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="{name}")
 @pytest.mark.parametrize("name", ["plain-ridges", "fingertip-soft", "yamada-2002"])
 def test_truth_lies_inside_for_templates(name: str) -> None:
-    from skincad import load
-
     whole = load(name)
     design: Design = whole.with_(
         ridge={"count": 3},
@@ -265,18 +237,9 @@ def test_truth_lies_inside_for_templates(name: str) -> None:
         assert_inside(answer(design, Request(force)), exact)
 
 
-def test_one_ridge_touches_at_once() -> None:
-    answer = solid.solve(
-        pad_of(sharp().with_(ridge={"count": 1}, skin={"width": 3.0})), Request(0.2, tol=0.05)
-    )
-    assert answer.all_touch_force.value == 0.0
-    assert answer.touching == 1
-    assert answer.ridge_force[0].value == pytest.approx(0.2, rel=1e-9)
-
-
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "REFINEMENTS", solid.REFINEMENTS[:1])
-    small = sharp().with_(**SHORT)
+    small = reference().with_(**SHORT)
     solution = solid.solve(pad_of(small), Request(1.0, tol=1e-6))
     assert any("1.0e-06 is not met" in w for w in solution.warnings)
     assert any("budget of 0.001" in w for w in solid.solve(pad_of(small), Request(1.0, budget=1e-3)).warnings)
@@ -285,7 +248,7 @@ def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> No
 def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "MOST_UNKNOWNS", 1000)
     with pytest.raises(InputError, match=r"three dimensions take at most 1000 unknowns.*the linear model"):
-        solid.solve(pad_of(sharp()), Request(4.0))
+        solid.solve(pad_of(reference()), Request(4.0))
 
 
 @pytest.mark.parametrize("growth", [1.8, 2.0])
