@@ -17,8 +17,8 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import pytest
@@ -33,10 +33,13 @@ CASES = "tests/hard_cases.toml"
 
 @dataclass(frozen=True)
 class Turn:
-    """A line of the ledger: what was run, at which commit, and how many of its cases failed."""
+    """A line of the ledger: what was run, at which commit, and how many of its cases failed.
+
+    `subjects` says how many cases each has.
+    """
 
     number: int
-    subjects: tuple[str, ...] = ()
+    subjects: dict[str, int] = field(default_factory=dict)
     commit: str = ""
     cases: int = 0
     failures: int = 0
@@ -77,40 +80,45 @@ class Reports:
 def ledger() -> list[Turn]:
     """Return the ledger's lines, in order."""
     rows = tomllib.loads(LEDGER.read_text("utf-8"))["turn"] if LEDGER.exists() else []
-    known = {row["number"]: Turn(**{**row, "subjects": tuple(row["subjects"])}) for row in rows}
+    known = {row["number"]: Turn(**row) for row in rows}
     return [known.get(number, Turn(number)) for number in range(1, TURNS + 1)]
 
 
 def write(turns: Iterable[Turn]) -> None:
     """Write the ledger."""
-    document = tomlkit.document()
-    document.add(
-        tomlkit.comment("Evidence by turns: `python -m bench.evidence` runs one and writes its line.")
-    )
-    rows = tomlkit.aot()
-    for turn in turns:
-        row = tomlkit.table()
-        for key, value in asdict(turn).items():
-            row.add(key, tomlkit.item(sorted(value)).multiline(True) if key == "subjects" else value)
-        rows.append(row)
-    document.add("turn", rows)
-    LEDGER.write_text(tomlkit.dumps(document), encoding="utf-8")
+    rows = [{**asdict(turn), "subjects": dict(sorted(turn.subjects.items()))} for turn in turns]
+    head = "# Evidence by turns: `python -m bench.evidence` runs one and writes its line.\n\n"
+    LEDGER.write_text(head + tomlkit.dumps({"turn": rows}), encoding="utf-8")
 
 
-def balanced(subjects: Collection[str]) -> list[Turn]:
-    """Return ten turns of these subjects with about equal core-seconds; a turn that changes is to be run."""
+def balanced(subjects: Mapping[str, int]) -> list[Turn]:
+    """Return ten turns of these subjects with about equal core-seconds.
+
+    A turn is as old as the oldest from which it has a subject, and has the failures of all of them.
+    """
     spent = tomllib.loads(SECONDS.read_text("utf-8"))["evidence"]
+    source = {subject: turn for turn in ledger() for subject in turn.subjects}
     shares: list[list[str]] = [[] for _ in range(TURNS)]
     sums = [0.0] * TURNS
     for subject in sorted(subjects, key=lambda name: (-spent.get(name, 1.0), name)):
         least = sums.index(min(sums))
         shares[least].append(subject)
         sums[least] += spent.get(subject, 1.0)
-    same = {frozenset(turn.subjects): turn for turn in ledger()}
-    return [
-        replace(same.get(frozenset(share), Turn(0, tuple(share))), number=number)
-        for number, share in enumerate(shares, 1)
-    ]
+    turns = []
+    for number, share in enumerate(shares, 1):
+        before = {source[name].number: source[name] for name in share if name in source}
+        oldest = max(before.values(), key=lambda turn: (turn.age is None, turn.age or 0), default=Turn(0))
+        turns.append(
+            Turn(
+                number,
+                {name: subjects[name] for name in share},
+                oldest.commit if all(name in source for name in share) else "",
+                sum(subjects[name] for name in share),
+                sum(turn.failures for turn in before.values()),
+                round(sums[number - 1]),
+            )
+        )
+    return turns
 
 
 def collected() -> Counter[str]:
@@ -135,7 +143,7 @@ def run(turn: Turn) -> Turn:
     pytest.main(["-q", "-m", "evidence", "--turn", str(turn.number)], plugins=[reports])
     return Turn(
         turn.number,
-        tuple(reports.cases),
+        dict(reports.cases),
         commit,
         reports.cases.total(),
         len(reports.failures),

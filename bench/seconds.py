@@ -2,6 +2,7 @@
 
 `python -m bench.seconds` reads the core-seconds that each run of pytest leaves in out/core-seconds, and sums
 them by tier and group. Groups of less than a core-second are left out. A tier that was not run stays as is.
+Remove that folder first where tests have gone or have other names.
 """
 
 from __future__ import annotations

@@ -193,7 +193,10 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         if tests:
             lines.append(f"{tier}: {len(tests)} tests, {sum(tests.values()):.0f} core-seconds")
             MEASURED.mkdir(parents=True, exist_ok=True)
-            (MEASURED / f"{tier}.json").write_text(json.dumps(tests, indent=0), encoding="utf-8")
+            path = MEASURED / f"{tier}.json"
+            if path.exists():  # of a run of a few tests the others stay
+                tests = json.loads(path.read_text("utf-8")) | tests
+            path.write_text(json.dumps(tests, indent=0), encoding="utf-8")
         faults += [
             f"{name}: {spent:.1f} core-seconds, {limit:g} are allowed (mark it `dear` with the reason)"
             for name, of, spent, dear in rows
