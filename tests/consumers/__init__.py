@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 import skincad.fabrication.job
 from skincad.fabrication import PartReport
@@ -16,6 +19,12 @@ from skincad.inputs import Design
 from tests.conftest import Made
 
 CONSUMERS = ("prusaslicer", "gmsh", "lib_3mf", "dxf", "meshlab", "camlib", "steps")
+
+
+def consumed(name: str, *values: Any) -> Any:
+    """Return a test's parameters: those of yamada-2002 are slow, those of other templates evidence."""
+    slow = name == "yamada-2002"
+    return pytest.param(name, *values, marks=pytest.mark.slow if slow else pytest.mark.evidence(subject=name))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""One `make` of each template for all consumers: yamada-2002 always, the others among the slow tests."""
+"""One `make` of each template with ridges for all consumers: yamada-2002 is slow, the others are evidence."""
 
 from __future__ import annotations
 
@@ -6,18 +6,13 @@ import pytest
 
 import skincad
 from tests.conftest import files_into
-from tests.consumers import Job
+from tests.consumers import Job, consumed
 from tests.families import RIDGED
 
 READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
 
 
-def _marks(name: str) -> list[pytest.MarkDecorator]:
-    together = pytest.mark.xdist_group(name)  # a template is made once, by the worker that looks at it
-    return [together] if name == "yamada-2002" else [together, pytest.mark.slow]
-
-
-@pytest.fixture(scope="session", params=[pytest.param(name, marks=_marks(name)) for name in RIDGED])
+@pytest.fixture(scope="session", params=[consumed(name) for name in RIDGED])
 def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Job:
     design = skincad.load(request.param)
     if request.param == "yamada-2002":

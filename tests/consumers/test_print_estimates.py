@@ -17,16 +17,18 @@ from skincad.fabrication.estimates import estimates
 from skincad.inputs import Design, processes
 from skincad.outputs import write_stl
 from skincad.solids.mold import mold
-from tests.consumers import prusaslicer
-from tests.consumers.print_estimates import SlicerEstimate, of_filament, of_resin
+from tests.consumers import consumed, prusaslicer
+from tests.consumers.prusaslicer import SlicerEstimate, filament_estimate, resin_estimate
 from tests.families import RIDGED
 
-pytestmark = [pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing()), pytest.mark.slow]
+pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
 ASKED = 0.1  # of the slicer's, by part: what issue 19 asks
 EXPOSED = 0.01  # of resin: its layers are counted; a height between two layers goes to either
 RANDOM = (  # drawn by hand, unlike any template
-    ("nozzle-04", ["skin.length=31", "skin.thickness=6.3", "printer.fdm.layer=0.15", "printer.fdm.loops=2"]),
-    ("plain-ridges", ["skin.length=23", "mold.cavities=2", "printer.fdm.fill_speed=120"]),
+    consumed(
+        "nozzle-04", ["skin.length=31", "skin.thickness=6.3", "printer.fdm.layer=0.15", "printer.fdm.loops=2"]
+    ),
+    consumed("plain-ridges", ["skin.length=23", "mold.cavities=2", "printer.fdm.fill_speed=120"]),
 )
 SPARSE = ["printer.fdm.infill=0.4"]
 
@@ -45,7 +47,7 @@ def compared(design: Design, folder: Path) -> dict[str, tuple[SlicerEstimate, Sl
     pairs = {}
     for name, shape in prints.items():
         write_stl(shape, folder / f"{name}.stl")
-        slicer = of_resin if process.exposure else of_filament
+        slicer = resin_estimate if process.exposure else filament_estimate
         mass, time = estimates_by_part[name].mass, estimates_by_part[name].time
         ours = SlicerEstimate(float(mass) / process.density * 1000, float(time) * 3600)
         pairs[name] = ours, slicer(folder / f"{name}.stl", process, folder)
@@ -58,7 +60,7 @@ def total(pairs: dict[str, tuple[SlicerEstimate, SlicerEstimate]], which: int) -
     )
 
 
-@pytest.mark.parametrize(("name", "changes"), [*((name, []) for name in RIDGED), *RANDOM])
+@pytest.mark.parametrize(("name", "changes"), [*(consumed(name, []) for name in RIDGED), *RANDOM])
 def test_filament_of_every_part(name: str, changes: list[str], tmp_path: Path) -> None:
     pairs = compared(by(name, "fdm", changes), tmp_path)
     off = {
@@ -68,14 +70,14 @@ def test_filament_of_every_part(name: str, changes: list[str], tmp_path: Path) -
     assert {n: o for n, o in off.items() if max(map(abs, o)) > ASKED} == {}
 
 
-@pytest.mark.parametrize("name", ["nozzle-04", "lab-bench", "steep-fingertip"])
+@pytest.mark.parametrize("name", [consumed(name) for name in ("nozzle-04", "lab-bench", "steep-fingertip")])
 def test_filament_of_a_mold_that_is_not_solid(name: str, tmp_path: Path) -> None:
     """Of the mold: a part whose patches are just as large as what is still filled may be further off."""
     pairs = compared(by(name, "fdm", SPARSE), tmp_path)
     assert total(pairs, 0) == pytest.approx(total(pairs, 1), rel=ASKED)
 
 
-@pytest.mark.parametrize("name", RIDGED)
+@pytest.mark.parametrize("name", [consumed(name) for name in RIDGED])
 def test_resin_of_every_part(name: str, tmp_path: Path) -> None:
     for part, (ours, theirs) in compared(by(name, "sla"), tmp_path).items():
         assert ours == pytest.approx(theirs, rel=EXPOSED), part
