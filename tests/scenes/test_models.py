@@ -1,11 +1,13 @@
-"""Which model a scene is marched by: what its tolerance asks, what it names, and what it can pay."""
+"""By which model and on which meshes a scene is marched: tolerance, budget, and what the next one costs."""
 
 from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +17,11 @@ from skincad.mechanics.contact import frozen_tangent
 from skincad.outputs.simulations import lines
 from skincad.scenes import (
     LEVELS,
+    Level,
+    March,
     Scene,
     Simulation,
+    expected,
     load_scene,
     marched,
     models,
@@ -26,7 +31,106 @@ from skincad.scenes import (
     slips_of,
 )
 from skincad.scenes.march import march
-from tests.small_scene import small_scene
+from tests.small_scene import THIRD, small_scene
+
+SPENT = {"mesh": 0.5, "condense": 1.0, "march": 3.0}
+
+
+def test_a_shared_mesh_costs_nothing_more_and_a_finer_one_is_made_anew() -> None:
+    """Condensing and marching grow with one power of the unknowns, meshing as these."""
+    shared, finer = (expected(LEVELS[i + 1], LEVELS[i], SPENT) for i in (0, 2))
+    growth = LEVELS[3].size / LEVELS[2].size
+    assert LEVELS[0].fineness == LEVELS[1].fineness
+    power = math.log(shared / 4.0) / math.log(LEVELS[1].size / LEVELS[0].size)
+    assert 1 < power < 2.5  # a sparse factorisation in the plane, at most a dense one of its front
+    assert finer == pytest.approx(0.5 * growth + 4.0 * growth**power)
+    assert Level(1.0, 5).size == 1.0  # its own unit unless told
+
+
+def two_steps(folder: Path, **limits: Any) -> Simulation:
+    press = ("history.steps=2", "readout.ridges=[1]", THIRD)
+    return simulate(small_scene(folder, "yamada-2002-press", *press), model="small_strain", **limits)
+
+
+def test_sizes_of_meshes_grow_as_their_unknowns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Within a tenth: sizes were rounded, and a mesh changes with netgen's release."""
+    unknowns = []
+    for level in LEVELS[:2]:
+        monkeypatch.setattr(models, "LEVELS", (level,))
+        unknowns.append(two_steps(tmp_path).march.unknowns)
+    assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size / LEVELS[0].size, rel=0.1)
+
+
+def test_the_time_left_is_told_and_falls_to_what_must_follow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "LONGER", 1e6)  # so that the march with fewer steps stands out
+    ticks: list[tuple[str, int, float]] = []
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        if left is not None:
+            ticks.append((stage, step, left))
+
+    press = ("history.steps=8", "readout.ridges=[1]", THIRD)
+    simulation = simulate(small_scene(tmp_path, "yamada-2002-press", *press), tol=0.5, tick=tick)
+    stages = list(dict.fromkeys(stage for stage, _, _ in ticks))
+    assert len(stages) == 3  # no error without a second mesh, nor without a march with fewer steps
+    first, fewer, second = ([left for name, _, left in ticks if name == stage] for stage in stages)
+    assert len(first) == len(second) == 8
+    assert second[-1] == 0.0
+    assert first[-1] > 100 * fewer[-1] > 0.0  # then the second mesh alone is left
+    assert stages[1] == "march with fewer steps"
+    assert [step for name, step, _ in ticks if name == stages[1]] == [5, 8]
+    assert simulation.error is not None
+
+
+def test_a_budget_is_told_to_be_too_small(tmp_path: Path) -> None:
+    simulation = two_steps(tmp_path, budget=1e-3)
+    assert simulation.error is None
+    assert any("more than the budget of 0.001 s" in warning for warning in simulation.warnings)
+    assert any("of unknown error" in warning for warning in simulation.warnings)
+
+
+@pytest.mark.slow
+def test_an_error_comes_with_two_meshes(tmp_path: Path) -> None:
+    assert all(0 < error < math.inf for error in two_steps(tmp_path).error.values())
+
+
+@pytest.mark.parametrize(
+    ("limits", "meshes"), [({"budget": 1e6}, 3), ({"budget": 1e6, "tol": 0.9}, 2), ({"tol": 0.9}, 2)]
+)
+def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
+    limits: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
+    stages: set[str] = set()
+
+    def tick(stage: str, step: int, left: float | None = None) -> None:
+        if "fineness" in stage:
+            stages.add(stage)
+
+    simulation = two_steps(tmp_path, tick=tick, **limits)
+    assert len(stages) == meshes
+    assert not any("met" in warning or "budget" in warning for warning in simulation.warnings)
+
+
+def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
+    runs: list[March] = []
+    march_on = models.march_on
+
+    def fail_third(*arguments: Any) -> March:
+        runs.append(march_on(*arguments))
+        return replace(runs[-1], failed=True, stopped="step 2") if len(runs) == 3 else runs[-1]
+
+    monkeypatch.setattr(models, "march_on", fail_third)
+    simulation = two_steps(tmp_path, budget=1e6)
+    assert len(runs) == 3
+    assert simulation.march is runs[1]
+    assert any("a finer mesh stopped at step 2" in warning for warning in simulation.warnings)
+
 
 PULLED = (
     "history.steps=24",
@@ -81,7 +185,7 @@ def test_its_errors_are_small_strains_and_what_drifts(folder: Path) -> None:
     assert small.as_json()["chosen_steps"] is None
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer steps: chosen steps of scenes")
 def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
     """The stress and each ridge's lead within the errors told, without what both leave out."""
     simulation, reference = corrected(folder), simulate(scene_in(folder, "effects.finite_strain={}"))
@@ -99,7 +203,7 @@ def test_it_holds_against_finite_strain_in_each_step(folder: Path) -> None:
         assert abs((one or 0) - (other or common)) <= (slip.total or 0) - slip.left_out + 1
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: chosen steps of scenes")
 def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -> None:
     """Nine ridges, pulled by 0.4 of the normal force, at which nothing folds before all slip (0.5 does).
 
@@ -137,6 +241,7 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
             assert abs(lead - known) <= (error.total or 0) - error.left_out + rounding
 
 
+@pytest.mark.slow
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
     run = marched(scene_in(folder), tol=1 - 1e-9, further_models=True)
     assert models.model_of(run.on.scene) == "small_strain"
@@ -145,6 +250,7 @@ def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path)
     assert models.model_of(run.on.scene) == "small_strain"
 
 
+@pytest.mark.slow
 def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> None:
     for override in ("effects.small_strain={}", "readout.ridges=[]"):
         run = marched(scene_in(folder, override), tol=0.1, further_models=True)
@@ -162,6 +268,7 @@ def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
     assert "viscosity" in rows[0]
 
 
+@pytest.mark.slow
 def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from skincad.base import InputError
-from skincad.inputs import template_names
+from skincad.inputs import template_names, template_text
 from skincad.scenes import load_scene
 from tests.refusals import refused, refused_command
 
@@ -82,48 +82,41 @@ def test_bad_scenes_are_one_line(override: str) -> None:
         load_scene(SLIP, [override])
 
 
-def test_films_signals_need_slots() -> None:
-    with pytest.raises(InputError, match=r"readout.ridges: needs films' stresses, but plain-ridges has no"):
-        load_scene(SLIP, ["skin=plain-ridges", "effects.film=none"])
+TURNS = "history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]"
+FINITE, PAST = "effects.finite_strain={}", "effects.viscosity.retardation_time=1e-4"
 
 
 @pytest.mark.parametrize(
-    ("more", "key"),
+    ("settings", "words"),
     [
-        ("history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]", "history.rotation_deg"),
-        ("readout.steps=[3]", "readout.steps"),
+        (
+            ["skin=plain-ridges", "effects.film=none"],
+            "readout.ridges: needs films' stresses, but plain-ridges",
+        ),
+        (["effects.piezo.circuit=yamada-2002", "effects.film=none"], "effects.piezo: needs the effect film"),
+        *(
+            ([more, other], rf"{more.partition('=')[0]}: does not work together with .*{name}")
+            for more in (TURNS, "readout.steps=[3]")
+            for name, other in (("finite_strain", FINITE), ("viscosity", PAST))
+        ),
+        *(
+            (["plate.mass=1.0", other], f"plate.mass: does not count beside {named}")
+            for other, named in (
+                (PAST, r"\[effects\.viscosity\]"),
+                (FINITE, r"\[effects\.finite_strain\]"),
+                ("effects.small_strain.masses=false", r"\[effects\.small_strain\]"),
+                (TURNS, "a plate that turns"),
+            )
+        ),
     ],
 )
-@pytest.mark.parametrize("other", ["finite_strain={}", "viscosity.retardation_time=1e-4"])
-def test_what_a_condensed_pad_alone_knows_is_refused_with_others(more: str, key: str, other: str) -> None:
-    name = "viscosity" if "viscosity" in other else "finite_strain"
-    with pytest.raises(InputError, match=f"{key}: does not work together with .*{name}"):
-        load_scene(SLIP, [more, f"effects.{other}"])
-
-
-@pytest.mark.parametrize(
-    ("other", "named"),
-    [
-        ("effects.viscosity.retardation_time=1e-4", r"\[effects\.viscosity\]"),
-        ("effects.finite_strain={}", r"\[effects\.finite_strain\]"),
-        ("effects.small_strain.masses=false", r"\[effects\.small_strain\]"),
-        ("history.rotation_deg=[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]", "a plate that turns"),
-    ],
-)
-def test_a_plates_mass_is_refused_where_it_does_not_count(other: str, named: str) -> None:
-    with pytest.raises(InputError, match=f"plate.mass: does not count beside {named}"):
-        load_scene(SLIP, ["plate.mass=1.0", other])
+def test_what_does_not_go_together_is_refused(settings: list[str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        load_scene(SLIP, settings)
     assert load_scene(SLIP, ["plate.mass=1.0"]).plate.mass == 1.0
 
 
-def test_a_circuit_needs_films() -> None:
-    with pytest.raises(InputError, match=r"effects.piezo: needs the effect film"):
-        load_scene(SLIP, ["effects.piezo.circuit=yamada-2002", "effects.film=none"])
-
-
 def test_a_skins_path_counts_from_the_scene(tmp_path: Path) -> None:
-    from skincad.inputs import template_text
-
     (tmp_path / "mine.toml").write_text(template_text("yamada-2002"))
     scene = template_text(SLIP, "scenes").replace('skin = "yamada-2002"', 'skin = "mine.toml"')
     (tmp_path / "scene.toml").write_text(scene)

@@ -1,10 +1,9 @@
-"""Scenes as they are simulated: the paper's Figs 8, 11, 12 and 13, cost of naming, files and JSON."""
+"""Scenes as they are simulated: the paper's Figs 8, 11, 12 and 13; files and JSON; interrupts."""
 
 from __future__ import annotations
 
 import csv
 import json
-import math
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,8 @@ import numpy as np
 import pytest
 
 from skincad.base import ExhaustedError
-from skincad.effects import EFFECTS
 from skincad.scenes import LEVELS, Level, Simulation, at_level, load_scene, models, simulate
 from tests.conftest import run_skincad
-from tests.processes import python
 from tests.shared_pads import forget
 from tests.small_scene import THIRD, small_scene
 
@@ -26,8 +23,14 @@ KEYS = {
     *("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2", "bandwidth_Hz"),
     *("residual_max", "energy", "unknowns", "seconds", "warnings"),
 }
+
+
 SLIP = "yamada-2002-slip"
+
+
 STILL = "effects.small_strain.masses=false"  # the paper's own scene has no masses
+
+
 # a third of the ridges: about a third of the forces
 PULL = (
     *("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.3]"),
@@ -47,36 +50,81 @@ def slipped(level: int = 1, *overrides: str) -> Simulation:
     return on(LEVELS[level], SLIP, STILL, *overrides)
 
 
-def test_json_has_the_contracts_keys_and_lengths() -> None:
-    simulation = on(LEVELS[0], SLIP, "history.steps=550")
+def small_slip(folder: Path) -> Simulation:
+    """The paper's history on three ridges, which bear a third, in 110 steps."""
+    forces = (
+        "history.normal_force_N=[0.0, 1.3333, 1.3333, 1.3333, 1.3333, 1.3333, 1.3333]",
+        "history.tangential_force_N=[0.0, 0.0, 1.1333, 1.1333, 0.8667, 1.0667, 1.3333]",
+    )
+    return at_level(small_scene(folder, SLIP, STILL, *forces, "history.steps=110"), LEVELS[0])
+
+
+def check_json(simulation: Simulation) -> None:
+    """JSON has the contract's keys and lengths."""
     data = json.loads(json.dumps(simulation.as_json(), allow_nan=False))
     assert data.keys() >= KEYS
-    assert data["effects"] == ["friction", "film"]
+    assert data["effects"] == ["friction", "film", "small_strain"]
     count = data["steps"] + 1
     for key in ("time_s", "normal_force_N", "tangential_force_N"):
         assert len(data[key]) == count
     for key in ("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2"):
         assert set(data[key]) == {"3"}
         assert len(data[key]["3"]) == count
-    assert len(data["ridge_slip_step"]) == len(data["ridge_slip_intervals"]) == 9
+    ridges = simulation.scene.design.ridge.count
+    assert len(data["ridge_slip_step"]) == len(data["ridge_slip_intervals"]) == ridges
     assert {"effect", "indicator", "estimated_change"} <= set(data["left_out"][0])
     assert {entry["effect"] for entry in data["left_out"]} >= {"finite_strain", "free_ends"}
 
 
-def test_it_ends_in_gross_slip_at_the_last_step_and_every_step_holds() -> None:
-    simulation = slipped(0)
-    assert simulation.march.stopped == "gross slip"
-    assert simulation.gross_slip_step == 550
-    assert simulation.march.column("residual").max() <= 1e-10
-    assert simulation.march.column("tangential")[-1] == pytest.approx(4.0, rel=1e-10)
+def check_gross_slip(simulation: Simulation) -> None:
+    """It ends in gross slip at the last step, every step holds, and energy is balanced.
 
-
-def test_energy_balance() -> None:
-    """1e-3 of the work done is the issue's; what is missing is done within steps by closing points."""
-    simulation = slipped(0)
+    1e-3 of the work done is the issue's; what is missing is done within steps by closing points.
+    """
+    march = simulation.march
+    assert march.stopped == "gross slip"
+    assert simulation.gross_slip_step == simulation.scene.history.steps
+    assert march.column("residual").max() <= 1e-10
+    assert march.column("tangential")[-1] == pytest.approx(march.column("normal")[-1], rel=1e-10)
     assert simulation.energy["imbalance"] < 1e-3
-    assert simulation.march.column("dissipated").min() >= -1e-12
+    assert march.column("dissipated").min() >= -1e-12
     assert simulation.energy["dissipated_mJ"] > 0.1 * simulation.energy["work_mJ"]
+
+
+def check_lead(simulation: Simulation) -> None:
+    """The lead of ridge 3 is a number of ms."""
+    step, gross = simulation.slip_steps[2], simulation.gross_slip_step
+    apart = 1e3 * simulation.march.time[1] * (gross - step)
+    assert simulation.as_json()["slip_lead_ms"] == {"3": pytest.approx(apart, rel=1e-9)}
+
+
+def test_a_small_scene_ends_in_gross_slip(tmp_path: Path) -> None:
+    simulation = small_slip(tmp_path)
+    check_json(simulation)
+    check_gross_slip(simulation)
+    check_lead(simulation)
+
+
+def test_a_small_stage_goes_through_gross_slip(tmp_path: Path) -> None:
+    press = ("history.normal_force_N=[0.0, 1.3, 1.3]", "history.steps=60")
+    check_stage(at_level(small_scene(tmp_path, "yamada-2002-stage", *press), LEVELS[0]), 1.3)
+
+
+def check_stage(simulation: Simulation, limit: float) -> None:
+    assert simulation.march.stopped is None
+    assert simulation.gross_slip_step is not None
+    tangential = simulation.march.column("tangential")
+    # Coulomb: all that friction holds, from there on
+    assert tangential[simulation.gross_slip_step :] == pytest.approx(limit, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_the_papers_scene_ends_in_gross_slip() -> None:
+    simulation = slipped(0)
+    check_json(simulation)
+    check_gross_slip(simulation)
+    check_lead(simulation)
+    check_the_story(simulation)
 
 
 def check_the_story(simulation: Simulation) -> None:
@@ -104,11 +152,7 @@ def check_the_story(simulation: Simulation) -> None:
     assert abs(peak - step) * dt <= 3.5e-5
 
 
-def test_figs_12_and_13() -> None:
-    check_the_story(slipped(0))
-
-
-@pytest.mark.slow
+@pytest.mark.evidence(subject="finer meshes: yamada-2002-slip")
 def test_figs_12_and_13_at_other_meshes_and_steps() -> None:
     here = slipped(0)
     others = (slipped(1), slipped(2), slipped(0, "history.steps=1100"), slipped(0, "history.steps=275"))
@@ -118,6 +162,7 @@ def test_figs_12_and_13_at_other_meshes_and_steps() -> None:
         assert other == pytest.approx(one, rel=0.01)  # the issue's
 
 
+@pytest.mark.slow
 def test_fig_8a_on_a_mirrored_mesh() -> None:
     """1e-9 of S1 is the issue's; the halves share one solution."""
     simulation = on(LEVELS[0], "yamada-2002-press", "history.steps=20")
@@ -128,6 +173,7 @@ def test_fig_8a_on_a_mirrored_mesh() -> None:
     assert np.abs(last).max() > 1e-3 * largest
 
 
+@pytest.mark.slow
 def test_fig_8b_a_pull_makes_a_difference_everywhere() -> None:
     simulation = on(LEVELS[0], "yamada-2002-press-and-pull", "history.steps=40")
     change = np.array([simulation.raw[r][-1] - simulation.raw[r][20] for r in range(1, 10)])
@@ -135,6 +181,7 @@ def test_fig_8b_a_pull_makes_a_difference_everywhere() -> None:
     assert (np.sign(change[1:8]) == np.sign(change[4])).all()
 
 
+@pytest.mark.slow
 def test_hold_neither_slips_nor_creeps() -> None:
     simulation = on(LEVELS[0], "hold", "history.steps=60")
     travel = simulation.march.column("travel")[20:]
@@ -143,29 +190,12 @@ def test_hold_neither_slips_nor_creeps() -> None:
     assert simulation.slip_steps == [None] * 9
 
 
-def test_a_driven_stage_goes_through_gross_slip() -> None:
-    simulation = on(LEVELS[0], "yamada-2002-stage", "history.steps=60")
-    assert simulation.march.stopped is None
-    assert simulation.gross_slip_step is not None
-    tangential = simulation.march.column("tangential")
-    # Coulomb: all that friction holds, from there on
-    assert tangential[simulation.gross_slip_step :] == pytest.approx(4.0, rel=1e-9)
-
-
-def test_lead_is_a_number_of_ms() -> None:
-    simulation = slipped(0)
-    step, gross = simulation.slip_steps[2], simulation.gross_slip_step
-    # steps of 0.01 ms
-    assert simulation.as_json()["slip_lead_ms"] == {"3": pytest.approx(0.01 * (gross - step), rel=1e-9)}
-    press = on(LEVELS[0], "yamada-2002-press", "history.steps=2", "readout.ridges=[3]")
-    assert press.as_json()["slip_lead_ms"] == {"3": None}
-
-
 @cache
 def rolled() -> Simulation:
     return on(LEVELS[0], "rolling", "history.steps=150")
 
 
+@pytest.mark.slow
 def test_rolling_moves_contact_from_ridge_to_ridge() -> None:
     march = rolled().march
     touched = [set(march.ridge[reading.touches].tolist()) for reading in march.readings]
@@ -176,6 +206,7 @@ def test_rolling_moves_contact_from_ridge_to_ridge() -> None:
     assert touched[25] > {2, 3, 4, 5, 6, 7, 8}
 
 
+@pytest.mark.slow
 def test_rolling_is_no_slip() -> None:
     """Points slip at the edges of contact alone; what a ridge does while it lifts off lasts a few steps."""
     simulation = rolled()
@@ -195,6 +226,7 @@ def test_rolling_is_no_slip() -> None:
     assert simulation.march.column("residual").max() <= 1e-10
 
 
+@pytest.mark.evidence(subject="rolling")
 def test_rolling_raises_no_false_alarm() -> None:
     """Ridges 2 and 3 slip as they lift off, for a hundredth of the time, and may be told."""
     simulation = on(LEVELS[0], "rolling", "effects.piezo.circuit=yamada-2002", "history.steps=150")
@@ -203,7 +235,7 @@ def test_rolling_raises_no_false_alarm() -> None:
     assert simulation.read["warning_score"]["false"] <= 1
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="rolling")
 def test_rolling_fast_raises_no_alarm_of_a_ridge_that_sticks() -> None:
     """A hundred times as fast, above the noise. A ridge that lifts off does slip, and may be told; that takes
     the detector for a slip that lasts, once."""
@@ -223,14 +255,14 @@ def test_rolling_fast_raises_no_alarm_of_a_ridge_that_sticks() -> None:
 
 
 def test_same_input_same_bits(tmp_path: Path) -> None:
-    scene = small_scene(tmp_path, "yamada-2002-press-and-pull", *PULL, "history.steps=60")
+    scene = small_scene(tmp_path, "yamada-2002-press-and-pull", *PULL, "history.steps=20")
     one = at_level(scene, LEVELS[0])
     forget()
     other = at_level(scene, LEVELS[0])
     assert (one.march.column("films") == other.march.column("films")).all()
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yamada-2002-slip: materials")
 @pytest.mark.parametrize("mu", [0.0, 0.2, 1.0, 2.0, 3.0, 5.0])
 def test_any_friction_is_marched_or_refused_with_its_reason(mu: float) -> None:
     pull = [0.0, 0.0, 3.4, 3.4, 2.6, 3.2, 4.0]
@@ -246,7 +278,7 @@ def test_any_friction_is_marched_or_refused_with_its_reason(mu: float) -> None:
         assert "step" in simulation.march.stopped
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yamada-2002-slip: materials")
 @pytest.mark.parametrize("mu", [2.0, 3.0, 5.0])
 def test_much_friction_holds_the_scenes_own_pull(mu: float) -> None:
     """Where the sets cycle from the last step's, another start settles: sliding, sticking, less friction."""
@@ -256,79 +288,30 @@ def test_much_friction_holds_the_scenes_own_pull(mu: float) -> None:
     assert simulation.march.column("residual").max() <= 1e-10
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="yamada-2002-slip: materials")
 @pytest.mark.parametrize("ratio", [0.3, 0.4999, 0.49999])
 def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
-    from skincad.inputs import template_text
-
-    text = template_text("yamada-2002").replace("poisson_ratio = 0.499 ", f"poisson_ratio = {ratio} ")
-    assert f"poisson_ratio = {ratio}" in text
-    (tmp_path / "skin.toml").write_text(text)
-    (tmp_path / "scene.toml").write_text(
-        template_text(SLIP, "scenes").replace('"yamada-2002"', '"skin.toml"')
-    )
-    simulation = on(LEVELS[0], str(tmp_path / "scene.toml"), STILL)
+    skin = load_scene(SLIP).design.with_(material={"poisson_ratio": ratio})
+    (tmp_path / "skin.toml").write_text(skin.to_toml())
+    simulation = slipped(0, f"skin={tmp_path}/skin.toml")
+    assert simulation.scene.design.material.poisson_ratio == ratio
     assert simulation.gross_slip_step == 550
     assert simulation.march.column("residual").max() <= 1e-10
 
 
 @pytest.mark.slow
-def test_an_error_comes_with_two_meshes() -> None:
-    simulation = simulate(load_scene("yamada-2002-press", ["history.steps=10"]), budget=1e-3)
-    assert simulation.error is None
-    assert any("is not met" in warning for warning in simulation.warnings)
-    finer = simulate(load_scene("yamada-2002-press", ["history.steps=10"]))
-    assert finer.error is not None
-    assert all(0 < e < math.inf for e in finer.error.values())
-
-
-def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
-    """Up to the march's end; then, to say what leaving it out would change, its own file and no more."""
-    program = (
-        "import sys\n"
-        "from skincad.scenes.scene import load_scene\n"
-        "from skincad.scenes.simulation import simulate\n"
-        "def modules():\n"
-        "    return {m for m in sys.modules if m.startswith('skincad.')}\n"
-        "def tick(stage, step, left=None):\n"
-        "    global marched\n"
-        "    marched = modules()\n"
-        "scene = load_scene('scene.toml', ['skin=small.toml', 'history.normal_force_N=[0.0, 1.3]',"
-        " 'effects.film=none', 'effects.friction=none', 'history.steps=1', 'readout.ridges=[]'])\n"
-        "simulate(scene, budget=1e-3, tick=tick)\n"
-        "print(*(m for m in marched if m.startswith('skincad.effects.')))\n"
-        "print(*(modules() - marched))\n"
-        "print(*{m.split('.')[0] for m in sys.modules} & {'OCP', 'cadquery', 'matplotlib'})\n"
-    )
-    small_scene(tmp_path, "yamada-2002-press", "readout.ridges=[]")  # its files
-    process = python(program, cwd=tmp_path)
-    assert process.returncode == 0, process.stderr
-    marched, after, heavy = process.stdout.split("\n")[:3]
-    assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
-    names = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
-    assert set(after.split()) == names
-    assert heavy == ""
-
-
-@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> None:
-    """The paper's skin among the slow tests, three of its ridges here."""
+def test_the_command_writes_signals_and_pictures(tmp_path: Path) -> None:
     name = "yamada-2002-press-and-pull"
-    if not whole:
-        small_scene(tmp_path, name, *PULL)  # its files
-        small = ("--set", "skin=small.toml", *(text for setting in PULL for text in ("--set", setting)))
     process = run_skincad(
-        *("simulate", *((name,) if whole else ("scene.toml", *small)), "--set", "history.steps=20", "--json"),
-        *("--at", "10", "--set", "readout.bandwidth_Hz=40.0", "--budget", "0.1"),
-        *(("--gif",) if whole else ("--set", "readout.frames=3")),
+        *("simulate", name, "--set", "history.steps=20", "--set", "readout.bandwidth_Hz=40.0", "--json"),
+        *("--at", "10", "--gif", "--budget", "0.1"),
         cwd=tmp_path,
     )
     assert process.returncode == 0, process.stderr
     assert json.loads(process.stdout).keys() >= KEYS
     assert process.stderr == ""
     folder = tmp_path / "out" / name
-    names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif"}
-    names |= {"strips.png"} if whole else set()  # all nine ridges are monitored there
+    names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif", "strips.png"}
     assert {p.name for p in folder.iterdir()} == names
     assert (folder / "section.gif").stat().st_size < 2_000_000  # the issue's
     data = json.loads((folder / "simulate.json").read_text())
@@ -339,15 +322,12 @@ def test_the_command_writes_signals_and_picture(whole: bool, tmp_path: Path) -> 
     assert rows[0][:3] == ["step [1]", "time [s]", "normal force [N]"]
     assert len(rows) == 22
     assert (folder / "signals.png").read_bytes().startswith(b"\x89PNG")
-    # again, over its own earlier result
-    scene = ("hold",) if whole else ("scene.toml", *small)
-    steps = 6 if whole else 4  # corners at a sixth and a third of `hold`: all steps are equal ones
-    again = run_skincad(
-        "simulate", *scene, "--set", f"history.steps={steps}", "-o", str(folder), cwd=tmp_path
-    )
+    # again, over its own earlier result; corners at a sixth and a third of `hold`: all steps are equal ones
+    hold = ("simulate", "hold", "--set", "history.steps=6", "--budget", "0.1")
+    again = run_skincad(*hold, "-o", str(folder), cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    assert again.stdout.startswith(f"{'hold' if whole else name}: no ridge slips for good.\n")
-    assert len(list(csv.reader((folder / "signals.csv").open()))) == steps + 2  # a head, and the start
+    assert again.stdout.startswith("hold: no ridge slips for good.\n")
+    assert len(list(csv.reader((folder / "signals.csv").open()))) == 8  # a head, and the start
 
 
 @pytest.mark.parametrize(
@@ -376,6 +356,7 @@ def test_ctrl_c_leaves_what_is_done_to_who_asks_for_it(
         simulate(scene, tick=tick)
 
 
+@pytest.mark.slow
 def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
