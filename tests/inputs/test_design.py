@@ -57,26 +57,20 @@ def test_every_field_has_a_meaning_and_every_number_a_unit() -> None:
         ({"slot": None, "film": {"thickness": 0.028}}, "film: needs a slot to lie in"),
         ({"film": None, "contact": {"film": "bonded"}}, "contact.film: 'bonded' needs a [film]"),
         ({"ridge": {"heigth": 0.5, "height": None}}, "ridge.heigth: unknown key; did you mean 'height'?"),
-        (
-            {"material": {"young_modulus": "soft"}},
-            "material.young_modulus: must be a number or {value, low, high}",
-        ),
+        ({"material": {"young_modulus": "soft"}},
+         "material.young_modulus: must be a number or {value, low, high}"),
         ({"ridge": 3}, "ridge: must be a table, [ridge], got 3"),
         ({"mold": {"wall": 1e300}}, "mold.wall: must be less than or equal to 500 (mm)"),
-        (
-            {"material": {"young_modulus": 1e-320}},
-            "material.young_modulus: must be from 0.001 to 100 MPa, got",
-        ),
-        (
-            {"material": {"young_modulus": {"value": 1.0, "low": 2.0, "high": 3.0}}},
-            "material.young_modulus: needs",
-        ),
+        ({"material": {"young_modulus": 1e-320}},
+         "material.young_modulus: must be from 0.001 to 100 MPa, got"),
+        ({"material": {"young_modulus": {"value": 1.0, "low": 2.0, "high": 3.0}}},
+         "material.young_modulus: needs"),
         ({"mold": {"process": "fdmm"}}, "mold.process: must be 'fdm', 'sla', 'cnc' or 'edm', got 'fdmm'"),
         ({"name": "../../x"}, "name: "),
         ({"ridge": None}, "ridge: is missing"),
         ({"colour": "red"}, "colour: unknown key"),
     ],
-)
+)  # fmt: skip
 def test_a_broken_rule_names_key_rule_value_and_remedy(yamada: Design, change: dict, message: str) -> None:
     with refused_by(message):
         yamada.with_(**change)
@@ -249,37 +243,27 @@ TEXT = f"ridge.heights={UNLIKE}"
         ({"heights": UNLIKE[:8]}, "ridge.heights: must be 9 values, one a ridge (ridge.count), got 8; give"),
         ({"heights": []}, "ridge.heights: must be 9 values, one a ridge (ridge.count), got 0; give"),
         ({"heights": 0.5}, "ridge.heights: must be a list (mm), got 0.5"),
-        (
-            {"heights": [*UNLIKE[:8], 0]},
-            "ridge.heights: ridge 9 must be above 0 and at most 50 mm high, got 0",
-        ),
+        ({"heights": [*UNLIKE[:8], 0]},
+         "ridge.heights: ridge 9 must be above 0 and at most 50 mm high, got 0"),
         ({"heights": [-1.0, *UNLIKE[1:]]}, "ridge.heights: ridge 1 must be above 0 and at most 50 mm high"),
         ({"heights": [0.5, 51.0, *UNLIKE[2:]]}, "ridge.heights: ridge 2 must be above 0 and at most 50 mm"),
         ({"heights": [math.nan, *UNLIKE[1:]]}, "ridge 1 must be above 0 and at most 50 mm high, got nan"),
-        (
-            {"heights": [0.5, math.inf, *UNLIKE[2:]]},
-            "ridge 2 must be above 0 and at most 50 mm high, got inf",
-        ),
+        ({"heights": [0.5, math.inf, *UNLIKE[2:]]},
+         "ridge 2 must be above 0 and at most 50 mm high, got inf"),
         ({"heights": [0.5, "a", *UNLIKE[2:]]}, "ridge 2 must be above 0 and at most 50 mm high, got 'a'"),
         ({"heights": [True, *UNLIKE[1:]]}, "ridge 1 must be above 0 and at most 50 mm high, got True"),
-        (
-            {"heights": UNLIKE, "height": 0.5},
-            "ridge.height: must not be given beside ridge.heights, got 0.5;",
-        ),
+        ({"heights": UNLIKE, "height": 0.5},
+         "ridge.height: must not be given beside ridge.heights, got 0.5;"),
         ({"heights": UNLIKE, "levelling": 0.5}, "ridge.levelling: must not be given beside ridge.heights"),
-        (
-            {"height": None},
-            "ridge.height: is missing; give ridge.height a value, or ridge.heights one a ridge",
-        ),
+        ({"height": None},
+         "ridge.height: is missing; give ridge.height a value, or ridge.heights one a ridge"),
         ({"levelling": 1.5}, "ridge.levelling: must be less than or equal to 1, got 1.5"),
         ({"levelling": -0.1}, "ridge.levelling: must be greater than or equal to 0, got -0.1"),
         ({"levellling": 0.5}, "ridge.levellling: unknown key; did you mean 'levelling'?"),
-        (
-            {"heights": [*UNLIKE[:6], 0.02, *UNLIKE[7:]]},
-            "ridge.crown: must be less than 0.02 mm (the smaller of height of ridge 7 and half tip_width)",
-        ),
+        ({"heights": [*UNLIKE[:6], 0.02, *UNLIKE[7:]]},
+         "ridge.crown: must be less than 0.02 mm (the smaller of height of ridge 7 and half tip_width)"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_is_one_line_with_its_ridge(
     yamada: Design, ridge: dict[str, Any], message: str
 ) -> None:

@@ -106,23 +106,15 @@ def test_one_table_reads_the_same_however_a_spreadsheet_writes_it(
     ("text", "words"),
     [
         ("ridge,crest_mm\n1,4,5\n", "row 1: must have 2 values, got 3; write decimals with a point, or sep"),
-        (
-            'ridge,crest_mm\n1,"4,5"\n',
-            "row 1: must be a finite number, got '4,5'; write decimals with a point",
-        ),
-        (
-            "ridge;crest_mm\n1;4,5\n2;4.5\n",
-            "row 2: must be a finite number, got '4.5'; write all decimals with",
-        ),
-        (
-            "ridge;crest_mm\n1;1.234,5\n",
-            "row 1: must be a finite number, got '1.234,5'; write all decimals with",
-        ),
+        ('ridge,crest_mm\n1,"4,5"\n',
+         "row 1: must be a finite number, got '4,5'; write decimals with a point"),
+        ("ridge;crest_mm\n1;4,5\n2;4.5\n",
+         "row 2: must be a finite number, got '4.5'; write all decimals with"),
+        ("ridge;crest_mm\n1;1.234,5\n",
+         "row 1: must be a finite number, got '1.234,5'; write all decimals with"),
         ("ridge;crest_mm\n1;1,234,5\n", "row 1: must be a finite number, got '1,234,5'"),
-        (
-            "ridge;crest_mm\n1\t4,5\n",
-            "row 1: must have 2 values, got 1; separate them by semicolon, as in the",
-        ),
+        ("ridge;crest_mm\n1\t4,5\n",
+         "row 1: must have 2 values, got 1; separate them by semicolon, as in the"),
         ("ridge;crest_mm\n;4,5\n", "row 1: must be a finite number, got ''"),
         ("ridge;height\n1;4,5\n", "column 'height': unknown; known: crest_mm, ridge"),
         ("ridge;crest_mm,\n1;4,5\n", "column 'crest_mm,': unknown; did you mean 'crest_mm'"),
@@ -131,7 +123,7 @@ def test_one_table_reads_the_same_however_a_spreadsheet_writes_it(
         ("ridge;crest_mm\n1;\u0661\n", "row 1: must be a finite number, got '\u0661'"),
         ("ridge;crest_mm\n" * 2, "row 1: must be a finite number, got 'ridge'"),
     ],
-)
+)  # fmt: skip
 def test_what_two_readings_would_fit_is_refused_with_the_way_out(
     tmp_path: Path, text: str, words: str
 ) -> None:

@@ -82,13 +82,11 @@ def test_the_databases_moduli_are_three_times_mu() -> None:
     ("row", "told"),
     [
         ("what = 'a'\nwhere = 'b'", "needs a young_modulus or a law, and not both"),
-        (
-            "what = 'a'\nwhere = 'b'\nyoung_modulus = 1.0\nlaw = {kind = 'neo-hooke', mu = 0.3}",
-            "and not both",
-        ),
+        ("what = 'a'\nwhere = 'b'\nyoung_modulus = 1.0\nlaw = {kind = 'neo-hooke', mu = 0.3}",
+         "and not both"),
         ("what = 'a'\nyoung_modulus = 1.0", "where: is missing"),
     ],
-)
+)  # fmt: skip
 def test_a_source_that_says_nothing_is_refused(row: str, told: str, tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
     path.write_text(f"[lab-10]\nyoung_modulus = 0.3\n[[lab-10.sources]]\n{row}\n")
@@ -184,10 +182,8 @@ def test_a_scenes_skin_may_be_of_them(lab: Path, tmp_path: Path) -> None:
         ("[lab-10]\nviscosty = 1.0", "silicones.lab-10.viscosty: unknown key; did you mean 'viscosity'?"),
         ("[lab-10]\nviscosity = 1.0", "lab-10.young_modulus: is missing for a new silicone; give it, or"),
         ("[lab-10]\nyoung_modulus = 250", "MPa, got 250; is it in MPa? 250 kPa is 0.25 MPa"),
-        (
-            "[lab-10]\nbased_on = 'dragonskin-30'",
-            "lab-10.based_on: unknown silicone, got 'dragonskin-30'; did",
-        ),
+        ("[lab-10]\nbased_on = 'dragonskin-30'",
+         "lab-10.based_on: unknown silicone, got 'dragonskin-30'; did"),
         ("[dragon-skin-30]\nbased_on = 'x'", "based_on: unknown silicone, got 'x'; known: dragon-skin-10, "),
         ("[dragon-skin-30]\nbased_on = 'sylgard-184'", "must not be given for dragon-skin-30, which ships"),
         ("[LAB]\nyoung_modulus = 1", "silicones: the name must be 3 to 32 lower-case letters, digits and -"),
@@ -197,7 +193,7 @@ def test_a_scenes_skin_may_be_of_them(lab: Path, tmp_path: Path) -> None:
         ("[sla]\nlayer = 0.1", "lab.toml: is a table of processes, not a table of silicones; give it to"),
         ("[lab", "lab.toml: is not TOML"),
     ],
-)
+)  # fmt: skip
 def test_a_bad_file_is_refused_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
 ) -> None:
@@ -368,13 +364,11 @@ def test_a_design_with_a_law_is_the_file_that_it_writes(tmp_path: Path) -> None:
         ({"kind": "gent", "mu": 0.2, "jm": 3.0}, r"material\.law\.jm: unknown key; did you mean 'j_m'"),
         ({"kind": "gint", "mu": 0.2}, r"material\.law\.kind: unknown law, got 'gint'; did you mean 'gent'"),
         ({"kind": "yeoh", "c10": 0.2, "c20": -1.0}, r"material\.law: must pull a bar the more"),
-        (
-            {"kind": "neo-hooke", "mu": 1e-5},
-            r"material\.law: must have a modulus at small strain from 0\.001",
-        ),
+        ({"kind": "neo-hooke", "mu": 1e-5},
+         r"material\.law: must have a modulus at small strain from 0\.001"),
         (3, r"material\.law: must be a table, \[material\.law\], got 3"),
     ],
-)
+)  # fmt: skip
 def test_a_law_that_is_none_is_refused_in_one_line(law: object, told: str) -> None:
     with pytest.raises(InputError, match=told) as refused:
         with_law(law)

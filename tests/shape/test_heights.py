@@ -58,28 +58,18 @@ def test_reversed_heights_mirror_the_section(yamada: Design) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            {"ridge": {"heights": [*UNLIKE[:5], 0.155, *UNLIKE[6:]], "root_fillet": 0.45}},
-            "ridge.root_fillet: ridge 6, 0.155 mm high: root and tip fillet need",
-        ),
-        (
-            {"ridge": {"heights": [*UNLIKE[:5], 0.04, *UNLIKE[6:]]}},
-            "ridge.crown: ridge 6, 0.04 mm high: makes the crown's edges as steep",
-        ),
-        (
-            {"ridge": {"heights": [*UNLIKE[:6], 0.15, *UNLIKE[7:]]}},
-            "slot: must lie inside the outline; S1 of ridge 7 crosses it",
-        ),
-        (
-            {"ridge": {"heights": [*UNLIKE[:6], 0.2, *UNLIKE[7:]]}},
-            "slot.offset: leaves a wall to the outline at S1 of ridge 7 of 0.0",
-        ),
-        (
-            {"ridge": {"heights": [3.0, 0.5, *UNLIKE[2:]], "root_width": 0.97, "root_fillet": 0.05}},
-            " mm at ridges 1 and 2, got 0.05",
-        ),
+        ({"ridge": {"heights": [*UNLIKE[:5], 0.155, *UNLIKE[6:]], "root_fillet": 0.45}},
+         "ridge.root_fillet: ridge 6, 0.155 mm high: root and tip fillet need"),
+        ({"ridge": {"heights": [*UNLIKE[:5], 0.04, *UNLIKE[6:]]}},
+         "ridge.crown: ridge 6, 0.04 mm high: makes the crown's edges as steep"),
+        ({"ridge": {"heights": [*UNLIKE[:6], 0.15, *UNLIKE[7:]]}},
+         "slot: must lie inside the outline; S1 of ridge 7 crosses it"),
+        ({"ridge": {"heights": [*UNLIKE[:6], 0.2, *UNLIKE[7:]]}},
+         "slot.offset: leaves a wall to the outline at S1 of ridge 7 of 0.0"),
+        ({"ridge": {"heights": [3.0, 0.5, *UNLIKE[2:]], "root_width": 0.97, "root_fillet": 0.05}},
+         " mm at ridges 1 and 2, got 0.05"),
     ],
-)
+)  # fmt: skip
 def test_what_does_not_fit_names_its_ridge(yamada: Design, change: dict[str, Any], message: str) -> None:
     with refused(message):
         section(yamada.with_(**change))

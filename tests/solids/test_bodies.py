@@ -252,15 +252,6 @@ def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
     assert leaning.volume == plate.volume
     path = swept(leaning, "y", 3.0, 1e-3)
     assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)
-    ends = np.array([[0.0, 5.0, 20.0], [0.0, 5.0, 0.0], [0.0, 9.0, 0.0]])  # the axis, the foot, the way's end
-    placed = [
-        [0.0, 0.0, 20.0],
-        [0.0, 20 * math.sin(0.3), 20 - 20 * math.cos(0.3)],
-        [0.0, 20 * math.sin(0.3) + 4 * math.cos(0.3), 20 - 20 * math.cos(0.3) + 4 * math.sin(0.3)],
-    ]
-    assert isinstance(leaning.body, RotatedBody)
-    assert np.allclose(leaning.body.placed(ends), placed, atol=1e-14)
-    assert np.allclose(leaning.body.returned(np.array(placed)), ends, atol=1e-14)
 
 
 def test_what_turns_is_swept_by_turning_and_upward_by_its_silhouette() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import skincad
 from skincad.base import InputError
-from skincad.fabrication import Job, design_findings, interference, manifold, perforated, poured_volume
+from skincad.fabrication import Job, design_findings, interference, manifold, poured_volume
 from skincad.fabrication.filling import pockets
 from skincad.inputs import Design, load
 from skincad.shape import area, polygon, rectangle, section, skin_of
@@ -44,32 +44,6 @@ def test_interference_sees_a_shim_that_is_too_thick(yamada: Design) -> None:
     assert any("end-a-comb" in f.where for f in findings)
 
 
-def test_every_hole_of_the_carrier_has_a_way_out_for_air() -> None:
-    for name in RIDGED:
-        closed = mold(skincad.load(name))
-        over = closed.part("cover").cuts
-        for hole in closed.part("carrier").cuts:
-            x, y, z = hole.start
-            if z > 0:
-                continue  # blind, from above
-            highest = (x, y + (hole.end_radius or hole.radius))  # of its rim, when end b is up
-            reached = [bore for bore in over if math.dist(bore.start[:2], highest) < bore.radius + 1e-9]
-            assert len(reached) == 1, name
-
-
-def test_the_reservoir_covers_vent_and_gap_and_clears_the_bleeds() -> None:
-    for name in RIDGED:
-        design = skincad.load(name)
-        closed = mold(design)
-        vent = closed.part("carrier").cuts[0]
-        over = [bore for bore in closed.part("cover").cuts if abs(bore.start[0]) < design.skin.width / 2]
-        cup, bleeds = over[0], over[1:]
-        assert math.dist(cup.start[:2], vent.start[:2]) + vent.radius <= cup.radius + 1e-9
-        assert cup.start[1] + cup.radius >= design.skin.length / 2 + 0.3
-        for bleed in bleeds:
-            assert math.dist(cup.start[:2], bleed.start[:2]) > cup.end_radius + bleed.radius + 0.6
-
-
 def test_an_open_pour_needs_no_gate(yamada: Design) -> None:
     cuts = mold(yamada.with_(mold={"pour": "open"})).part("end-a-keeper").cuts
     assert len([cut for cut in cuts if isinstance(cut, Bore)]) == 2  # bolts
@@ -87,18 +61,6 @@ def test_gate_and_vent_open_on_the_skin() -> None:
             plug = manifold(Part("plug", PartRole.COVER, bore), 1e-3)
             opening = (plug.translate(step) ^ skin).volume() / (math.pi * bore.radius**2 * 1e-3)
             assert opening == pytest.approx(1.0, abs=0.01), name  # a polygon for the circle
-
-
-def test_a_carrier_without_room_for_a_hole_is_refused(yamada: Design) -> None:
-    tiny = yamada.with_(skin={"width": 3.5}, ridge={"count": 1}, mold={"gate": 1.0, "vent": 0.4})
-    with pytest.raises(InputError, match=r"mold.carrier: leaves no room for a hole"):
-        mold(tiny.with_(mold={"carrier": "perforated"}))
-    assert not perforated(mold(tiny))  # where nobody asked for holes
-
-
-def test_a_large_carrier_spaces_its_holes_wider(yamada: Design) -> None:
-    large = yamada.with_(skin={"width": 300.0, "length": 300.0, "curvature_radius": 1e6})
-    assert 15 < len(mold(large).part("carrier").cuts) < 90
 
 
 def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
@@ -314,20 +276,14 @@ def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
 @pytest.mark.parametrize(
     ("template", "settings", "words"),
     [
-        (
-            "yamada-2002",
-            ["slot.tilt=30", "mold.slit_clearance=0.06"],
-            "neighbouring notches of the comb meet",
-        ),
-        (
-            "yamada-2002",
-            ["mold.end_plate=1", "mold.reservoir=16", 'mold.carrier="plain"'],
-            "mold.reservoir: must",
-        ),
+        ("yamada-2002", ["slot.tilt=30", "mold.slit_clearance=0.06"],
+         "neighbouring notches of the comb meet"),
+        ("yamada-2002", ["mold.end_plate=1", "mold.reservoir=16", 'mold.carrier="plain"'],
+         "mold.reservoir: must"),
         ("steep-fingertip", ["ridge.count=4"], "mold.split: splits only an odd number"),
         ("yamada-2002", ["slot.offset=0.264", "mold.shrinkage=0.05"], "slot"),
     ],
-)
+)  # fmt: skip
 def test_what_random_designs_broke_is_refused(template: str, settings: list[str], words: str) -> None:
     with pytest.raises(InputError, match=words):
         mold(load(template, settings))

@@ -38,11 +38,7 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "levelling"),
-    [
-        ("pillars", None),
-        *(pytest.param("dome", by, marks=DOMES) for by in (None, 0.7)),
-    ],
+    ("name", "levelling"), [("pillars", None), *(pytest.param("dome", by, marks=DOMES) for by in (None, 0.7))]
 )
 def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: float | None) -> None:
     design = families.OF_FAMILIES[name]().with_(pin={"levelling": levelling})
