@@ -10,7 +10,6 @@ from pathlib import Path
 import cadquery as cq
 
 from bench.campaign.poured_by_solids import Box, Kit, poured_by_solids
-from skincad.inputs.material import silicone
 from skincad.solids.mold import mold
 from tests.consumers import Job
 
@@ -59,7 +58,7 @@ def from_solids(job: Job) -> dict[str, float]:
     path = job.file("solids/assembly.step")
     volumes = {name: solid.Volume() / 1000 for name, solid in read(path)[0].items()}
     volume = poured(path) / 1000
-    return {**volumes, "poured": volume, "grams": volume * silicone(job.design).density * 1e-3}
+    return {**volumes, "poured": volume, "grams": volume * job.plan.silicone.density * 1e-3}
 
 
 def complaints(job: Job) -> list[str]:

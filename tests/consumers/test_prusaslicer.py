@@ -25,7 +25,6 @@ from skincad.outputs import write_stl
 from skincad.shape import polygon, skin_of
 from skincad.solids import PartRole
 from skincad.solids.mold import mold
-from skincad.solids.shrinkage import shrinkage
 from tests.consumers import consumed, prusaslicer
 from tests.consumers.prusaslicer import filament_levels, resin_layers, resin_levels
 from tests.templates import of_one_printer
@@ -68,7 +67,7 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
     process, closed = processes(design.printer)[design.mold.process], mold(design)
     part = closed.part("cavity")
     write_stl(laid(mesh(part, print_chord(design)), False, part), folder / "cavity.stl")
-    grown = 1 / (1 - shrinkage(design))
+    grown = 1 / (1 - Job(design).shrinkage)
     radius, height = design.skin.curvature_radius, np.array(design.heights)
     lean = (np.arange(design.ridge.count) - (design.ridge.count - 1) / 2) * design.ridge.pitch / radius
     ledge = design.skin.width / 2 * grown + 1.0  # mm, in the middle of its 2 mm

@@ -19,10 +19,8 @@ import numpy as np
 from skincad.base import Array
 from skincad.fabrication import Job
 from skincad.inputs import Design, processes
-from skincad.inputs.material import silicone
 from skincad.shape import section
 from skincad.solids import ClosedMold, CutRole, PartRole, bores
-from skincad.solids.shrinkage import shrinkage
 
 BATCH = 0.002  # relative, shrinkage from batch to batch
 DENSITY = 0.01  # relative
@@ -73,7 +71,9 @@ def _films(design: Design) -> float:
         return 0.0
     outside = Job(design).lead
     if design.mold.method == "cast-in":
-        outside += 2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - shrinkage(design)) - 1)
+        outside += (
+            2 * design.mold.end_plate + 2.0 + design.skin.length * (1 / (1 - Job(design).shrinkage) - 1)
+        )
     wide = max(5.04, design.slot.depth + 3.5)
     tab = 9.5 * wide + 0.5 * design.slot.depth + 2 * (1 - math.pi / 4) * 0.25 - 0.5
     strip = design.slot.depth * (design.skin.length + outside) + tab
@@ -119,7 +119,7 @@ def drawn(
         volume = volume + (slots * wide / design.slot.thickness - inside) * rng.uniform(0.7, 1, count)
     carrier = closed.first(PartRole.CARRIER)
     volume = volume + sum(hole.volume for hole in bores(carrier, CutRole.RIVET, CutRole.VENT))
-    mass = volume * silicone(design).density * 1e-6 * (1 + DENSITY * rng.standard_normal(count))
+    mass = volume * Job(design).silicone.density * 1e-6 * (1 + DENSITY * rng.standard_normal(count))
     mass = mass * (1 + rng.uniform(0, FLASH, count)) + _films(design) * PVDF
     first, last = readings
     gauge = GAUGE / math.sqrt(first) * rng.standard_normal(crests.shape)

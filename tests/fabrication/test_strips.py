@@ -32,7 +32,6 @@ from skincad.fabrication.strips import (
     weight,
 )
 from skincad.inputs import Design
-from skincad.inputs.material import silicone
 from skincad.shape import Point, SensorPlace
 from tests.bent_skin import bent, three_ridges
 from tests.templates import KINDS, SHIPPED, of_one_printer
@@ -334,7 +333,7 @@ def test_the_lap_of_a_random_design_passes_or_is_an_error(curved: bool) -> None:
             continue
         seen += 1
         assert (joint.notch is None) == (design.skin.curvature_radius_y is None)
-        breaks = 0.2 * silicone(design).elongation_at_break
+        breaks = 0.2 * Job(design).silicone.elongation_at_break
         fits = joint.stretch <= breaks and (joint.notch is None or joint.stack <= joint.notch + 1e-6)
         findings = [f for f in strip_findings(Job(design)) if f.rule == "strip lap"]
         assert bool(findings) != fits, f"seed {seed}"
