@@ -64,36 +64,16 @@ def fitted_line_contact(x: Array, pressure: Array) -> LineContact:
     return LineContact(math.sqrt(-top / slope), math.sqrt(top))
 
 
-@dataclass(frozen=True)
-class Sheared:
-    """A Hertzian contact under a tangential load that does not slide it: the middle `stick` mm, a half-width,
-    sticks and the rest slips at `friction` times the pressure."""
-
-    normal: LineContact
-    friction: float
-    stick: float
-
-    def traction(self, x: Array) -> Array:
-        """Return the tangential traction `(m,)` MPa at `x` `(m,)` mm from the middle."""
-        slipping = self.friction * self.normal.elliptic(x)
-        if self.stick == 0.0:
-            return slipping
-        inner = LineContact(self.stick, self.normal.peak_pressure * self.stick / self.normal.half_width)
-        return np.asarray(slipping - self.friction * inner.elliptic(x))
-
-
-def cattaneo(normal: LineContact, friction: float, tangential: float) -> Sheared:
-    """Return stick and slip of a Hertzian line contact under a `tangential` load, N/mm, put on after P.
+def stick_half_width(normal: LineContact, friction: float, tangential: float) -> float:
+    """Return the half-width, mm, that sticks in a Hertzian line contact under a `tangential` load, N/mm, put
+    on after P.
 
     c / a = sqrt(1 - Q / (mu P)), for Q from 0 (all sticks) to mu P (all slips). Bodies like half-planes whose
     normal and tangential displacements do not couple: equal materials, or a rigid one on an incompressible
     one. Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, 1985, sec. 7.2(b).
     """
     load = math.pi * normal.half_width * normal.peak_pressure / 2
-    free = 1 - tangential / (friction * load)
-    if not 0 <= free <= 1:
-        raise ValueError(f"tangential load must be from 0 to {friction * load:g} N/mm, got {tangential:g}")
-    return Sheared(normal, friction, normal.half_width * math.sqrt(free))
+    return normal.half_width * math.sqrt(1 - tangential / (friction * load))
 
 
 @dataclass(frozen=True)

@@ -42,14 +42,7 @@ from skincad.mechanics.film import sliding, stress
 from skincad.mechanics.models import finite_strain, linear, solid
 from skincad.mechanics.models import table as models
 from skincad.scenes import simulate
-from tests.mechanics.designs import (
-    filleted,
-    linear_check,
-    plane,
-    small,
-    wide,
-    yamada,
-)
+from tests.mechanics.designs import filleted, linear_check, plane, small, wide, yamada
 from tests.small_scene import THIRD, small_scene
 
 
@@ -342,12 +335,7 @@ def test_a_force_that_a_plane_model_refuses_is_asked_of_the_solid(monkeypatch: p
     ],
 )
 def test_without_a_tolerance_models_follow_until_the_verdict_is_clear_and_sharp(
-    value: float,
-    sharp: float,
-    model: str,
-    climbed: list[str],
-    passed: bool,
-    monkeypatch: pytest.MonkeyPatch,
+    value: float, sharp: float, model: str, climbed: list[str], passed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Models end after 2, 6, 15 and 37 s; what only sharpens a clear verdict must end by `sharp` s."""
     MadeUp(monkeypatch, value)

@@ -44,17 +44,13 @@ def solved(design: Design, radius: float, force: float) -> level.SolidSolution:
 
 
 @pytest.mark.parametrize("radius", [20.0, *(pytest.param(r, marks=CURVED) for r in (60.0, 1e3))])
-@pytest.mark.parametrize(
-    "name",
-    [n if n == "five" else pytest.param(n, marks=CURVED) for n in VARIANTS],
-)
+@pytest.mark.parametrize("name", [n if n == "five" else pytest.param(n, marks=CURVED) for n in VARIANTS])
 def test_solid_lies_inside_the_closed_forms_error(name: str, radius: float) -> None:
     assert_solid_inside(reference().with_(**VARIANTS[name]), radius, 4.0)
 
 
 @pytest.mark.parametrize(
-    ("thickness", "radius", "force"),
-    [(4.0, 20.0, 0.004), pytest.param(12.0, 60.0, 0.02, marks=CURVED)],
+    ("thickness", "radius", "force"), [(4.0, 20.0, 0.004), pytest.param(12.0, 60.0, 0.02, marks=CURVED)]
 )
 def test_solid_lies_inside_when_few_ridges_are_pressed(thickness: float, radius: float, force: float) -> None:
     """One ridge carries three quarters or all, where the springs share among three."""

@@ -26,9 +26,11 @@ from skincad.mechanics.contact import disc_friction, frictionless, press_path
 from tests.mechanics.designs import SHORT, reference
 
 GAPS = (0.0, 0.3, 0.5)
+StickingPad, press_with_friction = press_path.StickingPad, press_path.press_with_friction
+solve_discs, unloaded = disc_friction.solve_discs, disc_friction.unloaded
 
 
-def springs(gaps: tuple[float, ...], seed: int = 3) -> press_path.StickingPad:
+def springs(gaps: tuple[float, ...], seed: int = 3) -> StickingPad:
     """Ridges of two points each whose compliance is drawn: symmetric, positive definite, x and z coupled."""
     m = 2 * len(gaps)
     random = np.random.default_rng(seed)
@@ -39,24 +41,22 @@ def springs(gaps: tuple[float, ...], seed: int = 3) -> press_path.StickingPad:
     ridge, rows = np.repeat(np.arange(len(gaps)) + 1, 2), sparse.identity(m, format="csr")
     lift = compliance[m:, m:]
     ridges = Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
-    return press_path.StickingPad(ridges, compliance, compliance[m:])
+    return StickingPad(ridges, compliance, compliance[m:])
 
 
 @cache
-def meshed() -> press_path.StickingPad:
+def meshed() -> StickingPad:
     """Three ridges on a short pad, meshed as coarsely as can be."""
     pad = pad_of(reference().with_(**SHORT))
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
     return press_path.sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
 
 
-def first_of(pad: press_path.StickingPad) -> float:
+def first_of(pad: StickingPad) -> float:
     return frictionless.all_touch_force(pad.ridges, 1.0) or 0.0
 
 
-def relaxed(
-    pad: press_path.StickingPad, mu: float, path: list[ContactState], sweeps: int
-) -> tuple[Array, Array]:
+def relaxed(pad: StickingPad, mu: float, path: list[ContactState], sweeps: int) -> tuple[Array, Array]:
     """Forces `(m,)` across and along when the plate is led where it was: point after point is put right by
     itself, over and over (Gauss-Seidel), and no set is ever solved for.
 
@@ -80,14 +80,14 @@ def test_without_friction_it_is_the_frictionless_press() -> None:
     pad, force = springs(GAPS), 1.2
     first = first_of(pad)
     assert 0 < first < force
-    result = press_path.press_with_friction(pad, 0.0, force, first, 7)
+    result = press_with_friction(pad, 0.0, force, first, 7)
     smooth = press(pad.ridges.flexibility, pad.ridges.gap, force)
     assert result.all_touch_force == pytest.approx(first, rel=1e-8)
     assert result.approach == pytest.approx(smooth.approach, rel=1e-12)
     by_ridge = np.bincount(pad.ridges.of_point, smooth.force)[1:]
     np.testing.assert_allclose(result.ridge_force, by_ridge, rtol=1e-10)
     skin = drawn(6, 7, floats=True)
-    state = disc_friction.solve_discs(skin, disc_friction.unloaded(6), 1.5, 0.0)
+    state = solve_discs(skin, unloaded(6), 1.5, 0.0)
     np.testing.assert_allclose(state.normal, press(skin.normal, skin.gap, 1.5).force, rtol=1e-12)
     assert not state.tangential.any()
 
@@ -107,7 +107,7 @@ def test_a_meshed_press_is_the_one_that_relaxation_finds(mu: float, monkeypatch:
 
 
 def assert_same(
-    pad: press_path.StickingPad,
+    pad: StickingPad,
     mu: float,
     force: float,
     steps: int,
@@ -126,7 +126,7 @@ def assert_same(
         return state
 
     monkeypatch.setattr(press_path._PlanePoints, "step", watched)
-    result = press_path.press_with_friction(pad, mu, force, first_of(pad), steps)
+    result = press_with_friction(pad, mu, force, first_of(pad), steps)
     assert any((state.status >= 2).any() for state in path)  # slips somewhere,
     assert any((state.status == 1).any() for state in path)  # and sticks
     normal, along = relaxed(pad, mu, path, sweeps)
@@ -142,11 +142,10 @@ def test_the_last_ridge_begins_to_carry_where_all_touch(force: float) -> None:
     """Asked at a force before or after it, and pressed a little less or more than it."""
     pad, mu = springs(GAPS), 0.5
     first = first_of(pad)
-    all_touch = press_path.press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
+    all_touch = press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
     assert all_touch != pytest.approx(first, rel=1e-3)
     less, more = (
-        press_path.press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force
-        for share in (0.999, 1.001)
+        press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force for share in (0.999, 1.001)
     )
     assert (less > 0).sum() == 2
     assert (more > 0).sum() == 3
@@ -157,25 +156,24 @@ def test_steps_change_little_and_ever_less() -> None:
     pad = springs(GAPS)
     first = first_of(pad)
     few, some, many = (
-        press_path.press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0
-        for steps in (5, 20, 160)
+        press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0 for steps in (5, 20, 160)
     )
     assert abs(some - many) <= 0.3 * abs(few - many)
     assert abs(some - many) < 5e-3 * many
 
 
 def test_a_single_ridge_touches_at_once_and_what_never_touches_is_none() -> None:
-    assert press_path.press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
-    assert press_path.press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
+    assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
+    assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
 
 
 def test_ridges_that_friction_keeps_apart_are_said() -> None:
     """Looked for up to a multiple of the force without friction, and no further."""
     with pytest.raises(ContactError, match="not all ridges touch at up to 3 times"):
-        press_path.press_with_friction(springs(GAPS), 0.5, 0.01, 0.01, 5)
+        press_with_friction(springs(GAPS), 0.5, 0.01, 0.01, 5)
 
 
-def in_space(plane: press_path.StickingPad) -> press_path.StickingPad:
+def in_space(plane: StickingPad) -> StickingPad:
     """The same points, which nothing moves along y."""
     m = plane.ridges.gap.size
     compliance = np.zeros((3 * m, 3 * m))
@@ -202,9 +200,9 @@ def drawn(points: int, seed: int, *, floats: bool) -> disc_friction.DiscComplian
 
 
 def pressed(skin: disc_friction.DiscCompliance, mu: float, forces: Array) -> list[disc_friction.DiscState]:
-    states = [disc_friction.unloaded(skin.gap.size)]
+    states = [unloaded(skin.gap.size)]
     for force in forces.tolist():
-        states.append(disc_friction.solve_discs(skin, states[-1], force, mu))
+        states.append(solve_discs(skin, states[-1], force, mu))
     return states[1:]
 
 
@@ -213,9 +211,7 @@ def test_points_that_y_does_not_move_are_the_planes(mu: float) -> None:
     """Another solver, by sets (frictional.py); forces are known to 1e-8, and the root of a force to 1e-6."""
     plane = springs(GAPS)
     first = first_of(plane)
-    one, other = (
-        press_path.press_with_friction(pad, mu, 2 * first, first, 7) for pad in (plane, in_space(plane))
-    )
+    one, other = (press_with_friction(pad, mu, 2 * first, first, 7) for pad in (plane, in_space(plane)))
     assert other.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-5)
     assert other.approach == pytest.approx(one.approach, rel=1e-7)
     np.testing.assert_allclose(other.ridge_force, one.ridge_force, atol=1e-7)
@@ -226,9 +222,7 @@ def test_points_that_y_does_not_move_are_the_planes(mu: float) -> None:
 def test_a_meshed_section_is_the_planes_too(mu: float) -> None:
     plane = meshed()
     first = first_of(plane)
-    one, other = (
-        press_path.press_with_friction(pad, mu, 2 * first, first, 8) for pad in (plane, in_space(plane))
-    )
+    one, other = (press_with_friction(pad, mu, 2 * first, first, 8) for pad in (plane, in_space(plane)))
     assert other.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-5)
     np.testing.assert_allclose(other.ridge_force, one.ridge_force, atol=1e-6 * first)
 
@@ -283,7 +277,7 @@ def test_x_and_y_are_alike() -> None:
 def test_forces_that_do_not_settle_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(disc_friction, "ITERATIONS", 1)
     with pytest.raises(ContactError, match="do not settle in 1 sweeps"):
-        disc_friction.solve_discs(drawn(5, 4, floats=False), disc_friction.unloaded(5), 1.0, 0.3)
+        solve_discs(drawn(5, 4, floats=False), unloaded(5), 1.0, 0.3)
 
 
 def test_crests_that_are_level_take_no_more_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -299,5 +293,5 @@ def test_crests_that_are_level_take_no_more_steps(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(press_path._SolidPoints, "step", counted)
     assert first < 1e-2
-    press_path.press_with_friction(level, 0.5, 1e3 * first, first, 6)
+    press_with_friction(level, 0.5, 1e3 * first, first, 6)
     assert len(forces) <= 12

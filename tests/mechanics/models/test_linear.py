@@ -13,12 +13,7 @@ import skincad
 from skincad import check, load
 from skincad.base import InputError
 from skincad.inputs import Design
-from skincad.mechanics import (
-    ContactCheck,
-    Request,
-    pad_of,
-    plane_piece,
-)
+from skincad.mechanics import ContactCheck, Request, pad_of, plane_piece
 from skincad.mechanics.models import linear
 from tests.mechanics.designs import (
     THREE,

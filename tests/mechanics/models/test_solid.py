@@ -190,8 +190,7 @@ def test_free_ends_as_in_the_facts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("length", "approach"),
-    [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=FACTS), (48.0, 0.1859)],
+    ("length", "approach"), [(6.0, 0.2395), pytest.param(24.0, 0.1999, marks=FACTS), (48.0, 0.1859)]
 )
 def test_length_at_equal_force_per_length(length: float, approach: float) -> None:
     """Of docs/evidence/facts.md; 1.5 %: the coarse mesh is 0.7 % stiff in the section, theirs errs too."""
