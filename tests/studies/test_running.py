@@ -254,7 +254,7 @@ def swept(folder: Path, points: Sequence[Point]) -> list[str]:
 @pytest.mark.parametrize(
     ("most", "count"),
     [
-        pytest.param(2, 60, marks=pytest.mark.slow),
+        pytest.param(2, 60, marks=[pytest.mark.slow, pytest.mark.dear("starts skincad three times")]),
         pytest.param(15, 1000, marks=pytest.mark.evidence(subject="kills: studies")),
     ],
 )
