@@ -2,7 +2,7 @@
 
 Source: Yamada et al. 2002: the loop equations (2) to (9), their solution with every source term, and as the
 paper prints it, (10) to (14). (12) to (14) leave out what the source drives in (6) and (7), so (10) is not
-the solution of (4) to (9); `departure` says by how much. A capacitor beside R3 + R4, a falling gain and the
+the solution of (4) to (9) (docs/evidence/circuit.md). A capacitor beside R3 + R4, a falling gain and the
 follower are not in the paper.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.circuit import Complex, Constants, Real, decibels
+from skincad.circuit import Complex, Constants, Real
 
 
 def angular(frequency: Real) -> Complex:
@@ -91,8 +91,3 @@ def printed_response(c: Constants, frequency: Real) -> Complex:
     behind = feedback_impedance(c, jw) + c.output_resistance
     a4 = jw * copi / (jw * copi * ropi * leak * a3 + jw * copi * behind)  # (13), 1 - A3 written out
     return np.asarray((1 / a4 - c.output_resistance) * c.d33 * jw / (a2 * a3))
-
-
-def departure(c: Constants, frequency: Real) -> Real:
-    """Return by how many dB the printed formula lies above the loop equations' solution, `(n,)`."""
-    return np.asarray(decibels(printed_response(c, frequency)) - decibels(exact_response(c, frequency)))

@@ -41,7 +41,7 @@ def scene() -> Scene:
 def prediction() -> FilmPrediction:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(film_prediction, "LEVELS", (COARSE,))
-        return predict_films(scene(), 4, moduli=3)
+        return predict_films(scene(), 2, moduli=1)
 
 
 @cache

@@ -35,6 +35,7 @@ def press_alone(made: FilmRecording) -> FilmRecording:
     return FilmRecording(made.strips, made.time[pressed], made.volts[:, pressed])
 
 
+@pytest.mark.slow
 def test_all_work() -> None:
     result = judged_recording()
     assert {strip.state for strip in result.strips} == {"works"}
@@ -49,6 +50,7 @@ def test_all_work() -> None:
 SWAPPED = {0: f"swapped with {NAMES[3]}", 3: f"swapped with {NAMES[0]}"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("faults", "wrong"),
     [
@@ -67,12 +69,14 @@ def test_a_fault_is_named_and_the_others_work(faults: dict[str, object], wrong: 
         assert result.strips[1].gain.value < -0.5
 
 
+@pytest.mark.slow
 def test_a_channel_of_zeros_is_dead() -> None:
     made = recording()
     made.volts[2] = 0.0
     assert judge(scene(), prediction(), made).strips[2].state == "dead"
 
 
+@pytest.mark.slow
 def test_a_press_alone_tells_less() -> None:
     """Mirrored strips are alike in it, and of two that are swapped it is never said to be sure."""
     alone, whole = judge(scene(), prediction(), press_alone(recording())), judged_recording()
@@ -86,6 +90,7 @@ def test_a_press_alone_tells_less() -> None:
     assert judge(scene(), prediction(), made).strips[2].probability > 0.95
 
 
+@pytest.mark.slow
 def test_ridges_that_change_places_crosswise_are_not_told_by_a_press_alone() -> None:
     """A press on a crest that is lower than its mirror image shows the same; a pull after it tells."""
     loud = np.array([1.5, 1.5, 1.0, 1.0, 0.7, 0.7])[:, None]
@@ -99,6 +104,7 @@ def test_ridges_that_change_places_crosswise_are_not_told_by_a_press_alone() -> 
     assert [strip.shows for strip in judge(scene(), uneven, crossed).strips] == shown
 
 
+@pytest.mark.slow
 def test_millivolts_and_a_scene_without_circuit_are_refused() -> None:
     made = recording()
     with refused("must be in volts"):
@@ -107,6 +113,7 @@ def test_millivolts_and_a_scene_without_circuit_are_refused() -> None:
         recorded_scene(scene().with_(effects={"piezo": None}))
 
 
+@pytest.mark.slow
 def test_the_press_ends_where_the_force_stops_growing() -> None:
     assert prediction().press_end == 0.1
 
