@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from functools import cache
@@ -17,14 +16,13 @@ import skincad
 from skincad.base import Array, Mask
 from skincad.fabrication import (
     Job,
-    casting_sheet,
     design_findings,
     printed_crests,
     snapped_to_layers,
     uncertain_ridges,
 )
 from skincad.fabrication.crests import undecided_margin
-from skincad.fabrication.inspection import inspection
+from skincad.fabrication.inspection import inspection, inspection_lines
 from skincad.inputs import Design, load, processes
 from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
 from skincad.mechanics.manufacture import all_touch
@@ -110,8 +108,7 @@ def test_nothing_lies_beside_a_line_through_two_crests(yamada: Design, count: in
     inspected = inspection(Job(design))
     assert inspected.crests.beside == ()
     assert ("tilt of the crests" in {m.what for m in inspected.measures}) is (count == 2)
-    text = casting_sheet(Job(design), [], "", True)
-    assert len(re.findall(r"^\| \d \| \d\.\d+ .*\| - \|$", text, re.M)) == count
+    assert len([line for line in inspection_lines(inspected) if line.endswith("| - |")]) == count
 
 
 def test_a_margin_that_the_process_uses_up_is_told(yamada: Design) -> None:
