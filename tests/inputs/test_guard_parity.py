@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+import skincad
 from skincad.base import InputError, RefusedError, Stopwatch
 from skincad.inputs import Design
 from skincad.material import small_strain_curve
 from skincad.mechanics import film_stresses
-from skincad.mechanics.check import check
 from skincad.scenes import LEVELS, at_level, load_scene
 from skincad.studies import scene_on
 from tests.mechanics.designs import yamada
@@ -26,7 +26,7 @@ def small(**change: dict[str, object]) -> Design:
 
 
 def by_check(design: Design, force: float, folder: Path) -> str:
-    return check(design, force=force, model="linear", tol=0.05).out_of_range
+    return skincad.check(design, force=force, model="linear", tol=0.05).out_of_range
 
 
 def by_scene(design: Design, force: float, folder: Path) -> str:
