@@ -7,6 +7,7 @@ import copy
 import json
 import re
 import sys
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -15,48 +16,65 @@ import pytest
 
 import skincad
 from skincad.base import LONGEST_REPR, InputError, RefusedError, Result, files_below
-from skincad.outputs import names as make_names
+from skincad.outputs import accuracies, gains, makes, simulations
 from skincad.scenes import LEVELS, at_level
 from skincad.studies.accuracy import circuit
 from tests.base.test_portable import FILMED
 from tests.small_scene import small_scene
 
 PACKAGE = Path(skincad.__file__).parent
-ENTERED = {"make", "check", "simulate", "gain", "accuracy", "fit_material", "film_stress"}
 DEAR = {"make", "simulate", "accuracy", "film_stress"}  # to draw
+
+
+def one_ridge() -> skincad.Design:
+    """With film, so that all files of a make are there."""
+    return skincad.load("yamada-2002").with_(ridge={"count": 1}, skin={"width": 3.0})
+
+
+def short_accuracy(_: Path) -> Result:
+    with pytest.MonkeyPatch.context() as patch:  # a short ladder
+        patch.setattr(circuit, "PER_PERIOD", circuit.PER_PERIOD[:2])
+        return skincad.accuracy(skincad.load("plain-ridges"), ["circuit"], repeats=1)
+
+
+def fitted(folder: Path) -> Result:
+    rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
+    (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
+    return skincad.fit_material(folder / "bar.csv")
+
+
+def simulated(folder: Path) -> Result:
+    few = "history.steps=4", "readout.ridges=[2]", "history.normal_force_N=[0.0, 0.3]"
+    return at_level(small_scene(folder, "yamada-2002-press", *few), LEVELS[0])
+
+
+COMPUTATIONS: dict[str, Callable[[Path], Result]] = {
+    "make": lambda _: skincad.make(one_ridge(), model="winkler"),  # its shape is that of all verdicts
+    "check": lambda _: skincad.check(one_ridge(), model="winkler"),
+    "gain": lambda _: skincad.gain(skincad.load_circuit("yamada-2002", ["sweep.points=50"])),
+    "simulate": simulated,
+    "accuracy": short_accuracy,
+    "fit_material": fitted,
+    "film_stress": lambda _: skincad.film_stress(skincad.load("yamada-2002", FILMED), 0.4, 0.1, tol=0.5),
+}
+ENTERED = {*COMPUTATIONS}
 every_kind = pytest.mark.parametrize("kind", sorted(ENTERED))
 
 
-@pytest.fixture(scope="module")
-def small(yamada: skincad.Design) -> skincad.Design:
-    """One ridge, with film, so that all files of a make are there."""
-    return yamada.with_(ridge={"count": 1}, skin={"width": 3.0})
+class Results(dict[str, Any]):
+    """A result of each kind, computed when a test first asks for it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __missing__(self, kind: str) -> Result:
+        self[kind] = COMPUTATIONS[kind](self.folder)
+        return self[kind]
 
 
 @pytest.fixture(scope="module")
-def results(small: skincad.Design, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    result = skincad.make(small, model="winkler")  # its shape is that of all verdicts
-    folder = tmp_path_factory.mktemp("results")
-    rows = [f"{strain},{0.8 * strain}" for strain in (0.01 * i for i in range(12))]
-    (folder / "bar.csv").write_text("\n".join(["strain,stress_MPa", *rows]))
-    few = "history.steps=4", "readout.ridges=[2]", "history.normal_force_N=[0.0, 0.3]"
-    with pytest.MonkeyPatch.context() as patch:  # a short ladder
-        patch.setattr(circuit, "PER_PERIOD", circuit.PER_PERIOD[:2])
-        accuracy = skincad.accuracy(skincad.load("plain-ridges"), ["circuit"], repeats=1)
-    return {
-        "make": result,
-        "check": result.check,
-        "gain": skincad.gain(skincad.load_circuit("yamada-2002", ["sweep.points=50"])),
-        "simulate": at_level(small_scene(folder, "yamada-2002-press", *few), LEVELS[0]),
-        "accuracy": accuracy,
-        "fit_material": skincad.fit_material(folder / "bar.csv"),
-        "film_stress": skincad.film_stress(skincad.load("yamada-2002", FILMED), 0.4, 0.1, tol=0.5),
-    }
-
-
-def test_each_public_computation_returns_a_result(results: dict[str, Result]) -> None:
-    assert set(results) == ENTERED
-    assert all(isinstance(result, Result) for result in results.values())
+def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    return Results(tmp_path_factory.mktemp("results"))
 
 
 TABLES = {  # a column with its unit, by kind, and how many rows there are
@@ -71,8 +89,9 @@ TABLES = {  # a column with its unit, by kind, and how many rows there are
 
 
 @every_kind
-def test_a_result_has_words_json_and_a_frame(results: dict[str, Any], kind: str) -> None:
+def test_a_result_has_words_json_and_a_frame(results: Results, kind: str) -> None:
     result = results[kind]
+    assert isinstance(result, Result)
     assert len(repr(result)) <= LONGEST_REPR
     assert "\n" not in repr(result)
     assert repr(result).startswith(f"<{type(result).__name__} ")
@@ -92,14 +111,14 @@ def test_a_result_has_words_json_and_a_frame(results: dict[str, Any], kind: str)
 @pytest.mark.parametrize(
     "kind", [pytest.param(k, marks=pytest.mark.slow if k in DEAR else ()) for k in sorted(ENTERED)]
 )
-def test_a_notebook_shows_words_and_figure(results: dict[str, Result], kind: str) -> None:
+def test_a_notebook_shows_words_and_figure(results: Results, kind: str) -> None:
     page = results[kind]._repr_html_()
     assert escape(str(results[kind]).splitlines()[0]) in page
     # a check's bars are drawn in the page
     assert ('src="data:image/png;base64,iVBOR' in page) == (kind != "check")
 
 
-def test_a_frame_has_the_numbers_of_the_result(results: dict[str, Any]) -> None:
+def test_a_frame_has_the_numbers_of_the_result(results: Results) -> None:
     check = results["check"]
     assert list(check.to_frame()["ridge_force_N"]) == [share.value for share in check.ridge_force]
     numbers = results["make"].to_frame().set_index("name")
@@ -107,7 +126,7 @@ def test_a_frame_has_the_numbers_of_the_result(results: dict[str, Any]) -> None:
     assert numbers.loc["parts.skin.volume_mm3", ["value", "unit"]].tolist() == [skin.volume, "mm3"]
 
 
-def test_without_pandas_one_line_says_so(results: dict[str, Result], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pandas_one_line_says_so(results: Results, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(InputError, match=r"^to_frame: needs the package pandas"):
         results["check"].to_frame()
@@ -123,9 +142,7 @@ def test_a_notebook_shows_a_design_by_its_section(yamada: skincad.Design) -> Non
 
 
 @pytest.mark.parametrize("kind", sorted(ENTERED - {"make"}))
-def test_write_writes_the_files_and_their_manifest(
-    results: dict[str, Result], kind: str, tmp_path: Path
-) -> None:
+def test_write_writes_the_files_and_their_manifest(results: Results, kind: str, tmp_path: Path) -> None:
     result = results[kind]
     written = skincad.write(result, tmp_path / "out")
     manifest = f"{result.presenter().COMMAND}.json"
@@ -135,16 +152,14 @@ def test_write_writes_the_files_and_their_manifest(
     assert json.loads((tmp_path / "out" / manifest).read_text())["files"] == sorted(result.files())
 
 
-def test_what_will_be_written_is_known_before(results: dict[str, Any], small: skincad.Design) -> None:
-    assert make_names(small) == list(results["make"].files())
-    assert results["gain"].presenter().names(measured=False) == list(results["gain"].files())
-    assert set(results["simulate"].presenter().names(results["simulate"].scene)) == set(
-        results["simulate"].files()
-    )
-    assert results["accuracy"].presenter().names(["circuit"]) == list(results["accuracy"].files())
+def test_what_will_be_written_is_known_before(results: Results) -> None:
+    assert makes.names(one_ridge()) == list(results["make"].files())
+    assert gains.names(measured=False) == list(results["gain"].files())
+    assert set(simulations.names(results["simulate"].scene)) == set(results["simulate"].files())
+    assert accuracies.names(["circuit"]) == list(results["accuracy"].files())
 
 
-def test_formats_choose_and_are_told(results: dict[str, Result], tmp_path: Path) -> None:
+def test_formats_choose_and_are_told(results: Results, tmp_path: Path) -> None:
     written = skincad.write(results["gain"], tmp_path / "out", formats="csv")
     assert [name for name, _ in written.files] == ["gain.csv"]
     with pytest.raises(InputError, match="formats: unknown format, got 'svc'; did you mean 'csv'"):
@@ -152,7 +167,7 @@ def test_formats_choose_and_are_told(results: dict[str, Result], tmp_path: Path)
     assert not (tmp_path / "other").exists()
 
 
-def test_a_copy_of_a_make_says_that_it_has_no_solids(results: dict[str, Result]) -> None:
+def test_a_copy_of_a_make_says_that_it_has_no_solids(results: Results) -> None:
     with pytest.raises(RefusedError, match="a copy has no solids"):
         copy.copy(results["make"]).files()
 

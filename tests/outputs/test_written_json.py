@@ -22,7 +22,7 @@ THIRDS = (
 )
 RUNS = {  # with values that may be missing: a verdict that fails, no slip, no cut-off
     "make": (
-        *("make", *SMALL, "--preview", "--format", "toml", "--set", "contact.force=0.01"),
+        *("make", *SMALL, "--format", "toml", "--set", "contact.force=0.01"),
         *("--tier", "winkler", "--no-advice"),
     ),
     "simulate": ("simulate", *SCENE, "--set", "effects.piezo.circuit=transimpedance"),
@@ -85,6 +85,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     return out, table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_what_is_printed_is_json(name: str, ran: Ran) -> None:
     status, text = ran[1][name]
@@ -103,6 +104,7 @@ def test_what_takes_longer_is_json_too(name: str, tmp_path: Path) -> None:
         strict(path.read_text("utf-8"))
 
 
+@pytest.mark.slow
 def test_all_commands_live_in_one_folder(ran: Ran) -> None:
     """The manifests together list every file, each once."""
     out, _ = ran
@@ -115,6 +117,7 @@ def test_all_commands_live_in_one_folder(ran: Ran) -> None:
     assert manifests["circuit"]["name"] == "transimpedance"  # the later one
 
 
+@pytest.mark.slow
 def test_every_file_is_listed_with_what_is_printed(ran: Ran) -> None:
     out, said = ran
     for name in ("circuit again", "accuracy", "make"):
