@@ -83,7 +83,6 @@ def crests_as_sliced(design: Design, folder: Path) -> Array:
 def test_crests_on_layers_come_out_as_designed(name: str, tmp_path: Path) -> None:
     design = skincad.load(name)
     heights_and_floor = snapped_to_layers(Job(design))
-    assert heights_and_floor is not None
     heights, floor = heights_and_floor
     snapped = skincad.load(name, [f"ridge.heights={list(heights)}", f"mold.floor={floor}"])
     assert crests_as_sliced(snapped, tmp_path) == pytest.approx(

@@ -143,7 +143,6 @@ def test_holes_are_in_the_step_where_the_keys_say(name: str, tmp_path: Path) -> 
     closed = mold(design)
     write_step(workplane(closed.part("carrier")), tmp_path / "carrier.step")
     circles, mount = level_circles(tmp_path / "carrier.step"), mount_of(Job(design, closed))
-    assert mount is not None
     drilled = {"yamada-2002": 1.6, "milled-pad": 2.5, "lab-bench": 4.0, "bent": 1.6}[name]
     bottom = mount.top - (mount.depth or 0.0)
     assert mount.positions

@@ -226,7 +226,6 @@ def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
     design = mounted_design(name)
     closed = mold(design)
     mount = mount_of(Job(design, closed))
-    assert mount is not None
     manifest = json.loads(json.dumps(mount.as_json()))
     carrier = closed.part("carrier")
     for key, role in (("positions_mm", CutRole.MOUNT), ("fiducials_mm", CutRole.FIDUCIAL)):
@@ -272,7 +271,6 @@ def test_marks_alone_ask_for_nothing_to_buy() -> None:
     assert "mount's fiducials are blind" in sheet_steps(Job(design, closed))["mount"]
     assert not any(row["what"].startswith("mount") for row in bought(design))
     mount = mount_of(Job(design, closed))
-    assert mount is not None
     assert mount.as_json()["depth_mm"] is None
 
 

@@ -97,7 +97,6 @@ def test_a_pads_form_gives_its_modulus(tmp_path: Path) -> None:
     (tmp_path / PAD_FORM).write_text(filled(PAD_FORM, force))
     fit = skincad.fit_material(tmp_path / PAD_FORM, pad)
     assert fit.young_modulus.value == pytest.approx(0.4, rel=5e-3)  # lines between the table's ratios
-    assert fit.young_modulus.error is not None
     assert fit.young_modulus.error < 0.1 * 0.4
 
 
@@ -123,9 +122,7 @@ def by_blades(drawn: np.ndarray, wide: np.ndarray, true: np.ndarray) -> NotchFor
 @pytest.mark.parametrize("seed", range(20))
 def test_a_growth_of_30_um_is_recovered_to_5_um(seed: int) -> None:
     growth = notch_result(ladder(0.03, seed)).growth
-    assert growth is not None
     assert growth.value == pytest.approx(0.03, abs=0.005)  # what the issue asks for
-    assert growth.error is not None
     assert growth.error < 0.005
 
 
@@ -138,8 +135,7 @@ def test_its_error_bar_holds(growth: float, scatter: float) -> None:
     covered = 0
     for seed in range(200):
         growth_estimate = notch_result(ladder(growth, seed, scatter)).growth
-        assert growth_estimate is not None
-        covered += growth_estimate.lower <= growth <= growth_estimate.upper  # type: ignore[operator]
+        covered += growth_estimate.lower <= growth <= growth_estimate.upper
     assert covered >= 181
 
 
@@ -151,9 +147,8 @@ def test_a_ladder_that_pixels_drew() -> None:
         places = (np.arange(drawn.size) - (drawn.size - 1) / 2) * NOTCH_PITCH
         low, high = np.ceil((places - drawn / 2) / pixel - 0.5), np.floor((places + drawn / 2) / pixel - 0.5)
         estimate = notch_result(by_blades(drawn, (high - low + 1) * pixel - 2 * growth, BLADES)).growth
-        assert estimate is not None
         assert estimate.value == pytest.approx(growth, abs=0.005)
-        assert estimate.lower <= growth <= estimate.upper  # type: ignore[operator]
+        assert estimate.lower <= growth <= estimate.upper
 
 
 def test_no_growth_is_said_of_notches_that_are_shut() -> None:
@@ -169,7 +164,6 @@ def test_the_narrowest_gap_is_that_from_which_all_are_open() -> None:
     drawn = np.array([0.06, 0.08, 0.10, 0.12, 0.14])
     goes = np.array([0.0, 0.02, 0.0, 0.03, 0.05])
     gap = notch_result(NotchForm(drawn, goes, goes + 0.02)).gap
-    assert gap is not None
     assert (gap.value, gap.error) == (0.12, pytest.approx(0.02))
 
 
@@ -193,8 +187,8 @@ def test_scatter_and_offset_hold(within: float, between: float) -> None:
     for seed in range(400):
         result = crest_result(steps(seed, within, between, 0.02, 0.002))
         covered += [
-            result.sigma.lower <= sigma <= result.sigma.upper,  # type: ignore[operator]
-            result.offset.lower <= 0.02 <= result.offset.upper,  # type: ignore[operator]
+            result.sigma.lower <= sigma <= result.sigma.upper,
+            result.offset.lower <= 0.02 <= result.offset.upper,
         ]
     assert (covered >= 366).all(), covered
 

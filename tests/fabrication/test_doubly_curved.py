@@ -145,7 +145,7 @@ def test_strips_are_as_long_as_their_arcs(design: Design) -> None:
 
 
 def _length(pattern: object) -> float:
-    xs = [s.start.x for s in pattern.overlap]  # type: ignore[attr-defined]
+    xs = [s.start.x for s in pattern.overlap]
     return max(xs) - min(xs)
 
 

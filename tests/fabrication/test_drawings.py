@@ -62,7 +62,6 @@ def test_arcs_laid_flat_have_the_area_of_the_shims_in_the_mold() -> None:
     """A shim is a part of a cone of even thickness, so its volume is the flat area times that."""
     design = three_ridges()
     closed = mold(design)
-    assert design.slot is not None
     flat = [area(shim.cut) * design.slot.thickness for shim in shim_patterns(Job(design, closed))]
     assert flat == pytest.approx([part.volume for part in closed.of(PartRole.SHIM)], rel=1e-12)
 
@@ -74,7 +73,6 @@ def test_bars_are_the_shims_of_one_skin_in_whole_millimetres(name: str) -> None:
     patterns, parts = shim_patterns(Job(design, closed)), closed.of(PartRole.SHIM)
     assert len(patterns) * design.mold.cavities == len(parts)
     for shim, part in zip(patterns, parts, strict=False):
-        assert design.slot is not None
         long = area(shim.cut) / design.slot.depth
         assert long == pytest.approx(round(long), abs=1e-9)
         true = part.volume / design.slot.depth / design.slot.thickness
@@ -92,7 +90,7 @@ def test_no_shim_lies_on_another_and_a_thin_tail_is_marked(name: str, tmp_path: 
     for shim, shape in zip(shims, shapes, strict=True):
         if shim.thinned:
             a, b = shim.thinned
-            assert math.dist(a, b) == pytest.approx(design.slot.depth)  # type: ignore[union-attr]
+            assert math.dist(a, b) == pytest.approx(design.slot.depth)
             assert shapely.LineString([a, b]).distance(shape) < 1e-3
     write_shims_dxf(Job(design, closed), tmp_path / "shims.dxf")
     read = dxf_parser.parse((tmp_path / "shims.dxf").read_text(encoding="utf-8"))

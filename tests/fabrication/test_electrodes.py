@@ -31,7 +31,6 @@ def by_rule(design: Design) -> dict[str, Finding]:
 def test_a_faces_metal_by_hand(yamada: Design) -> None:
     """Electrode, lead to the link's end, the link above the lead, and the pad beyond the link."""
     film = yamada.film
-    assert film is not None
     outlines = faces(film, 0.25, 6.0, 14.0)
     sensed = 2 * (6 - 0.04) * 2 * (0.125 - 0.04)
     first = 14.0 + 0.5 + 4.5 + 0.5
@@ -50,9 +49,6 @@ def test_a_faces_metal_by_hand(yamada: Design) -> None:
 def test_tolerances_make_the_margin_and_the_gap(yamada: Design) -> None:
     coarse = yamada.with_(film={"cut_tolerance": 0.03, "registration": 0.01}).film
     wide = yamada.with_(film={"electrode_margin": 0.06}).film
-    assert yamada.film is not None
-    assert coarse is not None
-    assert wide is not None
     assert (yamada.film.margin, coarse.margin, wide.margin) == pytest.approx((0.04, 0.04, 0.06))
     assert [half_gap(film, 0.25) for film in (yamada.film, coarse)] == pytest.approx([0.02, 0.01])
     assert half_gap(yamada.film, 0.1) == pytest.approx(0.01 / 3)  # a third of what is left beside the margin
@@ -60,7 +56,6 @@ def test_tolerances_make_the_margin_and_the_gap(yamada: Design) -> None:
 
 def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
     film = yamada.film
-    assert film is not None
     assert half_tab(film, 0.25) == pytest.approx((2.54 + 1.5) / 2 + 0.5)
     # the label is beside leads of 3 mm each
     assert half_tab(film, 6.0) == pytest.approx(3.0 + 0.25 + 1.5)
@@ -77,7 +72,7 @@ def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
     narrow = yamada.with_(slot={"depth": 0.2})
     finding = by_rule(narrow)["lead width"]
     assert (finding.severity, finding.measured, finding.limit) == ("error", pytest.approx(0.04), 0.05)
-    deep = float(re.search(r"slot.depth of ([\d.]+) mm", finding.remedy)[1])  # type: ignore[index]
+    deep = float(re.search(r"slot.depth of ([\d.]+) mm", finding.remedy)[1])
     assert deep == pytest.approx(0.22)
     assert "lead width" not in by_rule(yamada.with_(slot={"depth": deep}))
     assert "lead width" in by_rule(yamada.with_(slot={"depth": deep - 0.001}))
@@ -119,7 +114,6 @@ def board(design: Design) -> str:
 
 def test_the_outermost_tab_goes_from_its_slot_to_its_pin(yamada: Design) -> None:
     spread = fan_out(Job(yamada))
-    assert spread is not None
     outermost = section(yamada).slots[-1].centre.x
     assert spread.offset == pytest.approx(17 / 2 * PITCH - outermost, rel=1e-12)
     # the S, followed in 1e5 steps: an arc, a straight, the arc back
@@ -138,8 +132,7 @@ def test_a_small_way_aside_takes_two_arcs_alone() -> None:
     """One ridge: its two tabs go from 0.16 mm to half a pitch; at 3 mm radius 0.8 mm is all by arcs."""
     design = skincad.load("nozzle-04", ["ridge.count=1"])
     spread = fan_out(Job(design))
-    assert spread is not None
-    radius = BEND * design.film.thickness  # type: ignore[union-attr]
+    radius = BEND * design.film.thickness
     angle = spread.lead / 2 / radius
     assert angle < MOST_TURN
     assert 2 * radius * (1 - math.cos(angle)) == pytest.approx(spread.offset, rel=1e-12)
@@ -151,21 +144,20 @@ def test_tabs_cross_where_slots_lean_against_each_other() -> None:
     tilted = skincad.load("yamada-2002-tilted")
     (finding,) = tabs_that_cross(tilted)
     assert finding.severity == "note"
-    assert half_tab(tilted.film, tilted.slot.depth) * math.sin(math.pi / 4) > 0.17  # type: ignore[arg-type, union-attr]
+    assert half_tab(tilted.film, tilted.slot.depth) * math.sin(math.pi / 4) > 0.17
     assert "Tabs cross" in board(tilted)
 
 
 @pytest.mark.parametrize("name", FILMED)
 def test_only_leaning_slots_have_a_finding(name: str) -> None:
     design = skincad.load(name)
-    assert design.slot is not None
     assert bool(tabs_that_cross(design)) == (design.slot.tilt > 0)
 
 
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
     assert f"the lead of {Job(yamada).lead:g} mm is long enough" in board(yamada)
     short = board(yamada.with_(film={"lead": 8.0}))
-    need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])  # type: ignore[index]
+    need = float(re.search(r"in a lead of ([\d.]+) mm", short)[1])
     assert "single plugs on wires" in short
     enough = board(yamada.with_(film={"lead": math.ceil(need)}))
     assert "is long enough" in enough

@@ -79,7 +79,6 @@ def test_a_gate_is_wider_where_a_thumb_would_press_too_hard_and_the_skin_has_roo
     narrower = Job(stiff.with_(mold={"gate": WIDTHS[wide - 1]}))
     assert filling(narrower).force > 0.9 * THUMB
     thin = Job(stiff.with_(skin={"thickness": 3.0}))
-    assert thin.gate is not None
     assert thin.gate < WIDTHS[wide]
 
 
@@ -91,7 +90,7 @@ def test_every_templates_mold_is_full_within_its_pot_life(name: str) -> None:
     assert how.seconds >= max(front_time(job), job.design.mold.fill_time)
     assert pouring_findings(job) == []
     text = casting_sheet(job, [], "", True)
-    number, unit = re.search(r"Take ([\d.]+) (s|min) to fill it", text).groups()  # type: ignore[union-attr]
+    number, unit = re.search(r"Take ([\d.]+) (s|min) to fill it", text).groups()
     assert float(number) * {"s": 1, "min": 60}[unit] == pytest.approx(how.seconds, rel=0.05)  # two digits
     assert (f"- syringe, {how.syringe} ml" in text) == (job.gate is not None)
 
@@ -100,7 +99,6 @@ def test_strips_that_are_cast_in_are_told_how_far_they_give_way() -> None:
     """In the time that filling takes: the drift is the front's speed times a constant."""
     job = Job(skincad.load("cast-in"))
     flow = pour(job)
-    assert flow is not None
     slow = flow.drift * job.design.mold.fill_time / filling(job).seconds
     assert f"moved aside by up to {slow:.2g} mm" in casting_sheet(job, [], "", True)
     assert slow < flow.drift
@@ -383,7 +381,6 @@ def test_silicone_runs_off_over_the_cups_upper_rim(unshrunk: Design) -> None:
     closed = mold(unshrunk)
     (cup,) = bores(closed.part("cover"), CutRole.RESERVOIR)
     rim = void(Job(unshrunk, closed)).rim
-    assert rim is not None
     assert rim[:, 2] == pytest.approx(np.full(len(rim), closed.part("cover").body.high))
     away = np.hypot(rim[:, 0] - cup.start[0], rim[:, 1] - cup.start[1])
     assert away == pytest.approx(np.full(len(rim), cup.far_radius))

@@ -200,9 +200,7 @@ def test_the_page_has_tables_and_takes_no_html() -> None:
 
 
 def heights(design: Design) -> tuple[float, ...]:
-    crests = printed_crests(Job(design))
-    assert crests is not None
-    return crests
+    return printed_crests(Job(design))
 
 
 def test_without_layers_crests_come_out_as_designed(yamada: Design) -> None:
@@ -273,7 +271,6 @@ def test_a_ledge_at_a_layers_middle_leaves_all_crests_open() -> None:
 def test_heights_and_a_floor_put_each_crest_at_a_layers_end(name: str) -> None:
     design = skincad.load(name)
     heights_and_floor = snapped_to_layers(Job(design))
-    assert heights_and_floor is not None
     tall, floor = heights_and_floor
     layer = processes(design.printer)[design.mold.process].layer
     snapped = skincad.load(name, [f"ridge.heights={list(tall)}", f"mold.floor={floor}"])
@@ -328,7 +325,6 @@ def judged(name: str) -> JudgedDesign:
     solved = level(plane_piece(pad, 0.5, whole=True), 2, force)
     model = ridge_model(solved.ridges, force, unit_of(pad), solved.scale)
     upper = check.all_touch_force.upper
-    assert upper is not None
     # what a better model and the error add is taken as a change of stiffness, as the yield takes it
     force_needed = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])
 

@@ -70,7 +70,6 @@ def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: Make
 
 def test_without_a_check_the_findings_alone_decide(small: Design, unchecked: MakeResult) -> None:
     judged = skincad.make(small, model="winkler")
-    assert judged.check is not None
     assert judged.check.model == "winkler"
     assert (judged.passed, unchecked.passed) == (False, True)
     assert unchecked.check is None
@@ -190,7 +189,6 @@ def test_watch_makes_a_preview_at_each_save(tmp_path: Path) -> None:
     file.write_text(good.replace("count = 1", "count = -1"))
     words = [sys.executable, "-m", "skincad", "watch", file.name, "--format", "toml"]
     with started(words, cwd=tmp_path, text=True, stdout=-1, stderr=subprocess.STDOUT) as process:
-        assert process.stdout is not None
         assert "ridge.count" in process.stdout.readline()
         assert process.stdout.readline() == "Watching mine.toml; Ctrl-C ends.\n"
         file.write_text(good)

@@ -265,7 +265,6 @@ def thickest(width: float, depth: float, lean: float, pixel: float, shift: tuple
 def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
     """And not less by more than a pixel: the bound is that of the worst place on the screen."""
     design = of_one_printer("lab-bench")
-    assert design.slot is not None
     width, pixel = 0.156, 0.05
     least = {}
     for slot in section(design).slots:
@@ -329,7 +328,6 @@ def test_growth_narrows_a_notch_on_both_sides() -> None:
 
 def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
     design = skincad.load("yamada-2002")
-    assert design.slot is not None
     for share, grave in ((0.4, ["note"]), (0.6, ["warning"])):
         off = share / 2 * design.slot.offset
         wide = design.with_(mold={"slit_clearance": off - 0.003})  # the wire's tolerance

@@ -186,7 +186,7 @@ def test_a_carrier_is_pulled_by_what_its_rivets_or_its_primer_bear() -> None:
     """Necks of 0.75 mm at half of E, or a third of 0.1 MPa on the back."""
 
     def force(design: Design) -> str:
-        return re.search(r"pull the carrier off it with ([\d.]+) N", sheet(design))[1]  # type: ignore[index]
+        return re.search(r"pull the carrier off it with ([\d.]+) N", sheet(design))[1]
 
     riveted = load("yamada-2002")
     necks = bores(mold(riveted).part("carrier"), CutRole.RIVET)
@@ -225,7 +225,6 @@ def test_primed_strips_are_used_while_their_primer_is_good(name: str) -> None:
 def test_films_are_prepared_drawn_in_cured_tested_and_measured(name: str) -> None:
     """In this order; a meter reads what the circuits have (permittivity 12), within the error."""
     design = load(name)
-    assert design.film is not None
     steps = order(sheet(design))
     cast = design.mold.method == "cast-in"
     assert_in_order(
@@ -237,7 +236,7 @@ def test_films_are_prepared_drawn_in_cured_tested_and_measured(name: str) -> Non
         assert place(steps, PULL) < place(steps, "Take the cover's")
     assert place(steps, "capacitance meter") == place(steps, PULL) + 1
     words = steps[place(steps, "capacitance meter")]
-    read, error = map(float, re.search(r"taken off: ([\d.]+) ± ([\d.]+) pF", words).groups())  # type: ignore[union-attr]
+    read, error = map(float, re.search(r"taken off: ([\d.]+) ± ([\d.]+) pF", words).groups())
     assert abs(1e12 * capacitance(electrode(design), design.film.thickness, 12.0) - read) <= error
 
 
@@ -249,7 +248,7 @@ def test_arcs_are_drawn_through_their_notches_and_tested_when_those_are_off() ->
     # 12 mm of the summit's arc at 25 mm, a slot's outer edge at 25.2; plates of 4, grips of 6
     arm = 25.2
     long = 2 * arm * (12 / 2 / 25 + math.asin(4 / arm)) + 2 * 6
-    assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)  # type: ignore[index]
+    assert int(re.search(r"(\d+) mm long, cut or etched as arcs", text)[1]) == math.ceil(long)
     assert "the last 6 mm at end b thinned to 0.019 mm" in text
     assert "above 0.057 mm it jams" in steps[place(steps, GLUE)]
     assert f"over the last {Job(design).lead + 10 - 4:g} mm of the wired end" in steps[place(steps, PRIMER)]
