@@ -111,17 +111,14 @@ FILES = {
     "ezdxf.ini": "[core]\nwrite_fixed_meta_data_for_testing = false\ndisable_c_ext = true\n",
     "XSTEP.us": "write.step.unit : INCH\n",
 }
+BACKEND = "module://matplotlib_inline.backend_inline"
 WRITERS = """
 from pathlib import Path
 import skincad
-from skincad.circuit.bode import gain
-from skincad.circuit.model import load_circuit
-from skincad.outputs.figures.canvas import save
-from skincad.outputs.figures.results import gain_figure
+from skincad.circuit import gain, load_circuit
+from skincad.outputs import gain_figure, save, write_step
 from skincad.outputs.drawing.flat import write_section_dxf
-from skincad.outputs.solid_files import write_step
-from skincad.solids.occ import workplane
-from skincad.solids.skin import skin_part
+from skincad.solids import skin_part, workplane
 design = skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0})
 save(gain_figure(gain(load_circuit("yamada-2002"))), Path("gain.png"))
 write_section_dxf(design, Path("section.dxf"))
@@ -141,9 +138,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline"])
+@pytest.mark.dear("another process imports all that writes")
 def test_same_bytes_whatever_rc_files_and_backends_say(
-    backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As this process writes them, which no file of settings reached."""
     clean, hostile = tmp_path / "clean", tmp_path / "hostile"
@@ -154,7 +151,7 @@ def test_same_bytes_whatever_rc_files_and_backends_say(
     ini = str(hostile / "ezdxf.ini")
     monkeypatch.chdir(clean)
     exec(WRITERS, {})
-    assert written_by(hostile, MPLBACKEND=backend, EZDXF_CONFIG_FILE=ini) == contents(clean)
+    assert written_by(hostile, MPLBACKEND=BACKEND, EZDXF_CONFIG_FILE=ini) == contents(clean)
 
 
 def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:

@@ -18,9 +18,8 @@ from types import SimpleNamespace
 import pytest
 
 from skincad import __main__ as process
-from skincad.base import ExhaustedError, FaultError, InputError, RefusedError, interrupt
+from skincad.base import ExhaustedError, FaultError, InputError, RefusedError, listen, replaced, safe_point
 from skincad.cli import main
-from skincad.cli.process import TRACEBACK
 from skincad.outputs import ready, write_new
 from tests.processes import python, started
 
@@ -257,11 +256,11 @@ def test_a_traceback_is_shown_to_who_asks_for_it(
         raise ZeroDivisionError
 
     monkeypatch.setattr("skincad.check", broken)
-    monkeypatch.setenv(TRACEBACK, "1")
+    monkeypatch.setenv("SKINCAD_TRACEBACK", "1")
     status, _, err = left(CHECK, capsys, monkeypatch)
     assert status == 3
     assert "Traceback" in err
-    assert TRACEBACK in err.splitlines()[-1]
+    assert "SKINCAD_TRACEBACK" in err.splitlines()[-1]
 
 
 TOO_LITTLE = """
@@ -308,8 +307,8 @@ def test_a_kernel_that_does_not_load_for_another_reason_is_no_missing_library(tm
 
 @pytest.fixture
 def _listening() -> object:
-    before = {signum: signal.getsignal(signum) for signum in interrupt.SIGNALS}
-    interrupt.listen()
+    before = {signum: signal.getsignal(signum) for signum in NAMES}
+    listen()
     yield
     for signum, handler in before.items():
         signal.signal(signum, handler)
@@ -331,15 +330,13 @@ def test_a_signal_waits_for_an_import_to_be_through(
     monkeypatch.delitem(sys.modules, "half_made", raising=False)
     importlib.import_module("half_made")
     with pytest.raises(kind):
-        interrupt.safe_point()
-    interrupt.safe_point()  # one signal ends one thing
+        safe_point()
+    safe_point()  # one signal ends one thing
 
 
 @pytest.mark.usefixtures("_listening")
 def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between the files that are moved, and in the removal of the old ones too."""
-    from skincad.base import outfolder
-
     for step in ("rename", "unlink"):  # the second time there is a result to be replaced
         original, sent = getattr(Path, step), []
 
@@ -349,12 +346,12 @@ def test_a_signal_waits_for_a_folder_to_be_in_place(tmp_path: Path, monkeypatch:
             return original(self, *rest)
 
         monkeypatch.setattr(Path, step, signalled)
-        with outfolder.replaced(tmp_path / "here", "make") as staging:
+        with replaced(tmp_path / "here", "make") as staging:
             (staging / "a").write_text("new")
         monkeypatch.setattr(Path, step, original)
         if sent:
             with pytest.raises(KeyboardInterrupt):
-                interrupt.safe_point()
+                safe_point()
     assert sent
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
     assert sorted(p.name for p in (tmp_path / "here").iterdir()) == ["a", "make.json"]

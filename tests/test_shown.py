@@ -122,6 +122,7 @@ def test_python_has_the_names_that_are_shown(block: Block) -> None:
         assert hasattr(skincad, name), name
 
 
+@pytest.mark.dear("a page or notebook shows whole runs of skincad")
 @pytest.mark.parametrize("page", files(PAGES))
 def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args, get_type_hints
+from typing import Annotated, get_args, get_origin, get_type_hints
 
 import pytest
 import typer
@@ -11,7 +11,6 @@ import typer
 from skincad.base import InputError
 from skincad.cli import run
 from skincad.cli.app import app
-from skincad.cli.options import PrinterOption
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0")}
@@ -44,7 +43,7 @@ def numeric() -> list[tuple[str, str]]:
         assert command.callback
         name = command.name or command.callback.__name__
         for hint in get_type_hints(command.callback, include_extras=True).values():
-            kind, option = get_args(hint)[:2] if isinstance(hint, type(PrinterOption)) else (None, None)
+            kind, option = get_args(hint)[:2] if get_origin(hint) is Annotated else (None, None)
             if {float, int} & {kind, *get_args(kind)}:
                 keys.append((name, option.default))  # as typer takes the first of its names
     return keys
