@@ -172,6 +172,8 @@ def tier(name: str) -> tuple[pytest.MarkDecorator, ...]:
     """Slow is one figure of a kind; designs and circuits beside yamada-2002 are evidence."""
     if name in QUICK:
         return ()
+    if name == "accept":
+        return (pytest.mark.evidence(subject="figures: accept"),)
     if name == "check of many ridges":
         return (pytest.mark.evidence(subject="gripper-pad"),)
     if name.startswith("design "):
