@@ -151,7 +151,7 @@ def test_what_a_higher_back_changes_is_the_check_of_a_thinner_skin(on_stem: Desi
     assert finding.measured == pytest.approx(float(skincad.check(thin, model="linear").all_touch_force))
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="bone: higher back")
 @pytest.mark.parametrize(
     "base",
     [pillars(), wide_rings(), skincad.load("flat-magnet").with_(flat={"pocket": None})],

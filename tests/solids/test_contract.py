@@ -20,6 +20,7 @@ FAST = {
     "straight", "plain", "strips", "gang", "split", "bowl", "round", "round and flat", "pins",
     "pins through a plate", "pockets", "layers", "bone", "bone on pins",
 }  # fmt: skip
+BY_STEPS = {"layers over pockets", "nibs-fine", "pins-dome"}
 CHORD = 2e-3  # mm, of meshes whose volume counts
 LIDS = {"SKIN": 1, "CAVITY": 1, "CARRIER": 1, "COVER": 1, "COVER_PIN": 2, "SEAL": 1}
 PLAIN = {**LIDS, "END_PLATE": 2, "END_PIN": 4}
@@ -81,10 +82,12 @@ def parts_of(closed: ClosedMold) -> list[Part]:
 
 @pytest.mark.parametrize("name", ALL)
 def test_parts_are_solids_of_their_formulas_volume(name: str, folder: Path) -> None:
-    """1e-9 is what `solid` allows; in a bowl bores into the carrier's arc reach 1e-10."""
+    """In a bowl bores into the carrier's arc reach 1e-10, elsewhere `solid` allows 1e-9 and what the kernel
+    finds by steps: 5e-6 where pockets cross a curved face, or hundreds of pins a base."""
+    rel = 5e-6 if name in BY_STEPS else 1e-10 if "bowl" in name else 1e-9
     for part in parts_of(closed_mold(name, folder)[1]):
         shape = solid(part)  # one valid solid
-        assert volume(part, shape) == pytest.approx(part.volume, rel=1e-10 if "bowl" in name else 1e-9), part
+        assert volume(part, shape) == pytest.approx(part.volume, rel=rel), part.name
         # the mean of what a chord cuts off is two thirds of the most
         assert abs(manifold(part, CHORD).volume() - part.volume) <= 2 / 3 * CHORD * shape.Area(), part.name
 
