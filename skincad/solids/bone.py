@@ -100,7 +100,7 @@ class Bone:
 def _turned_shadow(bone: Bone) -> Any:
     """Slices of a triangle at equal z are segments: their least and largest distances from the axis are the
     two sides of what it sweeps."""
-    faces = []
+    faces: list[Any] = []
     for triangle in bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0]:
         low, middle, high = triangle[np.argsort(triangle[:, 2])]
         if high[2] - low[2] < FLAT:
