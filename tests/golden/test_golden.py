@@ -15,6 +15,7 @@ from tests.conftest import Made
 OTHERS = [name for name in compare.GOLDEN_DESIGNS if name != "yamada-2002"]
 
 
+@pytest.mark.dear("meshes and their interference; all words of a design's papers hang on it")
 def test_papers_of_yamada(yamada: Design, tmp_path: Path) -> None:
     """Of a preview, to which the check is added: solids, which these papers don't show, take seconds."""
     preview = skincad.make(yamada, preview=True)
