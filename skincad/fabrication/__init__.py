@@ -15,7 +15,7 @@ __getattr__, __dir__ = face(
     electrodes: SHOULDER electrode_findings fan_out
     estimates: by_part
     fasteners: major mount_of
-    filling: filling_findings perforated
+    filling: filling_findings
     findings: design_findings mount_findings
     job: Job
     machine_rules: extent laid_on_end left_standing on_end overhang
