@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from skincad.inputs import Design
+
 # Where a function is, and how many of its results are kept. It must not change or depend on anything else.
 KEPT = {
     "skincad.solids.mold:mold": 512,
@@ -37,7 +39,10 @@ def pytest_collection() -> None:
 
 
 def kept(function: Callable[..., Any], most: int) -> Callable[..., Any]:
-    """Return the function with a memory of its last results; arguments that can't be hashed bypass it."""
+    """Return the function with a memory of its last results.
+
+    Arguments that can't be hashed bypass it, and designs on a bone: its file may change.
+    """
     memory = functools.lru_cache(maxsize=most)(function)
 
     @functools.wraps(function)
@@ -45,6 +50,8 @@ def kept(function: Callable[..., Any], most: int) -> Callable[..., Any]:
         try:
             hash((arguments, tuple(named.values())))
         except TypeError:
+            return function(*arguments, **named)
+        if any(isinstance(value, Design) and value.mold.bone for value in arguments):
             return function(*arguments, **named)
         return (memory if Switch.on else function)(*arguments, **named)
 
