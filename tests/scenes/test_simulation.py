@@ -300,18 +300,19 @@ def test_up_to_incompressible(ratio: float, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.dear("the one scene of nine ridges through every file that the command writes")
 def test_the_command_writes_signals_and_pictures(tmp_path: Path) -> None:
     name = "yamada-2002-press-and-pull"
     process = run_skincad(
-        *("simulate", name, "--set", "history.steps=20", "--set", "readout.bandwidth_Hz=40.0", "--json"),
-        *("--at", "10", "--gif", "--budget", "0.1"),
+        *("simulate", name, "--set", "history.steps=8", "--set", "readout.bandwidth_Hz=40.0", "--json"),
+        *("--at", "4", "--gif", "--budget", "0.1"),
         cwd=tmp_path,
     )
     assert process.returncode == 0, process.stderr
     assert json.loads(process.stdout).keys() >= KEYS
     assert process.stderr == ""
     folder = tmp_path / "out" / name
-    names = {"signals.csv", "signals.png", "simulate.json", "section-0010.png", "section.gif", "strips.png"}
+    names = {"signals.csv", "signals.png", "simulate.json", "section-0004.png", "section.gif", "strips.png"}
     assert {p.name for p in folder.iterdir()} == names
     assert (folder / "section.gif").stat().st_size < 2_000_000  # the issue's
     data = json.loads((folder / "simulate.json").read_text())
@@ -320,7 +321,7 @@ def test_the_command_writes_signals_and_pictures(tmp_path: Path) -> None:
     assert {key for key in data["seconds"] if key.startswith("effect")} == {"effect film"}
     rows = list(csv.reader((folder / "signals.csv").open()))
     assert rows[0][:3] == ["step [1]", "time [s]", "normal force [N]"]
-    assert len(rows) == 22
+    assert len(rows) == 10
     assert (folder / "signals.png").read_bytes().startswith(b"\x89PNG")
     # again, over its own earlier result; corners at a sixth and a third of `hold`: all steps are equal ones
     hold = ("simulate", "hold", "--set", "history.steps=6", "--budget", "0.1")
