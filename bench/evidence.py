@@ -29,6 +29,7 @@ from tests.tiers import LEDGER, SECONDS, TURNS, subject_of
 HERE = Path(__file__).parents[1]
 MOST_COMMITS = 200
 CASES = "tests/hard_cases.toml"
+QUIET = ("-W", "ignore::pytest.PytestAssertRewriteWarning")  # tests.tiers is imported here too
 
 
 @dataclass(frozen=True)
@@ -100,10 +101,11 @@ def balanced(subjects: Mapping[str, int]) -> list[Turn]:
     source = {subject: turn for turn in ledger() for subject in turn.subjects}
     shares: list[list[str]] = [[] for _ in range(TURNS)]
     sums = [0.0] * TURNS
-    for subject in sorted(subjects, key=lambda name: (-spent.get(name, 1.0), name)):
+    expected = {name: spent.get(name, float(cases)) for name, cases in subjects.items()}
+    for subject in sorted(subjects, key=lambda name: (-expected[name], name)):
         least = sums.index(min(sums))
         shares[least].append(subject)
-        sums[least] += spent.get(subject, 1.0)
+        sums[least] += expected[subject]
     turns = []
     for number, share in enumerate(shares, 1):
         before = {source[name].number: source[name] for name in share if name in source}
@@ -124,7 +126,8 @@ def balanced(subjects: Mapping[str, int]) -> list[Turn]:
 def collected() -> Counter[str]:
     """Return all subjects, and how many cases each has."""
     reports = Reports()
-    if pytest.main(["--collect-only", "-qq", "-o", "addopts=", "-m", "evidence"], plugins=[reports]) != 0:
+    words = ["--collect-only", "-qq", "-o", "addopts=", "-m", "evidence", *QUIET]
+    if pytest.main(words, plugins=[reports]) != 0:
         raise SystemExit("bench.evidence: the tests can't be collected")
     return reports.collected
 
@@ -140,7 +143,7 @@ def run(turn: Turn) -> Turn:
         check=True,
         timeout=60,
     ).stdout.strip()
-    pytest.main(["-q", "-m", "evidence", "--turn", str(turn.number)], plugins=[reports])
+    pytest.main(["-q", "-m", "evidence", "--turn", str(turn.number), *QUIET], plugins=[reports])
     return Turn(
         turn.number,
         dict(reports.cases),

@@ -45,8 +45,11 @@ def tier_of(item: pytest.Item) -> str:
 
 def subject_of(item: pytest.Item) -> str:
     """Return what an evidence test is about, "" if it names nothing. Tests of one subject run together."""
-    marks = [str(mark.kwargs.get("subject", "")) for mark in item.iter_markers("evidence")]
-    return marks[-1].format(**{name: _word(value) for name, value in _parameters(item).items()})
+    nearest = [mark for mark in item.own_markers if mark.name == "evidence"]  # of a parameter: the last
+    mark = nearest[-1] if nearest else next(item.iter_markers("evidence"))
+    return str(mark.kwargs.get("subject", "")).format(
+        **{name: _word(value) for name, value in _parameters(item).items()}
+    )
 
 
 def _parameters(item: pytest.Item) -> Mapping[str, Any]:
