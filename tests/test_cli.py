@@ -177,6 +177,7 @@ def test_templates_are_listed_with_what_they_are_for(tmp_path: Path) -> None:
     assert "yamada-2002" in json.loads(run_skincad("templates", "--json", cwd=tmp_path).stdout)["designs"]
 
 
+@pytest.mark.slow
 def test_no_colour_and_no_bar_off_a_terminal(tmp_path: Path) -> None:
     done = skincad_process("check", "plain-ridges", *ONE_RIDGE, *BY_FORM, cwd=tmp_path)
     assert done.stderr == ""

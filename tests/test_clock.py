@@ -26,6 +26,7 @@ def verdict() -> ContactCheck:
     return check(DESIGN)
 
 
+@pytest.mark.slow
 def test_a_busy_machine_changes_no_verdict(verdict: ContactCheck, monkeypatch: pytest.MonkeyPatch) -> None:
     minutes = count(step=60)
     modules = [m for name, m in sys.modules.items() if name.startswith("skincad.")]

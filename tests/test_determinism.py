@@ -154,6 +154,7 @@ def test_same_bytes_whatever_rc_files_and_backends_say(
     assert written_by(hostile, MPLBACKEND=BACKEND, EZDXF_CONFIG_FILE=ini) == contents(clean)
 
 
+@pytest.mark.slow
 def test_the_process_keeps_its_own_settings(tmp_path: Path) -> None:
     circuit_gain = gain(load_circuit("yamada-2002"))
     save(gain_figure(circuit_gain), tmp_path / "before.png")

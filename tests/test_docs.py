@@ -141,6 +141,7 @@ def difference(one: Path, other: Path, size: tuple[int, int]) -> float:
     return float(np.abs(shown - drawn).mean())
 
 
+@pytest.mark.slow
 def test_the_labelled_section_is_what_the_program_draws(tmp_path: Path) -> None:
     geometry_plot(tmp_path / "geometry.png")
     # its font ships with matplotlib, so only rounding differs; a tilt of 20 for 14 degrees makes 0.6

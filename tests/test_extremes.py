@@ -105,6 +105,7 @@ BASES: dict[
 CIRCUIT = pytest.param("circuit", marks=pytest.mark.evidence(subject="ends: circuits"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["design", CIRCUIT])
 def test_each_number_at_its_ends(kind: str) -> None:
     model, base, told = BASES[kind]
@@ -244,6 +245,7 @@ def test_what_overflows_is_refused_before_any_work(setting: str) -> None:
     assert BEYOND[setting] in str(refusal.value)
 
 
+@pytest.mark.slow
 def test_numbers_that_are_not_finite_leave_an_earlier_result_as_it_was(tmp_path: Path) -> None:
     """Whatever lets one through: nothing is written, in JSON or in CSV."""
     settings = [

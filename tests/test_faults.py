@@ -251,6 +251,7 @@ def test_files_of_two_results_are_never_mixed(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_killed_again_while_it_is_put_right(tmp_path: Path) -> None:
     """A kill as files leave, between, and before the last comes; each with another at every place of the run
     that puts it right."""

@@ -79,6 +79,7 @@ LOADED = {
 }  # by the last step: it was really taken
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name if "line" in name else pytest.param(name, marks=pytest.mark.slow) for name in PROCESSES]
 )

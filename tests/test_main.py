@@ -41,6 +41,7 @@ def shell(line: str, cwd: Path, **environment: str) -> subprocess.CompletedProce
 LINES = [("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("new x.pdf 2>&-", 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "status"),
     [
@@ -63,6 +64,7 @@ def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> 
         assert path.read_bytes() == (tmp_path / "closed" / path.name).read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "status", "buffered"),
     [
@@ -80,6 +82,7 @@ def test_a_reader_who_has_had_enough_changes_no_status(
     assert (done.returncode, done.stderr) == (status, b"")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize(
     ("command", "buffered"),
@@ -95,6 +98,7 @@ def test_a_result_that_cannot_be_written_has_status_3(command: str, buffered: st
     assert done.stderr.count(b"\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 def test_a_message_that_cannot_be_written_changes_no_status(tmp_path: Path) -> None:
     assert shell(f"{SKINCAD} new x.pdf 2>/dev/full", tmp_path).returncode == 2
@@ -109,6 +113,7 @@ ENCODINGS = {
 
 
 # the others are slow: two are bytes of ASCII too, as that of POSIX
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "encoding", [pytest.param(e, marks=[] if e == "POSIX alone" else [SLOW]) for e in ENCODINGS]
 )
@@ -125,6 +130,7 @@ def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Pa
     assert done.stderr.count(b"\n") == 1
 
 
+@pytest.mark.slow
 def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} new é日.pdf", tmp_path, PYTHONIOENCODING="latin-1")
     assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
@@ -438,6 +444,7 @@ def test_signals_at_random_moments(command: str, times: int, tmp_path: Path) -> 
         assert not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.slow
 def test_a_signal_that_was_ignored_stays_so(tmp_path: Path) -> None:
     """As a script has it for what it runs in the background."""
     text = AT.replace("== AT", "== 'typer'").replace("SEND", "os.kill(os.getpid(), signal.SIGINT)")

@@ -54,6 +54,7 @@ def kept(call: Callable[[], object], times: int) -> float:
     return (in_use() - before) / times
 
 
+@pytest.mark.slow
 def test_finite_elements_give_their_memory_back() -> None:
     pad = pad_of(skincad.load("plain-ridges").with_(ridge={"count": 1}, skin={"width": 3.0}))
     materials = {"skin": (1.0, pad.poisson_ratio)}

@@ -64,6 +64,7 @@ def item(node: str, *marks: pytest.MarkDecorator, **parameters: Any) -> Any:
     more = {"callspec": SimpleNamespace(params=parameters)} if parameters else {}
     return SimpleNamespace(
         nodeid=f"tests/{node}",
+        own_markers=kept,
         iter_markers=named,
         get_closest_marker=lambda name: next(iter(named(name)), None),
         **more,

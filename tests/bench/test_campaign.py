@@ -170,6 +170,7 @@ def test_what_is_drawn_varies() -> None:
     assert len({d.mold.process for d in designs}) == 4
 
 
+@pytest.mark.slow
 def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wrong formula is seen by mesh and by the poured volume; what raises is a fault with its seed."""
     true = soundness.poured_volume

@@ -161,6 +161,7 @@ def calibration() -> Calibration:
     return calibrate(*paper_target())
 
 
+@pytest.mark.slow
 def test_the_shipped_set_is_as_near_to_the_paper_as_any_that_is_found(
     shipped: Constants, calibration: Calibration
 ) -> None:

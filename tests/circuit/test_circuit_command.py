@@ -64,6 +64,7 @@ def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -
     assert [float(row.split(",")[3]) for row in rows] == pytest.approx(own_signal["gain_dB"], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_papers_curve_is_told_with_its_rig_and_the_films_signal_without(tmp_path: Path) -> None:
     text = run_skincad("circuit", "yamada-2002", cwd=tmp_path).stdout
     first, *_ = text.splitlines()

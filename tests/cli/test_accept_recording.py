@@ -28,6 +28,7 @@ def accept(folder: Path, *more: str):
     return run_skincad("accept", "--recording", "film.csv", "scene.toml", *more, cwd=folder)
 
 
+@pytest.mark.slow
 @pytest.mark.dear("the first to need the prediction, which this group of tests shares")
 def test_all_work(folder: Path) -> None:
     done = accept(folder)

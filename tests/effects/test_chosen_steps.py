@@ -130,6 +130,7 @@ def test_drift_falls_with_the_square_of_the_stride(monkeypatch: pytest.MonkeyPat
     assert 2 < drifts[0] / drifts[1] < 8
 
 
+@pytest.mark.slow
 def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is not looked for again under larger forces; its error grows with the square of what moves."""
     calls = []
@@ -149,6 +150,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
     assert run.readings[-1].drift.cut == "the surface folds"
 
 
+@pytest.mark.slow
 def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
     faults = iter(["the surface folds", None, None, None])
     monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(faults))
@@ -209,6 +211,7 @@ def test_without_readout_no_film_is_looked_at() -> None:
     assert what.reading(what.start(), what.start()).films.shape == (0, 3)
 
 
+@pytest.mark.slow
 def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(press_path, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]

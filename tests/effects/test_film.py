@@ -55,6 +55,7 @@ def test_a_loose_film_leaves_the_slots_empty(tmp_path: Path) -> None:
     assert bonded.march.readings[-1].approach < 0.99 * here
 
 
+@pytest.mark.slow
 def test_slots_that_close_end_the_march_at_the_same_force_however_it_is_stepped(tmp_path: Path) -> None:
     """Nothing looks at each step: where slots are found closed at the end, the march says when they did."""
     closed = []
@@ -82,6 +83,7 @@ def test_a_loose_film_feels_nothing_to_read(tmp_path: Path, overrides: list[str]
         small_scene(tmp_path, "yamada-2002-press", "effects.film.bond=loose", *overrides)
 
 
+@pytest.mark.slow
 def test_bonded_strips_and_slots_full_of_silicone_differ(tmp_path: Path) -> None:
     """What the strips feel is not the silicone's stress in their place: they are 3750 times as stiff."""
     press = ("yamada-2002-press", THIRD, "history.steps=2", "readout.ridges=[1]")
@@ -244,6 +246,7 @@ def test_a_wider_strip_gives_more_and_a_longer_lead_has_no_more_capacitance() ->
     assert areas[2] == areas[0]
 
 
+@pytest.mark.slow
 def test_noise_is_the_seeds_and_has_the_size_that_is_told() -> None:
     still = np.zeros((10_000, 3))
     runs = [piezo_data(still, 1e-5, noise_seed=seed) for seed in (1, 1, 2)]

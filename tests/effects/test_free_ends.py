@@ -52,6 +52,7 @@ def test_outer_ridges_of_nine_bear_more(tmp_path: Path) -> None:
     assert shares(plane)[0] < 0.6 * wanted[0]
 
 
+@pytest.mark.slow
 def test_ends_soften_a_pad_the_less_the_longer_it_is(tmp_path: Path) -> None:
     design = small_scene(tmp_path, *PRESS).design.with_(slot=None)
     by_length = [added_compliance(design.with_(skin={"length": length})) for length in (6.0, 12.0, 24.0)]

@@ -89,6 +89,7 @@ LAWS = {"shear": SHEAR, "kinetic": KINETIC, "table": TABLE}
 PAIRS = {("small_strain", "kinetic"), ("viscosity", "table"), ("inertia", "shear")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "law"),
     [

@@ -98,6 +98,7 @@ def test_errors_and_energy_of_a_pull() -> None:
     assert error.left_out > 0  # the reduced model's error, at least
 
 
+@pytest.mark.slow
 def test_a_gone_pull_leaves_no_more_than_friction_bears() -> None:
     """Back and forth: forces stay within their discs, and equilibrium is met at each step."""
     design = nine(pitch=4.0).with_(skin={"width": 12.0, "length": 12.0})
@@ -133,6 +134,7 @@ def test_refusals(effects: dict[str, Any], changes: dict[str, Any], words: str) 
         scene(nine(), **effects).with_(**changes)
 
 
+@pytest.mark.slow
 def test_flat_tips_are_pulled_until_they_lift() -> None:
     """A flat pin whose tip does not turn is a beam guided at both ends: its moment is half of what the pull
     has at its foot, so it lifts at a pull of a quarter of the tip's radius by half of the height."""

@@ -154,6 +154,7 @@ def test_only_leaning_slots_have_a_finding(name: str) -> None:
     assert bool(tabs_that_cross(design)) == (design.slot.tilt > 0)
 
 
+@pytest.mark.slow
 def test_the_sheet_says_whether_the_lead_is_long_enough(yamada: Design) -> None:
     assert f"the lead of {Job(yamada).lead:g} mm is long enough" in board(yamada)
     short = board(yamada.with_(film={"lead": 8.0}))

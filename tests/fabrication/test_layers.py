@@ -113,6 +113,7 @@ def test_a_layered_skin_weighs_what_its_layers_do() -> None:
     assert masses[1].skin.centre[2] < masses[0].skin.centre[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [1.0, 3.0])
 def test_layers_weigh_what_is_left_beside_pockets(depth: float) -> None:
     """Pockets that end in the shot, and pockets that go through its face: pillars-9's layers weigh the sum of

@@ -50,6 +50,7 @@ def unchecked(small: Design) -> MakeResult:
     return skincad.make(small, checked=False)
 
 
+@pytest.mark.slow
 def test_errors_are_printed_in_full_and_the_next_step_mends_them(unchecked: MakeResult) -> None:
     two = (
         Finding("gap", "cavity, slit", 0.1, 0.2, "mm", "a wider slit", "error"),
@@ -99,6 +100,7 @@ def test_a_next_step_names_no_file_that_was_not_written(tmp_path: Path) -> None:
     assert "Next" not in part
 
 
+@pytest.mark.slow
 def test_the_command_leaves_the_check_out(tmp_path: Path) -> None:
     few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--format", "toml")
     result = run_skincad("make", "plain-ridges", *few, "--no-check", cwd=tmp_path)
@@ -170,6 +172,7 @@ def test_a_preview_never_loads_the_cad_kernel(tmp_path: Path) -> None:
     assert result.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_the_command_previews_and_makes_step_where_that_is_asked(tmp_path: Path) -> None:
     few = ("--set", "ridge.count=1", "--set", "skin.width=3.0", "--preview", "--format")
     result = run_skincad("make", "plain-ridges", *few, "toml", cwd=tmp_path)

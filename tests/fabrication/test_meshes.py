@@ -73,6 +73,7 @@ def test_stated_deviation_is_that_of_the_mesh_not_the_asked_one(yamada: Design) 
     assert seen.self_intersections == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed", [127, *(pytest.param(i, marks=FLAT_SEEDS) for i in (101, 106, 145, 170, 188))]
 )
@@ -112,6 +113,7 @@ def closed(design: Design) -> ClosedMold:
     return mold(design)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", [0.02, 0.003])
 def test_meshes_are_closed_free_and_as_near_as_asked(closed: ClosedMold, asked: float) -> None:
     for part in closed.parts:

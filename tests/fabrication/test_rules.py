@@ -239,6 +239,7 @@ def test_a_gang_too_long_for_the_bed_is_an_error_that_tells_how_many_fit() -> No
         assert findings_of(plain.with_(mold={"cavities": count + 1}), "build volume") != []
 
 
+@pytest.mark.slow
 def test_prints_stand_as_they_lie_and_stock_is_turned() -> None:
     flat = skincad.load("plain-ridges")  # a cavity of 37 x 12, 18.6 high
     low = {"build_x": 60.0, "build_y": 60.0, "build_z": 18.0}
@@ -277,6 +278,7 @@ def test_what_passes_is_never_more_than_an_exposed_notch_lets_through() -> None:
     assert least[5] >= 0.15 - 1e-9  # the middle one is upright: three whole pixels
 
 
+@pytest.mark.slow
 def test_a_notch_that_pixels_make_narrower_than_its_shim_is_told_with_the_clearance_that_does() -> None:
     design = of_one_printer("lab-bench")
     assert findings_of(design, "notch") == []
@@ -305,6 +307,7 @@ def test_a_coat_narrows_notches_and_gaps_where_the_silicone_asks_for_one() -> No
     assert findings_of(tin, "notch") == findings_of(tin, "clearance") == []
 
 
+@pytest.mark.slow
 def test_growth_narrows_a_notch_on_both_sides() -> None:
     """By hand for a wire, 0.156 - 2 * 0.03 around a shim of 0.1; beside pixels and a coat for a screen."""
     design = of_one_printer(

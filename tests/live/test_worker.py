@@ -96,6 +96,7 @@ def test_an_older_question_is_left_for_a_newer_one(process: worker.Worker, told:
     assert process._process.pid == before
 
 
+@pytest.mark.slow
 def test_one_that_does_not_look_up_is_ended(
     process: worker.Worker, told: Queue[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -43,6 +43,7 @@ def missed(rubber: Rubber, stress: np.ndarray) -> float:
 EVIDENCE = pytest.mark.evidence(subject="laws of rubbers")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["Ecoflex 00-30", *(pytest.param(n, marks=EVIDENCE) for n in DATABASE if n != "Ecoflex 00-30")]
 )
@@ -83,6 +84,7 @@ def test_a_law_is_found_by_its_own_curve(truth: Rubber, sign: float) -> None:
     assert [row.rms_judged for row in laws[1:]] == sorted(row.rms_judged for row in laws[1:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curves", [1, pytest.param(20, marks=EVIDENCE)])
 def test_more_constants_must_be_better_beyond_what_they_saw(curves: int) -> None:
     """Noise of 0.6 % on neo-Hooke: what wins is within 1 % of it, and three times of four it is neo-Hooke."""
@@ -104,6 +106,7 @@ def test_what_is_no_rubber_is_said() -> None:
     assert names - {row.name for row in laws} == {"mooney-rivlin"}
 
 
+@pytest.mark.slow
 def test_the_judged_rows_are_not_fitted_to() -> None:
     """Another curve beyond half of the range changes what is judged, not what is seen."""
     bent = database("Dragon Skin 10") * np.where(STRAIN > 0.5, 1.3, 1.0)

@@ -119,6 +119,7 @@ def test_auto_takes_the_cheapest_model_that_meets_the_tolerance(tol: float, mode
     assert not any("not met" in w for w in verdict.warnings)
 
 
+@pytest.mark.slow
 def test_the_error_is_the_meshs_and_the_models(by_linear: ContactCheck) -> None:
     verdict = by_linear
     mesh = verdict.all_touch_force.error - verdict.model_error
@@ -148,6 +149,7 @@ def test_a_large_budget_refinements_past_a_clear_verdict(monkeypatch: pytest.Mon
     assert [run.model for run in verdict.models_tried][:2] == ["linear", "corrected"]
 
 
+@pytest.mark.slow
 def test_beyond_small_strain_auto_asks_finite_strain_however_clear_the_verdict(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -495,6 +497,7 @@ def test_without_tolerance_or_budget_no_late_model_is_begun(monkeypatch: pytest.
     assert check(design, tol=0.3).model != "linear"
 
 
+@pytest.mark.slow
 def test_a_pad_of_very_many_ridges_has_an_answer_within_any_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     """Or with the reduced model, if the budget suffices for that. Here every pad is large."""
     monkeypatch.setitem(models.AUTO_IF, "reduced", lambda _: True)
@@ -586,6 +589,7 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
     assert (verdict.model, verdict.ridges, meshed) == ("winkler", 120, [1])
 
 
+@pytest.mark.slow
 def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
     most = linear.MOST_CONTACT_UNKNOWNS
     design = load("plain-ridges", ["ridge.count=999", "skin.width=1000", "skin.curvature_radius=1e6"])
@@ -608,6 +612,7 @@ def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) ->
     )
 
 
+@pytest.mark.slow
 def test_a_better_model_that_is_too_large_leaves_the_one_before(
     plain: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -49,6 +49,7 @@ def test_solid_lies_inside_the_closed_forms_error(name: str, radius: float) -> N
     assert_solid_inside(reference().with_(**VARIANTS[name]), radius, 4.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("thickness", "radius", "force"), [(4.0, 20.0, 0.004), pytest.param(12.0, 60.0, 0.02, marks=CURVED)]
 )

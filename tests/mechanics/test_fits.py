@@ -81,6 +81,7 @@ def test_templates_and_their_neighbours_are_like_what_was_seen() -> None:
     assert not any(unlike(skincad.load(t), model=m) for t in RIDGED for m in MODELS)
 
 
+@pytest.mark.slow
 def test_a_verdict_on_an_unlike_design_says_so() -> None:
     soft = reference().with_(material={"name": None, "young_modulus": 0.4, "poisson_ratio": 0.2})
     assert unlike(soft, model="linear") == "Poisson's ratio 0.2 (seen: 0.3 to 0.49999)"

@@ -65,6 +65,7 @@ def test_heights_all_alike_have_the_very_same_verdict() -> None:
     assert one.ridge_force == other.ridge_force
 
 
+@pytest.mark.slow
 def test_lower_ridges_are_as_a_measured_part_with_lower_crests(tmp_path: Path) -> None:
     """A measured part is the designed section, whole, with gaps: another mesh and another way to the gap. The
     ridges' stiffness changes with their height, by 2 % of a part of the whole."""
@@ -201,6 +202,7 @@ def numbers(verdict: ContactCheck) -> np.ndarray:
     return np.array([[estimate.value, estimate.error] for estimate in estimates], dtype=float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MEASURED)
 def test_the_datum_and_the_order_of_rows_change_nothing_and_a_mirror_mirrors(
     model: str, design: Design, tmp_path: Path

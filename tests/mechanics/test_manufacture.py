@@ -58,6 +58,7 @@ def test_reduced_forces_are_the_condensed_ones(
     assert reduced * solution.scale == pytest.approx(solution.ridge_force, abs=0.02 * force / model.gap.size)
 
 
+@pytest.mark.slow
 def test_reduced_model_judges_parts_as_the_condensed_one(
     case: tuple[linear.PlaneSolution, RidgeModel, float, float],
 ) -> None:

@@ -46,6 +46,7 @@ def test_a_plate_that_is_hardly_shaped_is_flat() -> None:
         assert shares(verdict) == pytest.approx(shares(flat()), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_tilting_the_other_way_mirrors_the_shares() -> None:
     left, right = on(shape="tilted", tilt=-0.3), on(shape="tilted", tilt=0.3)
     assert shares(left) == pytest.approx(shares(right)[::-1], abs=2e-3)  # the mesh is not a mirror's
@@ -60,6 +61,7 @@ def test_a_tilt_is_the_base_circle_rolled_aside() -> None:
     assert x[np.argmin(gap)] == -1.0  # R a = 60 x 0.01745
 
 
+@pytest.mark.slow
 def test_a_cylinder_of_the_skins_own_radius_doubles_the_gaps() -> None:
     x = np.array([-4.0, 0.0, 4.0])
     height = problem.rise(Plate(shape="cylinder", radius=60.5), x)

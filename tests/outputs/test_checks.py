@@ -33,6 +33,7 @@ def force_bars(check: ContactCheck) -> str:
     return line.removeprefix("  ridge forces   ")
 
 
+@pytest.mark.slow
 def test_each_ending_has_its_words(passed: ContactCheck) -> None:
     none = Estimate(None, None, "N")
     needs_more, unclear = Estimate(6.0, 0.5, "N"), Estimate(4.8, 0.5, "N")

@@ -61,6 +61,7 @@ def test_all_parts_are_on_one_plate(made: Path) -> None:
     assert names == [*PARTS]
 
 
+@pytest.mark.slow
 def test_filled_in_forms_become_a_printers_file(made: Path, tmp_path: Path) -> None:
     fill(tmp_path)
     process = run_skincad("coupon", "sla", "--measured", str(tmp_path), "-o", "mine", cwd=tmp_path)

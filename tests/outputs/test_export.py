@@ -23,6 +23,7 @@ from tests.conftest import Made
 from tests.outputs.drawing.test_strips import dxf_loops
 
 
+@pytest.mark.slow
 def test_step_parts_re_read_with_their_volume_and_names(made: Made) -> None:
     boxes = {}
     for part in made.parts:
@@ -39,6 +40,7 @@ def test_step_parts_re_read_with_their_volume_and_names(made: Made) -> None:
     assert cavity.zmax - cavity.zmin == pytest.approx(18.5, abs=2e-5)  # a round size
 
 
+@pytest.mark.slow
 def test_assembly_re_reads_with_names_colours_and_mm(made: Made, yamada: Design) -> None:
     text = (made.folder / "solids/assembly.step").read_text()
     assert "SI_UNIT(.MILLI.,.METRE.)" in text

@@ -128,6 +128,7 @@ def pictures(text: str) -> Iterator[str]:
         yield base64.b64decode(data).decode()
 
 
+@pytest.mark.slow
 def test_it_needs_nothing_else(text: str) -> None:
     page = Page(text)
     assert not page.wrong
@@ -225,6 +226,7 @@ def test_every_kind_of_design_has_a_report(name: str) -> None:
     assert {"verdict", "models", "yield", "sensitivities", "findings", "calculation", "sheet"} <= {*page.ids}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -246,6 +248,7 @@ def test_without_a_verdict_its_parts_say_so() -> None:
     assert "Calculation" in text
 
 
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes() -> None:
     again = replace(checked(), check=replace(checked().check, seconds={"total": 99.0}))  # type: ignore[type-var]
     assert page_of(again) == checked_page()
@@ -296,6 +299,7 @@ def test_scenes_are_results_of_the_skin_that_is_made(yamada: Design, felt: Simul
         skincad.make(felt.scene.design, scenes=[felt, felt])
 
 
+@pytest.mark.slow
 def test_an_amplifier_without_a_gain_is_no_end(felt: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(_: object) -> None:
         raise InputError("sweep", "gives no finite gain")

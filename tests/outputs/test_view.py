@@ -65,6 +65,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page_of("three ridges", tmp_path_factory.mktemp("view") / "made")
 
 
+@pytest.mark.slow
 def test_every_part_is_there_as_it_is_printed(file: Path) -> None:
     closed = Job(skincad.load(*DESIGNS["three ridges"])).closed
     parts = {part["name"]: part for part in data(file)["parts"]}

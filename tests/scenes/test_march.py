@@ -138,6 +138,7 @@ SMALL = [
 ]
 
 
+@pytest.mark.slow
 def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Any
 ) -> None:

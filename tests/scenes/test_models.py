@@ -52,6 +52,7 @@ def two_steps(folder: Path, **limits: Any) -> Simulation:
     return simulate(small_scene(folder, "yamada-2002-press", *press), model="small_strain", **limits)
 
 
+@pytest.mark.slow
 def test_sizes_of_meshes_grow_as_their_unknowns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Within a tenth: sizes were rounded, and a mesh changes with netgen's release."""
     unknowns = []

@@ -254,6 +254,7 @@ def test_rolling_fast_raises_no_alarm_of_a_ridge_that_sticks() -> None:
     assert simulation.energy["imbalance"] < 1e-3
 
 
+@pytest.mark.slow
 def test_same_input_same_bits(tmp_path: Path) -> None:
     scene = small_scene(tmp_path, "yamada-2002-press-and-pull", *PULL, "history.steps=20")
     one = at_level(scene, LEVELS[0])

@@ -35,6 +35,7 @@ def on_stem(tmp_path: Path) -> Design:
     return boned(tmp_path, stem())
 
 
+@pytest.mark.slow
 def test_a_bone_takes_its_room_of_the_skin(on_stem: Design) -> None:
     """The block and half a thickness of edges: the kernel's solid, the formula and the mesh agree."""
     bone = bone_of(on_stem)

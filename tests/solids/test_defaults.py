@@ -142,6 +142,7 @@ def test_a_gang_of_two_has_its_gates_in_the_sheet(yamada: Design) -> None:
     assert "End a has the gate" in casting_sheet(Job(pair), [], "", True)
 
 
+@pytest.mark.slow
 def test_the_cover_of_a_short_skin_is_clamped_and_its_parts_are_sound(yamada: Design) -> None:
     short = yamada.with_(skin={"length": 5.0})
     closed = mold(short)

@@ -169,6 +169,7 @@ def test_it_tends_to_the_straight_mold(yamada: Design) -> None:
             assert part.volume == pytest.approx(straight.part(part.name).volume, rel=3e-3), part.name
 
 
+@pytest.mark.slow
 def test_nothing_interferes_by_sampled_positions(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
     """Independent of the swept shapes: each part moved a little, and on, against all that is still there."""
     there = dict(meshes)
@@ -208,6 +209,7 @@ def test_the_skin_leaves_its_bowl_upward_but_not_sideways(
     assert (caught["skin"].translate((0, 0, 0.1)) ^ caught["cavity"]).volume() > 1e-3
 
 
+@pytest.mark.slow
 def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed: ClosedMold) -> None:
     upright = unturned(closed.part("end-b-comb"))
     shim = closed.part("shim-2-S1")

@@ -261,6 +261,7 @@ def test_opening_leaves_cast_in_strips_in_the_skin(cast: Design) -> None:
     assert {"skin", "carrier", "strip-1-S1", "strip-9-S2"} <= set(steps[-1].parts)
 
 
+@pytest.mark.slow
 def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     """Tabs are wider than a notch: on the way of the end plates they would be met."""
     closed = mold(cast)

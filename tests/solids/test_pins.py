@@ -37,6 +37,7 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
     assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "levelling"), [("pillars", None), *(pytest.param("dome", by, marks=DOMES) for by in (None, 0.7))]
 )
@@ -59,6 +60,7 @@ def test_pins_lie_in_the_mold_turned_about_x() -> None:
         assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pillars", pytest.param("dome", marks=DOMES)])
 def test_cavity_less_its_skin_is_empty(name: str) -> None:
     closed = mold(families.OF_FAMILIES[name]())
@@ -145,6 +147,7 @@ def test_thin_walls_between_pins_and_deep_holes_name_key_limit_and_remedy(split:
     assert "pin.height of at most 2 mm" in deep["tool depth"].remedy
 
 
+@pytest.mark.slow
 def test_one_finding_tells_of_all_leaning_pins_of_a_dome() -> None:
     pin = {"root_diameter": 0.7, "tip_diameter": 0.65, "rings": 6, "pitch": 1.2}
     design = families.dome().with_(pin=pin)

@@ -113,6 +113,7 @@ def test_holes_of_the_carrier_keep_off_its_rim() -> None:
         assert radius - math.hypot(*bore.start[:2]) - bore.far_radius > 1.199, bore  # layout's EDGE, chords
 
 
+@pytest.mark.slow
 def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
     """By the wedges of the turned skin: tilted, the back's highest place is at the vent, at the rim."""
     job = Job(rings().with_(mold={"carrier": "plain"}))

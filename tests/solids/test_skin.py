@@ -150,6 +150,7 @@ def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
     assert measure(part, mesh(part, tolerance), tolerance).deviation <= 1.1 * tolerance
 
 
+@pytest.mark.slow
 def test_skin_is_symmetric_about_both_planes(yamada: Design) -> None:
     plain = yamada.with_(slot=None, film=None, contact={"film": None})
     box = solid(skin_part(bent(plain, 30.0))).BoundingBox(1e-6)

@@ -239,6 +239,7 @@ def sampled(small: Design) -> Ladder:
     return circuit.ladder(small, 1, None)
 
 
+@pytest.mark.slow
 def test_holds_converge_at_their_orders(sampled: Ladder) -> None:
     """Zero-order hold 1, the others 2: from 256 to 4096 samples, where higher terms are a few per cent."""
     assert_whole(sampled)
@@ -390,6 +391,7 @@ def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: py
     assert "travel" in answer.measures[0].what
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "named",
     [
@@ -421,6 +423,7 @@ def test_a_slip_ladders_reference_is_run_once_however_often_the_others_are(small
     assert {stage for stage in once if thrice[stage] == once[stage]} >= references
 
 
+@pytest.mark.slow
 def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(circuit, "PER_PERIOD", (16, 64))  # short: what is told of it is the same
     folder = tmp_path / "out" / "plain-ridges"
@@ -478,6 +481,7 @@ def test_methods_differ_without_colour() -> None:
     assert len({str(dashes) for _, _, dashes in STYLES}) == len(STYLES)
 
 
+@pytest.mark.slow
 def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
     """A trial more is ink more, in grey; a ladder without any is a picture that says so."""
     measure = ErrorMeasure("all", "error", "1", "the truth", "")

@@ -120,6 +120,7 @@ def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
     )
 
 
+@pytest.mark.slow
 def test_advice_in_no_time_is_estimated_and_says_so() -> None:
     """With a budget of 0 s each change is the closed form's, scaled by the verdict's all-touch force."""
     verdict = check(plain(2.0), model="linear", tol=0.05)
@@ -242,6 +243,7 @@ def test_the_verdict_does_not_wait_for_the_next_step(printed: list[str]) -> None
 LONG = {command: (*arguments, "-v") for command, arguments in COMMANDS.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("printed", LONG.values(), ids=LONG, indirect=True)
 def test_the_verdict_does_not_wait_for_advice(printed: list[str]) -> None:
     first, second, *later = printed

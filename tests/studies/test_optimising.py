@@ -236,6 +236,7 @@ def test_the_best_is_no_worse_than_a_fine_grids() -> None:
     assert (force.upper or np.inf) <= 3.0
 
 
+@pytest.mark.slow
 def test_the_front_is_what_the_judge_says(few: Optimisation) -> None:
     design = few.design()
     again = skincad.check(design, model="winkler")  # type: ignore[arg-type]
@@ -312,6 +313,7 @@ def test_several_objectives_have_a_front() -> None:
     assert len(order) == len(several.front)
 
 
+@pytest.mark.slow
 def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     first = optimise(study(evaluations=40), folder=tmp_path)
     again = optimise(study(evaluations=40), folder=tmp_path)
@@ -374,6 +376,7 @@ class Led:
         return {"longest_lead_time_s": Estimate(float(1e-3 * np.exp(-off)), None, "s")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("judge", ["winkler", pytest.param("linear", marks=OPTIMA)])
 def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a scene's result, with a limit of the check beside it, which the judge has the last word on."""

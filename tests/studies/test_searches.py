@@ -343,6 +343,7 @@ def thickness(design: Design) -> float:
 GRID = np.linspace(0.0, 1.0, 2001)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("budget", "count"),
     [
@@ -397,6 +398,7 @@ def test_one_number_has_a_front_too(count: int, monkeypatch: pytest.MonkeyPatch)
         assert excess.max() < 0.03  # of the range, by 150 designs
 
 
+@pytest.mark.slow
 @counts(2, 4)
 @pytest.mark.parametrize("names", [1, 3])
 def test_choices_beside_a_number_are_no_worse_than_a_dense_grid(
@@ -464,6 +466,7 @@ def test_keys_that_do_not_fit_come_near_the_best(count: int, monkeypatch: pytest
         assert (every < best - 1e-12).sum() < 10
 
 
+@pytest.mark.slow
 def test_the_same_seed_asks_the_same(tmp_path: Any) -> None:
     for number, vary in enumerate(
         (

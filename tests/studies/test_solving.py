@@ -338,6 +338,7 @@ def test_choices_and_whole_numbers_are_tried_one_by_one() -> None:
     assert [one.values for one in counted.solutions] == [{"ridge.count": 7}]
 
 
+@pytest.mark.slow
 def test_a_number_is_solved_for_each_choice() -> None:
     vary = {"material.name": "dragon-skin-20,dragon-skin-30", "skin.curvature_radius": (20, 200)}
     answer = quick({"all_touch_force": 1.5}, vary)
@@ -408,6 +409,7 @@ def test_a_number_that_only_the_better_model_tells_is_solved_for() -> None:
     assert solution.feasible
 
 
+@pytest.mark.slow
 def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean 'modulus_sensitivity'"):
         solve(PLAIN, {"modulus_sensitivty": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear")

@@ -84,6 +84,7 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
         assert skincad.load_scene(path).effects == solution.solved.effects  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = f"{SWEEP} --tier winkler -o {tmp_path / 'out'}"
     status, text = said(capsys, rows)

@@ -213,6 +213,7 @@ def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:
     assert "refused        2; the first: ridge.root_width" in text
 
 
+@pytest.mark.slow
 def test_all_files_are_written_and_the_log_stays(tmp_path: Path) -> None:
     folder = tmp_path / "study"
     swept_rows = sweep(DESIGN, VARY, model="winkler", folder=folder)

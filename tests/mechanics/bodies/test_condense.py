@@ -291,6 +291,7 @@ def test_the_verdict_and_the_ridge_model_are_those_of_the_pad_condensed_at_once(
         assert_close(getattr(by_chain, of), getattr(dense, of), 1e-9 * np.abs(getattr(dense, of)).max())
 
 
+@pytest.mark.slow
 def test_inner_ridges_of_a_long_flat_pad_carry_the_same() -> None:
     """Far from the ends every ridge sees the same neighbours, if the skin is compressible: a rubber between
     plate and back has nowhere to go but to the ends. What the mesh breaks of it is its own error, and no

@@ -114,6 +114,7 @@ def test_trailing_block_is_a_solve_per_unknown() -> None:
     assert np.abs(trailing - by_solves).max() <= 1e-10 * np.abs(by_solves).max()
 
 
+@pytest.mark.slow
 def test_error_falls_with_the_order() -> None:
     """Rounded corners: each order divides the error of the all-touch force by 5 or more, against k = 4 on a
     finer mesh."""

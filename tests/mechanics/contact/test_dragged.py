@@ -112,6 +112,7 @@ def test_without_friction_it_is_the_finite_strain_model() -> None:
     assert not state.contact.tangential.any()
 
 
+@pytest.mark.slow
 def test_small_loads_are_small_strain_to_first_order() -> None:
     """The relative distance of travels and films' stresses halves with the load: order 1 within 0.15."""
     design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0})
@@ -180,6 +181,7 @@ def predicted(what: FrictionalPad, here: FrictionalState) -> Compliance:
     return Compliance(linear.compliance, what.gap, place - linear.compliance @ force)
 
 
+@pytest.mark.slow
 def test_every_accepted_step_meets_contact_friction_and_balance() -> None:
     """Checked apart from the solver's own measure, to its 1e-9."""
     what = three()[1]
@@ -230,6 +232,7 @@ def test_a_held_load_does_not_creep() -> None:
     assert state.contact.travel == pytest.approx(first.contact.travel, rel=10 * pressing.RESIDUAL)
 
 
+@pytest.mark.slow
 def test_same_march_same_bits() -> None:
     """Whatever the pad was used for before."""
     drives = [Drive(0.4, 0.0), Drive(0.8, 0.0), Drive(0.8, 0.1)]

@@ -227,6 +227,7 @@ def test_a_meshed_section_is_the_planes_too(mu: float) -> None:
     np.testing.assert_allclose(other.ridge_force, one.ridge_force, atol=1e-6 * first)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("floats", [False, True])
 @pytest.mark.parametrize("mu", [0.1, 0.4])
 def test_point_by_point_relaxation_finds_the_same(mu: float, floats: bool) -> None:

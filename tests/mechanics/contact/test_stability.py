@@ -56,6 +56,7 @@ def test_what_the_plate_holds_up_is_stable() -> None:
     assert stable(pad().body, linear, state.ridges, state.contact)
 
 
+@pytest.mark.slow
 def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         newton.DivergedError, match="ridge 1 tips over, no equilibrium beyond is stable"
@@ -74,6 +75,7 @@ def test_what_gives_way_under_the_plate_is_refused(monkeypatch: pytest.MonkeyPat
     assert under_plate[0] > 0
 
 
+@pytest.mark.slow
 def test_the_ridge_that_tips_over_is_named() -> None:
     what = pad(3)
     state = newton.press_to(what, 4.0 / SCALE)

@@ -102,6 +102,7 @@ def test_an_oscillator_with_friction_loses_2_mu_n_by_k_each_half_swing_and_then_
     assert turns[-1] == pytest.approx(turns[-100], abs=2 * limit / 1000.0)
 
 
+@pytest.mark.slow
 def test_a_driven_oscillator_sticks_and_slips() -> None:
     """A plate drags at 100 mm/s: the point sticks to mu_s N / k, then swings about mu_k N / k until it is as
     fast as the plate again. Exact piece by piece; 1.5 % of the swing, the worst as it sticks again:
@@ -297,6 +298,7 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
     assert pad.elastic(state) == pytest.approx(force @ small.compliance @ force / 2, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_it_weighs_what_its_section_does() -> None:
     """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
     piece, mesh, _ = meshed()
@@ -389,6 +391,7 @@ def test_energy_of_a_pad_in_motion_and_gross_slip_goes_on(matter: Matter) -> Non
     assert state.contact.residual <= 1e-10
 
 
+@pytest.mark.slow
 def test_without_a_mass_gross_slip_is_told_with_its_state() -> None:
     with pytest.raises(GrossSlip) as end:
         marched(Matter(rate=2.4e-5), 20)

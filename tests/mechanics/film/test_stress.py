@@ -299,6 +299,7 @@ def test_similar_skins_have_similar_stress() -> None:
     assert 4 * values(other.along2) == pytest.approx(values(one.along2), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
     design = one().with_(contact={"plate": {"shape": "tilted", "tilt": 2.0}})
     normal, pulled = film_stresses(design, 0.4, (0.0, 0.1), tol=0.1)
@@ -494,6 +495,7 @@ def case(request: pytest.FixtureRequest) -> tuple[Design, FilmResponse]:
     return design, film_response(design)
 
 
+@pytest.mark.slow
 def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -> None:
     """Pressed alone, and pulled by a quarter: within both errors, by the forces that each tells itself."""
     design, felt = case

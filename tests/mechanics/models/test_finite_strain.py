@@ -108,6 +108,7 @@ def test_residual_is_the_energys_derivative() -> None:
     assert body.residual(state) @ step == pytest.approx(slope / (2 * size), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_at_rest_it_is_the_linear_stiffness() -> None:
     pad = pad_of(yamada())
     mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), 2)

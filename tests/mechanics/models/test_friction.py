@@ -393,6 +393,7 @@ def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
             assert more == pytest.approx(abs(change), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:
     wide = {"skin": {"curvature_radius": 3000.0, "width": 154.0}, "ridge": {"count": 150}}
     design = load("plain-ridges").with_(**wide, contact={"friction": 0.5})

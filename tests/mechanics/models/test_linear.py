@@ -31,6 +31,7 @@ FINER = pytest.mark.evidence(subject="linear: facts and extremes")
 LIES_INSIDE = pytest.mark.evidence(subject="finer meshes: linear")
 
 
+@pytest.mark.slow
 def test_reference_section() -> None:
     """0.5 % and 0.003 N are what docs/evidence/facts.md's own numbers claim."""
     for design, force, approach, known in (
@@ -227,6 +228,7 @@ def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     assert "meets the plate" in linear_check(shallow, force=20.0, tol=0.05).out_of_range
 
 
+@pytest.mark.slow
 def test_slots_that_close_have_no_verdict() -> None:
     """Empty slots lying flat under the ridges close under their load."""
     flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05}, **THREE)
@@ -234,6 +236,7 @@ def test_slots_that_close_have_no_verdict() -> None:
     assert "closes" in linear_check(flat, tol=0.05, force=2.7).out_of_range
 
 
+@pytest.mark.slow
 def test_a_check_says_from_which_force_on_the_skin_meets_itself() -> None:
     """The same slots: below the force a check has a verdict, above none. Without slots nothing is found."""
     flat = void_slots(0.03).with_(slot={"tilt": 45.0, "offset": 0.17, "elevation": -0.05}, **THREE)
@@ -322,6 +325,7 @@ def verdict(request: pytest.FixtureRequest) -> ContactCheck:
     return check(design, model="linear")
 
 
+@pytest.mark.slow
 def test_the_pressure_carries_the_force(verdict: ContactCheck) -> None:
     length = load("yamada-2002").skin.length
     carried = 0.0

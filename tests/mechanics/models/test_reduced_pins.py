@@ -58,6 +58,7 @@ def test_the_tips_compliance_is_that_of_pressing() -> None:
     assert np.linalg.eigvalsh(whole)[0] > 0
 
 
+@pytest.mark.slow
 def test_a_row_of_pins_moves_the_base_as_a_ridge() -> None:
     """The sum of a row's pins along y, by their distance, is what a line of the same force does in plane
     strain. 6 % of the effect one thickness away: the cell ends six thicknesses away."""
@@ -95,6 +96,7 @@ def test_friction_of_pins_lies_between_tips_that_slide_and_stick() -> None:
     assert abs(rough / free - 1) <= bound
 
 
+@pytest.mark.slow
 def test_one_pin_on_a_round_skin_is_judged_as_one_body() -> None:
     skin = {"outline": "round", "curvature_radius": 1e8, "thickness": 2.0, "width": 12.0}
     pin = {"columns": 1, "rows": 1, "heights": None, "height": 1.8, "root_diameter": 2.2, "pitch": 6.0}

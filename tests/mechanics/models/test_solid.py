@@ -87,6 +87,7 @@ def test_plane_strain_on_straight_triangles_is_the_linear_model(order: int) -> N
     assert solution.approach == pytest.approx(exact.approach, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("film", [pytest.param(False, marks=FACTS), True])
 def test_clamped_ends_are_plane_strain(film: bool) -> None:
     """With u_y = 0 at both ends the solution doesn't depend on y: rounding only, the film at 3750 E."""
@@ -236,6 +237,7 @@ def test_truth_lies_inside_for_templates(name: str) -> None:
         assert_inside(answer(design, Request(force)), exact)
 
 
+@pytest.mark.slow
 def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "REFINEMENTS", solid.REFINEMENTS[:1])
     small = reference().with_(**SHORT)

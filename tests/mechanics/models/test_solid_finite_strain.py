@@ -153,6 +153,7 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
     assert np.abs(body.residual(rest)).max() <= 1e-12
 
 
+@pytest.mark.slow
 def test_at_rest_it_is_close_to_the_solid_models() -> None:
     """What acts on the volume change itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
     pad = pad_of(reference())
@@ -261,6 +262,7 @@ def test_any_poisson_ratio(ratio: float) -> None:
     assert solution.finite.residual <= pressing.RESIDUAL
 
 
+@pytest.mark.slow
 def test_an_overload_is_refused_with_its_range() -> None:
     with pytest.raises(InputError, match=r"^force: must lie .* range \(up to about \d\.?\d* N\): .*; take a"):
         solid_finite_strain.solve(pad_of(reference().with_(**SMALL)), 20.0, {}, FEW)
@@ -286,6 +288,7 @@ def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         solid_finite_strain.solve(pad_of(reference()), 4.0, {})
 
 
+@pytest.mark.slow
 def test_the_answer_is_the_solids_changed() -> None:
     """F9 and approach by the factors, shares in sum the force, errors larger than the solid's."""
     design = reference().with_(**SMALL)
@@ -378,6 +381,7 @@ def test_the_solid_models_answer_lies_inside_the_corrected_ones_errors() -> None
         assert abs(one.value - other.value) <= one.error
 
 
+@pytest.mark.slow
 def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
     """Pressed whole, as crests of one part need not mirror each other. The whole's mesh is another one than
     the half's twice: its change differs by 3e-4 at most of what strain changes."""
@@ -389,6 +393,7 @@ def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
         assert changes[0] == pytest.approx(changes[1], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_lower_crest_asks_for_more_force_in_finite_strain_too() -> None:
     pad = pad_of(reference().with_(**SMALL))
     as_designed, lower = (

@@ -99,6 +99,7 @@ def cylinders(made: cq.Solid) -> list[tuple[cq.Vector, cq.Vector, float, cq.Face
     return rows
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
     for part, _, drawing, sheet in drawn_parts(name).values():
@@ -249,6 +250,7 @@ def test_every_notch_is_in_its_table_where_the_solid_lacks_material(name: str) -
             assert shape.isInside(cq.Vector(*deep), 1e-6), (part.name, notch)
 
 
+@pytest.mark.slow
 def test_places_count_from_level_faces() -> None:
     """A keeper's lower edge is bent: heights count from its upper one, which is datum C."""
     _, shape, drawing, _ = drawn_parts("yamada-2002")["end-a-keeper"]

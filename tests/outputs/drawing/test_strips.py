@@ -164,6 +164,7 @@ def test_number_and_sign_are_on_what_is_not_cut_off(name: str, tmp_path: Path) -
         assert box.bounds[2] < min((end for end in ends if end > 0), default=math.inf)
 
 
+@pytest.mark.slow
 def test_strips_are_slot_deep_numbered_and_on_layers_with_colours(made: Made) -> None:
     drawing = ezdxf.readfile(made.folder / "film/strips.dxf")
     cuts = dxf_loops(made.folder / "film/strips.dxf")["CUT"]

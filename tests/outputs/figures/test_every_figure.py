@@ -263,6 +263,7 @@ def named(label: str) -> bool:
     return any(words.endswith((f", {unit}", f"_{unit}")) for unit in UNITS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EVERY)
 def test_a_figure_is_whole_and_of_one_style(kind: str, folder: Path) -> None:
     """Nothing is cut off, no legend hides a curve or a title, axes have units; one font in five sizes."""

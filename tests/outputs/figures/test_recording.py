@@ -88,6 +88,7 @@ def test_the_caption_says_what_is_not_seen() -> None:
     assert "1.2 kHz" not in scenes.caption(wide, record)
 
 
+@pytest.mark.slow
 def test_the_picture_is_drawn(tmp_path: Path) -> None:
     simulation = scene()
     seen = scenes.recording(simulation)

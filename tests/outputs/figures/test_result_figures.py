@@ -187,6 +187,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Drawn:
     return figure, path
 
 
+@pytest.mark.slow
 def test_a_film_stress_picture_is_900_wide_and_not_blank(drawn: Drawn) -> None:
     image = Image.open(drawn[1])
     assert image.size[0] == 900

@@ -45,6 +45,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return Written(folder / "out" / "steep-fingertip" / "package", json.loads(process.stdout), words, design)
 
 
+@pytest.mark.slow
 def test_json_and_card_say_what_is_there(made: Written) -> None:
     folder, answer, _, design = made
     card = json.loads((folder / "package.json").read_text())
@@ -198,6 +199,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
     assert refused_command("package", "yamada-2002", *arguments, cwd=tmp_path).startswith(words)
 
 
+@pytest.mark.slow
 def test_progress_tells_each_check_of_the_springs() -> None:
     stages: list[tuple[str, float | None]] = []
     design = skincad.load("steep-fingertip")
