@@ -1,7 +1,7 @@
 """Evidence by turns: run the stalest, and write what it showed into docs/evidence/ledger.toml.
 
     python -m bench.evidence               the turn that was run the most commits ago
-    python -m bench.evidence --turn 3      this one, or `all`
+    python -m bench.evidence --turn 3 4    these, or `all`
     python -m bench.evidence --balance     deal the subjects to ten turns of equal core-seconds
     python -m bench.evidence --check       fail if a line is older than 200 commits or holds a failure
     python -m bench.evidence --of-commit   pytest's options for the turn of this commit and for what changed
@@ -132,26 +132,21 @@ def collected() -> Counter[str]:
     return reports.collected
 
 
-def run(turn: Turn) -> Turn:
-    """Return a turn as it was run now, with the subjects that no other turn holds."""
-    reports = Reports()
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short=12", "HEAD"],
-        cwd=HERE,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60,
-    ).stdout.strip()
-    pytest.main(["-q", "-m", "evidence", "--turn", str(turn.number), *QUIET], plugins=[reports])
-    return Turn(
-        turn.number,
-        dict(reports.cases),
-        commit,
-        reports.cases.total(),
-        len(reports.failures),
-        round(reports.seconds.total()),
-    )
+def run(turns: Sequence[Turn], numbers: Sequence[int]) -> list[Turn]:
+    """Return all turns, these as they were run now; the first gets the subjects that no turn holds."""
+    reports, words = Reports(), ["git", "rev-parse", "--short=12", "HEAD"]
+    head = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
+    pytest.main(["-q", "-m", "evidence", "--turn", ",".join(map(str, numbers)), *QUIET], plugins=[reports])
+    holders = {subject: turn.number for turn in turns for subject in turn.subjects}
+
+    def line(number: int) -> Turn:
+        subjects = [name for name in reports.cases if holders.get(name, numbers[0]) == number]
+        failures = sum(name.rpartition("@")[2] in subjects for name in reports.failures)
+        cases = {name: reports.cases[name] for name in subjects}
+        seconds = sum(reports.seconds[name] for name in subjects)
+        return Turn(number, cases, head.strip(), sum(cases.values()), failures, round(seconds))
+
+    return [line(turn.number) if turn.number in numbers else turn for turn in turns]
 
 
 def faults(turns: Iterable[Turn]) -> Iterator[str]:
@@ -190,7 +185,7 @@ def changed_rows(commit: str) -> set[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a turn, or say what is to be run; the status is 0 if nothing failed."""
     parser = argparse.ArgumentParser(prog="python -m bench.evidence")
-    parser.add_argument("--turn", choices=[*map(str, range(1, TURNS + 1)), "all"])
+    parser.add_argument("--turn", nargs="+", choices=[*map(str, range(1, TURNS + 1)), "all"])
     parser.add_argument("--balance", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--of-commit", action="store_true")
@@ -208,15 +203,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"--turn={int(count) % TURNS + 1}", *(f"--subject={name}" for name in changed(turns)), sep="\n")
         return 0
     oldest = max(turns, key=lambda turn: (turn.age is None, turn.age or 0))
-    numbers = range(1, TURNS + 1) if asked.turn == "all" else [int(asked.turn or oldest.number)]
-    for number in numbers:
-        turns[number - 1] = run(turns[number - 1])
-        write(turns)
-        print(
-            f"turn {number}: {turns[number - 1].cases} cases, {turns[number - 1].failures} failures",
-            flush=True,
-        )
-    return int(any(turns[number - 1].failures for number in numbers))
+    numbers = [int(word) for word in asked.turn or [str(oldest.number)] if word != "all"]
+    turns = run(turns, numbers or range(1, TURNS + 1))
+    write(turns)
+    for turn in turns:
+        print(f"turn {turn.number}: {turn.cases} cases, {turn.failures} failures at {turn.commit}")
+    return int(any(turn.failures for turn in turns))
 
 
 if __name__ == "__main__":

@@ -91,7 +91,7 @@ def group_of(item: pytest.Item, readers: Mapping[tuple[str, str], int]) -> str:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Options: which evidence, and whether core-seconds have limits."""
-    parser.addoption("--turn", help="of evidence only this turn, and what no turn holds yet")
+    parser.addoption("--turn", help="of evidence only these turns, as 3 or 3,4, and what none holds")
     parser.addoption("--subject", action="append", default=[], help="with a turn: this subject too")
     parser.addoption(
         "--core-seconds", type=float, help="fail if the run takes more, or a test more than its tier"
@@ -103,12 +103,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leave out evidence of other turns. Group tests: quick fast files, then the dearest groups."""
     config.stash[EVIDENCE] = {item.nodeid: subject_of(item) for item in items if tier_of(item) == "evidence"}
     if config.option.turn:
-        asked, known = int(config.option.turn), turns()
+        asked, known = config.option.turn.split(","), turns()
         later = {
             item
             for item in items
             if (subject := config.stash[EVIDENCE].get(item.nodeid)) is not None
-            if known.get(subject, asked) != asked and subject not in config.option.subject
+            if str(known.get(subject, asked[0])) not in asked and subject not in config.option.subject
         }
         config.hook.pytest_deselected(items=list(later))
         items[:] = [item for item in items if item not in later]
