@@ -11,8 +11,7 @@ where the pressure is small; on rough plates the stress rises with the pressure,
 Range: dry, the same at any speed; areas are the undeformed skin's and keep their size under shear, where
 Sahli and others see them shrink by up to 30 %; adhesion, which holds a contact without load, is left out.
 The algorithm and its sources are in mechanics/contact/frictional.py. Reference cases: a block on a plate,
-Cattaneo-Mindlin, Hertz with friction by area (tests/mechanics/contact/test_frictional.py and
-test_frictional.py).
+Cattaneo-Mindlin, Hertz with friction by area (tests/mechanics/contact/test_frictional.py).
 """
 
 from __future__ import annotations

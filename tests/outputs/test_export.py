@@ -54,6 +54,7 @@ def test_assembly_re_reads_with_names_colours_and_mm(made: Made, yamada: Design)
     )  # STEP's digits
 
 
+@pytest.mark.slow
 def test_stl_re_reads_watertight_with_the_parts_volume(made: Made) -> None:
     for part in made.parts:
         shape = trimesh.load_mesh(made.folder / f"solids/{part.name}.stl")
@@ -71,6 +72,7 @@ def read_3mf(path: Path) -> Any:
     return model
 
 
+@pytest.mark.slow
 def test_3mf_re_reads_strictly_with_names_and_colours_side_by_side(made: Made) -> None:
     model = read_3mf(made.folder / "solids/mold.3mf")
     assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
@@ -89,6 +91,7 @@ def test_3mf_re_reads_strictly_with_names_and_colours_side_by_side(made: Made) -
     assert all(a[1] < b[0] for a, b in pairwise(rows))
 
 
+@pytest.mark.slow
 def test_dxf_keeps_true_arcs_and_the_area(made: Made, yamada: Design) -> None:
     loops = dxf_loops(made.folder / "drawings/section.dxf")
     total = sum(map(area, loops["OUTLINE"])) - sum(map(area, loops["SLOTS"]))
@@ -96,6 +99,7 @@ def test_dxf_keeps_true_arcs_and_the_area(made: Made, yamada: Design) -> None:
     assert ezdxf.readfile(made.folder / "drawings/section.dxf").header["$INSUNITS"] == 4  # mm
 
 
+@pytest.mark.slow
 def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
     root = ET.parse(made.folder / "drawings/section.svg").getroot()
     paths = root.findall("{http://www.w3.org/2000/svg}path")

@@ -247,6 +247,7 @@ def test_a_hooks_hole_is_its_radius_from_its_tabs_end(side: str) -> None:
         assert 2 * HOLE - 1e-4 < beside < 2 * HOLE + 0.03
 
 
+@pytest.mark.slow
 def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
     root = ET.parse(made.folder / "film/strips.svg").getroot()
     space = "{http://www.w3.org/2000/svg}"
