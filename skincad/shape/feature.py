@@ -34,6 +34,11 @@ class Frame:
             self.origin.z + t * self.tangent.z + n * self.normal.z,
         )
 
+    def turned(self, direction: Point) -> Point:
+        """Return a direction of the feature's frame in the section."""
+        t, n = direction
+        return Point(t * self.tangent.x + n * self.normal.x, t * self.tangent.z + n * self.normal.z)
+
 
 @dataclass(frozen=True)
 class SensorPlace:
@@ -146,8 +151,6 @@ class Placed:
     @property
     def sensors(self) -> Iterator[SensorPlace]:
         """Its sensor places in the section, numbered."""
-        at, origin = self.frame.at, self.frame.origin
         for place in self.feature.sensors:
-            tip = at(*place.direction)
-            direction = Point(tip.x - origin.x, tip.z - origin.z)
-            yield replace(place, feature=self.number, centre=at(*place.centre), direction=direction)
+            centre, direction = self.frame.at(*place.centre), self.frame.turned(place.direction)
+            yield replace(place, feature=self.number, centre=centre, direction=direction)
