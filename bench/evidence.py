@@ -36,7 +36,8 @@ QUIET = ("-W", "ignore::pytest.PytestAssertRewriteWarning")  # tests.tiers is im
 class Turn:
     """A line of the ledger: what was run, at which commit, and how many of its cases failed.
 
-    `subjects` says how many cases each has.
+    `subjects` says how many cases each has. A turn that was dealt but never run has no `cases`, and the
+    commit at which it was dealt.
     """
 
     number: int
@@ -48,7 +49,7 @@ class Turn:
 
     @property
     def age(self) -> int | None:
-        """Commits since it was run; None if it never was, or at a commit that this history does not have."""
+        """Commits since it was run or dealt; None if this history does not have that commit."""
         if not self.commit:
             return None
         words = ["git", "rev-list", "--count", f"{self.commit}..HEAD"]
@@ -108,19 +109,31 @@ def balanced(subjects: Mapping[str, int]) -> list[Turn]:
         sums[least] += expected[subject]
     turns = []
     for number, share in enumerate(shares, 1):
-        before = {source[name].number: source[name] for name in share if name in source}
-        oldest = max(before.values(), key=lambda turn: (turn.age is None, turn.age or 0), default=Turn(0))
+        before = {source[name].number: source[name] for name in share if name in source}.values()
+        oldest = max(before, key=lambda turn: turn.age or 0, default=None)
+        was_run = all(name in source and source[name].cases for name in share)
         turns.append(
             Turn(
                 number,
                 {name: subjects[name] for name in share},
-                oldest.commit if all(name in source for name in share) else "",
-                sum(subjects[name] for name in share),
-                sum(turn.failures for turn in before.values()),
+                oldest.commit if oldest and was_run else head(),
+                sum(subjects[name] for name in share) if was_run else 0,
+                sum(turn.failures for turn in before) if was_run else 0,
                 round(sums[number - 1]),
             )
         )
     return turns
+
+
+def git(*words: str) -> str:
+    """Return what git prints of this history."""
+    result = subprocess.run(["git", *words], cwd=HERE, capture_output=True, text=True, check=True, timeout=60)
+    return result.stdout.strip()
+
+
+def head() -> str:
+    """Return the present commit."""
+    return git("rev-parse", "--short=12", "HEAD")
 
 
 def collected() -> Counter[str]:
@@ -134,9 +147,10 @@ def collected() -> Counter[str]:
 
 def run(turns: Sequence[Turn], numbers: Sequence[int]) -> list[Turn]:
     """Return all turns, these as they were run now; the first gets the subjects that no turn holds."""
-    reports, words = Reports(), ["git", "rev-parse", "--short=12", "HEAD"]
-    head = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
-    pytest.main(["-q", "-m", "evidence", "--turn", ",".join(map(str, numbers)), *QUIET], plugins=[reports])
+    reports, commit = Reports(), head()
+    words = ["-q", "-m", "evidence", "--turn", ",".join(map(str, numbers)), *QUIET]
+    if pytest.main(words, plugins=[reports]) not in (0, 1):
+        raise SystemExit("bench.evidence: the run did not end, and nothing is written")
     holders = {subject: turn.number for turn in turns for subject in turn.subjects}
 
     def line(number: int) -> Turn:
@@ -144,7 +158,7 @@ def run(turns: Sequence[Turn], numbers: Sequence[int]) -> list[Turn]:
         failures = sum(name.rpartition("@")[2] in subjects for name in reports.failures)
         cases = {name: reports.cases[name] for name in subjects}
         seconds = sum(reports.seconds[name] for name in subjects)
-        return Turn(number, cases, head.strip(), sum(cases.values()), failures, round(seconds))
+        return Turn(number, cases, commit, sum(cases.values()), failures, round(seconds))
 
     return [line(turn.number) if turn.number in numbers else turn for turn in turns]
 
@@ -154,8 +168,8 @@ def faults(turns: Iterable[Turn]) -> Iterator[str]:
     for turn in turns:
         age, command = turn.age, f"run `python -m bench.evidence --turn {turn.number}`"
         if age is None or age > MOST_COMMITS:
-            old = "never run" if age is None else f"{age} commits old, {MOST_COMMITS} are allowed"
-            yield f"evidence, turn {turn.number}: {old}; {command}"
+            old = "its commit is not in this history" if age is None else f"{age} commits old"
+            yield f"evidence, turn {turn.number}: {old}, {MOST_COMMITS} are allowed; {command}"
         if turn.failures:
             yield f"evidence, turn {turn.number}: {turn.failures} failures; {command}"
 
@@ -163,11 +177,9 @@ def faults(turns: Iterable[Turn]) -> Iterator[str]:
 def changed(turns: Iterable[Turn]) -> Iterator[str]:
     """Give the subjects whose own file or row changed since they were run: page, template, hard case."""
     for turn in turns:
-        if turn.age is None:
+        if not turn.cases or turn.age is None:
             continue
-        words = ["git", "diff", "--name-only", turn.commit, "HEAD"]
-        names = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
-        files = set(names.splitlines())
+        files = set(git("diff", "--name-only", turn.commit, "HEAD").splitlines())
         rows = changed_rows(turn.commit) if CASES in files else set()
         marks = files | {Path(file).stem for file in files if file.startswith("templates/")} | rows
         yield from (subject for subject in turn.subjects if subject in marks)
@@ -175,9 +187,7 @@ def changed(turns: Iterable[Turn]) -> Iterator[str]:
 
 def changed_rows(commit: str) -> set[str]:
     """Return the names of hard cases that are not as they were."""
-    words = ["git", "show", f"{commit}:{CASES}"]
-    text = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
-    before = {row["name"]: row for row in tomllib.loads(text)["case"]}
+    before = {row["name"]: row for row in tomllib.loads(git("show", f"{commit}:{CASES}"))["case"]}
     after = {row["name"]: row for row in tomllib.loads((HERE / CASES).read_text("utf-8"))["case"]}
     return {name for name, row in after.items() if row != before.get(name)}
 
@@ -198,11 +208,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("\n".join(lines), end="\n" if lines else "")
         return int(bool(lines))
     if asked.of_commit:
-        words = ["git", "rev-list", "--count", "HEAD"]
-        count = subprocess.run(words, cwd=HERE, capture_output=True, text=True, check=True, timeout=60).stdout
-        print(f"--turn={int(count) % TURNS + 1}", *(f"--subject={name}" for name in changed(turns)), sep="\n")
+        count = git("rev-list", "--count", "HEAD")
+        seen = [turn.number for turn in turns if turn.cases] or [0]  # none of what was never run
+        options = [f"--subject={name}" for name in changed(turns)]
+        print(f"--turn={seen[int(count) % len(seen)]}", *options, sep="\n")
         return 0
-    oldest = max(turns, key=lambda turn: (turn.age is None, turn.age or 0))
+    oldest = max(turns, key=lambda turn: (not turn.cases, turn.age is None, turn.age or 0))
     numbers = [int(word) for word in asked.turn or [str(oldest.number)] if word != "all"]
     turns = run(turns, numbers or range(1, TURNS + 1))
     write(turns)

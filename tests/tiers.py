@@ -93,9 +93,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Options: which evidence, and whether core-seconds have limits."""
     parser.addoption("--turn", help="of evidence only these turns, as 3 or 3,4, and what none holds")
     parser.addoption("--subject", action="append", default=[], help="with a turn: this subject too")
-    parser.addoption(
-        "--core-seconds", type=float, help="fail if the run takes more, or a test more than its tier"
-    )
+    parser.addoption("--core-seconds", type=float, help="fail if the run takes more")
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
@@ -181,7 +179,7 @@ def pytest_testnodedown(node: Any) -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Say what a worker's process took, its imports too; of the whole run write what each test took.
 
-    With `--core-seconds` the run fails where it takes more, or where a test takes more than its tier allows.
+    Tests that take more than their tier allows are named. With `--core-seconds` a run that takes more fails.
     """
     config = session.config
     if hasattr(config, "workeroutput"):
@@ -190,7 +188,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     reports = config.pluginmanager.get_plugin("terminalreporter").getreports("")
     properties = [(report.nodeid, *pair) for report in reports for pair in report.user_properties]
     rows = [(name, *value) for name, key, value in properties if key == "spent"]
-    lines, faults = [], []
+    lines = []
     for tier, limit in TIERS.items():
         tests = {name: round(spent, 2) for name, of, spent, _ in rows if of == tier}
         if tests:
@@ -200,7 +198,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
             if path.exists():  # of a run of a few tests the others stay
                 tests = json.loads(path.read_text("utf-8")) | tests
             path.write_text(json.dumps(tests, indent=0), encoding="utf-8")
-        faults += [
+        lines += [
             f"{name}: {spent:.1f} core-seconds, {limit:g} are allowed (mark it `dear` with the reason)"
             for name, of, spent, dear in rows
             if of == tier and spent > SLACK * limit and not dear
@@ -208,10 +206,10 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     workers, most = config.stash.get(PROCESSES, []), config.option.core_seconds
     whole = sum(workers) + time.process_time() if workers else spent_since(config, 0.0)
     lines.append(f"all processes: {whole:.0f} core-seconds")
-    if most is not None:
-        faults += [f"all processes: {whole:.0f} core-seconds, {most:g} are allowed"] if whole > most else []
-        session.exitstatus = session.exitstatus or int(bool(faults))
-    config.stash[LINES] = [*lines, *faults]
+    if most is not None and whole > most:
+        lines.append(f"all processes: {whole:.0f} core-seconds, {most:g} are allowed")
+        session.exitstatus = session.exitstatus or 1
+    config.stash[LINES] = lines
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

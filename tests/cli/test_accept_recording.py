@@ -12,7 +12,7 @@ from tests.conftest import run_skincad
 from tests.refusals import refused_command
 from tests.scenes.recordings import prediction, recording, scene, text
 
-pytestmark = pytest.mark.xdist_group("scenes/test_acceptance.py")  # which has the prediction in its process
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
@@ -28,7 +28,6 @@ def accept(folder: Path, *more: str):
     return run_skincad("accept", "--recording", "film.csv", "scene.toml", *more, cwd=folder)
 
 
-@pytest.mark.slow
 @pytest.mark.dear("the first to need the prediction, which this group of tests shares")
 def test_all_work(folder: Path) -> None:
     done = accept(folder)

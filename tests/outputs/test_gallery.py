@@ -56,6 +56,7 @@ def assert_alike(shown: Path, drawn: Path) -> None:
     assert np.abs(one - other).mean() < 1.0
 
 
+@pytest.mark.slow
 def test_the_picture_of_yamada_2002_is_what_the_program_draws(made: Made) -> None:
     assert_alike(DOCS / "gallery" / "yamada-2002.png", made.folder / "picture.png")
 
