@@ -89,8 +89,8 @@ def ledger() -> list[Turn]:
 def write(turns: Iterable[Turn]) -> None:
     """Write the ledger."""
     rows = [{**asdict(turn), "subjects": dict(sorted(turn.subjects.items()))} for turn in turns]
-    head = "# Evidence by turns: `python -m bench.evidence` runs one and writes its line.\n\n"
-    LEDGER.write_text(head + tomlkit.dumps({"turn": rows}), encoding="utf-8")
+    title = "# Evidence by turns: `python -m bench.evidence` runs one and writes its line.\n\n"
+    LEDGER.write_text(title + tomlkit.dumps({"turn": rows}), encoding="utf-8")
 
 
 def balanced(subjects: Mapping[str, int]) -> list[Turn]:
