@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 import os
 import resource
-import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
@@ -37,11 +36,6 @@ def times(work: Callable[[], object], repeats: int = REPEATS) -> list[float]:
 def best(work: Callable[[], object]) -> float:
     """Return the shortest of a few runs, s: the one that the other users of the machine disturbed least."""
     return min(times(work))
-
-
-def median(work: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Return the median of a few runs, s."""
-    return statistics.median(times(work, repeats))
 
 
 def alone(function: Callable[..., dict[str, Any]], *arguments: object) -> dict[str, Any]:
@@ -76,11 +70,6 @@ def alone(function: Callable[..., dict[str, Any]], *arguments: object) -> dict[s
 def peak() -> float:
     """Return this process's largest resident memory so far, MB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-
-
-def slope(x: Sequence[float], y: Sequence[float]) -> float:
-    """Return the exponent of a power law through these points, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
 def system(design: Design, fineness: float, order: int = ORDER) -> elements.ContactStiffness:

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import skincad
-from bench import bench_calculix, bench_check, bench_growth, calculix
-from bench.measure import alone, factorise, free_block, slope, system
+from bench import bench_calculix, bench_check, calculix
+from bench.measure import alone, factorise, free_block, system
 from skincad.mechanics import MODELS, default_sizes, pad_of
 from tests.mechanics.designs import filleted, yamada
 
@@ -70,24 +69,6 @@ def test_time_at_equal_error() -> None:
     assert bench_calculix.time_at(10**-2.5, seconds, errors) == pytest.approx(8.0)
     assert bench_calculix.time_at(1.0, seconds, errors) == pytest.approx(1.0)
     assert math.isnan(bench_calculix.time_at(1e-4, seconds, errors))
-
-
-def test_slope_of_a_power_law() -> None:
-    assert slope([1.0, 2.0, 5.0], [3.0, 24.0, 375.0]) == pytest.approx(3.0)
-
-
-@pytest.mark.parametrize("ridges", bench_growth.RIDGES)
-@pytest.mark.parametrize("template", ["plain-ridges", "yamada-2002"])
-def test_wide_designs_sag_alike(template: str, ridges: int) -> None:
-    wide, nine = bench_growth.wide(template, ridges), bench_growth.wide(template, 9)
-
-    def sag(design):
-        # the outermost axis lies half a pitch further in than the ends of `count` pitches: 20 % at nine
-        return design.ridge.count**2 / design.skin.curvature_radius
-
-    assert sag(wide) == pytest.approx(sag(nine))
-    assert wide.contact.force / ridges == pytest.approx(nine.contact.force / 9)
-    assert skincad.check(wide, model="winkler").ridges == ridges
 
 
 def test_matrix_of_a_check_is_its_own() -> None:

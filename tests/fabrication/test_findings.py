@@ -8,7 +8,6 @@ import re
 import pytest
 
 import skincad
-from bench.table_processes import by
 from skincad.fabrication import Finding, Job, design_findings
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.rules import Case, grooves, teeth
@@ -17,6 +16,7 @@ from skincad.outputs.drawing.overview import drawing
 from skincad.shape import skin_of
 from skincad.solids import SAFE_SHARE, safe_strain, split_ridges
 from skincad.solids.mold import mold
+from tests.fabrication import by
 from tests.templates import KINDS, SHIPPED
 
 LARGEST_IS_BEST = {

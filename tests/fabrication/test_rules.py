@@ -10,7 +10,6 @@ import pytest
 import shapely
 
 import skincad
-from bench.table_processes import by
 from skincad.fabrication import (
     Finding,
     Job,
@@ -32,6 +31,7 @@ from skincad.shape import Loop, Narrowest, Point, Segment, loop, rectangle, sect
 from skincad.solids import Bore, Part, PartRole, Prism
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
+from tests.fabrication import by
 from tests.templates import of_one_printer
 
 
