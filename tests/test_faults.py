@@ -9,15 +9,15 @@ import hashlib
 import json
 import os
 import random
-import resource
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 import pytest
 
@@ -27,7 +27,10 @@ from tests.processes import python, started
 from tests.refusals import refused_command
 
 JOBS = {
-    "make": ("make", "plain-ridges", "--format", "stl", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
+    "make": (
+        *("make", "plain-ridges", "--format", "stl", "--model", "winkler"),
+        *("--set", "ridge.count=1", "--set", "skin.width=3.0"),
+    ),
     "simulate": (
         *("simulate", "yamada-2002-press", "--set", "skin=steep-fingertip"),  # three ridges
         *("--set", "history.normal_force_N=[0.0, 0.5]", "--set", "readout.ridges=[]"),
@@ -43,7 +46,7 @@ OTHER = {
 FIRST = {"make": (), "simulate": ("--set", "history.steps=8"), "circuit": ()}
 SLOW = ["circuit", *(pytest.param(job, marks=pytest.mark.slow) for job in ("make", "simulate"))]
 LOADED = {  # what a job imports and what takes long to import
-    "make": ("skincad.solids.occ", "skincad.fabrication.measures", "skincad.mechanics.models.linear"),
+    "make": ("skincad.solids.occ", "skincad.fabrication.measures", "skincad.mechanics.models.winkler"),
     "simulate": (
         "skincad.scenes.simulation",
         "skincad.mechanics.models.linear",
@@ -73,50 +76,53 @@ def _hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-@cache
-def whole(job: str, other: bool) -> tuple[tuple[tuple[str, str], ...], float]:
-    """What an undisturbed run leaves, and how many seconds it takes."""
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        began = time.monotonic()
-        with started(command(job, other), cwd=Path(folder), **QUIET) as running:
-            assert running.wait(timeout=300) in (0, 1)
-        seconds = time.monotonic() - began
-        return tuple(sorted(contents(Path(folder) / "here").items())), seconds
-
-
 FORKING = """
-import importlib, json, os, signal, sys, time
+import importlib, json, os, resource, sys
 from skincad.cli import main
 for module in sys.argv[1:]:
     importlib.import_module(module)
-for line in sys.stdin:
-    folder, arguments, seconds = json.loads(line)
+for line in iter(sys.stdin.readline, ""):
+    folder, arguments, most = json.loads(line)
+    err = os.memfd_create("err")
     child = os.fork()
     if not child:
         os.chdir(folder)
         sys.argv = ["skincad", *arguments]
         null = os.open(os.devnull, os.O_RDWR)
-        for number in range(3):
-            os.dup2(null, number)
+        os.dup2(null, 0), os.dup2(null, 1), os.dup2(err, 2)
+        if most is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
         try:
             main()
         except SystemExit as end:
             os._exit(int(end.code or 0))
         os._exit(99)
-    if seconds is not None:
-        time.sleep(seconds)
-        os.kill(child, signal.SIGKILL)
-    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+    print(child, flush=True)
+    sys.stdin.readline()  # until then a child that has ended keeps its number
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    print(json.dumps([status, os.pread(err, 100_000, 0).decode()]), flush=True)
+    os.close(err)
 """
-Ran = Callable[[bool, Path, float | None], int]
+
+
+class Ran(Protocol):
+    """Run a command in a folder: status, stderr and seconds. `moment` returns when `signum` is to be sent;
+    no file gets above `most` bytes."""
+
+    def __call__(
+        self,
+        command: list[str],
+        folder: Path,
+        moment: Callable[[], None] | None = None,
+        signum: int = signal.SIGKILL,
+        most: int | None = None,
+    ) -> tuple[int, str, float]: ...
 
 
 @contextmanager
 def forking(job: str) -> Iterator[Ran]:
-    """Run the job in a child of a process that has imported all of it, and kill it after so many seconds:
-    a status. The libraries' seconds, in which nothing is written, are spent once."""
+    """Run commands in children of a process that has imported all of a job: the libraries' seconds, in which
+    nothing is written, are spent once."""
     with started(
         [sys.executable, "-c", FORKING, *LOADED[job]],
         limit=800.0,  # of all runs of a slow test
@@ -124,47 +130,61 @@ def forking(job: str) -> Iterator[Ran]:
         stdout=subprocess.PIPE,
         text=True,
     ) as parent:
+        assert parent.stdin is not None
+        assert parent.stdout is not None
+        to, of = parent.stdin, parent.stdout
 
-        def ran(other: bool, cwd: Path, seconds: float | None = None) -> int:
-            assert parent.stdin is not None
-            assert parent.stdout is not None
-            cwd.mkdir(exist_ok=True)
-            parent.stdin.write(json.dumps([str(cwd), command(job, other)[3:], seconds]) + "\n")
-            parent.stdin.flush()
-            return int(parent.stdout.readline())
+        def ran(
+            command: list[str],
+            folder: Path,
+            moment: Callable[[], None] | None = None,
+            signum: int = signal.SIGKILL,
+            most: int | None = None,
+        ) -> tuple[int, str, float]:
+            folder.mkdir(exist_ok=True)
+            to.write(json.dumps([str(folder), command[3:], most]) + "\n")
+            to.flush()
+            child, began = int(of.readline()), time.monotonic()
+            if moment:
+                moment()
+                os.kill(child, signum)
+            to.write("\n")
+            to.flush()
+            status, err = json.loads(of.readline())
+            return status, err, time.monotonic() - began
 
         yield ran
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("job", "times"), [("make", 9), ("simulate", 9), ("circuit", 12)])
+@pytest.mark.dear("what a kill leaves is to be seen at many moments")
+@pytest.mark.parametrize(("job", "times"), [("make", 6), ("simulate", 6), ("circuit", 6)])
 def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
     dice, killed = random.Random(2002), 0
     place, there = tmp_path / "place", tmp_path / "place" / "here"
     with forking(job) as ran:
         results = []
         for other in (False, True):  # what an undisturbed run leaves
-            began = time.monotonic()
-            assert ran(other, tmp_path / f"{other}", None) in (0, 1)
-            seconds = time.monotonic() - began
+            status, _, seconds = ran(command(job, other), tmp_path / f"{other}")
+            assert status in (0, 1)
             results.append(contents(tmp_path / f"{other}" / "here"))
         assert results[0] != results[1]
-        assert ran(False, place, None) in (0, 1)
+        assert ran(command(job, False), place)[0] in (0, 1)
         for i in range(times):
             # a third of the moments near the end, where files are written and folders renamed
-            moment = dice.uniform(0.85, 1.05) if i % 3 == 0 else dice.uniform(0.1, 1.0)
-            began = time.monotonic()
-            if ran(i % 2 == 0, place, moment * seconds) == -signal.SIGKILL:
+            wait = seconds * (dice.uniform(0.85, 1.05) if i % 3 == 0 else dice.uniform(0.1, 1.0))
+            status, _, spent = ran(command(job, i % 2 == 0), place, partial(time.sleep, wait))
+            if status == -signal.SIGKILL:
                 killed += 1
             else:  # it was done before: the machine has become faster
-                seconds = min(seconds, time.monotonic() - began)
+                seconds = min(seconds, spent)
             if not (there / f"{job}.json").exists():  # killed between two renames: the next run puts it right
                 assert list(there.glob(".skincad-*/old"))
                 assert any(contents(there).items() <= result.items() for result in results)  # never a mixture
                 checked_folder(there, job)
             assert contents(there) in results
         assert killed
-        assert ran(True, place, None) in (0, 1)
+        assert ran(command(job, True), place)[0] in (0, 1)
     assert contents(there) == results[1]
     assert [p.name for p in place.iterdir()] == ["here"]
     assert not list(there.glob(".*"))  # what killed runs left is gone
@@ -304,16 +324,20 @@ def test_what_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.dear("four whole processes")
 def test_two_runs_into_one_folder_at_once(tmp_path: Path) -> None:
-    """Both start together, twice: one of the two results is there, whole, and nothing beside it."""
-    results = [dict(whole("circuit", other)[0]) for other in (False, True)]
-    for _ in range(2):
-        one, two = (started(command("circuit", other), cwd=tmp_path, **QUIET) for other in (False, True))
-        with one as first, two as second:
-            assert [run.wait(timeout=300) for run in (first, second)] == [0, 0]
-        assert contents(tmp_path / "here") in results
-        assert [p.name for p in tmp_path.iterdir()] == ["here"]
-        assert not list((tmp_path / "here").glob(".*"))
+    """Both start together: one of the two results is there, whole, and nothing beside it."""
+    results = []
+    for other in (False, True):
+        run_skincad(*command("circuit", other)[3:], cwd=tmp_path)
+        results.append(contents(tmp_path / "here"))
+    assert results[0] != results[1]
+    one, two = (started(command("circuit", other), cwd=tmp_path, **QUIET) for other in (False, True))
+    with one as first, two as second:
+        assert [run.wait(timeout=300) for run in (first, second)] == [0, 0]
+    assert contents(tmp_path / "here") in results
+    assert [p.name for p in tmp_path.iterdir()] == ["here"]
+    assert not list((tmp_path / "here").glob(".*"))
 
 
 def test_many_runs_into_one_folder_at_once(tmp_path: Path) -> None:
@@ -343,37 +367,31 @@ def test_many_runs_into_one_folder_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("job", JOBS)
-def test_a_full_disk(job: str, tmp_path: Path) -> None:
-    assert_a_full_disk_changes_nothing(command(job, False), command(job, True), tmp_path)
+@pytest.mark.dear("one process runs a job many times")
+@pytest.mark.parametrize(
+    ("job", "kinds"), [("make", ("dxf", "step", "stl", "3mf", "png")), ("simulate", ()), ("circuit", ())]
+)
+def test_a_full_disk(job: str, kinds: tuple[str, ...], tmp_path: Path) -> None:
+    """No file above so many bytes can be written: one line, status 2, the earlier result as it was.
 
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["dxf", "step", "stl", "3mf", "png"])
-def test_a_full_disk_while_a_kind_of_file_is_made(kind: str, tmp_path: Path) -> None:
-    """The CAD kernel itself says nothing of it."""
-    make = [*command("make", False)[:5], "--set", "ridge.count=1", "--set", "skin.width=3.0", "-o", "here"]
-    assert_a_full_disk_changes_nothing([*make, "--format", "md"], [*make, "--format", kind], tmp_path, 8_000)
-
-
-def assert_a_full_disk_changes_nothing(
-    first: list[str], second: list[str], tmp_path: Path, most: int = 2_000
-) -> None:
-    """No file above `most` bytes can be written: one line, status 2, the earlier result as it was."""
-    run_skincad(*first[3:], cwd=tmp_path)
-    earlier = contents(tmp_path / "here")
-    done = subprocess.run(
-        second,
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
-        timeout=300, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},  # none is cut short
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.startswith("skincad: -o: ")
-    assert done.stderr.count("\n") == 1
-    assert contents(tmp_path / "here") == earlier
-    assert [p.name for p in tmp_path.iterdir()] == ["here"]
-    assert not list((tmp_path / "here").glob(".*"))
+    Of a kind of file the CAD kernel itself says nothing.
+    """
+    there = tmp_path / "here"
+    with forking(job) as ran:
+        assert ran(command(job, False), tmp_path)[0] in (0, 1)
+        earlier = contents(there)
+        commands = [(command(job, True), 2_000)]
+        commands += [
+            ([*(word if word != "stl" else kind for word in command(job, False))], 8_000) for kind in kinds
+        ]
+        for arguments, most in commands:
+            status, err, _ = ran(arguments, tmp_path, most=most)
+            assert status == 2, err
+            assert err.startswith("skincad: -o: ")
+            assert err.count("\n") == 1
+            assert contents(there) == earlier
+            assert [p.name for p in tmp_path.iterdir()] == ["here"]
+            assert not list(there.glob(".*"))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
@@ -398,29 +416,31 @@ def test_a_folder_that_cannot_be_made(job: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.dear("one process runs a job three times")
 @pytest.mark.parametrize("job", ["make", "simulate"])
 def test_ctrl_c(job: str, tmp_path: Path) -> None:
     """Status 130 and no half files: make leaves the earlier result, simulate what is done by then."""
-    run_skincad(*command(job, False)[3:], cwd=tmp_path)
-    earlier = contents(tmp_path / "here")
+    there = tmp_path / "here"
     long = [word.replace("history.steps=9", "history.steps=200000") for word in command(job, True)]
     if job == "make":  # all files take seconds; STL alone is there before a signal is
         long = [word for word in long if word not in ("--format", "stl")]
-    busy: Callable[[], bool] = lambda: bool(list(tmp_path.glob("here/.skincad-*")))  # noqa: E731
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with started(long, cwd=tmp_path, **pipes) as running:
-        deadline = time.monotonic() + 60
-        while job == "make" and not busy() and running.poll() is None and time.monotonic() < deadline:
-            time.sleep(0.01)
-        if job == "simulate":
-            time.sleep(2.5 * whole("simulate", True)[1])  # in the march: imports and meshing are over
-        running.send_signal(signal.SIGINT)
-        _, err = running.communicate(timeout=120)
-    assert running.returncode == 130, err
+    with forking(job) as ran:
+        _, _, seconds = ran(command(job, False), tmp_path)
+        earlier = contents(there)
+
+        def moment() -> None:
+            deadline = time.monotonic() + 60
+            while job == "make" and not list(there.glob(".skincad-*")) and time.monotonic() < deadline:
+                time.sleep(0.01)
+            if job == "simulate":
+                time.sleep(3 * seconds)  # in the march: meshing is over
+
+        status, err, _ = ran(long, tmp_path, moment, signal.SIGINT)
+    assert status == 130, err
     assert "Traceback" not in err
     assert [p.name for p in tmp_path.iterdir()] == ["here"]
-    assert not list((tmp_path / "here").glob(".*"))
+    assert not list(there.glob(".*"))
     if job == "make":
-        assert contents(tmp_path / "here") == earlier
+        assert contents(there) == earlier
     else:
-        assert contents(tmp_path / "here").keys() == earlier.keys()
+        assert contents(there).keys() == earlier.keys()
