@@ -1,54 +1,80 @@
-"""Bodies by themselves: volumes by hand or by slices, places there and back, outlines as meshes have them,
-what they sweep."""
+"""Bodies: volumes by hand or by slices, places there and back, outlines, what they sweep; the CAD kernel's
+solids of them, and its hidden-line projections."""
 
 from __future__ import annotations
 
 import math
+import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import pairwise
 
+import cadquery as cq
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
+import skincad
 from skincad.fabrication import manifold
-from skincad.shape import Loop, Point, Segment, loop, rectangle
+from skincad.inputs import Design
+from skincad.shape import Loop, Point, Segment, loop, polygon, rectangle, section
 from skincad.solids import (
+    Arc,
     Bore,
     CutRole,
     ExtendedCut,
     Grid,
+    KernelError,
     Part,
     PartRole,
+    Polyline,
     Prism,
     RevolvedBody,
     RotatedBody,
+    Stroke,
     TurnedBody,
     Vector,
+    View,
     box,
     corners,
+    extent,
+    outlined,
     plain,
+    skin_part,
+    skin_solid,
+    solid,
     swept,
     unchecked_solid,
     unturned,
 )
+from skincad.solids.mold import mold
+from skincad.solids.occ import flattened, projection, rounding_error
 from skincad.solids.plan import moved, turned
 
 SQUARE, HOLE = rectangle(-1.0, 2.0, 3.0, 5.0), rectangle(0.0, 0.5, 3.5, 4.5)
 SAME = 1e-12  # rounding of sums of a few mm
 
 
-def test_a_prism_has_its_area_times_its_length() -> None:
+def test_volumes_by_hand() -> None:
     assert Prism(SQUARE, "y", -1.0, 3.0).volume == pytest.approx(3 * 2 * 4, rel=SAME)
     assert Prism(SQUARE, "y", -1.0, 3.0, (HOLE, HOLE)).volume == pytest.approx((6 - 2 * 0.5) * 4, rel=SAME)
-
-
-def test_a_bore_is_a_cylinder_or_a_frustum() -> None:
     assert Bore((1.0, 2.0, 3.0), "y", 4.0, 0.5).volume == pytest.approx(math.pi * 0.25 * 4, rel=SAME)
     cone = Bore((1.0, 2.0, 3.0), "z", 4.0, 2.0, 0.5)
     whole, cut_off = math.pi * 4 * (16 / 3) / 3, math.pi * 0.25 * (4 / 3) / 3
     assert cone.volume == pytest.approx(whole - cut_off, rel=SAME)
     assert (cone.far_radius, Bore((0.0, 0.0, 0.0), "z", 4.0, 2.0).far_radius) == (0.5, 2.0)
+    drilled = Part("p", PartRole.COVER, box(2, (0, 5), (0, 1)), (Bore((0, 2, 0), "z", 1.0, 0.5, 1.0),))
+    frustum = math.pi / 3 * (0.25 + 0.5 + 1.0)
+    assert drilled.volume == pytest.approx(20.0 - frustum, rel=1e-14)
+    short, long = (
+        Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT),
+        Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0),
+    )
+    assert ExtendedCut(short, long).volume == short.volume
+    assert ExtendedCut(short, long).role is CutRole.VENT
+    turned = RotatedBody(short, 20.0, 0.3, 0.0)
+    for cut in (short, turned, ExtendedCut(short, long), ExtendedCut(turned, long)):
+        assert plain(cut) is short
 
 
 @pytest.mark.parametrize(("radius", "end"), [(0.5, None), (5.0, None), (0.5, 5.0), (5.0, 0.5)])
@@ -146,18 +172,6 @@ def test_a_turned_body_keeps_its_shape_and_has_its_base_on_the_axis_foot(body: B
     assert np.linalg.det(turn) == pytest.approx(1.0, rel=SAME)
 
 
-def test_a_reaching_cut_counts_what_it_takes_away() -> None:
-    short, long = (
-        Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT),
-        Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0),
-    )
-    assert ExtendedCut(short, long).volume == short.volume
-    assert ExtendedCut(short, long).role is CutRole.VENT
-    turned = RotatedBody(short, 20.0, 0.3, 0.0)
-    for cut in (short, turned, ExtendedCut(short, long), ExtendedCut(turned, long)):
-        assert plain(cut) is short
-
-
 def bowl(radius: float, half: float) -> Prism:
     """Block in (y, z) whose upper side is the back's arc, z = 0 in its middle, about the axis above."""
     y, z = radius * math.sin(half), 2 * radius * math.sin(half / 2) ** 2
@@ -201,60 +215,38 @@ def test_any_other_outline_is_a_polygon_within_the_tolerance() -> None:
     assert fine > 5 * coarse / 2  # as the root of the tolerance, two corners aside
 
 
-def test_volume_is_body_less_cuts() -> None:
-    drilled = Part("p", PartRole.COVER, box(2, (0, 5), (0, 1)), (Bore((0, 2, 0), "z", 1.0, 0.5, 1.0),))
-    frustum = math.pi / 3 * (0.25 + 0.5 + 1.0)
-    assert drilled.volume == pytest.approx(20.0 - frustum, rel=1e-14)
-
-
-def test_moved_along_its_axis_a_part_sweeps_a_longer_one_and_keeps_its_bores_open() -> None:
+def test_a_straight_move_sweeps_a_longer_prism_or_its_shadow() -> None:
     plate = Part("p", PartRole.COVER, box(2, (0, 1), (0, 4), "y"), (Bore((0, 0, 2), "y", 1.0, 0.5),))
     path = swept(plate, "y", -3.0, 1e-3)
     assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)
     assert manifold(path, 1e-3).bounding_box()[1] == -3.0
-
-
-def test_moved_across_its_axis_a_prism_sweeps_its_shadow() -> None:
     mushroom = loop([Point(*p) for p in ((-1, 0), (1, 0), (1, 1), (3, 2), (-3, 2), (-1, 1))])
     part = Part("p", PartRole.SKIN, Prism(mushroom, "y", 0.0, 1.0))
     path = swept(part, "z", 5.0, 1e-3)
     assert path.volume == pytest.approx(part.volume + 6 * 5.0, rel=1e-12)  # width 6 everywhere above
-
-
-def test_a_pin_moved_across_its_axis_is_refused() -> None:
+    # aside, along the heading
+    part = Part("p", PartRole.COVER, box(1.0, (0.0, 2.0), (0.0, 1.0), "y"))
+    path = swept(part, (math.sin(0.3), -math.cos(0.3)), 5.0, 1e-3)
+    width = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
+    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * width), rel=1e-12)
+    # a blind hole leaves no way open, a pin that moves across its axis sweeps a stadium if it lies along y
+    blind = Part("p", PartRole.COVER, box(2, (0, 4), (0, 4), "y"), (Bore((0, 0, 2), "y", 3.0, 0.5),))
+    assert swept(blind, "y", 2.0, 1e-3).volume == pytest.approx(4 * 6 * 4)
+    pin = Part("pin", PartRole.END_PIN, Bore((0, 0, 0), "y", 3.0, 1.0))
+    path = swept(pin, "z", -4.0, 1e-5)
+    assert path.volume == pytest.approx(3.0 * (math.pi + 8.0), rel=1e-4)  # chords within 1e-5 mm
     pin = Part("pin", PartRole.END_PIN, Bore((0, 0, 0), "z", 1.0, 0.5))
     with pytest.raises(ValueError, match="pin moves along its axis only"):
         swept(pin, "y", 1.0, 1e-3)
 
 
-def test_moved_aside_a_prism_sweeps_its_shadow_along_the_heading() -> None:
-    part = Part("p", PartRole.COVER, box(1.0, (0.0, 2.0), (0.0, 1.0), "y"))
-    path = swept(part, (math.sin(0.3), -math.cos(0.3)), 5.0, 1e-3)
-    width = 2.0 * math.cos(0.3) + 1.0 * math.sin(0.3)  # width of a 2 x 1 mm box seen along the heading
-    assert path.volume == pytest.approx(2.0 * (2.0 + 5.0 * width), rel=1e-12)
-
-
-def test_a_blind_hole_leaves_no_way_open_in_what_is_swept() -> None:
-    blind = Part("p", PartRole.COVER, box(2, (0, 4), (0, 4), "y"), (Bore((0, 0, 2), "y", 3.0, 0.5),))
-    assert swept(blind, "y", 2.0, 1e-3).volume == pytest.approx(4 * 6 * 4)
-
-
-def test_a_pin_along_y_moved_down_sweeps_a_stadium() -> None:
-    pin = Part("pin", PartRole.END_PIN, Bore((0, 0, 0), "y", 3.0, 1.0))
-    path = swept(pin, "z", -4.0, 1e-5)
-    assert path.volume == pytest.approx(3.0 * (math.pi + 8.0), rel=1e-4)  # chords within 1e-5 mm
-
-
-def test_a_turned_part_has_its_own_frame_and_is_swept_along_its_own_y() -> None:
+def test_what_turns_is_swept_in_its_frame_by_turning_or_upward() -> None:
     plate = Part("p", PartRole.COVER, box(2, (5, 6), (0, 4), "y"), (Bore((0, 5, 2), "y", 1.0, 0.5),))
     leaning = turned(plate, 20.0, 0.3, 5.0)
     assert unturned(leaning) == plate
     assert leaning.volume == plate.volume
     path = swept(leaning, "y", 3.0, 1e-3)
     assert path.volume == pytest.approx(4 * plate.volume, rel=1e-14)
-
-
-def test_what_turns_is_swept_by_turning_and_upward_by_its_silhouette() -> None:
     grid = Grid(20.0, 0.3, 22.0)
     square = loop([Point(*p) for p in ((-1, -2), (1, -2), (1, 0), (-1, 0))])
     arc = Part("a", PartRole.SHIM, RevolvedBody(square, 20.0, -0.3, 0.3, grid=grid))
@@ -309,3 +301,155 @@ def test_its_summit_and_what_is_buried() -> None:
     # the box is exact to the kernel's gap round it
     assert (box.xmax, box.zmax) == pytest.approx((6 + 0.6 * 3, 3 + 0.8 * 3), abs=1e-6)
     assert body.volume == pytest.approx(4 * math.pi - 1, rel=1e-14)
+
+
+KERNEL_TOLERANCE = 1e-7  # mm
+
+
+@pytest.mark.evidence(subject="kernel: hard sections")
+def test_hard_shapes_are_valid_and_of_their_volume(variants: dict[str, Design]) -> None:
+    for name, design in variants.items():
+        shape = solid(skin_part(design))
+        # arcs that rise less than the kernel's 1e-7 mm become lines: that moves area by 1e-7 x width
+        slack = 1e-7 * design.skin.width * design.skin.length
+        exact = section(design).area * design.skin.length
+        assert shape.Volume() == pytest.approx(exact, rel=1e-9, abs=slack), name
+
+
+def test_skin_is_a_workplane_with_exact_cylinders(yamada: Design) -> None:
+    faces = skin_solid(yamada).faces().vals()
+    kinds = {face.geomType() for face in faces}
+    assert kinds == {"PLANE", "CYLINDER"}
+    assert len(faces) == len(section(yamada).outline) + 4 * 18 + 2
+
+
+def test_a_solid_that_is_not_its_plans_volume_is_refused(yamada: Design) -> None:
+    cover = mold(yamada).part("cover")
+    outside = replace(cover, cuts=(*cover.cuts, Bore((100.0, 0.0, 0.0), "z", 1.0, 1.0)))
+    with pytest.raises(KernelError, match="cover: volume differs from its formula"):
+        solid(outside)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.2])
+def test_cuts_may_be_off_by_the_kernels_tolerance_on_each_face(
+    share: float, yamada: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cover = mold(yamada).part("cover")
+    off = share * KERNEL_TOLERANCE * solid(cover).Area()
+    monkeypatch.setattr("skincad.solids.occ.volume", lambda part, _: part.volume + off)
+    with nullcontext() if share < 1 else pytest.raises(KernelError, match="cover: volume differs"):
+        solid(cover)
+    uncut = replace(cover, cuts=())
+    with pytest.raises(KernelError, match="cover: volume differs"):  # no edge of it is computed
+        solid(uncut)
+
+
+def test_a_missing_system_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib
+
+    class Lacking:
+        """As the dynamic linker has it on a bare Linux."""
+
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "cadquery":
+                words = "libGL.so.1: cannot open shared object file: No such file or directory"
+                raise ImportError(words)
+
+    monkeypatch.setattr(sys, "meta_path", [Lacking(), *sys.meta_path])
+    monkeypatch.delitem(sys.modules, "cadquery")
+    monkeypatch.delitem(sys.modules, "skincad.solids.occ")
+    with pytest.raises(skincad.InputError, match="libgl1 libx11-6"):
+        importlib.import_module("skincad.solids.occ")
+
+
+@pytest.mark.parametrize("far", [1e4, 1e8])
+def test_what_far_centres_may_round_is_the_last_digits_of_their_distance_on_every_face(far: float) -> None:
+    """By hand: faces of 2 (10 + 4) mm round the section, each 20 mm long, moved by the distance's digits."""
+    flat = rectangle(-5.0, 5.0, 0.0, 4.0)
+    assert rounding_error(Prism(flat, "y", -10.0, 10.0)) == 0.0
+    assert rounding_error(Bore((0.0, 0.0, 0.0), "z", 1.0, 1.0)) == 0.0
+    digits = far * sys.float_info.epsilon
+    for centre in (far, -far):
+        swept = rounding_error(RevolvedBody(flat, centre, -10.0 / far, 10.0 / far))
+        assert swept == pytest.approx(4 * digits * 28.0 * 20.0, rel=1e-9)  # up to 4 times as much
+    # an arc of a far centre is as a face that far
+    arc = replace(flat[0], bulge=10.0 / far / 4)
+    curved = rounding_error(Prism((arc, *flat[1:]), "y", -10.0, 10.0))
+    assert curved == pytest.approx(4 * digits * 10.0 * 20.0, rel=1e-6)
+
+
+def test_only_an_arc_that_the_kernel_cannot_tell_from_a_line_is_one() -> None:
+    flat = rectangle(-5.0, 5.0, 0.0, 4.0)
+    for rise, line in ((0.99 * KERNEL_TOLERANCE, True), (1.01 * KERNEL_TOLERANCE, False)):
+        for sign in (1, -1):
+            arc = replace(flat[0], bulge=sign * 2 * rise / 10.0)  # rise: half the chord by the bulge
+            assert arc.point(0.5).z == pytest.approx(-sign * rise, rel=1e-6)
+            shown = flattened(Prism((arc, *flat[1:]), "y", -10.0, 10.0))
+            assert isinstance(shown, Prism)
+            assert (shown.outline[0].bulge == 0.0) == line
+
+
+PLAN, FRONT = View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), View((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+PLACE = 1e-6  # mm, the kernel's own tolerance is 1e-7
+
+
+def plate(depth: float | None) -> cq.Solid:
+    """A block of 10 x 6 x 4 about the origin with a bore of 2 from above."""
+    return cq.Workplane().box(10, 6, 4).faces(">Z").workplane().hole(2.0, depth).val()
+
+
+def lines(strokes: tuple[Stroke, ...]) -> set[tuple[tuple[float, float], ...]]:
+    return {
+        tuple(sorted((round(x, 6) + 0.0, round(y, 6) + 0.0) for x, y in stroke.points))
+        for stroke in strokes
+        if isinstance(stroke, Polyline)
+    }
+
+
+def test_a_bored_block_from_above_is_a_rectangle_and_a_circle() -> None:
+    seen = projection(plate(None), PLAN)
+    corners = [(-5.0, -3.0), (-5.0, 3.0), (5.0, 3.0), (5.0, -3.0)]
+    sides = {tuple(sorted((a, b))) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)}
+    assert lines(seen.visible) == sides
+    (circle,) = (stroke for stroke in seen.visible if isinstance(stroke, Arc))
+    assert circle.whole
+    assert circle.centre == pytest.approx((0.0, 0.0), abs=PLACE)
+    assert circle.radius == pytest.approx(1.0, abs=PLACE)
+    assert seen.hidden == ()
+
+
+def test_a_blind_bore_is_hidden_to_its_depth_and_a_through_one_is_not() -> None:
+    seen = projection(plate(3.0), FRONT)
+    bore = {((-1.0, -1.0), (-1.0, 2.0)), ((1.0, -1.0), (1.0, 2.0)), ((-1.0, -1.0), (1.0, -1.0))}
+    assert bore <= lines(seen.hidden)
+    assert len(lines(seen.visible)) == 4
+    assert all(abs(x) <= 1.0 for line in lines(seen.hidden) for x, _ in line)
+    below = View((1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+    assert below.towards == (0.0, 0.0, -1.0)
+    blind, through = (projection(plate(depth), below) for depth in (3.0, None))
+    assert [isinstance(s, Arc) for s in blind.visible].count(True) == 0
+    assert [isinstance(s, Arc) for s in blind.hidden].count(True) == 1
+    assert [isinstance(s, Arc) for s in through.visible].count(True) == 1
+
+
+def test_a_turned_view_is_that_of_the_turned_solid() -> None:
+    """Seen along its own axes from its own origin, a solid that was turned and moved is as it was."""
+    turned = plate(None).rotate(cq.Vector(0, 0, 0), cq.Vector(1, 0, 0), 30).translate(cq.Vector(1, 2, 3))
+    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
+    seen = projection(turned, View((1.0, 0.0, 0.0), (0.0, c, s), (1.0, 2.0, 3.0)))
+    assert lines(seen.visible) == lines(projection(plate(None), PLAN).visible)
+
+
+@pytest.mark.parametrize("bulge", [0.4, -0.2])
+def test_a_loop_with_an_arc_keeps_its_ends_and_extent(bulge: float) -> None:
+    first, *rest = loop([Point(0.0, 0.0), Point(4.0, 0.0), Point(4.0, 3.0), Point(0.0, 3.0)])
+    outline = (replace(first, bulge=bulge), *rest)
+    strokes = outlined(outline)
+    arc = strokes[0]
+    assert isinstance(arc, Arc)
+    ends = sorted([arc.at(0.0), arc.at(1.0)])
+    assert ends[0] == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert ends[1] == pytest.approx((4.0, 0.0), abs=1e-12)
+    assert arc.at(0.5)[1] == pytest.approx(-bulge * 2.0, abs=1e-12)  # half the chord times the bulge
+    points = polygon(outline, 1e-6)
+    assert extent(strokes)[0] == pytest.approx(points.min(axis=0), abs=1e-5)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +13,17 @@ import shapely
 
 import skincad
 from skincad import InputError
-from skincad.fabrication import Job, mesh, poured_volume, pours, sheet_steps
+from skincad.fabrication import Job, poured_volume, pours, sheet_steps
 from skincad.inputs import Design
-from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin_part, solid, volume
+from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin_part
 from skincad.solids.mold import mold
 from tests.families import pillars
 from tests.refusals import refused_command
 from tests.solids.kinds import PLATE, STEM, boned, plate, stem, wide_rings
 
-CHORD = 1e-3  # mm
-FEW = ["ridge.count=3"]
-
 
 def bare() -> Design:
-    return skincad.load("lab-bench", FEW)
+    return skincad.load("lab-bench", ["ridge.count=3"])
 
 
 @pytest.fixture
@@ -35,23 +31,18 @@ def on_stem(tmp_path: Path) -> Design:
     return boned(tmp_path, stem())
 
 
-@pytest.mark.slow
 def test_a_bone_takes_its_room_of_the_skin(on_stem: Design) -> None:
-    """The block and half a thickness of edges: the kernel's solid, the formula and the mesh agree."""
+    """The block and half a thickness of edges. That kernel and mesh agree is the contract's of all kinds."""
     bone = bone_of(on_stem)
     assert bone is not None
     assert bone.inside == pytest.approx(8 * 10 * 2, rel=1e-9)
     assert bone.volume == pytest.approx(8 * 10 * 2 + math.prod(STEM), rel=1e-9)
-    part = skin_part(on_stem)
-    assert part.volume == pytest.approx(skin_part(bare()).volume - 160.0, rel=1e-9)
-    assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-8)
-    assert mesh(part, CHORD).volume == pytest.approx(part.volume, rel=1e-4)
+    assert skin_part(on_stem).volume == pytest.approx(skin_part(bare()).volume - 160.0, rel=1e-9)
     closed, gap = mold(on_stem), on_stem.mold.clearance
     lids = [closed.first(role) for role in (PartRole.CARRIER, PartRole.SEAL, PartRole.COVER)]
-    windows = [[cut for cut in lid.cuts if cut.role is CutRole.WINDOW] for lid in lids]
-    assert [len(holes) for holes in windows] == [1, 1, 1]
+    window, _, _ = (cut for lid in lids for cut in lid.cuts if cut.role is CutRole.WINDOW)  # one each
     wide = (STEM[0] + 2 * gap) * (STEM[1] + 2 * gap)
-    assert windows[0][0].volume == pytest.approx(wide * closed.first(PartRole.CARRIER).body.high, rel=1e-3)
+    assert window.volume == pytest.approx(wide * closed.first(PartRole.CARRIER).body.high, rel=1e-3)
     plain = bare().with_(mold={"carrier": "plain", "gate": None})
     assert poured_volume(Job(plain)) - poured_volume(Job(on_stem)) == pytest.approx(160.0, rel=1e-6)
 
@@ -62,9 +53,7 @@ def test_a_bone_that_ends_at_the_back_stands_on_pins(tmp_path: Path) -> None:
     assert sorted(rod.start[0] for rod in rods) == pytest.approx([-4.5, 4.5])
     assert {rod.radius for rod in rods} == {0.98}
     taken = math.prod(PLATE) - 2 * math.pi * 0.75**2 * PLATE[2]  # the rods keep the others free
-    part = skin_part(design)
-    assert skin_part(bare()).volume - part.volume == pytest.approx(taken, rel=1e-6)
-    assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-8)
+    assert skin_part(bare()).volume - skin_part(design).volume == pytest.approx(taken, rel=1e-6)
 
 
 def test_a_pose_moves_and_turns_a_bone(tmp_path: Path) -> None:
@@ -92,12 +81,9 @@ def test_a_bone_in_a_layered_skin_stands_in_the_layer_at_the_back(tmp_path: Path
     ids=["stem", "plate"],
 )
 def test_a_round_skin_is_cast_on_a_bone(tmp_path: Path, shape: cq.Workplane, taken: float) -> None:
-    """The kernel's solid, the formula and the mesh agree."""
     bond = {"bone_bond": "rivets"} if taken != 160.0 else {}
     part = skin_part(boned(tmp_path, shape, wide_rings(), **bond))
     assert skin_part(wide_rings()).volume - part.volume == pytest.approx(taken, rel=1e-6)
-    assert volume(part, solid(part)) == pytest.approx(part.volume, rel=1e-8)
-    assert mesh(part, CHORD).volume == pytest.approx(part.volume, rel=3e-4)
 
 
 def test_silicone_round_a_bone_in_a_round_skin_is_measured_as_it_turns(tmp_path: Path) -> None:
@@ -128,6 +114,7 @@ def test_a_turning_bone_takes_what_its_faces_pass_through(tmp_path: Path) -> Non
     assert not shapely.intersects(region, shapely.points(outside)).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [stem(), plate()], ids=["stem", "plate"])
 def test_each_skin_of_a_gang_has_its_bone(tmp_path: Path, shape: cq.Workplane) -> None:
     design = boned(tmp_path, shape, cavities=2)
@@ -135,10 +122,8 @@ def test_each_skin_of_a_gang_has_its_bone(tmp_path: Path, shape: cq.Workplane) -
     assert len(closed.of(PartRole.BONE)) == 2
     assert len(closed.of(PartRole.CORE_PIN)) == 2 * len(one.of(PartRole.CORE_PIN))
     for role in (PartRole.COVER, PartRole.SEAL):
-        two, alone = (
-            [cut for cut in of.first(role).cuts if cut.role is CutRole.WINDOW] for of in (closed, one)
-        )
-        assert len(two) == 2 * len(alone)
+        roles, alone = ([cut.role for cut in each.first(role).cuts] for each in (closed, one))
+        assert roles.count(CutRole.WINDOW) == 2 * alone.count(CutRole.WINDOW)
 
 
 def test_a_check_says_that_it_takes_a_flat_back(on_stem: Design) -> None:
@@ -146,9 +131,11 @@ def test_a_check_says_that_it_takes_a_flat_back(on_stem: Design) -> None:
 
 
 @pytest.mark.slow
-def test_what_a_higher_back_changes_is_the_check_of_a_thinner_skin(on_stem: Design) -> None:
-    (finding,) = [f for f in skincad.make(on_stem, model="winkler").findings if f.rule == "bone"]
-    thin = bare().with_(skin={"thickness": 6.0})
+def test_what_a_higher_back_changes_is_the_check_of_a_thinner_skin(tmp_path: Path) -> None:
+    single = skincad.load("lab-bench", ["ridge.count=1"])
+    result = skincad.make(boned(tmp_path, stem(), single), model="winkler")
+    (finding,) = [f for f in result.findings if f.rule == "bone"]
+    thin = single.with_(skin={"thickness": 6.0})
     assert finding.measured == pytest.approx(float(skincad.check(thin, model="linear").all_touch_force))
 
 
@@ -162,23 +149,19 @@ def test_what_a_higher_back_changes_is_said_of_every_family(tmp_path: Path, base
     design = boned(tmp_path, stem(), base)
     result = skincad.make(design, model="linear" if base.features.family != "pin" else "reduced")
     (finding,) = [f for f in result.findings if f.rule == "bone"]
-    words = (
-        r"\(2 mm\) at 4 N the plate comes" if base.features.family == "flat" else "N, and at 4 N the plate"
-    )
-    assert re.search(words, finding.remedy)
-    errors = [f for f in skincad.make(design, checked=False).findings if f.severity == "error"]
-    assert errors == []
+    flat = base.features.family == "flat"
+    assert ("(2 mm) at 4 N the plate comes" if flat else "N, and at 4 N the plate") in finding.remedy
+    assert "error" not in [f.severity for f in skincad.make(design, checked=False).findings]
 
 
+@pytest.mark.slow
 def test_a_bone_is_a_packages_link(on_stem: Design) -> None:
     package = skincad.package(on_stem, "urdf")
     density = lid_process(package.design).density  # as if of the lids' material
     assert package.weighs.carrier.mass == pytest.approx((160.0 + math.prod(STEM)) * density * 1e-3, rel=1e-9)
 
 
-BLOCK = cq.Workplane("XY").box(6, 6, 2, centered=(True, True, False))
-
-
+@pytest.mark.slow
 def test_the_sheet_says_what_to_do_with_a_bone(tmp_path: Path) -> None:
     steps = sheet_steps(Job(boned(tmp_path, stem())))
     assert "Prime the bone" in steps["bone"]
@@ -191,6 +174,7 @@ def test_the_sheet_says_what_to_do_with_a_bone(tmp_path: Path) -> None:
 
 TWO = cq.Workplane("XY").box(2, 2, 2).union(cq.Workplane("XY").center(10, 0).box(2, 2, 2))
 STRAIGHT = cq.Workplane("XY").box(5, 6, 8)
+BLOCK = cq.Workplane("XY").box(6, 6, 2, centered=(True, True, False))
 
 
 def test_a_file_that_is_no_step_is_refused_in_one_line(tmp_path: Path) -> None:
@@ -213,11 +197,9 @@ def test_a_bone_that_is_not_there(tmp_path: Path) -> None:
 
 
 def test_a_bones_path_counts_from_its_design(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = skincad.load("lab-bench").to_toml()
+    text = skincad.load("lab-bench").to_toml().replace("[mold]", '[mold]\nbone = "bone.step"', 1)
     cq.exporters.export(stem(), str(tmp_path / "bone.step"))
-    (tmp_path / "pad.toml").write_text(
-        text.replace('process = "sla"', 'process = "sla"\nbone = "bone.step"', 1)
-    )
+    (tmp_path / "pad.toml").write_text(text)
     monkeypatch.chdir(Path.home())
     assert skincad.load(tmp_path / "pad.toml").mold.bone == str(tmp_path / "bone.step")
 

@@ -27,6 +27,8 @@ from skincad.solids import (
     drawn_notches,
     drawn_steps,
     poured_volumes,
+    solid,
+    volume,
 )
 from skincad.solids.coupon import bar_outline
 from skincad.solids.skin import cast_skin
@@ -44,9 +46,14 @@ def test_the_ladder_is_what_was_asked_for() -> None:
     assert drawn_notches(known["cnc"]) == ()
     assert [p.name for p in coupon("cnc").parts] == ["crest-steps", "tensile-mold", "pad-mold"]
     assert drawn_notches(Process(tool_radius=0.05, spark_gap=0.01))[0] == 0.12
-
-
-def test_notches_are_as_deep_as_a_combs() -> None:
+    # A plate of 49.39 x 8 x 4 mm, less notches, two nicks of 1 mm2 and a corner of 4.5 mm2
+    width = 13 * 3.03 + 10
+    area = width * 8 - 0.75 * sum(NOTCHES) - 2 * 1.0 - 4.5
+    assert PARTS["notch-ladder"].volume == pytest.approx(4 * area, rel=1e-12)
+    # notches meet pixels of 0.05 mm at different places
+    places = {round(i * NOTCH_PITCH / 0.05 % 1, 6) % 1 for i in range(len(NOTCHES))}
+    assert len(places) == 5
+    # they are as deep as the deepest of a comb
     designs = [load_design(name) for name in RIDGED]
     deep = [
         d.slot.depth + 2 * d.mold.slit_clearance
@@ -54,19 +61,6 @@ def test_notches_are_as_deep_as_a_combs() -> None:
         if d.slot and d.core_thickness + 2 * d.mold.slit_clearance <= NOTCHES[-1]
     ]
     assert max(deep) <= NOTCH_DEPTH <= 1.2 * max(deep)
-
-
-@pytest.mark.parametrize("pixel", [0.05])
-def test_notches_meet_pixels_at_different_places(pixel: float) -> None:
-    places = {round(i * NOTCH_PITCH / pixel % 1, 6) % 1 for i in range(len(NOTCHES))}
-    assert len(places) == 5
-
-
-def test_the_ladder_by_hand() -> None:
-    """A plate of 49.39 x 8 x 4 mm, less notches, two nicks of 1 mm2 and a corner of 4.5 mm2."""
-    width = 13 * 3.03 + 10
-    area = width * 8 - 0.75 * sum(NOTCHES) - 2 * 1.0 - 4.5
-    assert PARTS["notch-ladder"].volume == pytest.approx(4 * area, rel=1e-12)
 
 
 def test_each_height_comes_as_often_and_nowhere_in_order() -> None:
@@ -118,8 +112,6 @@ def test_a_mold_takes_what_its_piece_is_larger_by_shrinkage() -> None:
 @pytest.mark.parametrize("name", PARTS)
 def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
     """The kernel within 1e-9, as every part; a mesh within its chords' tolerance on its whole surface."""
-    from skincad.solids import solid, volume
-
     part: Part = PARTS[name]
     exact = solid(part)  # raises unless it is one valid solid
     assert volume(part, exact) == pytest.approx(part.volume, rel=1e-9)
@@ -129,7 +121,7 @@ def test_the_kernel_and_the_mesh_agree_with_the_formula(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PROCESSES)
-def test_every_part_fits_its_machine(name: str) -> None:
+def test_every_part_fits_its_machine_and_needs_no_support(name: str) -> None:
     """As it is laid, turned on the bed where that helps; 0: a machine without such a limit."""
     kit = coupon(name)
     for part in kit.parts:
@@ -137,13 +129,8 @@ def test_every_part_fits_its_machine(name: str) -> None:
         bed = sorted([kit.process.build_x or math.inf, kit.process.build_y or math.inf])
         assert all(np.array(sorted(flat)) <= bed), part.name
         assert high <= (kit.process.build_z or math.inf)
-
-
-@pytest.mark.parametrize("name", [n for n in PROCESSES if processes()[n].layer])
-def test_no_part_needs_support(name: str) -> None:
-    kit = coupon(name)
-    for part in kit.parts:
-        assert overhang(part, kit.process, on_end(part, kit.process)) == (0.0, 0.0), part.name
+        if kit.process.layer:
+            assert overhang(part, kit.process, on_end(part, kit.process)) == (0.0, 0.0), part.name
 
 
 def test_cavities_are_printed_flat_so_that_steps_are_made_of_layers() -> None:

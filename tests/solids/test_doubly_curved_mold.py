@@ -120,9 +120,7 @@ def assert_exact(closed: ClosedMold, rel: float) -> None:
 
 
 # of 60, 9 and 22 had crowns that rounding bent, 2, 4 and 39 crowns along which the kernel walked in steps
-@pytest.mark.parametrize(
-    "seed", [pytest.param(i, marks=[] if i in (2, 4, 9, 22, 39) else CROWNS) for i in range(60)]
-)
+@pytest.mark.parametrize("seed", [pytest.param(i, marks=[] if i in (4, 22) else CROWNS) for i in range(60)])
 def test_flat_crowns_make_an_exact_mold(seed: int) -> None:
     """The kernel's edges are the section's: volumes agree to rounding, of some 1e3 terms. Edges that it finds
     by steps within its tolerance are off by up to 1e-6."""
@@ -224,17 +222,9 @@ def test_interference_sees_a_plate_that_does_not_lean_and_a_straight_shim(closed
 def test_parts_have_the_holes_they_need(meshes: dict[str, Manifold]) -> None:
     """Genus counts through holes: no bore ends in a film, and what is blind in a leaning face is blind."""
     genus = {name: mesh.genus() for name, mesh in meshes.items() if not name.startswith(("shim", "pin"))}
-    assert genus == {
-        "skin": 6,
-        "cavity": 0,  # all its bores are blind: screws of the ends and of the cover, and pins
-        "end-a-comb": 4,
-        "end-a-keeper": 3,
-        "end-b-comb": 4,
-        "end-b-keeper": 2,
-        "carrier": 3,  # vent and two rivets
-        "cover": 7,
-        "seal": 3,  # cup and two bleeds
-    }
+    ends = {"end-a-comb": 4, "end-a-keeper": 3, "end-b-comb": 4, "end-b-keeper": 2}
+    # all bores of the cavity are blind; vent and two rivets; cup and two bleeds
+    assert genus == {"skin": 6, "cavity": 0, **ends, "carrier": 3, "cover": 7, "seal": 3}
 
 
 def test_walls_between_bores_trough_and_seat_are_thick_enough(closed: ClosedMold) -> None:
@@ -278,13 +268,8 @@ def test_a_shim_has_its_clearance_in_straight_notches_and_no_more(
 
 
 def test_opening_takes_shims_then_cover_then_plates_then_skin(closed: ClosedMold) -> None:
-    assert [(s.axis, s.parts[0].split("-")[0]) for s in closed.opening] == [
-        ("turn", "shim"),
-        ("z", "cover"),
-        ("y", "end"),
-        ("y", "end"),
-        ("z", "skin"),
-    ]
+    steps = [(s.axis, s.parts[0].split("-")[0]) for s in closed.opening]
+    assert steps == [("turn", "shim"), ("z", "cover"), ("y", "end"), ("y", "end"), ("z", "skin")]
 
 
 def test_gate_and_vent_open_on_the_skin(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
@@ -339,13 +324,10 @@ def test_what_a_bent_mold_cannot_be_is_refused(settings: list[str], key: str) ->
     assert refused.value.remedy
 
 
-def test_a_split_cavity_is_refused_where_ridges_need_it_only() -> None:
+def test_a_split_cavity_and_strips_are_refused_where_they_do_not_go(yamada: Design) -> None:
     with pytest.raises(InputError, match=r"mold.split: must be 'none'"):
         mold(bent("steep-fingertip", 25.0))
     assert mold(bent("plain-ridges", 60.0, 'mold.split="auto"')).part("cavity")
-
-
-def test_cast_in_strips_stay_refused(yamada: Design) -> None:
     with pytest.raises(InputError, match=r"mold.method: needs straight strips"):
         yamada.with_(mold={"method": "cast-in"}, skin={"curvature_radius_y": 60.0})
 
@@ -364,7 +346,7 @@ def test_the_gap_beside_a_bent_carrier_ends_on_the_molds_back(closed: ClosedMold
 
 
 @pytest.mark.parametrize("radius", RADII)
-def test_what_is_lifted_off_a_bent_mold_comes_clear_of_all_that_stays(radius: float) -> None:
+def test_what_is_moved_off_a_bent_mold_comes_clear_of_all_that_stays(radius: float) -> None:
     closed = mold(bent("yamada-2002", radius, "ridge.count=3", "skin.length=20.0"))
     heights = {part.name: manifold(part, 0.05).bounding_box()[2::3] for part in closed.parts}
     left = set(heights)
@@ -373,14 +355,6 @@ def test_what_is_lifted_off_a_bent_mold_comes_clear_of_all_that_stays(radius: fl
         if move.axis == "z" and move.travel > 0 and left:
             lowest = min(heights[name][0] for name in move.parts) + move.travel
             assert lowest > max(heights[name][1] for name in left)
-
-
-@pytest.mark.parametrize("radius", RADII)
-def test_shims_are_turned_out_by_their_own_arcs_at_least(radius: float) -> None:
-    closed = mold(bent("yamada-2002", radius, "ridge.count=3"))
-    (turned,) = [move for move in closed.opening if move.axis == "turn"]
-    for name in turned.parts:
-        body = closed.part(name).body
-        assert isinstance(body, RevolvedBody)
-        assert abs(turned.travel) > body.high - body.low
-    assert abs(turned.travel) < 2 * math.pi
+    (turned,) = [move for move in closed.opening if move.axis == "turn"]  # shims, by their arcs at least
+    arcs = [closed.part(name).body for name in turned.parts]
+    assert max(arc.high - arc.low for arc in arcs) < abs(turned.travel) < 2 * math.pi

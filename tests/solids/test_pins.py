@@ -72,29 +72,25 @@ def test_cavity_less_its_skin_is_empty(name: str) -> None:
     assert (manifold(skin, 1e-2) ^ manifold(cavity, 1e-2)).volume() < 1e-6  # rounding of faces that touch
 
 
-def test_pockets_are_blind_holes_from_the_back() -> None:
+def test_pockets_are_blind_holes_from_a_flat_back() -> None:
     design = families.flat()
     part, bare = skin_part(design), skin_part(design.with_(flat={"pocket": None}))
     assert bare.volume - part.volume == pytest.approx(4 * math.pi * 1.05**2 * 2.0, rel=1e-12)
     assert {cut.role for cut in part.cuts} == {CutRole.POCKET}
     solid(part)
-
-
-def test_a_pocket_needs_a_flat_back() -> None:
     with pytest.raises(skincad.InputError, match="pocket: must not be given with skin"):
-        families.flat().with_(skin={"curvature_radius_y": 60.0})
-
-
-def _nibs() -> Design:
-    pin = {"pattern": "hex", "pitch": 1.2, "margin": 0.6, "height": 0.4, "root_diameter": 0.8}
-    pin |= {"tip_diameter": 0.5, "crown": 0.08, "root_fillet": 0.1}
-    skin = {"curvature_radius": 1e8, "thickness": 2.0, "width": 24.0, "length": 24.0}
-    return skincad.Design(name="nibs", skin=skin, pin=pin, material={"name": "dragon-skin-20"})
+        design.with_(skin={"curvature_radius_y": 60.0})
+    at_vent = {"pitch": 15.6, "pocket": {"diameter": 3.0, "depth": 2.0}, "columns": 1}
+    with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
+        mold(design.with_(flat=at_vent))
 
 
 @DOMES
 def test_hundreds_of_nibs_are_one_solid() -> None:
-    part = skin_part(_nibs())
+    pin = {"pattern": "hex", "pitch": 1.2, "margin": 0.6, "height": 0.4, "root_diameter": 0.8}
+    pin |= {"tip_diameter": 0.5, "crown": 0.08, "root_fillet": 0.1}
+    skin = {"curvature_radius": 1e8, "thickness": 2.0, "width": 24.0, "length": 24.0}
+    part = skin_part(skincad.Design(name="nibs", skin=skin, pin=pin, material={"name": "dragon-skin-20"}))
     assert len(part.adds) == 389
     assert len(solid(part).Faces()) == 6 + 3 * 389  # fillet, flank and crown of each
 
@@ -109,14 +105,6 @@ def test_core_pins_stand_in_the_carrier_and_leave_with_it() -> None:
     pockets = [cut for cut in closed.first(PartRole.SKIN).cuts if cut.role is CutRole.POCKET]
     assert rods == pytest.approx(math.fsum(cut.volume for cut in (*holes, *pockets)), rel=1e-12)
     assert {core.name for core in cores} <= set(closed.opening[-1].parts)
-
-
-def test_a_pocket_at_the_vent_is_refused() -> None:
-    design = families.flat().with_(
-        flat={"pitch": 15.6, "pocket": {"diameter": 3.0, "depth": 2.0}, "columns": 1}
-    )
-    with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
-        mold(design)
 
 
 def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
@@ -166,6 +154,9 @@ def test_printed_pins_end_at_layers() -> None:
         assert layers == pytest.approx(round(layers), abs=1e-6)
     off = [a - b for a, b in zip(printed_crests(job) or (), job.skin.crests, strict=True)]
     assert max(map(abs, off)) < 1.5 * layer  # a hole ends at the first layer whose middle it is in
+    # hundreds of crests are not listed one by one
+    assert listed_crests(range(1, 65)).endswith(", 64")
+    assert listed_crests(range(1, 390)) == "1, 2, 3, 4, 5, 6 and 383 more"
 
 
 @pytest.mark.parametrize("pin", [{}, {"heights": [4.0, 3.6]}])
@@ -194,6 +185,7 @@ def test_split_auto_is_of_ridges_and_of_holes_that_a_tool_makes() -> None:
             mold(pins.with_(mold={"split": "tips"}))
 
 
+@pytest.mark.slow
 def test_plate_and_base_are_drawn_and_cast_from() -> None:
     job = Job(families.pillars().with_(mold={"split": "auto", "process": "cnc"}))
     plate, base = job.closed.first(PartRole.CAVITY), job.closed.first(PartRole.BASE)
@@ -207,8 +199,3 @@ def test_plate_and_base_are_drawn_and_cast_from() -> None:
     x, y = half[0] - 5.0 * scale, half[1] + 5.0 * scale  # pin 1, from the left and lower edge of the top view
     assert f"pin 1 at x {x:.3f}, y {y:.3f}" in tables[0].title
     assert not {f.rule for f in design_findings(job)} & {"tool depth"}
-
-
-def test_hundreds_of_crests_are_not_listed_one_by_one() -> None:
-    assert listed_crests(range(1, 65)).endswith(", 64")
-    assert listed_crests(range(1, 390)) == "1, 2, 3, 4, 5, 6 and 383 more"

@@ -21,16 +21,13 @@ from tests.solids.kinds import IN_A_BLOCK, round_flat
 UNDER_GROOVES = 3.0  # mm of a disc under its deepest groove
 
 
-def test_a_bare_round_skin_is_a_cylinder_under_a_spherical_cap() -> None:
+def test_a_round_skin_is_a_cylinder_under_a_cap_or_turned_rings() -> None:
     design = round_flat()
     radius, half = 30.0, 7.0
     cap = radius - math.sqrt(radius**2 - half**2)
     handbook = math.pi * half**2 * (4.0 - cap) + math.pi * cap**2 * (3 * radius - cap) / 3
     assert skin_part(design).volume == pytest.approx(handbook, rel=1e-13)
-
-
-def test_rings_turn_about_the_middle() -> None:
-    """By the section's polygon, cut at x = 0: another library's area and centroid, chords within 1e-6 mm."""
+    # By the section's polygon, cut at x = 0: another library's area and centroid, chords within 1e-6 mm
     design = rings()
     whole = shapely.Polygon(polygon(section(design).outline, 1e-6))
     half = whole.intersection(shapely.box(0.0, -1.0, 100.0, 100.0))

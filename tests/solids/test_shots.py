@@ -85,10 +85,8 @@ def test_core_pins_stand_in_a_plug_whose_shot_their_pockets_go_through() -> None
         assert len([cut for cut in plug.cuts if cut.role is CutRole.CORE]) == 9
         assert {*(pin.name for pin in pins), plug.name} == set(stage.opening[-1].parts)
         assert mesh(plug, CHORD).euler_number == 2 - 2 * (9 + 1)  # with the vent: no film closes a hole
-    shallow = mold(
-        layered("pillars-9", {**STIFF, "thickness": 2.0}, pin={"pocket": {"diameter": 1.6, "depth": 1.0}})
-    )
-    (stage,) = shallow.earlier
+    shallow = {"pocket": {"diameter": 1.6, "depth": 1.0}}
+    (stage,) = mold(layered("pillars-9", {**STIFF, "thickness": 2.0}, pin=shallow)).earlier
     assert not stage.of(PartRole.CORE_PIN)
 
 
@@ -107,9 +105,8 @@ def test_plugs_are_used_from_the_front() -> None:
 def test_rivets_hold_behind_a_neck_that_the_silicone_lets_go() -> None:
     (plug,) = mold(layered("rings-5", {**STIFF, "thickness": 1.5, "bond": "rivets"})).plugs
     _core, *pegs = plug.adds
-    widths = {max(s.end.x for s in peg.outline) for peg in pegs}
-    necks = {min(s.end.x for s in peg.outline if s.end.x) for peg in pegs}
-    (head,), (neck,) = widths, necks
+    (head,) = {max(s.end.x for s in peg.outline) for peg in pegs}
+    (neck,) = {min(s.end.x for s in peg.outline if s.end.x) for peg in pegs}
     assert neck == 0.5
     assert head == pytest.approx(1.25 * neck)  # a stretch of 25 %; dragon-skin-20 breaks at 620 %
 
@@ -123,13 +120,10 @@ def test_rivets_hold_behind_a_neck_that_the_silicone_lets_go() -> None:
         ("yamada-2002", {**STIFF, "thickness": 3.2, "bond": "rivets"}, {}, "'rivets' need 0.9 mm"),
         ("flat-magnet", {**STIFF, "thickness": 2.2}, {}, "flat.pocket.depth: must end 0.5 mm before"),
         ("pins-dome", LEVEL, {}, "skin.curvature_radius_y: must not be given with"),
+        # a face that follows the base is not laid on wet
+        ("yamada-2002", {**ARC, "bond": "wet"}, {}, r"shot\.1?\.?bond|bond: must not be 'wet'"),
     ],
 )
 def test_what_a_mold_of_layers_cannot_be(name: str, shot: Any, more: Any, refusal: str) -> None:
     with pytest.raises(InputError, match=refusal):
         mold(layered(name, shot, **more))
-
-
-def test_a_face_that_follows_the_base_is_not_laid_on_wet() -> None:
-    with pytest.raises(InputError, match=r"shot\.1?\.?bond|bond: must not be 'wet'"):
-        layered("yamada-2002", {**ARC, "bond": "wet"})

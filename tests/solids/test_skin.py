@@ -8,6 +8,7 @@ import random
 from dataclasses import replace
 from pathlib import Path
 
+import cadquery as cq
 import numpy as np
 import pytest
 import trimesh
@@ -32,13 +33,12 @@ from skincad.solids import (
 from skincad.solids.mold import mold
 from skincad.solids.skin import cast_skin
 from tests.bent_skin import three_ridges
-from tests.families import RIDGED
-from tests.solids.kinds import FEW
+from tests.solids.kinds import few_ridges
+from tests.templates import KINDS
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]
-
-
+HARD = pytest.mark.evidence(subject="kernel: hard sections")
 BETWEEN = {12.0, 60 - 1e-6, 60 + 1e-9, 61.0, 1e6}  # of two that are quick and differ by no kind of surface
 
 
@@ -51,15 +51,9 @@ def body(part: Part) -> RevolvedBody:
     return part.body
 
 
-@pytest.mark.parametrize(
-    "radius",
-    [
-        pytest.param(r, marks=[pytest.mark.evidence(subject="kernel: hard sections")] if r in BETWEEN else [])
-        for r in RADII
-    ],
-)
-def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(yamada: Design, radius: float) -> None:
-    design = bent(yamada, radius)
+@pytest.mark.parametrize("radius", [pytest.param(r, marks=[HARD] if r in BETWEEN else []) for r in RADII])
+def test_solid_is_valid_and_of_pappus_volume_ridges_up_and_down(radius: float) -> None:
+    design = few_ridges(skin={"curvature_radius_y": radius})
     shape = section(design)
     # area times its centroid's path; the radius of that path is curvature_radius_y at z = thickness
     path = design.skin.length * (1 + (shape.centroid.z - design.skin.thickness) / radius)
@@ -81,7 +75,7 @@ def test_lines_nearly_parallel_or_square_to_the_axis_are_as_drawn() -> None:
         assert solid(part).Volume() == pytest.approx(part.volume, rel=5e-12), (offset, up)
 
 
-@pytest.mark.evidence(subject="kernel: hard sections")
+@HARD
 def test_hard_sections_revolve(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         for radius in (1.5 * design.skin.thickness + design.skin.length, design.skin.curvature_radius):
@@ -101,7 +95,7 @@ def test_a_flat_second_curvature_tends_to_the_straight_skin(yamada: Design) -> N
     assert np.allclose([low, high], mesh(skin_part(yamada), 1e-3).bounds, atol=1e-3)  # chords
 
 
-def test_a_skin_without_the_key_is_the_prism_that_it_was(yamada: Design) -> None:
+def test_without_the_key_a_skin_is_a_prism(yamada: Design) -> None:
     assert yamada.skin.curvature_radius_y is None
     assert skin_part(yamada).body == replace(skin_part(yamada).body, low=-6.0, high=6.0, axis="y")
 
@@ -114,8 +108,9 @@ def test_a_skin_without_the_key_is_the_prism_that_it_was(yamada: Design) -> None
         *(pytest.param(radius, 2e-3, marks=pytest.mark.slow) for radius in (8.0, 30.0, 60.0)),
     ],
 )
-def test_mesh_is_closed_and_keeps_what_was_asked(yamada: Design, radius: float, asked: float) -> None:
-    for part in (skin_part(bent(yamada, radius)), cast_skin(bent(yamada, radius))):
+def test_mesh_is_closed_and_keeps_what_was_asked(radius: float, asked: float) -> None:
+    design = few_ridges(skin={"curvature_radius_y": radius})
+    for part in (skin_part(design), cast_skin(design)):
         shape = mesh(part, asked)
         seen = measure(part, shape, asked)
         assert seen.watertight
@@ -137,12 +132,12 @@ def test_corners_lie_on_the_true_surface_of_a_sphere(yamada: Design) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("relative", "least", "most"), [(True, 1.5, 5.0), (False, 0.0, 1.5)])
 def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
-    yamada: Design, relative: bool, least: float, most: float
+    relative: bool, least: float, most: float
 ) -> None:
     """By default its tolerance is relative: measured 2.9 times the asked one, 0.8 where it is absolute."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
-    part, tolerance = skin_part(bent(yamada, 30.0)), 5e-3
+    part, tolerance = skin_part(few_ridges(skin={"curvature_radius_y": 30.0})), 5e-3
     shape = unchecked_solid(part)  # `solid` may be kept, with a finer mesh that another test left on it
     BRepMesh_IncrementalMesh(shape.wrapped, tolerance, relative, 0.5, False)
     corners, faces = shape.tessellate(tolerance, 0.5)  # reads the mesh that is there
@@ -151,13 +146,13 @@ def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
     assert measure(part, mesh(part, tolerance), tolerance).deviation <= 1.1 * tolerance
 
 
-@pytest.mark.slow
-def test_skin_is_symmetric_about_both_planes(yamada: Design) -> None:
-    plain = yamada.with_(slot=None, film=None, contact={"film": None})
-    box = solid(skin_part(bent(plain, 30.0))).BoundingBox(1e-6)
+def test_skin_is_symmetric_about_both_planes() -> None:
+    few = few_ridges(skin={"curvature_radius_y": 30.0})
+    plain = few.with_(slot=None, film=None, contact={"film": None})
+    box = solid(skin_part(plain)).BoundingBox(1e-6)
     assert box.xmin == pytest.approx(-box.xmax, abs=1e-6)
     assert box.ymin == pytest.approx(-box.ymax, abs=1e-6)
-    where = solid(skin_part(bent(yamada, 30.0))).Center()
+    where = solid(skin_part(few)).Center()
     assert (where.x, where.y) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
@@ -169,28 +164,24 @@ def test_length_is_the_summits_arc_and_ends_point_at_the_axis(yamada: Design) ->
     assert turned.placed(np.array([[1.0, 2.0]]), 0.0).tolist() == [[1.0, 0.0, 2.0]]
 
 
-def test_a_torn_mesh_of_a_revolved_skin_is_seen(yamada: Design) -> None:
+def test_a_torn_mesh_and_a_section_across_the_axis_are_seen(yamada: Design) -> None:
     part = skin_part(bent(yamada, 30.0))
     torn = mesh(part, 0.02)
     torn.vertices[len(torn.vertices) // 2] += [5.0, 0.0, 3.0]
     assert measure(part, torn, 0.02).self_intersections > 0
+    with pytest.raises(KernelError):
+        solid(replace(part, body=replace(body(part), centre=2.0)))
+    with pytest.raises(ValueError, match="moves along its axis only"):
+        swept(part, "z", 5.0, 1e-3)
 
 
-def test_step_file_reads_back_with_the_same_volume(yamada: Design, tmp_path: Path) -> None:
-    import cadquery as cq
-
-    design = bent(yamada, 30.0)
+def test_step_file_reads_back_with_the_same_volume(tmp_path: Path) -> None:
+    design = few_ridges(skin={"curvature_radius_y": 30.0})
     write_step(skin_solid(design), tmp_path / "skin.step")
     again = cq.importers.importStep(str(tmp_path / "skin.step")).val()
     assert again.Volume() == pytest.approx(skin_part(design).volume, rel=1e-9)
     kinds = {face.geomType() for face in skin_solid(design).faces().vals()}
     assert {"TORUS", "CONE", "CYLINDER"} <= kinds
-
-
-def test_a_section_across_the_axis_is_refused_by_the_kernels_check(yamada: Design) -> None:
-    part = skin_part(bent(yamada, 30.0))
-    with pytest.raises(KernelError):
-        solid(replace(part, body=replace(body(part), centre=2.0)))
 
 
 @pytest.mark.parametrize(
@@ -209,15 +200,8 @@ def test_what_cannot_be_revolved_is_refused(yamada: Design, skin: dict, key: str
     assert refused.value.key == key
 
 
-def test_a_revolved_part_is_not_swept_along_a_straight_axis(yamada: Design) -> None:
-    with pytest.raises(ValueError, match="moves along its axis only"):
-        swept(skin_part(bent(yamada, 30.0)), "z", 5.0, 1e-3)
-
-
 UNLIKE = [0.45, 0.5, 0.56]
-either = pytest.mark.parametrize(
-    "few", [skincad.load("yamada-2002", FEW), three_ridges()], ids=["straight", "bent along y"]
-)
+either = pytest.mark.parametrize("few", [few_ridges(), three_ridges()], ids=["straight", "bent along y"])
 
 
 @either
@@ -237,7 +221,7 @@ def test_the_mold_is_as_deep_as_its_highest_ridge(few: Design) -> None:
     assert len(closed.parts) == len(mold(few).parts)
 
 
-@pytest.mark.parametrize("name", RIDGED)
+@pytest.mark.parametrize("name", KINDS)
 def test_the_cavity_shrinks_to_the_part(name: str) -> None:
     """Volume by the cube; the slots' holes are the shims', which don't shrink, and grow with the length."""
     design = skincad.load(name)
@@ -260,12 +244,9 @@ def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Des
         assert (b.thickness, b.depth) == (a.thickness, a.depth)
 
 
-def test_ones_own_shrinkage_goes_before_the_silicones(yamada: Design) -> None:
+def test_a_skins_shrinkage_is_its_own_or_the_silicones(yamada: Design) -> None:
     assert Job(yamada).shrinkage == 0.001
     assert Job(yamada.with_(mold={"shrinkage": 0.0})).shrinkage == 0.0
     assert section(scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.0}))) == section(yamada)
-
-
-def test_what_is_poured_may_pass_a_keys_limit() -> None:
     flat = skincad.load("yamada-2002", ["skin.curvature_radius=1e8"])
     assert scaled_for_shrinkage(flat).skin.curvature_radius == pytest.approx(1e8 / 0.999)

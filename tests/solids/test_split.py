@@ -18,6 +18,7 @@ from skincad.solids.mold import mold
 from skincad.solids.split import closed_edge, path, split_edges, split_height
 
 HALF = 20.0  # mm, of the end plate
+MEET = r"^mold.slit_clearance: neighbouring notches of the comb meet"
 DESIGNS = {
     "upright": ("yamada-2002", {}),
     "tilted": ("yamada-2002-tilted", {}),
@@ -87,17 +88,12 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
         for x, z in segment.points(np.linspace(0, 1, 5)):
             on_arc = abs(x) <= reach + 1e-9
             assert over_base(design, x, z) == pytest.approx(height, abs=1e-9) if on_arc else z == level
-    ends = [
-        polygon(closed_edge(comb, 10.0), 1e-9),
-        polygon(closed_edge([s.reversed() for s in keeper[::-1]], -5.0), 1e-9),
-    ]
-    block = shapely.box(-HALF, -5.0, HALF, 10.0)
-    left = block.difference(shapely.union_all([shapely.Polygon(end) for end in ends]).buffer(1e-7))
+    ends = [closed_edge(comb, 10.0), closed_edge([s.reversed() for s in keeper[::-1]], -5.0)]
+    solid = shapely.union_all([shapely.Polygon(polygon(end, 1e-9)) for end in ends])
+    left = shapely.box(-HALF, -5.0, HALF, 10.0).difference(solid.buffer(1e-7))
     notches = sorted(left.geoms, key=lambda notch: notch.centroid.x)
-    assert len(notches) == len(shape.slots)
-    for notch, slot in zip(
-        notches, sorted(shape.slots, key=lambda s: s.at(0.0, -s.depth / 2).x), strict=True
-    ):
+    slots = sorted(shape.slots, key=lambda s: s.at(0.0, -s.depth / 2).x)
+    for notch, slot in zip(notches, slots, strict=True):
         points = np.array(notch.exterior.coords) - slot.centre
         side, along = points @ slot.normal, points @ slot.direction
         cast_in = design.mold.method == "cast-in"  # a strip stands on the notch's bottom
@@ -110,31 +106,23 @@ def test_notches_lead_from_the_circle_round_each_slot_with_the_clearance(name: s
         assert along.min() < -slot.depth / 2  # the slit is open towards the keeper
 
 
-def test_notches_that_meet_are_refused(yamada: Design) -> None:
-    for change in ({"mold": {"slit_clearance": 0.2}}, {"mold": {"slit_clearance": 0.16}}):
-        wide = yamada.with_(**change)
-        with pytest.raises(InputError, match=r"^mold.slit_clearance: neighbouring notches of the comb meet"):
-            split_edges(wide, section(wide), HALF)
+@pytest.mark.parametrize("clearance", [0.2, 0.16])
+def test_notches_that_meet_are_refused(yamada: Design, clearance: float) -> None:
+    wide = yamada.with_(mold={"slit_clearance": clearance})
+    with pytest.raises(InputError, match=MEET):
+        split_edges(wide, section(wide), HALF)
 
 
 def test_notches_that_touch_within_rounding_are_refused() -> None:
     """0.16 + 0.16 mm apart, 0.2 + 2 x 0.06 wide: rounding once left a tooth of 1e-17 mm between them."""
+    ridge = {"count": 24, "pitch": 1.0, "root_width": 0.75, "tip_width": 0.5, "height": 0.5}
     close = skincad.load("home-printer").with_(
         skin={"curvature_radius": 1280 / 3, "thickness": 4.0},
-        ridge={
-            "count": 24,
-            "pitch": 1.0,
-            "root_width": 0.75,
-            "tip_width": 0.5,
-            "height": 0.5,
-            "tip_fillet": 0.05,
-            "root_fillet": 0.08,
-            "crown": 0.03,
-        },
+        ridge={**ridge, "tip_fillet": 0.05, "root_fillet": 0.08, "crown": 0.03},
         slot={"thickness": 0.2, "depth": 0.25, "offset": 0.16, "elevation": 0.05},
         mold={"slit_clearance": 0.06},
     )
-    with pytest.raises(InputError, match=r"^mold.slit_clearance: neighbouring notches of the comb meet"):
+    with pytest.raises(InputError, match=MEET):
         mold(close)
 
 
