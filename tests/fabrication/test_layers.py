@@ -130,14 +130,20 @@ def test_layers_weigh_what_is_left_beside_pockets(depth: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "few"),
     [
-        pytest.param("yamada-2002", marks=pytest.mark.slow),
-        *(pytest.param(name, marks=pytest.mark.evidence(subject=name)) for name in ("rings-5", "pillars-9")),
+        pytest.param("yamada-2002", ["ridge.count=3"], marks=pytest.mark.slow),
+        *(
+            pytest.param(name, few, marks=pytest.mark.evidence(subject=name))
+            for name, few in (
+                ("rings-5", ["ring.count=2", "skin.width=16"]),
+                ("pillars-9", ["pin.columns=2", "pin.rows=1"]),
+            )
+        ),
     ],
 )
-def test_a_layered_skin_is_made_whole(name: str, tmp_path: Path) -> None:
-    design = skincad.load(name).with_(shot=({**CORE, "bond": "primer"},))
+def test_a_layered_skin_is_made_whole(name: str, few: list[str], tmp_path: Path) -> None:
+    design = skincad.load(name, few).with_(shot=({**CORE, "bond": "primer"},))
     made = skincad.make(design, checked=False)
     assert not [finding for finding in made.findings if finding.severity == "error"]
     skincad.write(made, tmp_path / "out")
