@@ -26,17 +26,10 @@ from skincad.fabrication.patterns import arc_radius
 from skincad.inputs import Design
 from skincad.outputs import PAGE
 from skincad.outputs.drawing.overview import drawing
-from skincad.solids import (
-    ClosedMold,
-    CutRole,
-    Part,
-    PartRole,
-    Prism,
-    RotatedBody,
-)
+from skincad.solids import ClosedMold, CutRole, Part, PartRole, Prism, RotatedBody
 from skincad.solids.mold import mold
 from tests.bent_skin import bent, three_ridges
-from tests.conftest import make_into
+from tests.conftest import files_into
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +163,8 @@ def test_the_drawing_and_the_list_know_the_second_radius(design: Design, closed:
     ],
 )
 def test_the_whole_job_runs(name: str, radius: float, tmp_path: Path) -> None:
-    result = make_into(bent(name, radius), tmp_path / "out")
+    design = bent(name, radius, "ridge.count=3", "skin.width=5", "contact.force=1.5")
+    result = files_into(design, tmp_path / "out", ("step", "3mf", "png", "md"))
     assert result.result.passed
     assert all(p.valid and p.watertight and not p.self_intersections for p in result.parts)
     assert all(p.deviation <= p.asked_deviation for p in result.parts)
