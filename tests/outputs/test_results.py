@@ -23,7 +23,7 @@ from tests.base.test_portable import FILMED
 from tests.small_scene import small_scene
 
 PACKAGE = Path(skincad.__file__).parent
-DEAR = {"make", "simulate", "accuracy", "film_stress"}  # to draw
+DEAR = {"make", "accuracy", "film_stress"}  # to compute
 
 
 def one_ridge() -> skincad.Design:
@@ -58,7 +58,9 @@ COMPUTATIONS: dict[str, Callable[[Path], Result]] = {
     "film_stress": lambda _: skincad.film_stress(skincad.load("yamada-2002", FILMED), 0.4, 0.1, tol=0.5),
 }
 ENTERED = {*COMPUTATIONS}
-every_kind = pytest.mark.parametrize("kind", sorted(ENTERED))
+every_kind = pytest.mark.parametrize(
+    "kind", [pytest.param(k, marks=pytest.mark.slow if k in DEAR else ()) for k in sorted(ENTERED)]
+)
 
 
 class Results(dict[str, Any]):
@@ -108,9 +110,7 @@ def test_a_result_has_words_json_and_a_frame(results: Results, kind: str) -> Non
         result.figure("nothing")
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(k, marks=pytest.mark.slow if k in DEAR else ()) for k in sorted(ENTERED)]
-)
+@every_kind
 def test_a_notebook_shows_words_and_figure(results: Results, kind: str) -> None:
     page = results[kind]._repr_html_()
     assert escape(str(results[kind]).splitlines()[0]) in page
@@ -121,6 +121,10 @@ def test_a_notebook_shows_words_and_figure(results: Results, kind: str) -> None:
 def test_a_frame_has_the_numbers_of_the_result(results: Results) -> None:
     check = results["check"]
     assert list(check.to_frame()["ridge_force_N"]) == [share.value for share in check.ridge_force]
+
+
+@pytest.mark.slow
+def test_a_frame_of_a_make_has_each_number_with_its_unit(results: Results) -> None:
     numbers = results["make"].to_frame().set_index("name")
     skin = results["make"].parts[0]
     assert numbers.loc["parts.skin.volume_mm3", ["value", "unit"]].tolist() == [skin.volume, "mm3"]
@@ -141,7 +145,7 @@ def test_a_notebook_shows_a_design_by_its_section(yamada: skincad.Design) -> Non
     assert "<script" not in drawn
 
 
-@pytest.mark.parametrize("kind", sorted(ENTERED - {"make"}))
+@every_kind
 def test_write_writes_the_files_and_their_manifest(results: Results, kind: str, tmp_path: Path) -> None:
     result = results[kind]
     written = skincad.write(result, tmp_path / "out")
@@ -152,6 +156,7 @@ def test_write_writes_the_files_and_their_manifest(results: Results, kind: str, 
     assert json.loads((tmp_path / "out" / manifest).read_text())["files"] == sorted(result.files())
 
 
+@pytest.mark.slow
 def test_what_will_be_written_is_known_before(results: Results) -> None:
     assert makes.names(one_ridge()) == list(results["make"].files())
     assert gains.names(measured=False) == list(results["gain"].files())
@@ -167,6 +172,7 @@ def test_formats_choose_and_are_told(results: Results, tmp_path: Path) -> None:
     assert not (tmp_path / "other").exists()
 
 
+@pytest.mark.slow
 def test_a_copy_of_a_make_says_that_it_has_no_solids(results: Results) -> None:
     with pytest.raises(RefusedError, match="a copy has no solids"):
         copy.copy(results["make"]).files()
