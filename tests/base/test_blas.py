@@ -61,6 +61,7 @@ for solve in (solve_triangular, np.linalg.solve):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux how much memory is used")
 def test_blas_has_what_it_works_in_before_memory_runs_out() -> None:
     """Else it would ask again for ever, deaf to signals: hence the timeout, of a run that takes a second."""
@@ -93,7 +94,8 @@ def linear(design: Design) -> list[float | None]:
     return [result.approach.value, result.all_touch_force.value, *(e.value for e in result.ridge_force)]
 
 
-@pytest.mark.parametrize(("job", "times"), [pytest.param(linear, 1, marks=pytest.mark.slow), (assembled, 2)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("job", "times"), [(linear, 1), (assembled, 2)])
 def test_two_threads_give_the_numbers_of_one(job: Callable[[Design], object], times: int) -> None:
     designs = pads()
     alone = [job(design) for design in designs]

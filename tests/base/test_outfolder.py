@@ -1,3 +1,7 @@
+"""Files: a folder of results that is replaced as a whole, and when a file was saved."""
+
+from __future__ import annotations
+
 import fcntl
 import json
 import os
@@ -7,7 +11,17 @@ from pathlib import Path
 
 import pytest
 
-from skincad.base import COMMANDS, InputError, RefusedError, checked_folder, files_below, outfolder, replaced
+from skincad.base import (
+    COMMANDS,
+    InputError,
+    RefusedError,
+    checked_folder,
+    files_below,
+    outfolder,
+    replaced,
+    saved,
+    saves,
+)
 
 
 def write(folder: Path, command: str = "make", **texts: str) -> None:
@@ -27,53 +41,49 @@ def test_a_result_appears_whole_and_replaces_the_earlier_one(tmp_path: Path) -> 
     assert [p.name for p in tmp_path.iterdir()] == ["x"]
 
 
-def test_a_persons_own_files_in_the_folder_are_kept(tmp_path: Path) -> None:
-    write(tmp_path / "x", a="1")
-    (tmp_path / "x" / "notes.md").write_text("mine")
+def test_a_persons_own_files_the_folders_mode_and_a_link_to_it_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "x").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "x")
+    write(tmp_path / "link", a="1")
+    assert (tmp_path / "link").is_symlink()
+    (tmp_path / "x" / "b.txt").write_text("mine")  # of a name that we may write another time
     (tmp_path / "x" / "slices").mkdir()
     (tmp_path / "x" / "slices" / "one.gcode").write_text("G1")
     write(tmp_path / "x", a="2")
-    assert contents(tmp_path / "x")["notes.md"] == "mine"
+    assert contents(tmp_path / "x") == {"a.txt": "2", "b.txt": "mine"}
     assert (tmp_path / "x" / "slices" / "one.gcode").read_text() == "G1"
+    assert (tmp_path / "x").stat().st_mode & 0o777 == 0o700
 
 
 def test_a_failure_leaves_the_earlier_result_untouched(tmp_path: Path) -> None:
-    write(tmp_path / "x", a="1")
-    with pytest.raises(RuntimeError), replaced(tmp_path / "x") as staging:
-        (staging / "a.txt").write_text("half")
+    """A full disk's half way, which is an input error, too; of a first run no folder stays."""
+    with pytest.raises(RuntimeError), replaced(tmp_path / "new" / "deeper"):
         raise RuntimeError
-    assert contents(tmp_path / "x") == {"a.txt": "1"}
-    assert [p.name for p in tmp_path.iterdir()] == ["x"]
+    assert not list(tmp_path.iterdir())
+    write(tmp_path / "x", a="1")
+    full = OSError(28, os.strerror(28))
+    for failure, seen, words in ((RuntimeError(), RuntimeError, None), (full, InputError, "No space left")):
+        with pytest.raises(seen, match=words), replaced(tmp_path / "x") as staging:
+            (staging / "a.txt").write_text("half")
+            raise failure
+        assert contents(tmp_path / "x") == {"a.txt": "1"}
+        assert [p.name for p in tmp_path.iterdir()] == ["x"]
 
 
-def test_a_folder_of_other_things_is_refused(tmp_path: Path) -> None:
+def test_a_folder_that_is_in_use_or_cannot_be_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "home").mkdir()
     (tmp_path / "home" / "thesis.tex").write_text("years")
     with pytest.raises(InputError, match="no earlier result"):
         write(tmp_path / "home", a="1")
     assert contents(tmp_path / "home") == {"thesis.tex": "years"}
-
-
-def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
-    (tmp_path / "real").mkdir()
-    (tmp_path / "link").symlink_to(tmp_path / "real")
-    write(tmp_path / "link", a="1")
-    assert (tmp_path / "link").is_symlink()
-    assert contents(tmp_path / "real")["a.txt"] == "1"
-
-
-def test_a_path_through_a_file_is_an_input_error(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match=r"^folder: .*cannot be written"):
-        write(tmp_path / "file" / "x", a="1")
-
-
-def test_a_disk_that_fills_half_way_is_an_input_error_and_changes_nothing(tmp_path: Path) -> None:
-    write(tmp_path / "x", a="1")
-    with pytest.raises(InputError, match="No space left"), replaced(tmp_path / "x") as staging:
-        (staging / "a.txt").write_text("half")
-        raise OSError(28, os.strerror(28))
-    assert contents(tmp_path / "x")["a.txt"] == "1"
+    with pytest.raises(InputError, match="folder: "):
+        checked_folder(tmp_path / ("x" * 300))
+    monkeypatch.chdir(tmp_path / "home")
+    for folder in (Path(), tmp_path):
+        with pytest.raises(InputError, match="the folder you are in"):
+            checked_folder(folder)
 
 
 def stopped_at(move: int, after: bool, interruption: type[BaseException]) -> Callable[[Path, Path], Path]:
@@ -150,34 +160,10 @@ def test_an_interruption_anywhere_leaves_the_old_or_the_new_result(
     raise AssertionError("it never ends")
 
 
-def test_a_folder_keeps_its_mode(tmp_path: Path) -> None:
-    write(tmp_path / "x", a="1")
-    (tmp_path / "x").chmod(0o700)
-    write(tmp_path / "x", a="2")
-    assert (tmp_path / "x").stat().st_mode & 0o777 == 0o700
-
-
-def test_a_users_file_of_a_name_that_we_write_now_is_replaced_only_by_it(tmp_path: Path) -> None:
-    write(tmp_path / "x", a="1")
-    (tmp_path / "x" / "b.txt").write_text("mine")
-    write(tmp_path / "x", a="2")
-    assert contents(tmp_path / "x") == {"a.txt": "2", "b.txt": "mine"}
-
-
-def test_the_folder_one_is_in_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    for folder in (Path(), tmp_path.parent):
-        with pytest.raises(InputError, match="the folder you are in"):
-            checked_folder(folder)
-
-
-def test_a_name_that_is_too_long_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="folder: "):
-        checked_folder(tmp_path / ("x" * 300))
-
-
 def test_what_cannot_be_written_is_known_before_any_work(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"^folder: .*cannot be written"):
+        write(tmp_path / "file" / "x", a="1")
     for folder in (tmp_path / "file" / "x", tmp_path / "file" / "x" / "y", Path("/proc/none/x")):
         with pytest.raises(InputError, match=r"folder: .* cannot be written"):
             checked_folder(folder)
@@ -196,23 +182,18 @@ def test_each_command_replaces_its_own_files_only(tmp_path: Path, first: str, se
     with replaced(tmp_path / "x", second) as staging:
         (staging / f"{second}.txt").write_text("2")
     expected = {f"{first}.txt": "1", f"{first}-more.txt": "1"} if first != second else {}
-    there = contents(tmp_path / "x")
-    assert {name: text for name, text in there.items() if name.endswith(".txt")} == {
-        **expected,
-        f"{second}.txt": "2",
-    }
+    there = {name: text for name, text in contents(tmp_path / "x").items() if name.endswith(".txt")}
+    assert there == {**expected, f"{second}.txt": "2"}
     assert {p.name for p in (tmp_path / "x").glob("*.json")} == {f"{first}.json", f"{second}.json"}
 
 
 def test_a_file_of_another_command_is_not_written_over(tmp_path: Path) -> None:
     write(tmp_path / "x", "make", a="1")
-    for names in (["a.txt"], []):  # known before any work, and else before anything is put in place
-        with pytest.raises(
-            InputError, match=r"a\.txt was not written by skincad, or was changed since; move it away"
-        ):
-            checked_folder(tmp_path / "x", "circuit", names) if names else write(
-                tmp_path / "x", "circuit", a="2"
-            )
+    words = r"a\.txt was not written by skincad, or was changed since; move it away"
+    with pytest.raises(InputError, match=words):  # known before any work
+        checked_folder(tmp_path / "x", "circuit", ["a.txt"])
+    with pytest.raises(InputError, match=words):  # and else before anything is put in place
+        write(tmp_path / "x", "circuit", a="2")
     assert contents(tmp_path / "x") == {"a.txt": "1"}
 
 
@@ -235,12 +216,6 @@ def test_a_number_that_json_has_not_is_refused_and_the_earlier_result_stays(tmp_
             pass
     assert contents(tmp_path / "x") == {"a.txt": "1"}
     assert (tmp_path / "x" / "make.json").read_bytes() == before
-
-
-def test_a_failed_first_run_leaves_no_folder(tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError), replaced(tmp_path / "new" / "deeper"):
-        raise RuntimeError
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_run_that_waits_says_so(
@@ -332,21 +307,10 @@ def test_nothing_is_written_through_what_is_no_folder(tmp_path: Path, what: str)
     assert (tmp_path / "x" / "design").read_text() == "1"
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../victim",
-        "/victim",
-        "solids//b",
-        "./a",
-        "solids/../../victim",
-        "solids/..",
-        "sub/a",
-        "solids/a/b",
-        "",
-        "..",
-    ],
-)
+OUT = ("../victim", "/victim", "solids//b", "./a", "solids/../../victim", "solids/..", "sub/a", "solids/a/b")
+
+
+@pytest.mark.parametrize("name", [*OUT, "", ".."])
 def test_a_manifest_that_leads_out_of_its_folder_is_none(tmp_path: Path, name: str) -> None:
     write(tmp_path / "x", a="1")
     manifest = tmp_path / "x" / "make.json"
@@ -369,3 +333,60 @@ def test_an_interruption_leaves_no_empty_folder(
     whole = after and move == 3
     assert tree(tmp_path / "x") == ({"solids/skin": "2"} if whole else {"film/strips": "1"})
     assert [p.name for p in (tmp_path / "x").iterdir() if p.is_dir()] == ["solids" if whole else "film"]
+
+
+@pytest.fixture
+def acts(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """What is done in each wait, one a wait; when nothing is left the watching is interrupted."""
+    left: list[object] = []
+
+    def sleep(_: float) -> None:
+        if not left:
+            raise KeyboardInterrupt
+        act = left.pop(0)
+        if callable(act):
+            act()
+
+    monkeypatch.setattr(saved, "sleep", sleep)
+    return left
+
+
+def counted(*files: Path) -> int:
+    seen = 0
+    with pytest.raises(KeyboardInterrupt):
+        for _ in saves(files):
+            seen += 1
+    return seen
+
+
+def save(file: Path, text: str, second: int) -> None:
+    file.write_text(text)
+    os.utime(file, (second, second))  # clocks of file systems may stand still between two tests' lines
+
+
+def test_each_save_is_told_once(tmp_path: Path, acts: list[object]) -> None:
+    file = tmp_path / "a.toml"
+    save(file, "a", 1)
+    acts += [None, None, None, lambda: save(file, "b", 2), None, None, None, lambda: save(file, "b", 3)]
+    acts += [None] * 6
+    assert counted(file) == 3
+
+
+def test_a_save_in_two_steps_is_told_when_it_is_whole(tmp_path: Path, acts: list[object]) -> None:
+    file = tmp_path / "a.toml"
+    save(file, "a", 1)
+    texts = []
+    acts += [None, None, lambda: save(file, "half", 2), lambda: save(file, "whole", 3), *[None] * 6]
+    with pytest.raises(KeyboardInterrupt):
+        for _ in saves([file]):
+            texts.append(file.read_text())
+    assert texts == ["a", "whole"]
+
+
+def test_a_file_that_is_being_replaced_is_waited_for(tmp_path: Path, acts: list[object]) -> None:
+    file, other = tmp_path / "a.toml", tmp_path / "printer.toml"
+    save(file, "a", 1)
+    save(other, "p", 1)
+    acts += [None, None, file.unlink, None, lambda: save(file, "b", 2), *[None] * 4]
+    acts += [lambda: save(other, "q", 3), *[None] * 4]
+    assert counted(file, other) == 3

@@ -1,10 +1,14 @@
-"""Errors and results cross processes: pickled, copied or copied deeply they tell a reader the same."""
+"""Errors: a resource that ran out, an argument beyond its limits; how they and results cross processes,
+pickled, copied or copied deeply."""
 
 from __future__ import annotations
 
 import copy
+import errno
+import math
 import multiprocessing
 import pickle
+import weakref
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
@@ -15,9 +19,20 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.base import Estimate, InputError, RefusedError, UnclearError
+from skincad.base import (
+    Estimate,
+    ExhaustedError,
+    InputError,
+    RefusedError,
+    UnclearError,
+    exhausted,
+    require_goals,
+    require_number,
+    resource_guard,
+)
 from skincad.circuit import gain, load_circuit
 from skincad.fabrication import MakeResult, PartReport, warning
+from skincad.inputs import load_design
 from skincad.material import fit_material
 from skincad.mechanics import GrossSlip, LateError, film_stress
 from skincad.scenes import LEVELS, March, at_level, load_scene
@@ -64,17 +79,13 @@ def test_every_error_pickles_and_copies() -> None:
             assert (str(other), other.args, vars(other)) == (str(error), error.args, vars(error)), kind
 
 
-def load_bad(height: float) -> object:
-    return skincad.load("yamada-2002", [f"ridge.height={height}"])
-
-
 @pytest.mark.slow
 def test_a_bad_design_in_a_process_is_an_input_error_in_the_parent() -> None:
-    spawn = multiprocessing.get_context("spawn")
+    spawn, bad = multiprocessing.get_context("spawn"), ("yamada-2002", ["ridge.height=-1.0"])
     with ProcessPoolExecutor(1, mp_context=spawn) as pool, pytest.raises(InputError, match=r"ridge\.height"):
-        pool.submit(load_bad, -1.0).result(timeout=120)
+        pool.submit(load_design, *bad).result(timeout=120)
     with spawn.Pool(1) as workers, pytest.raises(InputError, match=r"ridge\.height") as caught:
-        workers.apply_async(load_bad, (-1.0,)).get(timeout=120)
+        workers.apply_async(load_design, bad).get(timeout=120)
     assert caught.value.key == "ridge.height"
 
 
@@ -93,9 +104,9 @@ def results(folder: Path) -> dict[str, Any]:
     part = PartReport("skin", 1.0, 2.0, 6, True, True, 0, 1e-3, 2e-3)
     finding = warning("sag", "strip 1", 0.2, 0.1, "mm", "take a thicker film")
     measure = ErrorMeasure("rms", "of the gain", "1", "the finest", "by a closed form")
-    ladder = Ladder(
-        "circuit", "a title", (Measurement("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3}),), (measure,)
-    )
+    trial = Measurement("exact", "10", 10, (0.1, 0.2), {"rms": 1e-3})
+    ladder = Ladder("circuit", "a title", (trial,), (measure,))
+    made = {"name": "a", "strict": False, "parts": (part,), "findings": (finding,), "check": check}
     return {
         "estimate": Estimate(1.0, 0.1, "N"),
         "design": design,
@@ -103,15 +114,7 @@ def results(folder: Path) -> dict[str, Any]:
         "circuit": circuit,
         "gain": gain(circuit),
         "check": check,
-        "make": MakeResult(
-            name="a",
-            strict=False,
-            parts=(part,),
-            findings=(finding,),
-            check=check,
-            cavity_volume=1.0,
-            seconds={"total": 1.0},
-        ),
+        "make": MakeResult(**made, cavity_volume=1.0, seconds={"total": 1.0}),
         "accuracy": Accuracy(name="a", ladders=(ladder,), machine={"cores": 2}, repeats=2, seconds=0.3),
         "fit": fit_material(folder / "bar.csv"),
         "film stress": film_stress(skincad.load("yamada-2002", FILMED), 0.4, tol=0.5),
@@ -126,12 +129,79 @@ def test_every_result_pickles_and_copies(tmp_path: Path) -> None:
             other = way(result)
             assert type(other) is type(result), name
             assert str(told(other)) == str(told(result)), name
+        if name == "simulation":  # a march leaves the library of finite elements behind
+            march = pickle.loads(pickle.dumps(result.march))
+            assert isinstance(march, March)
+            assert result.march.pad is not None
+            assert march.pad is None
+            assert not march.states
 
 
-def test_a_march_leaves_the_fe_library_behind(tmp_path: Path) -> None:
-    run = at_level(small_scene(tmp_path, "yamada-2002-press", *FEW), LEVELS[0]).march
-    other = pickle.loads(pickle.dumps(run))
-    assert isinstance(other, March)
-    assert run.pad is not None
-    assert other.pad is None
-    assert not other.states
+RAN_OUT = [
+    (MemoryError(), "memory"),
+    (OSError(errno.ENOMEM, "Cannot allocate memory"), "memory"),
+    (RuntimeError("std::bad_alloc"), "memory"),
+    (ImportError("libTKernel.so: failed to map segment from shared object"), "memory"),
+    (RuntimeError("can't start new thread"), "threads or processes"),
+    (OSError(errno.EMFILE, "Too many open files"), "open files"),
+    (OSError(errno.ENOSPC, "No space left on device"), "space on the disk"),
+]
+ELSE = [
+    InputError("-o", "cannot be written (Cannot allocate memory)"),
+    RefusedError("std::bad_alloc"),
+    RuntimeError("Factor is exactly singular"),
+    ImportError("libGL.so.1: cannot open shared object file: No such file or directory"),
+    FileNotFoundError(errno.ENOENT, "No such file or directory"),
+    ZeroDivisionError(),
+]
+
+
+@pytest.mark.parametrize(("failure", "resource"), RAN_OUT, ids=str)
+def test_a_resource_that_ran_out_is_told_by_its_name(failure: Exception, resource: str) -> None:
+    assert exhausted(failure) == resource
+    with (
+        pytest.raises(ExhaustedError, match=f"the mesh needs more {resource} than there is"),
+        resource_guard("the mesh"),
+    ):
+        raise failure
+
+
+@pytest.mark.parametrize("failure", ELSE, ids=lambda error: type(error).__name__)
+def test_no_other_failure_is_taken_for_it(failure: Exception) -> None:
+    assert exhausted(failure) == ""
+    with pytest.raises(type(failure)) as passed, resource_guard("the mesh"):
+        raise failure
+    assert passed.value is failure
+
+
+class _Large:
+    """What a computation holds when it runs out."""
+
+
+def test_what_ran_out_is_given_back() -> None:
+    """The error that goes on keeps nothing of the computation alive, so that there is room to go on."""
+    seen: list[weakref.ref[_Large]] = []
+
+    def compute() -> None:
+        large = _Large()
+        seen.append(weakref.ref(large))
+        raise MemoryError
+
+    with pytest.raises(ExhaustedError) as refusal, resource_guard("the mesh"):
+        compute()
+    assert seen[0]() is None
+    assert str(pickle.loads(pickle.dumps(refusal.value))) == str(refusal.value)
+
+
+def test_a_tolerance_is_a_share_and_a_budget_a_time() -> None:
+    for tol, budget in ((None, None), (1e-9, 1e-9), (0.999, 1e9)):
+        require_goals(tol, budget, "0.05")
+    for tol in (0.0, 1.0, -0.1, math.nan):
+        with pytest.raises(InputError, match=r"tol: must be between 0 and 1.*try 0\.05"):
+            require_goals(tol, 1.0, "0.05")
+    for budget in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(InputError, match="budget: must be above 0 s"):
+            require_goals(0.1, budget, "0.05")
+    for value in ("2 N", None, True, [2.0]):
+        with pytest.raises(InputError, match="force: must be a number"):
+            require_number("force", value, lambda _: True, "must be anything")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import platform
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -49,26 +50,20 @@ class Clock:
         return self.told[-1][1]
 
 
-def test_at_first_it_is_the_sum_of_what_is_expected() -> None:
+def test_a_countdown_goes_by_prices_and_what_was_spent_of_them() -> None:
     assert Clock().at(0.0, "a") == pytest.approx(35.0)
-
-
-def test_a_machine_twice_as_slow_takes_twice_as_long() -> None:
+    # a machine twice as slow takes twice as long
     clock = Clock()
     clock.at(0.0, "a")
     slower = (PRIOR + 20.0) / (PRIOR + 10.0)
     assert clock.at(20.0, "b") == pytest.approx(slower * 25.0)
     both = (PRIOR + 60.0) / (PRIOR + 30.0)
     assert clock.at(60.0, "c") == pytest.approx(both * 5.0)
-
-
-def test_a_stage_that_is_left_out_is_passed_over() -> None:
+    # a stage that is left out is passed over
     clock = Clock()
     clock.at(0.0, "a")
     assert clock.at(10.0, "c") == pytest.approx(5.0)
-
-
-def test_a_stage_that_is_not_known_says_no_time() -> None:
+    # one that is not known says no time
     clock = Clock()
     clock.at(0.0, "a")
     assert clock.at(10.0, "x") is None
@@ -88,30 +83,15 @@ def best(seconds: list[float], errors: list[float]) -> list[int]:
 
 
 def test_the_front_holds_what_nothing_beats_in_both() -> None:
-    seconds = [4.0, 1.0, 2.0, 3.0, 1.0]
-    errors = [0.1, 1.0, 0.5, 0.6, 2.0]
-    assert best(seconds, errors) == [1, 2, 0]  # by time; the trials of 3 s, and of 1 s and 2.0, are beaten
-
-
-@pytest.mark.parametrize("second", [1.0, 2.0])
-def test_of_two_equal_trials_one_is_on_the_front(second: float) -> None:
-    assert best([1.0, second], [0.5, 0.5]) == [0]
-
-
-def test_every_trial_is_on_or_behind_the_front() -> None:
-    random = np.random.default_rng(1)
-    seconds, errors = random.random((2, 50)).tolist()
+    # by time; the trials of 3 s, and of 1 s and 2.0, are beaten
+    assert best([4.0, 1.0, 2.0, 3.0, 1.0], [0.1, 1.0, 0.5, 0.6, 2.0]) == [1, 2, 0]
+    for second in (1.0, 2.0):  # of two equal trials one
+        assert best([1.0, second], [0.5, 0.5]) == [0]
+    seconds, errors = np.random.default_rng(1).random((2, 50)).tolist()
     front = best(seconds, errors)
     assert all(errors[b] < errors[a] for a, b in pairwise(front))
     for s, e in zip(seconds, errors, strict=True):
         assert any(seconds[i] <= s and errors[i] <= e for i in front)
-
-
-def test_slope_is_the_exponent() -> None:
-    seconds = [0.1, 1.0, 10.0]
-    assert slope(seconds, [3 * s**-1.5 for s in seconds]) == pytest.approx(-1.5)  # rounding
-    assert slope(seconds, [0.0, 1.0, 1.0]) == pytest.approx(0.0, abs=1e-12)  # 0 has no logarithm
-    assert slope([1.0, 1.0], [1.0, 2.0]) is None
 
 
 def laws(sizes: list[int], seconds: list[float]) -> dict[str, Any]:
@@ -119,7 +99,11 @@ def laws(sizes: list[int], seconds: list[float]) -> dict[str, Any]:
     return Ladder("x", "x", tuple(trials), (ALL,)).laws()
 
 
-def test_a_law_of_time_is_found_again() -> None:
+def test_a_law_of_time_is_found_with_its_exponent_and_scatter() -> None:
+    seconds = [0.1, 1.0, 10.0]
+    assert slope(seconds, [3 * s**-1.5 for s in seconds]) == pytest.approx(-1.5)  # rounding
+    assert slope(seconds, [0.0, 1.0, 1.0]) == pytest.approx(0.0, abs=1e-12)  # 0 has no logarithm
+    assert slope([1.0, 1.0], [1.0, 2.0]) is None
     sizes = [1000, 5000, 20000]
     law = laws(sizes, [2e-6 * n**1.3 for n in sizes])["a"]
     assert (law.factor, law.exponent) == pytest.approx((2e-6, 1.3))
@@ -127,9 +111,6 @@ def test_a_law_of_time_is_found_again() -> None:
     assert law.scatter == pytest.approx(1.0)
     assert laws([1000, 1000, 1000], [1.0, 2.0, 3.0]) == {}  # one size
     assert laws([1000, 2000], [1.0, 1.0]) == {}  # two
-
-
-def test_scatter_tells_how_far_times_lie_off_the_law() -> None:
     law = laws([1, 10, 100, 1000], [2.0, 0.5, 2.0, 0.5])["a"]
     assert 1.5 < law.scatter < 2.0  # ratios of 2 about a law that the fit tilts a little
 
@@ -159,10 +140,8 @@ def test_times_compare_at_matched_error() -> None:
     assert ladder.matched(replace(ALL, floor=0.01)) == {0.1: [rough, other]}
     assert ladder.matched(MINE) == {}
     assert replace(ladder, lines=False).matched(ALL) == {}
-    assert ladder.reference()["at_matched_error"]["all"][1] == {
-        "error": 0.01,
-        "seconds": {"b": 2.0, "a": 3.0},
-    }
+    matched = ladder.reference()["at_matched_error"]["all"][1]
+    assert matched == {"error": 0.01, "seconds": {"b": 2.0, "a": 3.0}}
 
 
 def test_rows_carry_median_spread_and_the_first_measure() -> None:
@@ -171,17 +150,15 @@ def test_rows_carry_median_spread_and_the_first_measure() -> None:
     assert (row["seconds"], row["spread_s"], row["repeats"]) == (2.0, 4.0, 3)
     assert row["error"] is None
     assert row["errors"] == {"all": 0.5}
-
-
-def test_short_work_is_warmed_up_and_repeated() -> None:
+    # short work is warmed up and repeated
     calls: list[int] = []
 
     def work() -> int:
         calls.append(1)
         return len(calls)
 
-    found, runs = timed(work, 3)
-    assert (found, len(runs)) == (4, 3)
+    last, runs = timed(work, 3)
+    assert (last, len(runs)) == (4, 3)
 
 
 @pytest.fixture(scope="module")
@@ -229,9 +206,10 @@ def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plai
     assert callable(ladder_of(name).ladder)
 
 
-def test_an_unknown_ladder_is_refused_with_what_was_meant() -> None:
+def test_an_unknown_ladder_is_refused_and_all_models_are_on_that_of_contact() -> None:
     with pytest.raises(InputError, match="ladders: unknown ladder, got 'contcat'; did you mean 'contact'"):
         ladder_of("contcat")
+    assert sorted(contact.ORDER) == sorted(MODELS)
 
 
 @pytest.fixture(scope="module")
@@ -312,45 +290,30 @@ def pressed(plain: Design) -> Ladder:
         return answer
 
 
-def test_the_contact_ladder_tries_every_model_of_the_table() -> None:
-    assert sorted(contact.ORDER) == sorted(MODELS)
-
-
 @CONTACT
-def test_every_model_is_on_the_contact_ladder(pressed: Ladder) -> None:
+def test_every_model_is_on_the_contact_ladder_and_errs_less_by_finer_meshes(pressed: Ladder) -> None:
     assert_whole(pressed)
     assert not pressed.skipped
     assert {trial.model for trial in pressed.trials} == {
         "winkler", "reduced", "linear", "finite-strain", "solid", "corrected", *contact.BEST[:2],
     }  # fmt: skip
-
-
-@CONTACT
-def test_higher_orders_cost_and_gain(pressed: Ladder) -> None:
+    # higher orders cost and gain
     for model in ("linear", "finite-strain"):
         trials = [trial for trial in pressed.trials if trial.model == model]
         lower, higher = trials[:2]
         assert higher.unknowns > lower.unknowns
         assert higher.errors["mesh F9"] < lower.errors["mesh F9"]
         assert higher.errors["mesh approach"] < lower.errors["mesh approach"]
-
-
-@CONTACT
-def test_no_mesh_buys_what_a_model_leaves_out(pressed: Ladder) -> None:
-    """The linear model's whole error is its model's: finer meshes leave it within a twentieth."""
+    # The linear model's whole error is its model's: finer meshes leave it within a twentieth
     whole = errors(pressed, "linear", "whole approach")
     assert max(whole) < 1.05 * min(whole)
     for measure in ("whole F9", "whole approach"):
         assert errors(pressed, "corrected", measure)[0] < min(errors(pressed, "linear", measure))
         assert errors(pressed, "corrected", measure)[0] < errors(pressed, "winkler", measure)[0]
-
-
-@CONTACT
-def test_the_reference_is_named_with_its_own_error(pressed: Ladder) -> None:
-    whole = next(measure for measure in pressed.measures if measure.name == "whole F9")
-    assert whole.reference.startswith("solid-finite-strain")
-    assert 0 < whole.floor < 0.05  # its stated error: the mesh that was asked
-    assert not next(m for m in pressed.measures if m.name == "mesh F9").compares
+    measures = {measure.name: measure for measure in pressed.measures}
+    assert measures["whole F9"].reference.startswith("solid-finite-strain")
+    assert 0 < measures["whole F9"].floor < 0.05  # its stated error: the mesh that was asked
+    assert not measures["mesh F9"].compares
 
 
 @CONTACT
@@ -430,9 +393,8 @@ def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch
     with replaced(folder, "make") as staging:
         (staging / "skin.step").write_text("solid")
     before = {path.name for path in folder.iterdir()}
-    done = run_skincad(
-        "accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "--json", cwd=tmp_path
-    )
+    words = ("accuracy", "plain-ridges", "--ladder", "circuit", "--repeats", "1", "--json")
+    done = run_skincad(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     assert all(row["seconds"] > 0 for row in data["rows"])
@@ -441,13 +403,8 @@ def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch
     assert done.stderr == ""
     assert (folder / "skin.step").read_text() == "solid"
     assert {Path(file["path"]).name for file in data["files"]} == {"accuracy.csv", "accuracy-circuit.png"}
-    assert {path.name for path in folder.iterdir()} - before == {
-        "accuracy.csv",
-        "accuracy-circuit.png",
-        "accuracy.json",
-    }
-    import platform
-
+    new = {path.name for path in folder.iterdir()} - before
+    assert new == {"accuracy.csv", "accuracy-circuit.png", "accuracy.json"}
     assert not platform.node() or platform.node() not in json.dumps(data["machine"])
     assert data["machine"]["cores"] >= 1
     rows = list(csv.DictReader((folder / "accuracy.csv").open()))
@@ -476,14 +433,11 @@ def test_bad_input_is_one_line_and_touches_nothing(
     assert not any(tmp_path.iterdir())
 
 
-def test_methods_differ_without_colour() -> None:
-    assert len({marker for _, marker, _ in STYLES}) == len(STYLES)
-    assert len({str(dashes) for _, _, dashes in STYLES}) == len(STYLES)
-
-
 @pytest.mark.slow
 def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
-    """A trial more is ink more, in grey; a ladder without any is a picture that says so."""
+    """A trial more is ink more, in grey; a ladder without any is a picture that says so. Methods differ by
+    marker and dashes."""
+    assert len({marker for _, marker, _ in STYLES}) == len({str(d) for _, _, d in STYLES}) == len(STYLES)
     measure = ErrorMeasure("all", "error", "1", "the truth", "")
     trials = tuple(
         Measurement("a", f"{i}", i, (10.0**-i, 2 * 10.0**-i), {"all": 10.0 ** (i - 5)}) for i in range(4)

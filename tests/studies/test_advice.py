@@ -40,12 +40,8 @@ def changes(design: Design) -> tuple[Change, ...]:
 
 def test_each_change_passes_alone_and_is_hardly_larger_than_it_has_to_be() -> None:
     answer = changes(plain())
-    assert [c.key for c in answer] == [
-        "ridge.levelling",
-        "skin.curvature_radius",
-        "material.young_modulus",
-        "skin.length",
-    ]
+    keys = ["ridge.levelling", "skin.curvature_radius", "material.young_modulus", "skin.length"]
+    assert [change.key for change in answer] == keys
     for change in answer:
         again = check(changed(plain(), {change.key: change.after}), model="winkler")  # type: ignore[arg-type]
         assert again.passed
@@ -70,8 +66,11 @@ def test_what_is_refused_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "skin.length" not in [c.key for c in changes(plain())]
 
 
-def test_what_never_passes_is_no_change() -> None:
-    assert changes(plain(0.01)) == ()  # by more than a factor of 8
+def test_what_never_passes_is_no_change_and_said_last() -> None:
+    first, last = advising(plain(0.01), check(plain(0.01), model="winkler"))
+    assert (first.changes, last.changes) == (None, ())  # by more than a factor of 8
+    assert len(advice_lines(first)) == 1
+    assert advice_lines(last)[1:] == ["  would pass     no single change that was tried"]
 
 
 def test_the_modulus_keeps_its_range() -> None:
@@ -102,22 +101,17 @@ def test_a_named_silicone_is_changed_to_another_one(force: float) -> None:
     assert str(change) == f"material.name dragon-skin-30 -> {change.after}"
 
 
-def test_that_no_silicone_is_soft_enough_is_a_note() -> None:
-    advised = advise(named(0.05), check(named(0.05), model="winkler"))
-    assert not any(change.key.startswith("material.") for change in advised.changes or ())
-    (note,) = advised.changes_notes
+def test_no_silicone_is_a_note() -> None:
+    answer = advised(named(0.05))
+    assert not any(change.key.startswith("material.") for change in answer.changes or ())
+    (note,) = answer.changes_notes
     assert note.startswith("no silicone in the list was found soft enough: it takes about 0.0")
-    assert advice_lines(advised)[-1] == f"  note           {note}"
-    assert advised.as_json()["changes_notes"] == [note]
-
-
-def test_a_silicone_that_strains_too_much_is_not_called_too_hard() -> None:
-    """ecoflex-00-50 is soft enough, but the closed form's range ends before the strain that it needs."""
+    assert advice_lines(answer)[-1] == f"  note           {note}"
+    assert answer.as_json()["changes_notes"] == [note]
+    # ecoflex-00-50 is soft enough, but the closed form's range ends before the strain that it needs
     design = skincad.load("plain-ridges").with_(contact={"force": 1.0})
-    (note,) = advise(design, check(design, model="winkler")).changes_notes
-    assert note.startswith(
-        "it takes about 0.18 MPa; the winkler model can't confirm that the design passes with"
-    )
+    (note,) = advised(design).changes_notes
+    assert note.startswith("it takes about 0.18 MPa; the winkler model can't confirm that the design passes")
 
 
 @pytest.mark.slow
@@ -137,11 +131,6 @@ def test_advice_in_no_time_is_estimated_and_says_so() -> None:
     whole = advise(plain(2.0), check(plain(2.0), model="winkler"), budget=1e6)
     assert whole.as_json()["changes_searched"] == "complete"
     assert all(change.model == "" for change in whole.changes or ())
-
-
-def test_changes_are_a_list_in_json_always() -> None:
-    verdict = check(plain(8.0), model="winkler")
-    assert (verdict.as_json()["changes"], verdict.as_json()["changes_searched"]) == ([], None)
 
 
 def test_heights_of_ones_own_are_not_levelled_as_well() -> None:
@@ -169,7 +158,8 @@ def test_finite_elements_advise_what_they_let_pass_themselves() -> None:
     assert told.changes
     assert "mm below the highest" in told.cause
     for change in told.changes:
-        assert check(changed(design, {change.key: change.after}), model="linear").passed  # type: ignore[arg-type]
+        after = changed(design, {change.key: change.after})
+        assert check(after, model="linear", tol=0.05).passed  # type: ignore[arg-type]
 
 
 def test_advice_is_for_designs_that_fail() -> None:
@@ -178,6 +168,8 @@ def test_advice_is_for_designs_that_fail() -> None:
     assert (answer.passed, answer.changes, answer.cause) == (True, None, "")
     with pytest.raises(InputError, match="not on plain-ridges"):
         advise(design, check(skincad.load("yamada-2002"), model="winkler"))
+    data = check(design, model="winkler").as_json()
+    assert (data["changes"], data["changes_searched"]) == ([], None)
 
 
 def test_advice_is_told_line_by_line() -> None:
@@ -192,13 +184,6 @@ def test_advice_is_told_line_by_line() -> None:
     assert details(steps[-1]) == [*number_lines(steps[-1]), *rows[-1]]
     assert rows[-1][0].startswith("  cause          the lowest crest")
     assert rows[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
-
-
-def test_that_nothing_would_pass_is_told_last() -> None:
-    first, last = advising(plain(0.01), check(plain(0.01), model="winkler"))
-    assert (first.changes, last.changes) == (None, ())
-    assert len(advice_lines(first)) == 1
-    assert advice_lines(last)[1:] == ["  would pass     no single change that was tried"]
 
 
 KEYS = ("ridge.count=3", "skin.width=5.0", "contact.force=0.001")

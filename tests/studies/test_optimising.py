@@ -88,6 +88,8 @@ def test_a_study_is_no_design_and_a_design_no_study() -> None:
         skincad.load_design("my-printer")
     with pytest.raises(InputError, match="did you mean 'my-printer'"):
         load_study("my-printr")
+    with pytest.raises(InputError, match="did you mean 'approach'"):
+        optimise(study(objectives=[{"key": "aproach"}]))
 
 
 HERE = np.array([0.5])
@@ -123,6 +125,10 @@ def test_the_worse_end_counts_and_limits_are_parts_of_their_bounds() -> None:
     most = weighing(objectives=[{"key": "all_touch_force", "goal": "max"}])
     assert most.told(HERE, CHEAP, "search").losses.tolist() == [-1.5]
     assert weighing(robust=False).told(HERE, CHEAP, "search").losses.tolist() == [2.0]
+    both = weighing(constraints=[{"key": "margin", "at_least": 2.0, "at_most": 2.2}])
+    answer = both.member({"skin.thickness": 7.0}, JUDGED, "corrected")
+    assert answer.constraints == {"margin_N": (JUDGED["margin_N"], False)}
+    assert answer.objectives == {"all_touch_force_N": JUDGED["all_touch_force_N"]}
 
 
 def test_a_judge_moves_a_models_numbers_by_a_factor_and_a_margin_by_a_difference() -> None:
@@ -136,9 +142,7 @@ def test_a_judge_moves_a_models_numbers_by_a_factor_and_a_margin_by_a_difference
     assert again.losses == pytest.approx([3.5], rel=1e-12)
     assert again.limits == pytest.approx([(2.0 - 1.25) / 2.0], rel=1e-12)
     assert one.told(HERE, CHEAP, "guide").losses.tolist() == [2.5]  # of another model nothing is known
-
-
-def test_what_judge_and_model_say_alike_keeps_its_own_error() -> None:
+    # what judge and model say alike keeps its own error
     one = weighing()
     one.correct(one.member({}, CHEAP, "linear"), CHEAP, "search")
     assert not one.differs
@@ -155,25 +159,12 @@ def test_what_is_refused_or_not_told_has_no_loss() -> None:
         weighing(constraints=[{"key": "margn", "at_least": 2.0}]).told(HERE, CHEAP, "search")
 
 
-def test_a_member_tells_which_limits_it_keeps() -> None:
-    both = weighing(constraints=[{"key": "margin", "at_least": 2.0, "at_most": 2.2}])
-    answer = both.member({"skin.thickness": 7.0}, JUDGED, "corrected")
-    assert answer.constraints == {"margin_N": (JUDGED["margin_N"], False)}
-    assert answer.objectives == {"all_touch_force_N": JUDGED["all_touch_force_N"]}
-
-
-def test_members_that_keep_their_limits_come_first_and_one_objective_has_one_best() -> None:
-    broken, worse, best = (
-        member({"a": 1.0}, 0.5, kept=False),
-        member({"a": 2.0}, 3.0),
-        member({"a": 3.0}, 2.0),
-    )
+def test_members_that_keep_their_limits_come_first_and_what_nothing_beats_is_a_front() -> None:
+    worse, best = member({"a": 2.0}, 3.0), member({"a": 3.0}, 2.0)
+    broken = member({"a": 1.0}, 0.5, kept=False)
     one = weighing()
     assert one.ordered([broken, worse, best]) == [best, worse, broken]
     assert one.pareto_front([best, worse]) == [best]
-
-
-def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
     two = weighing(objectives=[{"key": "all_touch_force"}, {"key": "approach"}])
 
     def at(force: float, approach: float) -> Member:
@@ -182,9 +173,7 @@ def test_of_several_objectives_all_that_nothing_beats_is_a_front() -> None:
 
     first, second, beaten = at(1.0, 3.0), at(2.0, 1.0), at(2.0, 3.5)
     assert two.pareto_front([first, second, beaten]) == [first, second]
-    middle = [
-        at(1.0 + share, 3.0 - 2.0 * share) for share in (0.1, 0.4, 0.2)
-    ]  # the first few cover the front
+    middle = [at(1.0 + s, 3.0 - 2.0 * s) for s in (0.1, 0.4, 0.2)]  # the first few cover the front
     assert two.pareto_front([first, *middle, second]) == [first, second, middle[1], middle[2], middle[0]]
 
 
@@ -206,31 +195,28 @@ def study(**changes: Any) -> Study:
     return Study(**{**plain, **changes})
 
 
+BAR: list[tuple[str, int]] = []
+
+
 @pytest.fixture(scope="module")
 def few() -> Optimisation:
-    return optimise(study(evaluations=40))
+    """Forty evaluations; what its bar told is in BAR."""
+    return optimise(study(evaluations=40), tick=lambda stage, step, _=None, /: BAR.append((stage, step)))
 
 
 @OPTIMA
 def test_the_best_is_no_worse_than_a_fine_grids() -> None:
-    grid = sweep(
-        skincad.load_design("lab-bench"),
-        {
-            "ridge.levelling": (0.0, 0.6, 13),
-            "skin.thickness": (6.0, 10.0, 5),
-            "skin.curvature_radius": (90.0, 200.0, 12),
-        },
-        model="winkler",
-    )
+    vary = {"ridge.levelling": (0.0, 0.6, 13), "skin.thickness": (6.0, 10.0, 5)}
+    vary |= {"skin.curvature_radius": (90.0, 200.0, 12)}
+    grid = sweep(skincad.load_design("lab-bench"), vary, model="winkler")
     allowed = [
         row.results["approach_mm"].upper or 0.0
         for row in grid.rows
         if (row.results["all_touch_force_N"].upper or np.inf) <= 3.0
     ]
     (best,) = optimise(study()).front
-    assert (best.objectives["approach_mm"].upper or np.inf) <= 1.005 * min(
-        allowed
-    )  # what 200 evaluations leave
+    approach = best.objectives["approach_mm"].upper or np.inf
+    assert approach <= 1.005 * min(allowed)  # what 200 evaluations leave
     force, kept = best.constraints["all_touch_force_N"]
     assert kept
     assert (force.upper or np.inf) <= 3.0
@@ -260,14 +246,9 @@ def test_without_robustness_the_value_counts() -> None:
 
 def test_a_varied_key_may_be_an_objective() -> None:
     """The most curved pad that needs 3 N at most: at the least radius where the rest can still help."""
-    optimisation = optimise(
-        study(
-            objectives=[{"key": "skin.curvature_radius"}],
-            vary={**VARY, "skin.curvature_radius": "40:200"},
-            evaluations=60,
-        )
-    )
-    (best,) = optimisation.front
+    vary = {**VARY, "skin.curvature_radius": "40:200"}
+    goals = [{"key": "skin.curvature_radius"}]
+    (best,) = optimise(study(objectives=goals, vary=vary, evaluations=60)).front
     assert best.objectives["skin.curvature_radius"].value == best.values["skin.curvature_radius"]
     assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
 
@@ -294,23 +275,23 @@ def test_a_number_may_have_a_limit_on_either_side() -> None:
 
 
 def test_what_nothing_keeps_is_said_with_the_nearest() -> None:
-    none = optimise(study(constraints=[{"key": "all_touch_force", "at_most": 0.01}], evaluations=40))
+    rows: list[str] = []
+    limits = [{"key": "all_touch_force", "at_most": 0.01}]
+    none = optimise(study(constraints=limits, evaluations=15), tick=lambda stage, *_: rows.append(stage))
     assert not none.feasible
     assert none.closest is not None
     assert "no design that was judged keeps all constraints" in str(none)
     assert "BROKEN" in str(none)
+    assert rows[-1] == "none allowed so far"
 
 
 @OPTIMA
 def test_several_objectives_have_a_front() -> None:
     goals = [{"key": "approach"}, {"key": "all_touch_force", "goal": "min"}]
     several = optimise(study(objectives=goals, constraints=[], evaluations=240))
-    told = np.array([[float(each) for each in member.objectives.values()] for member in several.front])
-    assert len(told) >= 3
-    order = np.argsort(told[:, 0])
-    upper = np.array([[each.upper or 0.0 for each in m.objectives.values()] for m in several.front])
+    upper = np.array([[goal.upper or 0.0 for goal in m.objectives.values()] for m in several.front])
+    assert len(upper) >= 3
     assert np.all(np.diff(upper[np.argsort(upper[:, 0]), 1]) <= 0)  # less of one is more of the other
-    assert len(order) == len(several.front)
 
 
 @pytest.mark.slow
@@ -326,23 +307,10 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert half.evaluations == len(lines) - len(lines) // 2
 
 
-def test_the_bar_tells_the_best_so_far() -> None:
-    rows: list[tuple[str, int]] = []
-    optimisation = optimise(
-        study(evaluations=40), tick=lambda stage, step, _=None, /: rows.append((stage, step))
-    )
-    assert [step for _, step in rows] == sorted(step for _, step in rows)
-    last = float(rows[-1][0].removeprefix("best approach "))
-    assert last == pytest.approx(optimisation.front[0].objectives["approach_mm"].upper, rel=1e-3)  # as shown
-    none = optimise(
-        study(evaluations=10, constraints=[{"key": "all_touch_force", "at_most": 0.001}]),
-        tick=lambda stage, step, _=None, /: rows.append((stage, step)),
-    )
-    assert not none.feasible
-    assert rows[-1][0] == "none allowed so far"
-
-
-def test_json_has_the_contracts_keys(few: Optimisation) -> None:
+def test_the_bar_and_json_tell_the_best(few: Optimisation) -> None:
+    assert [step for _, step in BAR] == sorted(step for _, step in BAR)
+    last = float(BAR[-1][0].removeprefix("best approach "))
+    assert last == pytest.approx(few.front[0].objectives["approach_mm"].upper, rel=1e-3)  # as shown
     data = json.loads(json.dumps(few.as_json(), allow_nan=False))
     assert {"front", "evaluations", "reused", "seconds"} <= data.keys()
     assert {"values", "objectives", "constraints"} <= data["front"][0].keys()
@@ -403,9 +371,8 @@ def test_shape_and_amplifier_are_found_together(judge: str, monkeypatch: pytest.
     # 80 mm has too little left of 4 N, so that the radius ends where the limit is just kept: within what a
     # third of the evaluations leave after the judge has moved it last
     assert margin.value == pytest.approx(1.0, abs=0.1)
-    assert float(value_of(scene, "circuit.amplifier.feedback_resistance") or 0) == pytest.approx(
-        1e8, rel=0.15
-    )
+    resistance = float(value_of(scene, "circuit.amplifier.feedback_resistance") or 0)
+    assert resistance == pytest.approx(1e8, rel=0.15)
 
 
 def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -420,15 +387,9 @@ def test_a_search_over_an_amplifier_marches_once(monkeypatch: pytest.MonkeyPatch
     )
     assert optimisation.feasible
     assert len(marches) == 1
-    evaluate = query.evaluate
-    again = evaluate(optimisation.subject, {"history.steps": 500}, query.Query("simulate"))
+    again = query.evaluate(optimisation.subject, {"history.steps": 500}, query.Query("simulate"))
     assert again.results
     assert len(marches) == 2
-
-
-def test_a_misspelt_key_is_told_at_once() -> None:
-    with pytest.raises(InputError, match="did you mean 'approach'"):
-        optimise(study(objectives=[{"key": "aproach"}]))
 
 
 @pytest.mark.evidence(subject="amplifier-for-slip")

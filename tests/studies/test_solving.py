@@ -1,18 +1,22 @@
-"""The search for values: roots of a function, the least change of several numbers, and solving."""
+"""The search for values: roots of a function, the least change of several numbers, solving, its command."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import skincad
-from skincad.base import Array, InputError, RefusedError
+from skincad.base import Array, Estimate, InputError, RefusedError
+from skincad.cli import run
 from skincad.inputs import silicones
-from skincad.studies import Solution, solve, value_of
+from skincad.outputs import write_solution
+from skincad.studies import Evaluation, Query, Solution, SolutionPoint, solve, value_of
 from skincad.studies.roots import CLOSE, STEP, search
 from skincad.studies.solving import STARTS, least_change
 
@@ -38,39 +42,41 @@ def test_a_monotone_function_is_solved_in_seven_evaluations(name: str) -> None:
     assert x == pytest.approx(root, abs=2e-3)  # EXACT over the smallest slope, relative, of the three
 
 
-def test_all_crossings_are_found() -> None:
+def test_all_crossings_are_found_a_pair_by_its_extremum() -> None:
     match = search(lambda x: math.sin(9 * x), 0.5, 5e-4, 40)
     by_hand = [(math.asin(0.5) + turn) / 9 for turn in (0, 2 * math.pi)]
     by_hand += [(math.pi - math.asin(0.5) + turn) / 9 for turn in (0, 2 * math.pi)]
     # an error of 5e-4 over the slope there, 9 cos(asin 0.5)
     assert match.roots == pytest.approx(sorted(by_hand), abs=5e-4 / 7)
-
-
-def test_a_pair_between_two_evaluations_is_found_by_the_extremum() -> None:
     match = search(lambda x: (x - 0.4) ** 2, 0.01, 1e-5, 40)
     assert match.roots == pytest.approx([0.3, 0.5], abs=1e-4)  # 1e-5 over the slope 0.2, doubled
     touching = search(lambda x: (x - 0.37) ** 2, 0.0, 1e-6, 40)
     assert touching.roots == pytest.approx([0.37], abs=1e-3)  # the root of the tolerance
 
 
-def test_a_guide_of_the_same_shape_takes_three_evaluations() -> None:
+def test_a_guide_saves_evaluations_and_a_wrong_one_misleads_nobody() -> None:
     match = search(lambda x: (1 + 0.3 * x) * (0.05 + x) ** -1.5, 5.0, 0.02, 40, lambda x: (0.05 + x) ** -1.5)
     assert len(match.seen) <= 3
     assert len(match.roots) == 1
 
+    # one shows crossings that a few evaluations do not
+    def guide(x: float) -> float:
+        return 2 + math.sin(9 * x)
 
-def test_a_guide_shows_crossings_that_a_few_evaluations_do_not() -> None:
-    match = search(
-        lambda x: (1 + 0.3 * x) * (2 + math.sin(9 * x)), 2.3, 2e-3, 40, lambda x: 2 + math.sin(9 * x)
-    )
+    match = search(lambda x: (1 + 0.3 * x) * guide(x), 2.3, 2e-3, 40, guide)
     assert len(match.roots) == 3
     assert len(match.seen) <= 9
-
-
-def test_a_guide_that_is_wrong_misleads_nobody() -> None:
+    # a wrong one misleads nobody
     match = search(lambda x: 3 * x + 1, 2.0, 1e-3, 40, lambda x: math.exp(-3 * x))
     assert match.exact
     assert match.roots == pytest.approx([1 / 3], abs=1e-3)
+
+    # holes of a guide are filled, one of no sign is left out
+    def holes(x: float) -> float | None:
+        return None if x > 0.8 else 1 + x
+
+    assert search(lambda x: 2 + 2 * x, 3.0, 1e-3, 40, holes).roots == pytest.approx([0.5], abs=1e-3)
+    assert search(lambda x: 2 * x, 1.0, 1e-3, 40, lambda x: x - 0.3).roots == pytest.approx([0.5], abs=1e-3)
 
 
 def test_a_guide_that_vanishes_tells_no_ratio_there() -> None:
@@ -81,26 +87,12 @@ def test_a_guide_that_vanishes_tells_no_ratio_there() -> None:
     assert (low, high) == pytest.approx((0.43 / 2.68, 0.97 / 2.68), rel=0.1)  # the guide's own slope
 
 
-def test_a_guide_with_holes_is_filled_and_one_of_no_sign_is_left_out() -> None:
-    def holes(x: float) -> float | None:
-        return None if x > 0.8 else 1 + x
-
-    assert search(lambda x: 2 + 2 * x, 3.0, 1e-3, 40, holes).roots == pytest.approx([0.5], abs=1e-3)
-    assert search(lambda x: 2 * x, 1.0, 1e-3, 40, lambda x: x - 0.3).roots == pytest.approx([0.5], abs=1e-3)
-
-
-def test_a_jump_is_told_and_is_no_root() -> None:
+def test_jumps_ends_and_missing_values() -> None:
     match = search(lambda x: 0.0 if x < 0.3 else 1.0, 0.5, 1e-3, 40)
     assert not match.roots
     assert match.jumps == pytest.approx([0.3], abs=CLOSE)
-
-
-def test_where_there_is_no_value_the_end_of_values_is_approached() -> None:
     match = search(lambda x: None if x < 0.55 else 1 / (x - 0.5), 12.0, 0.05, 40)
     assert match.roots == pytest.approx([0.5 + 1 / 12], abs=1e-3)  # 0.05 over the slope 144, doubled
-
-
-def test_no_value_anywhere_and_none_that_is_wanted() -> None:
     nothing = search(lambda _: None, 1.0, 1e-3, 40)
     assert (nothing.roots, nothing.exact, len(nothing.seen)) == ([], True, 9)
     above = search(lambda x: 1 + x, 3.0, 1e-3, 40)
@@ -109,16 +101,12 @@ def test_no_value_anywhere_and_none_that_is_wanted() -> None:
     guided = search(lambda x: 1 + x, 9.0, 1e-3, 40, lambda x: 1 + 0.9 * x)
     assert (guided.roots, guided.exact) == ([], True)
     assert guided.seen[1.0] == 2.0
-
-
-def test_a_root_at_an_end_counts_and_a_constant_is_one_root() -> None:
     assert search(lambda x: 3 * x, 3.0, 1e-3, 40).roots == [1.0]
     assert len(search(lambda _: 1.0, 1.0, 1e-3, 40).roots) == 1
-
-
-def test_what_is_used_up_is_said() -> None:
     match = search(lambda x: math.sin(9 * x), 0.5, 5e-4, 6)
     assert (match.exact, len(match.seen)) == (False, 6)
+    for most in range(1, 5):
+        assert not search(lambda x: 1 + x, 9.0, 1e-3, most, lambda _: 1.0, step=STEP).complete
 
 
 def shapes(seed: int) -> list[Function]:
@@ -156,15 +144,12 @@ def test_no_hidden_value_is_denied_by_a_guide_that_sees_nothing(seeds: range) ->
 
 def test_a_sharp_extremum_beside_an_end_is_not_denied() -> None:
     for top in np.linspace(0.01, 0.11, 6):
-        for rise, fall in ((1, 1), (3, 1), (1, 3), (6, 1)):
-            match = search(
-                lambda x, top=top, rise=rise, fall=fall: 4 - (rise if x < top else fall) * abs(x - top),
-                4.0 - 0.007,
-                0.008,
-                40,
-                step=STEP,
-            )
-            assert match.roots, (top, rise, fall)
+        for up, down in ((1, 1), (3, 1), (1, 3), (6, 1)):
+
+            def peak(x: float, top: float = top, up: int = up, down: int = down) -> float:
+                return 4 - (up if x < top else down) * abs(x - top)
+
+            assert search(peak, 4.0 - 0.007, 0.008, 40, step=STEP).roots, (top, up, down)
 
 
 @pytest.mark.parametrize("seeds", [range(2), pytest.param(range(2, 8), marks=SEEDS)], ids=["few", "many"])
@@ -181,12 +166,7 @@ def test_what_is_denied_is_nowhere_and_both_ends_were_looked_at(seeds: range) ->
                 assert len(match.seen) >= 5
 
 
-def test_a_search_that_runs_out_is_not_complete() -> None:
-    for most in range(1, 5):
-        assert not search(lambda x: 1 + x, 9.0, 1e-3, most, lambda _: 1.0, step=STEP).complete
-
-
-def test_a_value_beside_an_end_that_is_apart_is_found() -> None:
+def test_a_value_beside_an_end_or_in_a_narrow_stretch_is_found() -> None:
     """As where levelling of 0 is none at all: what holds beside it holds not there."""
 
     def apart(x: float) -> float:
@@ -197,8 +177,6 @@ def test_a_value_beside_an_end_that_is_apart_is_found() -> None:
     assert denied.complete
     assert not denied.roots
 
-
-def test_a_narrow_stretch_with_values_is_looked_at_where_a_guide_has_them() -> None:
     def narrow(x: float) -> float | None:
         return 3 * x if 0.3 < x < 0.33 else None
 
@@ -251,28 +229,22 @@ def test_out_of_reach_gives_the_closest() -> None:
     assert answer.best is None
     assert answer.closest == pytest.approx([1.0, 1.0, 1.0], abs=1e-6)
 
-
-def test_a_start_without_values_is_left_for_one_with() -> None:
+    # a start without values is left for one with
     def function(place: Array) -> Array | None:
         return None if place[0] < 0.4 else line(place)
 
     answer = least_change(function, np.full(3, 0.2), np.array([2.0]), np.array([1e-3]), 60)
     assert answer.best is not None
     assert answer.best[0] >= 0.4
-
-
-def test_no_values_at_all_end_soon() -> None:
+    # no values at all end soon; no more is evaluated than allowed
     answer = least_change(lambda _: None, np.full(3, 0.2), np.array([2.0]), np.array([1e-3]), 60)
     assert (answer.best, answer.closest, len(answer.seen)) == (None, None, 1 + STARTS)
-
-
-def test_no_more_is_evaluated_than_allowed() -> None:
     answer = least_change(line, np.full(3, 0.2), np.array([2.0]), np.array([1e-3]), 3)
     assert len(answer.seen) == 3
 
 
 DESIGN = skincad.load_design("yamada-2002")
-PLAIN = skincad.load_design("plain-ridges")
+PLAIN = skincad.load_design("plain-ridges", ["ridge.count=3", "skin.width=5.0"])
 CIRCUIT = skincad.load_circuit("transimpedance")
 
 
@@ -283,46 +255,38 @@ def quick(target: dict[str, float], vary: dict[str, Any], **options: Any) -> Sol
 def test_a_value_gives_what_was_wanted_when_it_is_asked_anew() -> None:
     answer = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
     (one,) = answer.solutions
-    again = skincad.check(
-        DESIGN.with_(skin={"curvature_radius": one.values["skin.curvature_radius"]}), model="winkler"
-    )
-    assert again.all_touch_force == one.reached["all_touch_force_N"]
-    assert again.all_touch_force.value == pytest.approx(1.5, rel=TOL)
-    assert answer.solved == DESIGN.with_(
-        skin=dict(DESIGN.skin) | {"curvature_radius": one.values["skin.curvature_radius"]}
-    )
+    radius = float(one.values["skin.curvature_radius"])
+
+    def force(radius: float) -> Estimate:
+        return skincad.check(DESIGN.with_(skin={"curvature_radius": radius}), model="winkler").all_touch_force
+
+    assert force(radius) == one.reached["all_touch_force_N"]
+    assert force(radius).value == pytest.approx(1.5, rel=TOL)
+    assert answer.solved == DESIGN.with_(skin={"curvature_radius": radius})
     assert answer.feasible
-
-
-def test_the_interval_is_where_the_error_leaves_it_open() -> None:
-    answer = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)})
-    (one,) = answer.solutions
+    # the interval is where the error leaves it open, by the cubics through a few evaluations
     low, high = one.interval["skin.curvature_radius"]
-    assert 20 <= low < float(one.values["skin.curvature_radius"]) < high <= 200
-    error = one.reached["all_touch_force_N"].error or 0.0
-    ends = [
-        skincad.check(DESIGN.with_(skin={"curvature_radius": end}), model="winkler").all_touch_force.value
-        or 0.0
-        for end in (low, high)
-        if end not in (20, 200)
-    ]
+    assert 20 <= low < radius < high <= 200
+    ends = [end for end in (low, high) if end not in (20, 200)]
     assert ends
-    for end in ends:  # by the cubics through a few evaluations
-        assert abs(end - 1.5) == pytest.approx(error, rel=0.05)
+    for end in ends:
+        error = one.reached["all_touch_force_N"].error or 0.0
+        assert abs((force(end).value or 0.0) - 1.5) == pytest.approx(error, rel=0.05)
+    data = answer.as_json()
+    assert {"name", "target", "vary", "solutions", "evaluations", "feasible", "seconds"} <= data.keys()
+    assert data["target"] == {"all_touch_force_N": 1.5}
+    assert data["vary"] == {"skin.curvature_radius": [20, 200]}
+    assert {"values", "reached", "nearest"} <= data["solutions"][0].keys()
 
 
 def test_several_numbers_change_least() -> None:
-    vary = {
-        "skin.curvature_radius": (20, 200),
-        "material.young_modulus": (0.1, 2.0),
-        "skin.thickness": (2, 8),
-    }
+    vary = {"skin.curvature_radius": (20, 200), "skin.thickness": (2, 8)}
+    vary |= {"material.young_modulus": (0.1, 2.0)}
     answer = quick({"all_touch_force": 1.5}, vary)
     (one,) = answer.solutions
     assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
-    assert all(
-        one.values[key] != start for key, start in (("skin.curvature_radius", 60), ("skin.thickness", 4))
-    )
+    assert one.values["skin.curvature_radius"] != 60
+    assert one.values["skin.thickness"] != 4
     assert one.nearest["material.name"]
     two = quick({"all_touch_force": 1.5, "approach": 0.15}, vary)
     (both,) = two.solutions
@@ -348,12 +312,10 @@ def test_a_number_is_solved_for_each_choice() -> None:
         assert one.reached["all_touch_force_N"].value == pytest.approx(1.5, rel=TOL)
     frame = answer.to_frame()
     assert list(frame["material.name"]) == names
-    assert list(frame["skin.curvature_radius_mm"]) == [
-        one.values["skin.curvature_radius"] for one in answer.solutions
-    ]
-    assert list(frame["all_touch_force_N.error"]) == [
-        one.reached["all_touch_force_N"].error for one in answer.solutions
-    ]
+    columns = zip(frame["skin.curvature_radius_mm"], frame["all_touch_force_N.error"], strict=True)
+    for one, (radius, error) in zip(answer.solutions, columns, strict=True):
+        assert one.values["skin.curvature_radius"] == radius
+        assert one.reached["all_touch_force_N"].error == error
 
 
 def test_out_of_reach_says_how_near_any_value_comes() -> None:
@@ -361,9 +323,8 @@ def test_out_of_reach_says_how_near_any_value_comes() -> None:
     assert not answer.feasible
     assert answer.closest is not None
     assert answer.closest.values == {"skin.curvature_radius": 200.0}
-    assert "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is" in str(
-        answer
-    )
+    words = "no skin.curvature_radius from 20 to 200 mm gives all_touch_force 0.1 N. The nearest is"
+    assert words in str(answer)
     assert "200 mm" in str(answer)
     assert str(answer).endswith("Next: look further: widen a range of --vary, or vary another key.")
     assert answer.to_frame().empty
@@ -401,18 +362,13 @@ def test_a_resonance_between_wide_steps_is_found() -> None:
     assert solve(follower, {"gain_dB.last": 3.5}, vary).feasible
 
 
-@pytest.mark.slow  # about seven evaluations of a second
+@pytest.mark.slow  # about seven evaluations
 def test_a_number_that_only_the_better_model_tells_is_solved_for() -> None:
-    solution = solve(
-        PLAIN, {"modulus_sensitivity": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear"
-    )  # 3.8 N/MPa at its own 60 mm; the closed form's result has no such number
-    assert solution.feasible
-
-
-@pytest.mark.slow
-def test_a_number_that_no_model_tells_is_refused_with_the_nearest() -> None:
+    """The closed form's result has no such number. One that no model tells is refused with the nearest."""
+    vary = {"skin.curvature_radius": (40, 120)}
+    assert solve(PLAIN, {"modulus_sensitivity": 0.5}, vary, model="linear").feasible
     with pytest.raises(InputError, match="did you mean 'modulus_sensitivity'"):
-        solve(PLAIN, {"modulus_sensitivty": 3.0}, {"skin.curvature_radius": (40, 120)}, model="linear")
+        solve(PLAIN, {"modulus_sensitivty": 0.5}, vary, model="linear")
 
 
 @pytest.mark.parametrize(
@@ -446,14 +402,6 @@ def test_circuits_and_scenes_are_solved_too() -> None:
     assert solution.feasible or "the result has no cutoff_Hz at any value" in told
 
 
-def test_json_has_the_contracts_keys() -> None:
-    data = quick({"all_touch_force": 1.5}, {"skin.curvature_radius": (20, 200)}).as_json()
-    assert {"name", "target", "vary", "solutions", "evaluations", "feasible", "seconds"} <= data.keys()
-    assert data["target"] == {"all_touch_force_N": 1.5}
-    assert data["vary"] == {"skin.curvature_radius": [20, 200]}
-    assert {"values", "reached", "nearest"} <= data["solutions"][0].keys()
-
-
 @pytest.mark.parametrize(
     ("target", "vary", "options", "says"),
     [
@@ -461,12 +409,7 @@ def test_json_has_the_contracts_keys() -> None:
         ({"all_touch_force": 1.0}, {}, {}, "names no key"),
         ({"all_touch_forc": 1.0}, {"skin.length": (8, 12)}, {}, "did you mean 'all_touch_force'"),
         ({"all_touch_force": float("nan")}, {"skin.length": (8, 12)}, {}, "must be finite"),
-        (
-            {"all_touch_force": 1.0, "approach": 1.0},
-            {"skin.length": (8, 12)},
-            {},
-            "as many numbers as keys are varied",
-        ),
+        ({"all_touch_force": 1.0, "approach": 1.0}, {"skin.length": (8, 12)}, {}, "as many numbers as keys"),
         ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"tol": 0.0}, "between 0 and 1"),
         ({"all_touch_force": 1.0}, {"skin.length": (8, 12)}, {"evaluations": 0}, "at least 1"),
         ({"all_touch_force": 1.0}, {"ridge.count": (1, 999)}, {}, "combinations of choices"),
@@ -482,3 +425,79 @@ def test_what_can_not_be_asked_is_said(
 def test_a_model_is_a_designs() -> None:
     with pytest.raises(InputError, match="is for a design"):
         solve(CIRCUIT, {"cutoff": 800.0}, {"amplifier.gain": (1e3, 1e5)}, model="linear")
+
+
+RADIUS = "--vary skin.curvature_radius=20:200 --tier winkler"
+SOLVE = f"solve yamada-2002 {RADIUS} --target"
+
+
+def said(capsys: pytest.CaptureFixture[str], command: str) -> tuple[int, str]:
+    status = run(command.split())
+    return status, capsys.readouterr().out
+
+
+def test_solve_tells_the_value_and_writes_the_design(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy, picture = tmp_path / "solved.toml", tmp_path / "solved.png"
+    status, text = said(capsys, f"{SOLVE} all_touch_force=1.5 -o {copy} --picture {picture}")
+    assert status == 0
+    assert text.startswith("yamada-2002: skin.curvature_radius ")
+    assert "gives all_touch_force 1.5 N." in text
+    assert text.splitlines()[-1] == f"Next: `skincad check {copy}` judges it by more accurate models."
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    written = copy.read_text()
+    assert "# solved for all_touch_force 1.5 N" in written
+    assert "# Fig" in written or "# paper" in written  # the template's own comments stay
+    solved = skincad.load_design(copy)
+    assert skincad.check(solved, model="winkler").all_touch_force.value == pytest.approx(1.5, rel=5e-3)
+    shipped = skincad.load_design("yamada-2002")
+    assert solved.with_(skin=dict(shipped.skin)) == shipped
+    with pytest.raises(InputError, match="exists already"):
+        run(f"{SOLVE} approach=1 -o {copy}".split())
+
+
+def test_solve_without_a_solution_is_status_1_and_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = tmp_path / "solved.toml"
+    assert said(capsys, f"{SOLVE} all_touch_force=0.1 -o {copy}")[0] == 1
+    assert not copy.exists()
+
+
+def test_solve_prints_one_object(capsys: pytest.CaptureFixture[str]) -> None:
+    status, text = said(capsys, f"{SOLVE} all_touch_force=1.5 --json")
+    data = json.loads(text)
+    assert (status, data["feasible"], data["file"]) == (0, True, None)
+
+
+def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scene's own keys, and those of its skin, which then stands in it."""
+    scene = skincad.load_scene("yamada-2002-press")
+    for values in ({"effects.friction.coefficient": 0.3}, {"skin.ridge.height": 0.45}):
+        one = SolutionPoint(values=values, reached={}, interval={}, nearest={}, passed=None)
+        rest = {"closest": None, "evaluations": tuple[Evaluation](), "notes": (), "seconds": 0.0}
+        wanted = {"target": {"steps": 1.0}, "knobs": (), "solutions": (one,), **rest}
+        solution = Solution(subject=scene, question=Query("simulate"), **wanted)
+        path = tmp_path / f"{next(iter(values))}.toml"
+        write_solution(solution, path, "yamada-2002-press")
+        assert skincad.load_scene(path).design == solution.solved.design  # type: ignore[union-attr]
+        assert skincad.load_scene(path).effects == solution.solved.effects  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (f"--target all_touch_force {RADIUS}", "target: must be KEY=VALUE"),
+        (f"--target all_touch_force=a {RADIUS}", "must be a number"),
+        (f"--target all_touch_force=nan {RADIUS}", "must be finite"),
+        ("--target approach=1 --vary skin.length", "vary: must be KEY=LOW:HIGH"),
+        ("--target approach=1 --vary skin.lenth=8:12", "did you mean 'length'"),
+        ("--target approach=1 --vary material.name=all --picture x.png", "one key with a range"),
+    ],
+)
+def test_bad_words_of_solve_are_one_line(arguments: str, says: str) -> None:
+    with pytest.raises(InputError) as refused:
+        run(f"solve yamada-2002 {arguments}".split())
+    assert says in str(refused.value).replace("--", "")
+    assert "\n" not in str(refused.value)

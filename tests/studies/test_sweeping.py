@@ -14,6 +14,7 @@ import pytest
 
 import skincad
 from skincad.base import Estimate, InputError
+from skincad.cli import run
 from skincad.outputs import pareto, sweep_csv, sweep_names, sweep_page
 from skincad.studies import Evaluation, SweepResult, model_error, points_of, sweep
 from skincad.studies.sweeping import OWN, difference_error, ranking
@@ -285,3 +286,58 @@ def test_scenes_and_circuits_are_swept_too() -> None:
 def test_what_can_not_be_asked_is_said(vary: dict[str, Any], options: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         sweep(DESIGN, vary, **{"model": "winkler", **options})
+
+
+SWEEP = "sweep yamada-2002 --tier winkler --vary skin.length=8:14:4"
+
+
+def said(capsys: pytest.CaptureFixture[str], command: str) -> tuple[int, str]:
+    status = run(command.split())
+    return status, capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = f"{SWEEP} -o {tmp_path / 'out'}"
+    status, text = said(capsys, rows)
+    assert status == 0
+    assert "4 evaluations, 0 reused" in text
+    assert "smallest 1" not in text
+    assert "smallest 1" in said(capsys, f"{rows} --verbose")[1]
+    data = json.loads(said(capsys, f"{rows} --json")[1])
+    assert (data["evaluations"], data["reused"]) == (0, 4)
+    assert {Path(file["path"]).name for file in data["files"]} >= {"sweep.csv", "study.html", "effects.png"}
+    data = json.loads(said(capsys, f"{rows} --json --fresh --rank approach=max")[1])
+    assert (data["evaluations"], data["reused"]) == (4, 0)
+    assert data["ranked_by"] == [{"key": "approach_mm", "goal": "max"}]
+
+
+def test_a_sweep_of_refused_rows_alone_is_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    status, text = said(capsys, f"sweep yamada-2002 --vary skin.width=1,2 --tier winkler -o {out}")
+    assert status == 1
+    assert "2 refused" in text
+
+
+def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = f"{SWEEP} -o {tmp_path / 'out'}"
+    said(capsys, rows)
+    log = tmp_path / "out" / "evaluations.jsonl"
+    before = log.read_bytes()
+    for wrong in ("--tier lineer", "--force -1", "--rank x=least"):
+        with pytest.raises(InputError):
+            run(f"{rows} --fresh {wrong}".split())
+        assert log.read_bytes() == before
+    said(capsys, f"{rows} --fresh")
+    assert log.read_bytes().startswith(before)  # asked anew, and nothing that was finished is lost
+    assert len(log.read_bytes().splitlines()) == 8
+
+
+def test_a_foreign_folder_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine.txt").write_text("keep")
+    monkeypatch.setattr("skincad.sweep", None)
+    with pytest.raises(InputError, match="holds files"):
+        run(f"{SWEEP} -o {tmp_path}".split())
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
