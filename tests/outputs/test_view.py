@@ -6,7 +6,6 @@ import base64
 import json
 import re
 import zlib
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ import pytest
 
 import skincad
 from skincad.base import RefusedError
-from skincad.fabrication import Job, opening_steps
+from skincad.fabrication import Job, mesh, opening_steps, print_chord
 from skincad.mechanics import ContactCheck
 from skincad.outputs import view
 from tests.outputs.browser import Seen, shown
@@ -27,7 +26,7 @@ DESIGNS = {
     "yamada-2002": ("yamada-2002", []),
     "steep-fingertip": ("steep-fingertip", []),
     "gripper-pad": ("gripper-pad", []),
-    "bent": ("yamada-2002", ["skin.curvature_radius_y=200"]),
+    "bent": ("yamada-2002", ["skin.curvature_radius_y=200", "ridge.count=3"]),
 }
 
 
@@ -38,10 +37,10 @@ def check_of(name: str) -> ContactCheck:
 
 
 def page_of(name: str, folder: Path) -> Path:
-    """The page of one of DESIGNS, with the skin under its load where it is straight."""
-    result = skincad.make(skincad.load(*DESIGNS[name]), preview=True)
-    judged = replace(result, build=replace(result.built(), check=check_of(name)))
-    skincad.write(judged, folder, formats="html")
+    """The page of one of DESIGNS as make has it, with the skin under its load where it is straight."""
+    job = Job(skincad.load(*DESIGNS[name]))
+    meshes = {part.name: mesh(part, print_chord(job.design)) for part in job.closed.parts}
+    (folder / "view.html").write_text(view.view_page(job, meshes, check_of(name), "Passes."), "utf-8")
     return folder / "view.html"
 
 
@@ -62,10 +61,9 @@ def rim(picture: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return page_of("three ridges", tmp_path_factory.mktemp("view") / "made")
+    return page_of("three ridges", tmp_path_factory.mktemp("view"))
 
 
-@pytest.mark.slow
 def test_every_part_is_there_as_it_is_printed(file: Path) -> None:
     closed = Job(skincad.load(*DESIGNS["three ridges"])).closed
     parts = {part["name"]: part for part in data(file)["parts"]}
@@ -77,7 +75,7 @@ def test_every_part_is_there_as_it_is_printed(file: Path) -> None:
         assert volume == pytest.approx(part.volume, rel=5e-3)  # chords of what is small and round
 
 
-@pytest.mark.parametrize("name", ["yamada-2002", "bent"])
+@pytest.mark.parametrize("name", ["three ridges", "bent"])
 def test_the_steps_carry_the_sheets_words_and_move_what_leaves(name: str) -> None:
     job = Job(skincad.load(*DESIGNS[name]))
     for step in opening_steps(job):
@@ -140,7 +138,7 @@ BROWSED = [
 
 @pytest.mark.parametrize("name", BROWSED)
 def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
-    file = page_of(name, tmp_path / "made")
+    file = page_of(name, tmp_path)
     assert file.stat().st_size <= LARGEST
     with shown(file) as seen:
         page = seen.page

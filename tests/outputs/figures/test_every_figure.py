@@ -27,6 +27,7 @@ from skincad.mechanics import sensitivities
 from skincad.outputs import Axes, diagram, gain_figure, sheet
 from skincad.outputs.figures import canvas, results, scenes
 from skincad.outputs.figures import design as pictures
+from skincad.scenes import LEVELS, at_level
 from skincad.studies import ErrorMeasure, Ladder, Measurement
 from tests.families import RIDGED
 from tests.small_scene import THIRD, small_scene
@@ -132,13 +133,21 @@ def ladder() -> canvas.Picture:
     )
 
 
+@cache
+def pulled(folder: Path) -> Any:
+    """Three ridges monitored, the third of them read, and each slips."""
+    few = ("history.steps=24", THIRD, *FEW, "readout.ridges=[1, 2, 3]")
+    simulation = at_level(small_scene(folder, "steady-pull", *few), LEVELS[0])
+    error = SimpleNamespace(total=2.5e-4)
+    return replace(simulation, stress_errors=dict.fromkeys((1, 2, 3), error), slip_steps=[2, 4, 6])
+
+
 def many_signals(folder: Path) -> canvas.Picture:
     """All of nine ridges monitored, each with an error, and each slips."""
-    simulation: Any = result("pull", folder)
+    simulation = pulled(folder)
     signals = dict.fromkeys(range(1, 10), simulation.signals[3])
-    error = dict.fromkeys(signals, 2.5e-4)
-    slips = [2 * i for i in signals]
-    return scenes.scene_figure(replace(simulation, signals=signals, error=error, slip_steps=slips))
+    errors, slips = dict.fromkeys(signals, simulation.stress_errors[3]), [2 * i for i in signals]
+    return scenes.scene_figure(replace(simulation, signals=signals, stress_errors=errors, slip_steps=slips))
 
 
 def measured_gain() -> canvas.Picture:
@@ -311,36 +320,28 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
     }
 
 
-def test_dashed_lines_mark_the_slip_of_many_ridges(folder: Path) -> None:
-    """Three told ridges: it was left out from three on."""
-    simulation = result("pull", folder)
-    figure = figures_of("pull", folder)["signals.png"]
-    slips = [step for step in simulation.slip_steps if step is not None]  # type: ignore[attr-defined]
-    panels = figure.axes[1 : 1 + len(simulation.signals)]  # type: ignore[attr-defined]
-    lines = [(line, axes) for axes in panels for line in axes.lines]
-    marks = [line.get_xdata()[0] for line, axes in lines if line.get_transform() != axes.transData]
-    assert marks == slips
+def test_a_panel_for_each_ridge_has_its_differential_stress_slip_and_error(folder: Path) -> None:
+    """A dashed line marks each ridge's slip; only the ridge that is read, 3 of 1, 2, 3, has an error band."""
+    figure = scenes.scene_figure(pulled(folder))
+    panels, signals = figure.axes[1:-1], pulled(folder).signals
+    assert len(panels) == 3 * len(signals)
+    assert "differential stress" in panels[0].get_ylabel()
+    for axes, signal in zip(panels, signals.values(), strict=False):
+        assert np.array_equal(axes.lines[0].get_ydata(), signal.value)
+    lines = [(line, axes) for axes in panels[:3] for line in axes.lines]
+    assert [x.get_xdata()[0] for x, axes in lines if x.get_transform() != axes.transData] == [2, 4, 6]
+    assert_only_ridge_3_has_a_band(figure)
 
 
-def test_the_differential_stress_is_drawn_in_a_panel_for_each_ridge(folder: Path) -> None:
-    simulation = result("pull", folder)
-    axes = figures_of("pull", folder)["signals.png"].axes[1:-1]
-    signals = simulation.signals  # type: ignore[attr-defined]
-    assert len(axes) == 3 * len(signals)
-    assert "differential stress" in axes[0].get_ylabel()
-    for place, signal in zip(axes, signals.values(), strict=False):
-        assert np.array_equal(place.lines[0].get_ydata(), signal.value)
+def test_of_many_ridges_the_one_that_is_read_has_an_error_band(folder: Path) -> None:
+    assert_only_ridge_3_has_a_band(many_signals(folder))
 
 
-def test_only_the_ridge_that_is_read_has_an_error_band(folder: Path) -> None:
-    """Ridge 3 of 1, 2, 3; and of all of nine."""
-    for figure in (figures_of("pull", folder)["signals.png"], many_signals(folder)):
-        panels = figure.axes[1:-1]
-        bands = [i for i, axes in enumerate(panels) if axes.collections]
-        assert bands == [2]
-        assert panels[2].get_title() == "ridge 3, read"
-        (legend,) = [axes.get_legend() for axes in figure.axes[:1]]
-        assert any("error of ridge 3: ±" in text.get_text() for text in legend.get_texts())
+def assert_only_ridge_3_has_a_band(figure: Any) -> None:
+    panels = figure.axes[1:-1]
+    assert [i for i, axes in enumerate(panels) if axes.collections] == [2]
+    assert panels[2].get_title() == "ridge 3, read"
+    assert any("error of ridge 3: ±" in text.get_text() for text in figure.axes[0].get_legend().get_texts())
 
 
 @pytest.mark.parametrize(("count", "panels"), [(1, 1), (2, 2), (9, 9), (10, 5), (40, 8), (999, 9)])
