@@ -1,10 +1,12 @@
-"""A design's keys, the rules between them, its heights, and what is said of a broken one."""
+"""A design's keys, the rules between them, its heights; what all that press a skin say of a bad one."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,12 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skincad
-from skincad.base import LONGEST_LINE, MOST_TOLD, InputError, table_of
+from skincad.base import LONGEST_LINE, MOST_TOLD, InputError, RefusedError, Stopwatch, table_of
 from skincad.fabrication import Job
 from skincad.inputs import Design, load, overridden
+from skincad.material import small_strain_curve
+from skincad.mechanics import film_stresses
 from skincad.outputs import schema_of
+from skincad.scenes import LEVELS, at_level, load_scene
 from skincad.shape import section
 from skincad.solids import scaled_for_shrinkage
+from skincad.studies import scene_on
+from tests.mechanics.designs import yamada
 from tests.refusals import refused, refused_by
 
 
@@ -108,24 +115,20 @@ def test_all_broken_rules_are_told_in_one_line_the_first_as_it_is_alone(yamada: 
         errors = [refused.value, *refused.value.others]
         assert {error.key for error in errors} == set(left)
         assert "\n" not in str(refused.value)
-        assert str(refused.value) == "; besides, ".join([*lines_of(errors)])
+        alone = [str(InputError(error.key, error.rule, error.value, error.remedy)) for error in errors]
+        assert str(refused.value) == "; besides, ".join(alone)
         lines.append(str(refused.value))
         del left[refused.value.key]
     assert all(before.endswith(after) for before, after in pairwise(lines))
 
 
-def lines_of(told: list[InputError]) -> list[str]:
-    return [str(InputError(error.key, error.rule, error.value, error.remedy)) for error in told]
-
-
-def test_no_more_rules_are_told_than_can_be_read(yamada: Design) -> None:
+def test_no_more_rules_are_told_than_can_be_read_and_no_key_is_missing_where_one_is_misspelt(
+    yamada: Design,
+) -> None:
     with pytest.raises(InputError) as refused:
         yamada.with_(ridge={f"key_{i}": 1.0 for i in range(1000)})
     assert len(refused.value.others) == MOST_TOLD - 1
     assert len(str(refused.value)) <= LONGEST_LINE
-
-
-def test_a_key_is_not_missing_where_one_is_misspelt(yamada: Design) -> None:
     data = yamada.model_dump(exclude_none=True)
     data["ridge"]["heigth"] = data["ridge"].pop("height")
     del data["skin"]["length"]
@@ -141,25 +144,16 @@ def test_a_design_is_frozen_and_with_leaves_it_alone(yamada: Design) -> None:
         yamada.ridge.height = 0.7  # type: ignore[misc]
 
 
-def test_overrides_read_toml_values_in_order() -> None:
-    design = load(
-        "yamada-2002",
-        [
-            "ridge.height=0.55",
-            "contact={force = 3.0}",
-            "contact.force=5.0",
-            'name="mine"',
-            "mold.carrier=plain",
-        ],
-    )
+def test_overrides_read_toml_values_in_order(yamada: Design) -> None:
+    settings = ["ridge.height=0.55", "contact={force = 3.0}", "contact.force=5.0", 'name="mine"']
+    design = load("yamada-2002", [*settings, "mold.carrier=plain"])
     assert (design.ridge.height, design.name, design.mold.carrier) == (0.55, "mine", "plain")
     assert design.contact.force == 5.0
     bare = load("yamada-2002", ["film=none", "slot=none", "contact.film=none"])
-    assert bare.slot is None
-    assert bare.film_state == "loose"
-
-
-def test_a_dropped_slot_takes_its_film_along(yamada: Design) -> None:
+    assert (bare.slot, bare.film_state) == (None, "loose")
+    data = {"ridge": {"height": 1.0}}
+    overridden(data, ["ridge.height=2.0"])
+    assert data == {"ridge": {"height": 1.0}}
     for bare in (load("yamada-2002", ["slot=none"]), yamada.with_(slot=None)):
         assert (bare.slot, bare.film, bare.film_state) == (None, None, "loose")
     assert load("yamada-2002", ["film=none"]).film_state == "loose"
@@ -183,12 +177,6 @@ def test_a_malformed_override_is_refused(text: str) -> None:
         load("yamada-2002", [text])
 
 
-def test_overriding_does_not_touch_its_input() -> None:
-    data = {"ridge": {"height": 1.0}}
-    overridden(data, ["ridge.height=2.0"])
-    assert data == {"ridge": {"height": 1.0}}
-
-
 def test_own_values_lie_on_top_of_the_catalog(yamada: Design) -> None:
     named = Job(yamada).silicone
     assert (named.name, named.young_modulus.value, named.density) == ("dragon-skin-30", 0.8, 1080.0)
@@ -199,8 +187,6 @@ def test_own_values_lie_on_top_of_the_catalog(yamada: Design) -> None:
 
 
 numbers = st.floats(allow_nan=True, allow_infinity=True) | st.integers() | st.text(max_size=5) | st.none()
-
-
 single_values = given(
     st.sampled_from([p for p, _ in fields(Design)]), st.one_of(numbers, st.floats(1e-3, 1e3))
 )
@@ -264,9 +250,7 @@ TEXT = f"ridge.heights={UNLIKE}"
          "ridge.crown: must be less than 0.02 mm (the smaller of height of ridge 7 and half tip_width)"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_one_line_with_its_ridge(
-    yamada: Design, ridge: dict[str, Any], message: str
-) -> None:
+def test_what_is_wrong_is_a_line_with_its_ridge(yamada: Design, ridge: dict[str, Any], message: str) -> None:
     with refused(message):
         yamada.with_(ridge=ridge)
 
@@ -275,13 +259,14 @@ def test_all_at_the_same_height_is_the_height(yamada: Design) -> None:
     assert yamada.heights == yamada.with_(ridge={"heights": [0.5] * 9}).heights == (0.5,) * 9
     assert not yamada.with_(ridge={"heights": [0.5] * 9}).uneven
     assert yamada.with_(ridge={"levelling": 0.0}).heights == (0.5,) * 9
+    flat = yamada.with_(skin={"curvature_radius": 1e8}, ridge={"levelling": 1.0})
+    assert flat.heights == pytest.approx([0.5] * 9, abs=1e-7)  # 16 / 2e8 mm of drop at the outer ridges
+    assert flat.heights[0] - 0.5 == pytest.approx(8e-8, rel=1e-6)  # and no digit of it is lost
 
 
 @pytest.mark.parametrize("count", [1, 2, 8, 9])
 @pytest.mark.parametrize("share", [0.3, 1.0])
-def test_levelling_makes_up_for_its_part_of_each_crests_drop(
-    yamada: Design, count: int, share: float
-) -> None:
+def test_levelling_makes_up_for_a_part_of_the_drop(yamada: Design, count: int, share: float) -> None:
     """By the circle of the crests: z = T - R (1 - cos a) + h cos a."""
     design = yamada.with_(ridge={"count": count, "levelling": share})
 
@@ -295,12 +280,6 @@ def test_levelling_makes_up_for_its_part_of_each_crests_drop(
     assert after == pytest.approx(wanted, abs=1e-12)  # rounding of 60 mm times a cosine
     assert design.heights == design.heights[::-1]  # to the last digit: half the pad stands for both
     assert min(design.heights) == 0.5  # the highest stay as they are
-
-
-def test_a_flat_skin_is_level_already(yamada: Design) -> None:
-    flat = yamada.with_(skin={"curvature_radius": 1e8}, ridge={"levelling": 1.0})
-    assert flat.heights == pytest.approx([0.5] * 9, abs=1e-7)  # 16 / 2e8 mm of drop at the outer ridges
-    assert flat.heights[0] - 0.5 == pytest.approx(8e-8, rel=1e-6)  # and no digit of it is lost
 
 
 @pytest.mark.parametrize(
@@ -356,3 +335,86 @@ def test_what_is_poured_is_larger_by_the_shrinkage(yamada: Design) -> None:
         design = yamada.with_(ridge=ridge, mold={"shrinkage": 0.02})
         larger = [height / 0.98 for height in design.heights]
         assert scaled_for_shrinkage(design).heights == pytest.approx(larger, rel=1e-14)
+
+
+def small(**change: dict[str, object]) -> Design:
+    """One ridge, slots full of silicone."""
+    tables = {"skin": {}, "ridge": {}, **change}
+    tables["skin"] = {"width": 3.0, **tables["skin"]}
+    tables["ridge"] = {"count": 1, **tables["ridge"]}
+    return yamada().with_(film=None, contact={"film": "ignored"}, **tables)
+
+
+def by_check(design: Design, force: float, folder: Path) -> str:
+    return skincad.check(design, force=force, model="linear", tol=0.05).out_of_range
+
+
+def by_scene(design: Design, force: float, folder: Path) -> str:
+    """Pressed within eight steps."""
+    (folder / "skin.toml").write_text(design.to_toml())
+    settings = [
+        f"skin={(folder / 'skin.toml').as_posix()!r}",
+        f"history.normal_force_N=[0.0, {force}]",
+        *("history.steps=8", "effects.film=none", "readout.ridges=[]"),
+    ]
+    march = at_level(load_scene("yamada-2002-press", settings), LEVELS[0]).march
+    return march.stopped or "" if march.failed else ""
+
+
+def by_film(design: Design, force: float, folder: Path) -> str:
+    film_stresses(design, force, tol=0.5)
+    return ""
+
+
+def by_fit(design: Design, force: float, folder: Path) -> str:
+    """A pad's curve ends before the force."""
+    last = float(small_strain_curve(design, 0.8, Stopwatch(None)).force[-1])
+    return f"ends at {last:g} N" if last < force else ""
+
+
+def by_ladder(design: Design, force: float, folder: Path) -> str:
+    """The scene that `accuracy` marches, with the design's own force."""
+    march = at_level(scene_on(design.with_(contact={"force": force}), "history.steps=40"), LEVELS[0]).march
+    return march.stopped or "" if march.failed else ""
+
+
+WAYS: dict[str, Callable[[Design, float, Path], str]] = {
+    "check": by_check,
+    "simulate": by_scene,
+    "film stress": by_film,
+    "fit-material": by_fit,
+    "accuracy": by_ladder,
+}
+BAD: dict[str, tuple[dict[str, dict[str, object]], float]] = {
+    "pressed flat": ({}, 1e4),
+    "strained": ({"skin": {"curvature_radius": 4.0, "thickness": 5.0}}, 20.0),
+    "buckled": ({"ridge": {"height": 4.0}, "skin": {"curvature_radius": 6.0}}, 10.0),
+    "more force than there is": ({}, 1e300),
+}
+SLOW = {"fit-material", "film stress"}  # solve a solid, films
+
+
+@pytest.mark.parametrize("case", BAD)
+@pytest.mark.parametrize("way", [pytest.param(w, marks=[pytest.mark.slow] * (w in SLOW)) for w in WAYS])
+def test_each_way_refuses_or_says_that_it_is_beyond(way: str, case: str, tmp_path: Path) -> None:
+    change, force = BAD[case]
+    try:
+        answer = WAYS[way](small(**change), force, tmp_path)
+    except (InputError, RefusedError) as refusal:
+        answer = str(refusal)
+    assert answer, f"{way} takes it"
+
+
+@pytest.mark.parametrize("way", ["check", "simulate", pytest.param("film stress", marks=pytest.mark.slow)])
+def test_a_good_one_is_taken(way: str, tmp_path: Path) -> None:
+    assert WAYS[way](small(), 0.4, tmp_path) == ""
+
+
+@pytest.mark.parametrize("table", ["material", "film"])
+def test_no_stuff_is_taken_as_incompressible_or_beyond(table: str) -> None:
+    """At 0.5 a bulk modulus has no bound, above it is negative."""
+    for ratio in (0.0, 0.3, 0.49):
+        assert yamada().with_(**{table: {"poisson_ratio": ratio}})
+    for wrong in (-0.01, 0.5, 0.51, 1.0):
+        with pytest.raises(InputError, match=rf"^{table}\.poisson_ratio: must be"):
+            yamada().with_(**{table: {"poisson_ratio": wrong}})

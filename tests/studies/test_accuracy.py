@@ -218,17 +218,14 @@ def sampled(small: Design) -> Ladder:
 
 
 @pytest.mark.slow
-def test_holds_converge_at_their_orders(sampled: Ladder) -> None:
+def test_holds_converge_at_their_orders_the_first_order_one_is_exact_for_a_kink(sampled: Ladder) -> None:
     """Zero-order hold 1, the others 2: from 256 to 4096 samples, where higher terms are a few per cent."""
     assert_whole(sampled)
     finer = np.log(circuit.PER_PERIOD[-1] / circuit.PER_PERIOD[-3])
     for hold, order in zip(circuit.HOLDS, (2.0, 1.0, 2.0), strict=True):
         output = errors(sampled, hold, "output")
         assert np.log(output[-3] / output[-1]) / finer == pytest.approx(order, abs=0.05)
-
-
-def test_the_first_order_hold_is_exact_for_a_kink(sampled: Ladder) -> None:
-    """Straight between samples, so only rounding of up to 40 000 steps is left; the others need the rate."""
+    # Straight between samples, so only rounding of up to 40 000 steps is left; the others need the rate
     assert max(errors(sampled, circuit.HOLDS[0], "kink")) < 1e-8
     for hold in circuit.HOLDS[1:]:
         kink = errors(sampled, hold, "kink")

@@ -291,6 +291,7 @@ def test_a_record_gives_each_attribute_once_with_its_own_error() -> None:
     assert "load_N_error" not in numbers
     assert numbers["parts.cavity.volume_mm3"] == Estimate(3.0, None, "mm3")
 
+    @record()
     class Twice(Record):
         first: int = item(key="a")
         second: int = item(key="a")

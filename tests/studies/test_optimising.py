@@ -244,6 +244,7 @@ def test_without_robustness_the_value_counts() -> None:
     assert robust.objectives["all_touch_force_N"].upper == pytest.approx(3.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_varied_key_may_be_an_objective() -> None:
     """The most curved pad that needs 3 N at most: at the least radius where the rest can still help."""
     vary = {**VARY, "skin.curvature_radius": "40:200"}

@@ -318,6 +318,7 @@ def test_a_number_is_solved_for_each_choice() -> None:
         assert one.reached["all_touch_force_N"].error == error
 
 
+@pytest.mark.slow
 def test_out_of_reach_says_how_near_any_value_comes() -> None:
     answer = quick({"all_touch_force": 0.1}, {"skin.curvature_radius": (20, 200)})
     assert not answer.feasible
