@@ -1,8 +1,16 @@
-"""A pad's section in CalculiX: quads from gmsh, CPE8R, or CAX8R of one that turns, penalty contact with a
-rigid flat plate.
+"""skincad against CalculiX on plain-ridges at 4 N: error against time, linear and neo-Hookean, in one run.
 
-Both are processes of their own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary folder
-and on one processor. The plate hangs on a spring too soft to carry a force, so that the load is a force.
+`python -m bench.calculix [linear]` prints the tables and the ratios of times at equal error. The section is
+its own mirror image: skincad solves half of it, unasked; CalculiX is asked for the whole and, in the linear
+table, for the half too, its cut held sideways, as one who knows would ask it. Times are processor times:
+CalculiX's of its process alone, without gmsh; skincad's holds its mesh and the all-touch force besides, which
+CalculiX is not asked: the ratio is printed without it too. An error is the largest of the shares'
+differences, N.
+
+CalculiX has quads from gmsh, CPE8R, or CAX8R of a section that turns, and penalty contact with a rigid flat
+plate. Both are processes of their own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary
+folder and on one processor. The plate hangs on a spring too soft to carry a force, so that the load is a
+force.
 """
 
 from __future__ import annotations
@@ -12,22 +20,26 @@ import os
 import re
 import resource
 import shutil
+import statistics
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from time import perf_counter, process_time
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
+from skincad import load
 from skincad.laws import Ogden
-from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of
+from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of, pad_of, plane_piece
 from skincad.mechanics.bodies.mesh import on_whole
+from skincad.mechanics.models import finite_strain, linear
 from skincad.shape import Segment
-
-# gone
 
 PACKAGES = ("calculix-ccx", "gmsh")
 PROGRAMS = ("ccx", "gmsh")
@@ -43,8 +55,19 @@ PLATE_PARTS, NEAR_AXIS = 40, 1e-3  # a turned plate's elements, and mm from the 
 PLATE = 0.5  # mm, height of the plate's only element
 LINE, QUAD = 8, 16  # gmsh's numbers of a line of 3 nodes and a quad of 8
 BACK, CUT = 10_000, 10_001  # numbers of curves, beyond any ridge's
+SIZED = (
+    "Mesh.MeshSizeFromPoints = 0;\nMesh.MeshSizeFromCurvature = 0;\nMesh.MeshSizeExtendFromBoundary = 0;\n"
+)
 FACE = 5_000  # of the first layer's face, beyond any of the outline's
 SECTION = 20_000  # number of the surface, beyond any curve's: GetFEM keeps both in one list
+FORCE = 4.0  # N
+LEVELS = ((0.25, 2), (0.5, 2), (0.5, 3), (1.0, 3), (1.0, 4), (2.0, 4), (2.0, 5))  # fineness, order
+MESHES = {"linear": (0.25, 0.5, 1.0, 2.0), "finite-strain": (0.25, 0.5, 1.0)}  # CalculiX's fineness
+GOALS = {"linear": 50.0, "finite-strain": 100.0}
+REPEATS = 3
+WIDTHS = (16, 10, 9, 10, 10, 10)
+# of the linear approach, where CalculiX's finite strain changes to a force (docs/evidence/facts.md)
+SOFTER = 0.95
 
 
 @dataclass(frozen=True)
@@ -80,16 +103,51 @@ def missing() -> str:
 
 def quads(pad: Pad, sizes: Sizes, folder: Path) -> Quads:
     """Return gmsh's second-order quads of the pad's section, their edges on its lines and arcs."""
-    if pad.strips or pad.voids:
-        raise ValueError("only sections without slots and strips are compared")
-    (folder / "pad.geo").write_text("\n".join(geometry(pad, sizes)))
-    run_program(["gmsh", "-2", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"], folder)
-    return _read_mesh((folder / "pad.msh").read_text())
+    place, table = meshed(geometry(pad, sizes), 2, folder)
+    # gmsh also writes the arcs' centres: only nodes of quads are kept
+    values = np.array([row[5:] for row in table if row[1] == QUAD])
+    if any(row[1] not in (LINE, QUAD) for row in table):
+        raise RuntimeError("gmsh left triangles in its mesh")
+    used, elements = np.unique(values, return_inverse=True)
+    nodes = np.array([place[n][:2] for n in used.tolist()])
+    sides = {
+        frozenset((int(quad[j]), int(quad[(j + 1) % 4]))): (i, j + 1)
+        for i, quad in enumerate(values)
+        for j in range(4)
+    }
+    faces: dict[int, list[tuple[int, int]]] = {}
+    held: dict[int, list[int]] = {BACK: [], CUT: []}
+    for row in table:
+        if row[1] == LINE and row[3] in held:
+            held[row[3]] += row[5:]
+        elif row[1] == LINE:
+            faces.setdefault(row[3], []).append(sides[frozenset(row[5:7])])
+    back, cut = (np.searchsorted(used, np.unique(held[part])).astype(np.int64) for part in (BACK, CUT))
+    return Quads(nodes, elements.reshape(values.shape), back, np.setdiff1d(cut, back), faces)
+
+
+def meshed(
+    lines: Iterator[str], dimensions: int, folder: Path
+) -> tuple[dict[int, list[float]], list[list[int]]]:
+    """Return gmsh's mesh of second order, which it leaves in pad.msh: nodes by number, and its elements."""
+    (folder / "pad.geo").write_text("\n".join(lines))
+    words = ["gmsh", f"-{dimensions}", "-order", "2", "-format", "msh22", "-nt", "1", "pad.geo"]
+    run_program(words, folder)
+    text = (folder / "pad.msh").read_text()
+
+    def block(name: str) -> list[list[str]]:
+        lines = text.partition(f"${name}\n")[2].partition(f"$End{name}")[0].splitlines()[1:]
+        return [line.split() for line in lines]
+
+    place = {int(row[0]): [float(x) for x in row[1:]] for row in block("Nodes")}
+    return place, [[int(word) for word in row] for row in block("Elements")]
 
 
 def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     """Lines of gmsh's input: points, arcs by their centres, named curves, and the size of edges; of quads, or
     where not `recombined` of triangles."""
+    if pad.strips or pad.voids:
+        raise ValueError("only sections without slots and strips are compared")
     outline = tuple(at_faces(pad))
     for i, s in enumerate(outline, 1):
         yield f"Point({i}) = {{{s.start.x!r}, {s.start.z!r}, 0}};"
@@ -123,9 +181,7 @@ def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
     yield f'Field[4] = MathEval; Field[4].F = "{sizes.contact!r} + {GROWTH} * {beyond}";'
     yield f'Field[5] = MathEval; Field[5].F = "{sizes.bulk!r}";'
     yield "Field[6] = Min; Field[6].FieldsList = {3, 4, 5}; Background Field = 6;"
-    for option in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
-        yield f"Mesh.{option} = 0;"
-    yield "Mesh.Algorithm = 6;"
+    yield f"{SIZED}Mesh.Algorithm = 6;"
     if recombined:
         yield "Mesh.RecombineAll = 1; Mesh.RecombinationAlgorithm = 3;"
         yield "Mesh.SecondOrderIncomplete = 1;"
@@ -144,36 +200,6 @@ def _curve(s: Segment, number: int, first: int, last: int) -> str:
 
 def _list(numbers: object) -> str:
     return ", ".join(str(n) for n in sorted(numbers))  # type: ignore[call-overload]
-
-
-def _read_mesh(text: str) -> Quads:
-    def block(name: str) -> list[str]:
-        return text.partition(f"${name}\n")[2].partition(f"$End{name}")[0].splitlines()[1:]
-
-    rows = [line.split() for line in block("Nodes")]
-    table = [[int(word) for word in line.split()] for line in block("Elements")]
-    # gmsh also writes the arcs' centres: only nodes of quads are kept
-    values = np.array([row[5:] for row in table if row[1] == QUAD])
-    if any(row[1] not in (LINE, QUAD) for row in table):
-        raise RuntimeError("gmsh left triangles in its mesh")
-    used, elements = np.unique(values, return_inverse=True)
-    elements = elements.reshape(values.shape)
-    place = {int(row[0]): (float(row[1]), float(row[2])) for row in rows}
-    nodes = np.array([place[int(n)] for n in used])
-    sides = {
-        frozenset((int(quad[j]), int(quad[(j + 1) % 4]))): (i, j + 1)
-        for i, quad in enumerate(values)
-        for j in range(4)
-    }
-    faces: dict[int, list[tuple[int, int]]] = {}
-    held: dict[int, list[int]] = {BACK: [], CUT: []}
-    for row in table:
-        if row[1] == LINE and row[3] in held:
-            held[row[3]] += row[5:]
-        elif row[1] == LINE:
-            faces.setdefault(row[3], []).append(sides[frozenset(row[5:7])])
-    back, cut = (np.searchsorted(used, np.unique(held[part])).astype(np.int64) for part in (BACK, CUT))
-    return Quads(nodes, elements, back, np.setdiff1d(cut, back), faces)
 
 
 def _quad(left: float, right: float, low: float, high: float) -> list[tuple[float, float]]:
@@ -318,3 +344,107 @@ def run_program(command: list[str], folder: Path) -> str:
     if done.returncode:
         raise RuntimeError(f"{command[0]} failed: {done.stdout[-2000:]}{done.stderr[-500:]}")
     return done.stdout
+
+
+@dataclass(frozen=True)
+class Row:
+    """One mesh of one program."""
+
+    setting: str
+    found: PressedPad
+
+
+def own(pad: Pad, model: str, fineness: float, order: int) -> PressedPad:
+    """Return skincad's level of a model; its time is the median of a few runs, the first left out."""
+    seconds, more = [], []
+    for _ in range(REPEATS):
+        solver = linear.level if model == "linear" else finite_strain.Levels()
+        started, clock = process_time(), perf_counter()
+        answer = solver(plane_piece(pad, fineness), order, FORCE, ())
+        seconds.append(process_time() - started)
+        # stages are wall times: their share of the whole is what counts
+        more.append(seconds[-1] * answer.seconds.get("threshold", 0.0) / (perf_counter() - clock))
+    spent = statistics.median(seconds), statistics.median(more)
+    return PressedPad(answer.ridge_force, answer.approach, answer.unknowns, *spent)
+
+
+def missed(found: PressedPad, reference: PressedPad) -> float:
+    """Return the largest difference of shares, N."""
+    return float(np.abs(found.shares - reference.shares).max())
+
+
+def envelope(
+    seconds: NDArray[np.float64], errors: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the rows that no quicker row beats, quickest first."""
+    order = np.argsort(seconds)
+    lowest = np.minimum.accumulate(errors[order])
+    kept = order[errors[order] <= lowest]
+    return seconds[kept], errors[kept]
+
+
+def time_at(error: float, seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> float:
+    """Return the time that this error takes, log-log between the rows that no quicker row beats.
+
+    Above the largest error it is the quickest row's: never extrapolated. Below the smallest it is nan.
+    """
+    time, left = envelope(seconds, errors)
+    if error < left[-1]:
+        return float("nan")
+    return float(np.exp(np.interp(-np.log(error), -np.log(left), np.log(time))))
+
+
+def compare(pad: Pad, model: str, start: float | None) -> None:
+    """Print one model's table and ratios."""
+    ours = [Row(f"skincad {f:g}, {k}", own(pad, model, f, k)) for f, k in LEVELS]
+    theirs = [Row(f"CalculiX {f:g}", press(pad, f, FORCE, start)) for f in MESHES[model]]
+    knowing = MESHES[model] if start is None else ()
+    halves = [Row(f"its half {f:g}", press(pad, f, FORCE, whole=False)) for f in knowing]
+    best, finest = ours[-1].found, theirs[-1].found
+    print(f"\n{model}: errors against skincad's finest, and against the program's own finest")
+    names = ("fineness", "unknowns", "time, s", "share, N", "own, N", "approach")
+    print("".join(f"{name:>{width}}" for name, width in zip(names, WIDTHS, strict=True)) + "  shares, N")
+    for rows, last in ((ours, best), (theirs, finest), (halves, halves[-1].found if halves else None)):
+        for row in rows:
+            f = row.found
+            own_error = "" if f is last else f"{missed(f, last):.1e}"
+            error = "" if f is best else f"{missed(f, best):.1e}"
+            half = " ".join(f"{s:.4f}" for s in f.shares[: (f.shares.size + 1) // 2])
+            off = f"{f.approach / best.approach - 1:+.1e}"
+            cells = (row.setting, str(f.unknowns), f"{f.seconds:.2f}", error, own_error, off)
+            print("".join(f"{c:>{width}}" for c, width in zip(cells, WIDTHS, strict=True)) + f"  {half}")
+    ratios(model, [row.found for row in ours], [*theirs, *halves])
+
+
+def ratios(model: str, ours: list[PressedPad], theirs: list[Row]) -> None:
+    """Print the times at equal error, the errors against the last of `ours`."""
+    *levels, best = ours
+    whole = np.array([level.seconds for level in levels])
+    contact = whole - np.array([level.more for level in levels])
+    errors = np.array([missed(level, best) for level in levels])
+    print(f"times at equal error, CalculiX's over skincad's (goal {GOALS[model]:g})")
+    for row in theirs:
+        error = missed(row.found, best)
+        both = [row.found.seconds / time_at(error, time, errors) for time in (whole, contact)]
+        bound = "at least " if error > errors.max() else ""
+        without = f", {both[1]:.0f}x without the all-touch force" if best.more else ""
+        print(f"{row.setting:>16}  error {error:.1e} N: {bound}{both[0]:.0f}x{without}")
+
+
+def main() -> None:
+    """Print both models' tables."""
+    if missing():
+        print(missing())
+        return
+    pad = pad_of(load("plain-ridges"))
+    own(pad, "linear", 0.25, 2)  # imports and caches
+    softer = SOFTER * own(pad, "linear", 0.5, 2).approach
+    compare(pad, "linear", None)
+    if sys.argv[1:] == ["linear"]:
+        return
+    compare(pad, "finite-strain", softer)
+
+
+if __name__ == "__main__":
+    with threadpool_limits(limits=1, user_api="blas"):
+        main()

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.exam.skins import templates
+from bench.exam.scenes import templates
 from skincad.inputs import Design, load
 from skincad.inputs.material import silicone
 from skincad.mechanics import shear_frequency

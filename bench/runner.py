@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -135,6 +136,14 @@ def _row(judge: Callable[[Any], Any], case: Case) -> Row:
     except REFUSALS as refusal:
         return {REFUSED: str(refusal)}
     return asdict(answer) if is_dataclass(answer) and not isinstance(answer, type) else dict(answer)
+
+
+def kept(path: Path, make: Callable[[], T]) -> T:
+    """Return what a file has, made and written where there is none."""
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(pickle.dumps(make()))
+    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]
 
 
 def until(count: int, make: Callable[[int], T | None]) -> Iterator[T]:

@@ -12,7 +12,6 @@ strip has "can't tell", or if two strips are swapped that are named as alike. El
 
 from __future__ import annotations
 
-import pickle
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -63,15 +62,7 @@ def scene_of(name: str) -> Scene:
 @cache
 def prediction_of(name: str, folder: Path) -> FilmPrediction:
     path = folder / f"{name.replace(' ', '-')}.pkl"
-    return kept(path, lambda: predict_films(scene_of(name)))
-
-
-def kept(path: Path, make):
-    """Return what a file has, made and written where there is none."""
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(pickle.dumps(make()))
-    return pickle.loads(path.read_bytes())
+    return runner.kept(path, lambda: predict_films(scene_of(name)))
 
 
 @dataclass(frozen=True)
@@ -85,7 +76,7 @@ class Truth:
 @cache
 def truth_of(name: str, group: int, number: int, folder: Path) -> Truth:
     path = folder / f"{name.replace(' ', '-')}-{group}-{number}.pkl"
-    return kept(path, lambda: simulated(name, group, number))
+    return runner.kept(path, lambda: simulated(name, group, number))
 
 
 def simulated(name: str, group: int, number: int) -> Truth:

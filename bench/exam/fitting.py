@@ -6,8 +6,14 @@ once behind another amplifier, up to 30 times slower, differenced where that tel
 is whether it slips, the low-pass's delay later; while slip lasts on to gross slip, those that still stick
 count as slipping too, at a lower weight, for that is what is to be told. The skin's label is whether a slip
 is on that lasts to gross slip. A short gross slip counts as much as one of EVENT windows. Scenes that ship
-are in the set as well, and records of ridges that all stick. Writes both networks' files, and prints what
-threefold cross-validation by scene makes of thresholds: POINTS of scenes/detector.py were read off that.
+are in the set as well, and records of ridges that all stick: outputs that follow two loads, which run and
+stop, jump and turn, as abruptly as no scene marches. Writes both networks' files, and prints what threefold
+cross-validation by scene makes of thresholds: POINTS of scenes/detector.py were read off that.
+
+`python -m bench.exam.fitting FOLDER --missing` tells which information the films lack: it fits the network
+that warns of gross slip to two thirds of the design set in turn, with what it is told as a feature of every
+ridge, and prints what its warnings are worth on the rest: without more, with friction, with the pull over the
+normal force, and with that over friction.
 """
 
 from __future__ import annotations
@@ -21,15 +27,11 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.exam.cases import Case, case
 from bench.exam.network import Samples, fitted
-from bench.exam.scenes import SceneRun, kept, seeds
-from bench.exam.scoring import HEAD, Alarm, lasting, line, mark, near
-from bench.exam.shipped import shipped
-from bench.exam.skins import DESIGN
-from bench.exam.sticking import BAND, RATE, sticking
-from skincad.circuit import delay
-from skincad.scenes import detector, slip_features
+from bench.exam.scenes import DESIGN, SceneRun, kept, seeds, shipped
+from bench.exam.scoring import HEAD, Alarm, Case, case, lasting, line, mark, near
+from skincad.circuit import band_limited, delay
+from skincad.scenes import BACK, SEEN, detector, slip_features
 
 CIRCUIT = "transimpedance"
 OTHERS = {"yamada-2002": False, "charge-amplifier": True, "voltage-follower": True}  # differenced or not
@@ -39,11 +41,17 @@ FOLDS = 3
 WEIGHT = np.array([1.0, 0.3, 0.7, 4.0, 0.7])
 EDGE = 0.2  # times that within a window of a slip's edge
 OWN = 6.0  # times that in scenes that ship
-STICKING = 1.0  # that of a sample of sticking.py
+STICKING = 1.0  # that of a sample of `sticking`
 AHEAD = 3.0  # that of a moment at which gross slip is ahead, among the skin's
 EVENT = 2.0  # windows of a ridge's lasting detector, that a gross slip's samples weigh at least, together
 MOST = 8.0  # times their weight, for that
 FEWEST = 100  # steps of a scene that was marched far enough
+LOAD_RATE, LOAD_BAND = 1e5, 5e3  # Hz
+LOAD_STEPS, LOADS = 600, 60
+MOST_RIDGES = 5  # ridges, two at least
+TOLD = "nothing", "friction", "forces", "both"
+LEVELS = 1.0, 2.0, 3.0
+LIGHT, LARGEST = 1e-3, 2.0  # of the largest normal force, below which the pull is over that; of what is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +172,7 @@ def of_skins(told: list[Heard], *, records: bool = True) -> list[Samples]:
 def _sticking() -> Iterator[np.ndarray]:
     """Yield features of records of ridges that all stick."""
     for outputs, noise in sticking():
-        window = detector.detector(RATE, BAND, noise).window
+        window = detector.detector(LOAD_RATE, LOAD_BAND, noise).window
         felt = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
         yield felt[::THIN].astype(np.float32)
 
@@ -219,6 +227,63 @@ def alarms(values: np.ndarray, threshold: float, back: float, *, skin: bool) -> 
     return [(None if skin else int(r), int(i)) for i, r in np.argwhere(now & ~before)]
 
 
+def sticking() -> Iterator[tuple[np.ndarray, float]]:
+    """Yield outputs `(n, ridges, 2)` with noise, and the noise of a pair, rms."""
+    draw = np.random.default_rng(31)
+    time = np.arange(LOAD_STEPS) / LOAD_RATE
+    for _ in range(LOADS):
+        ridges = int(draw.integers(2, MOST_RIDGES + 1))
+        pull, press = (band_limited(time, _load(draw), LOAD_BAND).value for _ in range(2))
+        press = press * draw.choice([0.0, 0.1, 1.0])
+        pair = pull[:, None] * draw.uniform(0.5, 1.2, ridges)
+        pair += press[:, None] * draw.uniform(-0.2, 0.2, ridges)
+        total = press[:, None] * draw.uniform(0.5, 1.2, ridges) * draw.choice([1.0, 3.0])
+        noise = 10 ** draw.uniform(-3, -2)
+        outputs = np.stack([total + pair, total - pair], axis=2) / 2
+        yield outputs + draw.normal(0, noise / np.sqrt(2), outputs.shape), float(noise)
+
+
+def _load(draw: np.random.Generator) -> np.ndarray:
+    """Return a rate that is constant from time to time, or runs straight from value to value; often 0."""
+    at = np.sort(draw.integers(5, LOAD_STEPS, draw.integers(2, 7)))
+    values = draw.uniform(-1, 1, at.size + 1) * (draw.random(at.size + 1) < 0.75)
+    if draw.random() < 0.3:
+        return np.interp(np.arange(LOAD_STEPS), at, values[1:])
+    values[0] = 0.0
+    return values[np.searchsorted(at, np.arange(LOAD_STEPS), side="right")]
+
+
+def told(h: Heard, what: str) -> Heard:
+    """Return what is heard, with more features."""
+    scene, (count, ridges, _) = h.case.scene, h.felt.shape
+    normal = np.maximum(scene.normal[:count], LIGHT * scene.normal.max())
+    pull = np.abs(scene.tangential[:count]) / normal
+    more = {"friction": np.full(count, scene.friction), "forces": pull, "both": pull / scene.friction}
+    if what not in more:
+        return h
+    column = np.minimum(more[what], LARGEST).astype(np.float32)
+    return replace(h, felt=np.concatenate([h.felt, np.repeat(column[:, None, None], ridges, 1)], axis=2))
+
+
+def missing(folder: Path) -> None:
+    answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
+    rows = [list(variants(m, folder / "outputs")) for m in answer if m.time.size >= FEWEST]
+    print(f"{len(rows)} scenes\n{HEAD}")
+    for what in TOLD:
+        marks = {level: [] for level in LEVELS}  # type: ignore[var-annotated]
+        for fold in range(FOLDS):
+            mine = [told(h, what) for i, row in enumerate(rows) if i % FOLDS != fold for h in row]
+            network = fitted(of_skins(mine, records=False), fold)
+            for row in rows[fold::FOLDS]:
+                h = told(row[0], what)
+                values = odds(network, h.felt).mean(axis=1)
+                values = np.where((h.loud > SEEN).any(axis=1), values, -np.inf)[:, None]
+                for level, each in marks.items():
+                    each.append(mark(h.case, alarms(values, level, BACK, skin=True), h.window))
+        for level, each in marks.items():
+            print(line(f"{what} told, threshold {level:g}", each), flush=True)
+
+
 def main(folder: Path) -> None:
     answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
     answer = [m for m in answer if m.time.size >= FEWEST] + shipped(folder / "shipped")
@@ -232,4 +297,4 @@ def main(folder: Path) -> None:
 
 if __name__ == "__main__":
     with threadpool_limits(limits=1, user_api="blas"):
-        main(Path(sys.argv[1]))
+        (missing if "--missing" in sys.argv else main)(Path(sys.argv[1]))

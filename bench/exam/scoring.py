@@ -1,23 +1,132 @@
-"""What alarms are worth: gross slips warned of, by how much ahead, and false alarms, with their confidence.
+"""The exam's scenes behind an amplifier, and what alarms of them are worth.
+
+A case has the outputs of every strip without noise, and noise of any seed. Both are Chain's, for all strips
+at once: what the chain makes of one step's change of charge is asked of it once, and the rest follows by
+superposition; noise has its density, drawn as one period of all strips.
 
 An alarm names a ridge. It is true where that ridge slips in a run that lasts until gross slip, or within a
 window before; else it is false: of a slip that passes, where the ridge slips within a window of it, but not
 until gross slip; of another ridge, where only another of the skin's slips, monitored or not; of none. An
 alarm without a ridge is of the skin as a whole: true where any ridge so slips. A gross slip is warned of by a
 true alarm before it.
+
+The detector is held against rivals: all alarms; a threshold on the outputs' rate that an engineer would set
+first, a pair that falls by more than DROP of its largest of late, in a window; and two oracles. One knows
+when each told ridge slips, the other the plate's forces and friction, and warns where the pull passes a share
+of what holds.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
+from scipy.signal import fftconvolve
 from scipy.stats import chi2
 
-from bench.exam.cases import Case
+from bench import runner
+from bench.exam.scenes import SceneRun
 from bench.runner import wilson
+from skincad.circuit import circuit_network, corner, load_circuit, total_density
+from skincad.effects import Chain, fitted, strip_charges
+from skincad.scenes import intervals
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Outputs `(n, ridges, 2)` V of the told ridges; `slipping` `(n, ridges)` of them; `gross` the step at
+    which all slip, which ends it; `noise` V rms of a strip; `density` V of a strip's noise by rfft's bins."""
+
+    scene: SceneRun
+    circuit: str
+    rate: float
+    outputs: np.ndarray
+    slipping: np.ndarray
+    noise: float
+    density: np.ndarray
+    fine: int
+
+    @property
+    def gross(self) -> int | None:
+        """The step of gross slip."""
+        return self.scene.gross
+
+    @cached_property
+    def runs(self) -> list[list[list[int]]]:
+        """When each told ridge slips, [from, to]."""
+        return [intervals(column) for column in self.slipping.T]
+
+    def noises(self, seed: int) -> np.ndarray:
+        """Return noise as `outputs`, V, of a seed."""
+        n, ridges, _ = self.outputs.shape
+        draw = np.random.default_rng((seed, abs(self.scene.seed)))
+        shape = (2, self.density.size, 2 * ridges)
+        parts = draw.standard_normal(shape) * self.density[:, None]
+        size = 2 * (self.density.size - 1)
+        found = np.fft.irfft(parts[0] + 1j * parts[1], size, axis=0)[:: self.fine][:n]
+        return found.reshape(n, ridges, 2)
+
+    def differenced(self) -> Case:
+        """Return the case with its outputs' rate, V/s, by the sample before; so for what tells the stress."""
+        count = self.density.size - 1
+        turn = np.pi * np.arange(count + 1) * self.fine / (2 * count)
+        sizes = self.density * 2 * np.abs(np.sin(turn)) * self.rate
+        outputs = np.diff(self.outputs, axis=0, prepend=self.outputs[:1]) * self.rate
+        return replace(self, outputs=outputs, density=sizes, noise=rms(sizes))
+
+    def told(self, ridges: tuple[int, ...]) -> Case:
+        """Return the case of some of its ridges, from 1."""
+        at = np.array(ridges) - 1
+        return replace(self, outputs=self.outputs[:, at], slipping=self.slipping[:, at])
+
+
+def case(scene: SceneRun, circuit: str, folder: Path) -> Case:
+    """Return a scene behind a circuit, all ridges told, up to its gross slip; outputs are kept on disk."""
+    end = scene.time.size if scene.gross is None else scene.gross + 1
+    time = scene.time[:end]
+    own = fitted(load_circuit(circuit), scene.skin.design)
+    network = circuit_network(own)
+    chain = Chain.of(network, time, scene.bandwidth)
+
+    def heard() -> tuple[np.ndarray, np.ndarray]:
+        return _outputs(chain, strip_charges(own, scene.skin.design, scene.stress[:end])), density(chain)
+
+    outputs, sizes = runner.kept(folder / f"{scene.seed}-{circuit}.pkl", heard)
+    return Case(
+        scene, circuit, 1 / float(time[1]), outputs.reshape(end, -1, 2), scene.slipping[:end], rms(sizes),
+        sizes, chain.fine,
+    )  # fmt: skip
+
+
+def rms(sizes: np.ndarray) -> float:
+    """Return the V rms of noise of a density by rfft's bins, as Case has it."""
+    return float(np.sqrt(2 * np.sum(sizes[1:] ** 2))) * np.sqrt(2) / (2 * (sizes.size - 1))
+
+
+def _outputs(chain: Chain, charges: np.ndarray) -> np.ndarray:
+    """Return `chain.output` of each column of `charges` `(n, strips)` C."""
+    hat = np.zeros(charges.shape[0])
+    hat[1] = 1.0
+    answer = chain.output(hat)[1:]
+    moved = charges - charges[0]
+    return np.asarray(fftconvolve(moved, answer[:, None], axes=0)[: charges.shape[0]])
+
+
+def density(chain: Chain) -> np.ndarray:
+    """Return the size of each rfft bin's real and imaginary part, behind the low-pass, of a period."""
+    size = max(1024, 2 * ((chain.count * chain.fine + 1) // 2))
+    frequency = np.fft.rfftfreq(size, 1 / chain.step.rate)
+    power = total_density(chain.network, frequency[1:])
+    passed = 1 / (1 + (2 * np.pi * frequency[1:] / corner(chain.bandwidth)) ** 2)
+    answer = np.zeros(frequency.size)
+    answer[1:] = np.sqrt(power * chain.step.rate * size / 4) * passed
+    return answer
+
 
 Alarm = tuple[int | None, int]  # monitored ridge from 0, None for the skin; sample
 
@@ -121,3 +230,38 @@ def line(name: str, marks: list[Mark]) -> str:
         f"{100 * clean / len(marks):6.1f} ({100 * least:.0f}-{100 * most:.0f})"
         f"{minute:15.3g} ({fewest:.2g}-{largest:.2g}) {none / minutes:8.3g}"
     )
+
+
+DROP = 0.5  # assumption
+LATE = 10  # windows; assumption
+LOUD = 6.0  # noise rms of a pair; assumption
+
+
+def always(case: Case, window: int) -> list[Alarm]:
+    """Return an alarm of every ridge in every window."""
+    return [(r, i) for i in range(0, case.outputs.shape[0], window) for r in range(case.outputs.shape[1])]
+
+
+def threshold(case: Case, window: int, outputs: np.ndarray) -> list[Alarm]:
+    """Return where a pair's size falls by DROP of its largest of late within a window."""
+    pair = np.abs(outputs[:, :, 0] - outputs[:, :, 1])
+    size = LATE * window
+    largest = maximum_filter1d(pair, size, axis=0, origin=(size - 1) // 2, mode="constant")
+    before = np.concatenate([np.zeros_like(pair[:window]), pair[:-window]])
+    fall = (before - pair > DROP * largest) & (largest > LOUD * np.sqrt(2) * case.noise)
+    rises = fall & ~np.concatenate([np.zeros_like(fall[:1]), fall[:-1]])
+    return [(int(r), int(i)) for i, r in np.argwhere(rises)]
+
+
+def slips(case: Case) -> list[Alarm]:
+    """Return where each told ridge begins to slip."""
+    return [(ridge, first) for ridge, runs in enumerate(case.runs) for first, _ in runs]
+
+
+def cone(case: Case, near: float) -> list[Alarm]:
+    """Return where the plate's pull passes `near` of what friction holds, told of the skin."""
+    end = case.outputs.shape[0]
+    pull, normal = np.abs(case.scene.tangential[:end]), case.scene.normal[:end]
+    over = (pull > near * case.scene.friction * normal) & (normal > 0)
+    rises = np.flatnonzero(over & ~np.concatenate([[False], over[:-1]]))
+    return [(None, int(i)) for i in rises]

@@ -4,7 +4,7 @@ Range: small strain, quasi-static, Coulomb's friction with one coefficient; a ti
 its pin's height, and a flat one is pressed all over. A tip is one point: parts of its contact slip before all
 of it does, which makes Mindlin's compliance up to half larger. What that changes is the error that a mesh has
 elsewhere. References: pins that don't feel each other, in closed form, and solid pins in three dimensions
-(tests/effects/test_pin_pad.py, bench/table_pin_slip.py).
+(tests/effects/test_pin_pad.py, bench/pins.py).
 """
 
 from __future__ import annotations

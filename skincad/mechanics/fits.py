@@ -114,11 +114,11 @@ DESIGNS = {
         _ranges((3, 9), (0.509, 1.38), (1.509, 4.994), (0.883, 11.974), (0.017, 1.25), (0.499, 0.499)),
     ),
     "pins": Designs(
-        "bench.table_reduced_pins, seeds 0 to 11 and 100 to 111, six with 0.499",
+        "bench.pins, seeds 0 to 11 and 100 to 111, six with 0.499",
         _ranges((9, 25), (0.5159, 1.587), (0.425, 1.29), (2.413, 7.238), (0.0, 0.3723), (0.49, 0.499)),
     ),
     "layered pins": Designs(
-        "bench.table_reduced_pins layers, seeds 300 to 312 and 320 to 334",
+        "bench.pins layers, seeds 300 to 312 and 320 to 334",
         _ranges(
             (9, 25),
             (0.5194, 1.717),

@@ -9,12 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.exam import fitting, missing, network, rivals
-from bench.exam.cases import Case
+from bench.exam import fitting, network, scoring
 from bench.exam.histories import ENDS, STEPS, history
-from bench.exam.scenes import COUNT, FIRST, LATER, SceneRun, batch, drawn, seeds
-from bench.exam.scoring import Alarm, lasting, mark, near, rate
-from bench.exam.skins import DESIGN, EXAM, MORE, RANDOM, Skin
+from bench.exam.scenes import (
+    COUNT,
+    DESIGN,
+    EXAM,
+    FIRST,
+    LATER,
+    MORE,
+    RANDOM,
+    SceneRun,
+    Skin,
+    batch,
+    drawn,
+    seeds,
+)
+from bench.exam.scoring import Alarm, Case, lasting, mark, near, rate
 from skincad.inputs import load_design
 from skincad.scenes import detector
 
@@ -123,12 +134,12 @@ def test_a_lead_runs_from_the_first_alarm_and_a_false_one_has_its_phase() -> Non
 
 def test_rivals_deserve_what_they_get() -> None:
     case = by_hand()
-    ever = mark(case, rivals.always(case, 3), 3)
+    ever = mark(case, scoring.always(case, 3), 3)
     assert ever.warned
     assert ever.false > 20
-    (told,) = rivals.cone(case, 0.9)  # the pull passes 0.9 of 2 N between steps 84 and 85 of 2.1 N in 99
+    (told,) = scoring.cone(case, 0.9)  # the pull passes 0.9 of 2 N between steps 84 and 85 of 2.1 N in 99
     assert told == (None, 85)
-    assert rivals.slips(case) == [(0, 40), (0, 80), (1, 90)]
+    assert scoring.slips(case) == [(0, 40), (0, 80), (1, 90)]
 
 
 def test_intervals_as_in_tables() -> None:
@@ -194,11 +205,11 @@ def test_what_a_network_is_told_stands_beside_what_it_hears(what: str, last: flo
     """At the end 2.1 N pull on 4 N, of a friction of 0.5."""
     nothing = np.zeros((100, 2))
     h = fitting.Heard(by_hand(), 3, np.ones((100, 2, 5)), nothing, nothing, nothing, nothing[:, 0])
-    felt = missing.told(h, what).felt
+    felt = fitting.told(h, what).felt
     assert felt.shape == (100, 2, 6)
     np.testing.assert_array_equal(felt[:, :, :5], h.felt)
     assert felt[-1, :, 5] == pytest.approx([last, last], rel=1e-6)
-    assert missing.told(h, "nothing") is h
+    assert fitting.told(h, "nothing") is h
 
 
 @pytest.mark.parametrize("file", [detector.RIDGES, detector.SKIN])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import bench_calculix, bench_check, calculix
+from bench import bench_check, calculix
 from bench.measure import alone, factorise, free_block, system
 from skincad.mechanics import MODELS, default_sizes, pad_of
 from tests.mechanics.designs import filleted, yamada
@@ -66,9 +66,9 @@ def test_calculix_is_not_given_strips(tmp_path: Path) -> None:
 def test_time_at_equal_error() -> None:
     seconds, errors = np.array([1.0, 4.0, 2.0, 16.0]), np.array([1e-1, 1e-2, 2e-1, 1e-3])
     # the row of 2 s is beaten by that of 1 s; between 4 s and 16 s time goes as error^(-log 4 / log 10)
-    assert bench_calculix.time_at(10**-2.5, seconds, errors) == pytest.approx(8.0)
-    assert bench_calculix.time_at(1.0, seconds, errors) == pytest.approx(1.0)
-    assert math.isnan(bench_calculix.time_at(1e-4, seconds, errors))
+    assert calculix.time_at(10**-2.5, seconds, errors) == pytest.approx(8.0)
+    assert calculix.time_at(1.0, seconds, errors) == pytest.approx(1.0)
+    assert math.isnan(calculix.time_at(1e-4, seconds, errors))
 
 
 def test_matrix_of_a_check_is_its_own() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import skincad
-from bench import table_fits, table_reduced_pins
+from bench import pins, table_fits
 from bench.campaign import random_designs
 from bench.random_scenes import random_scene
 from bench.verdicts import drawn
@@ -52,12 +52,12 @@ def of_scenes() -> Iterable[Design]:
 
 
 def of_pins() -> Iterable[Design]:
-    designs = [table_reduced_pins.random_pins(seed) for seed in (*range(12), *range(100, 112))]
+    designs = [pins.random_pins(seed) for seed in (*range(12), *range(100, 112))]
     return [*designs, designs[2].with_(material={"poisson_ratio": 0.499})]
 
 
 def of_layered_pins() -> Iterable[Design]:
-    return map(table_reduced_pins.layered, [*range(300, 313), *range(320, 335)])
+    return map(pins.layered, [*range(300, 313), *range(320, 335)])
 
 
 @pytest.mark.evidence(subject="seeds: fits")

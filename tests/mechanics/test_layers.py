@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench import calculix, table_reduced_pins
-from bench.bench_calculix import own
+from bench import calculix
+from bench import pins as pin_bench
+from bench.calculix import own
 from skincad import InputError, check, load, load_scene, simulate
 from skincad.inputs import Design
 from skincad.live import start_session
@@ -69,8 +70,8 @@ def test_calculix_presses_layers_alike(
     shots: tuple[dict[str, Any], ...], force: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """0.3 % of the approach and 1 % of a mean share; without layers 0.1 and 0.2 % are seen."""
-    monkeypatch.setattr("bench.bench_calculix.FORCE", force)
-    monkeypatch.setattr("bench.bench_calculix.REPEATS", 1)
+    monkeypatch.setattr("bench.calculix.FORCE", force)
+    monkeypatch.setattr("bench.calculix.REPEATS", 1)
     pad = pad_of(filleted().with_(shot=shots))
     theirs, ours = calculix.press(pad, 0.5, force), own(pad, "linear", 0.5, 3)
     assert theirs.approach == pytest.approx(ours.approach, rel=3e-3)
@@ -169,9 +170,9 @@ def test_calculix_presses_pins_on_layers_alike(
     shot: dict[str, Any], bent: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Within both errors: the reduced model's, and 2 % of CalculiX's mesh, which one pin shows."""
-    monkeypatch.setattr(table_reduced_pins, "FINENESS", 5)
+    monkeypatch.setattr(pin_bench, "FINENESS", 5)
     design = pins(shot, **bent)
-    _, first, approach, share = table_reduced_pins.compared(design)
+    _, first, approach, share = pin_bench.compared(design)
     errors, further = reduced.PIN_ERRORS, reduced.further(design)
     assert abs(first) <= further * errors.threshold + 0.02
     assert abs(approach) <= further * errors.approach + 0.02

@@ -9,11 +9,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bench import bench_getfem as friction
 from bench import calculix, getfem
-from bench.bench_calculix import FORCE, SOFTER, own
-from bench.bench_getfem import FRICTION, STRIDES, TRAVEL, WHOLE, apart, history, let_go, section, used
-from bench.getfem import FrictionalPad
+from bench.calculix import FORCE, SOFTER, own
+from bench.getfem import (
+    FRICTION,
+    STRIDES,
+    TRAVEL,
+    WHOLE,
+    FrictionalPad,
+    apart,
+    history,
+    let_go,
+    section,
+    used,
+)
 from skincad.laws import Ogden
 from skincad.mechanics import Drive, pad_of, plane_piece
 from skincad.mechanics.models import finite_strain
@@ -111,7 +120,7 @@ def dragged(fineness: float) -> FrictionalPad:
 @cache
 def ours() -> FrictionalPad:
     """This program's."""
-    return friction.own(section(), 0.5, friction.ORDER, history(), FRICTION)
+    return getfem.own(section(), 0.5, getfem.ORDER, history(), FRICTION)
 
 
 @pytest.mark.evidence(subject="getfem: drag")
@@ -125,7 +134,7 @@ def test_getfem_gives_the_same_drag() -> None:
         assert fine[name] <= bound
         assert fine[name] <= 0.75 * coarse[name]
     assert ours().tangential[-1].sum() == pytest.approx(
-        FRICTION * friction.FORCE, rel=1e-9
+        FRICTION * getfem.FORCE, rel=1e-9
     )  # it ends in gross slip
 
 

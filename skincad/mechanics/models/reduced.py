@@ -52,7 +52,7 @@ FINENESS, ORDER = 1.0, 3  # of the cell's section
 # thick, 0.5 and 0.9 mm high, and 25 to 27 ridges of four templates with strips. At most 7.4 % of the
 # all-touch force (2 % without strips), 1.7 % of the approach, 9 % of the mean share
 ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)
-# Of pins against CalculiX (bench/table_reduced_pins.py): 9 and 25 graded pins on flat, bent and doubly curved
+# Of pins against CalculiX (bench/pins.py): 9 and 25 graded pins on flat, bent and doubly curved
 # bases, of Poisson's ratio 0.49; 0.499 is alike. Set on 12 designs (at most 4.2 % of the all-touch force,
 # 4.7 % of the approach, 7.3 % of the mean share), judged on 12 others (5.3, 4.7 and 6.6 %). Base's edges and
 # roots count; on softer layers more, as `further` says

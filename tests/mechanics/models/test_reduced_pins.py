@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import skincad
-from bench import calculix, table_reduced_pins
+from bench import calculix, pins
 from skincad.effects.pin_pad import pin_pad
 from skincad.inputs import Design
 from skincad.inputs.material import silicone
@@ -135,8 +135,8 @@ def graded(count: int) -> Design:
 @pytest.mark.parametrize("count", [3, 5])
 def test_calculix_gives_graded_pins_the_same_forces(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Within both errors: the reduced model's, and 2 % of CalculiX's mesh, which one pin shows."""
-    monkeypatch.setattr(table_reduced_pins, "FINENESS", 5)
-    _, first, approach, share = table_reduced_pins.compared(graded(count))
+    monkeypatch.setattr(pins, "FINENESS", 5)
+    _, first, approach, share = pins.compared(graded(count))
     errors = reduced.PIN_ERRORS
     assert abs(first) <= errors.threshold + 0.02
     assert abs(approach) <= errors.approach + 0.02
@@ -151,7 +151,7 @@ def test_calculix_agrees_with_the_axisymmetric_pin() -> None:
         skin={"outline": "round", "width": 12.0, "length": None},
         pin={"columns": 1, "rows": 1, "heights": None, "height": 1.8},
     )
-    forces, _ = table_reduced_pins.calculix_pins.press(design, 0.3, [0.12])
+    forces, _ = pins.press(design, 0.3, [0.12])
     force = float(forces[0, 0, 1])
     ours = skincad.check(design, force=force, model="linear").approach
     assert ours.value == pytest.approx(0.12, rel=0.03)

@@ -1,11 +1,19 @@
 """The slip detector's exam: scenes that it was not fitted to, by amplifier, noise and number of ridges.
 
-`python -m bench.table_detector [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS) marches the exam set
-of bench/exam (half an hour on two cores; what is in FOLDER is not marched again). It prints for each
-amplifier and number of monitored ridges, over SEEDS of noise: gross slips warned of, lead, warnings that are
-true, and false ones by kind, each with its 95 % interval; the same by known slips and forces, which tell what
-information is missing; what it confuses by kind of history; alarms of minutes of holding; and the bound of
-what any detector can warn of.
+`python -m bench.exam [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS) marches the exam set (half an
+hour on two cores; what is in FOLDER is not marched again). It prints for each amplifier and number of
+monitored ridges, over SEEDS of noise: gross slips warned of, lead, warnings that are true, and false ones by
+kind, each with its 95 % interval; the same by known slips and forces, which tell what information is missing;
+what it confuses by kind of history; alarms of minutes of holding; and the bound of what any detector can warn
+of.
+
+The bound is what noise and delay leave of a slip's signal. Beside each scene that slips as a whole stands its
+twin whose friction of STICKS holds it (all but ridges that hardly touch), with the same history. A detector
+that knew both signals exactly, and had to tell one from the other before gross slip, could do no better than
+the matched filter: its distance d is the root of the sum of the difference's power over the noise's (Van
+Trees, Detection, Estimation, and Modulation Theory I, sec. 4.2). With false alarms allowed at FALSE a minute,
+one decision a window, it warns in a share Phi(d - z) of the noises. A detector that does not know friction,
+skin and history has less; how much less is not told.
 """
 
 from __future__ import annotations
@@ -14,18 +22,18 @@ import argparse
 import math
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from scipy.signal import lfilter
+from scipy.special import ndtr, ndtri
 from threadpoolctl import threadpool_limits
 
-from bench.exam import rivals
-from bench.exam.bound import bound
-from bench.exam.cases import Case, case
-from bench.exam.scenes import SceneRun, kept, seeds
-from bench.exam.scoring import HEAD, Alarm, Mark, line, mark, rate
-from bench.exam.skins import EXAM
+from bench import runner
+from bench.exam import scoring
+from bench.exam.scenes import EXAM, SceneRun, drawn, kept, marched, seeds
+from bench.exam.scoring import HEAD, Alarm, Case, Mark, case, line, mark, rate
 from skincad.circuit import circuit_network, corner, load_circuit, total_density
 from skincad.effects import fitted
 from skincad.inputs import load_design
@@ -41,6 +49,8 @@ MINUTES = 40  # of holding: with none in 37, less than 0.1 a minute at 95 %
 RATE, BAND = 1e5, 5e3  # Hz, of holding; the fastest of the exam has the most decisions a minute
 BLOCK = 1 << 20  # samples
 LEVELS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+STICKS = 3.0
+FALSE = 0.1  # a minute
 
 Find = Callable[[Case, int, int], list[Alarm]]  # of a case, its window and the noise's seed
 
@@ -105,11 +115,11 @@ def table(circuit: str, scenes: list[SceneRun], folder: Path) -> None:
         named = marks(told, lambda one, _, seed: found(one, seed, SURE, INCIPIENT))
         print(line(f"{name}: sure, by ridge", named), flush=True)
         print(line(f"{name}: rate's threshold", marks(told, _by_rate)), flush=True)
-        print(line(f"{name}: its slips known", marks(told, lambda one, *_: rivals.slips(one))), flush=True)
+        print(line(f"{name}: its slips known", marks(told, lambda one, *_: scoring.slips(one))), flush=True)
     for near in (0.9, 0.95):
-        known = marks(every, lambda one, _, __, near=near: rivals.cone(one, near))
+        known = marks(every, lambda one, _, __, near=near: scoring.cone(one, near))
         print(line(f"forces and friction known, {near:g}", known))
-    print(line("always", marks(every, lambda one, w, _: rivals.always(one, w))))
+    print(line("always", marks(every, lambda one, w, _: scoring.always(one, w))))
     traded(every)
     confused(every)
     times, most = held(circuit)
@@ -127,7 +137,7 @@ def table(circuit: str, scenes: list[SceneRun], folder: Path) -> None:
 
 
 def _by_rate(one: Case, window: int, seed: int) -> list[Alarm]:
-    return rivals.threshold(one, window, one.outputs + one.noises(seed))
+    return scoring.threshold(one, window, one.outputs + one.noises(seed))
 
 
 def traded(every: list[Case]) -> None:
@@ -163,6 +173,53 @@ def confused(every: list[Case]) -> None:
         )  # fmt: skip
         others = f"others {held_still} without alarm, {alarmed} with"
         print(f"{kind}: slips {hit} warned of, {missed} missed; {others}")
+
+
+def twin(seed: int, folder: Path) -> SceneRun | None:
+    """Return the march of a seed that sticks, kept on disk, None where it leaves the model's range first."""
+
+    def stuck() -> np.ndarray:
+        one = drawn(seed)
+        friction = {**one.scene.effects["friction"], "coefficient": STICKS}
+        return marched(replace(one, scene=one.scene.with_(effects={"friction": friction}))).stress
+
+    answer, stress = kept(seed, folder), runner.kept(folder / f"{seed}-sticks.pkl", stuck)
+    if answer.gross is None or stress.shape[0] <= answer.gross:
+        return None
+    return replace(answer, stress=stress[: answer.time.size])
+
+
+def distance(one: Case, other: Case) -> float:
+    """Return the matched filter's d between two cases, before the last sample, of all told strips."""
+    difference = (one.outputs - other.outputs)[:-1].reshape(one.outputs.shape[0] - 1, -1)
+    size = 2 * (one.density.size - 1)
+    period = np.fft.irfft(one.density**2, size)[:: one.fine] * size
+    covariance = 4 * period[: difference.shape[0]] / size**2 / 2
+    return float(np.sqrt(max(0.0, _power(covariance, difference))))
+
+
+def _power(covariance: np.ndarray, signal: np.ndarray) -> float:
+    """Return the sum of s' C^-1 s over columns, C the Toeplitz matrix of `covariance`, a little louder so
+    that rounding cannot make noise-free directions of it."""
+    from scipy.linalg import cho_factor, cho_solve, toeplitz
+
+    whole = toeplitz(covariance) + 1e-6 * covariance[0] * np.eye(covariance.size)
+    return float(np.sum(signal * cho_solve(cho_factor(whole), signal)))
+
+
+def warned_share(d: float, window: float) -> float:
+    """Return the largest share of noises in which one may warn, FALSE a minute, `window` s a decision."""
+    return float(ndtr(d + ndtri(FALSE / 60 * window)))
+
+
+def bound(seed: int, circuit: str, folder: Path, window: float, told: tuple[int, ...]) -> float | None:
+    """Return that share of a seed that slips behind a circuit, of some told ridges; None without a twin."""
+    scene, sticks = kept(seed, folder / "scenes"), twin(seed, folder / "scenes")
+    if sticks is None:
+        return None
+    outputs = folder / "outputs"
+    one = case(scene, circuit, outputs).told(told)
+    return warned_share(distance(one, case(sticks, circuit, outputs / "sticks").told(told)), window)
 
 
 def main() -> None:

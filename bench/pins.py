@@ -1,26 +1,43 @@
-"""A skin of pins in CalculiX: its solid in gmsh's tetrahedra of ten nodes, pressed by a rigid flat plate that
-is driven to one approach after another, and may then be pulled along x against friction. Layers of other
-silicones are solids of their own that share their nodes.
+"""Skins of pins against CalculiX in three dimensions, pressed, and pulled with friction.
 
-Small strain unless asked, penalty contact, and sides that are free. Both programs are processes of their own,
-as in calculix.py. Of a skin that two planes mirror only a quarter is meshed, and pulled a half.
+`python -m bench.pins [first] [end] [ratio]` holds the reduced model against it on random designs, about half
+a minute each. Nine or twenty-five graded pins on flat, bent and doubly curved bases; Poisson's ratio 0.49 in
+both, or another: CalculiX has no hybrid elements. `python -m bench.pins layers [first] [end]`: on a back of
+another silicone, a twentieth to twenty times as stiff. `python -m bench.pins times`: seconds of a check by
+the number of pins. `python -m bench.pins slip`: slip of six graded pins at finite strain with friction, about
+two minutes; half of the skin is meshed, cut between the pins: where a cut runs through a tip CalculiX may
+lose its contact.
+
+The solid is of gmsh's tetrahedra of ten nodes, pressed by a rigid flat plate that is driven to one approach
+after another, and may then be pulled along x against friction: penalty contact, and sides that are free.
+Layers of other silicones are solids of their own that share their nodes. Of a skin that two planes mirror
+only a quarter is meshed, and pulled a half.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from time import perf_counter, process_time
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.calculix import run_program
-from skincad.inputs import Design, layers
+import skincad
+from bench import runner
+from bench.calculix import SIZED, meshed, run_program
+from skincad.base import RefusedError
+from skincad.effects.pin_pad import pin_pad
+from skincad.inputs import Design, layers, shoulder
 from skincad.inputs.material import silicone
-from skincad.mechanics import pin_tops
+from skincad.mechanics import Drive, advance, pin_tops
+from skincad.mechanics.contact.tips import unloaded
+from skincad.mechanics.models import reduced
 from skincad.shape import heights, skin_of
 from skincad.solids import Part, PartRole, behind, skin_part, unchecked_solid
 
@@ -32,6 +49,12 @@ TETRAHEDRON = 11  # gmsh's number of one of ten nodes
 PLATE = 0.5  # mm, its thickness
 COARSER = 3.0  # edges of elements in the base, of those at the tips
 EDGE = 1e-6  # mm, from a plane, on which a node is
+FINENESS = 6  # elements over a tip
+LEVELS = 0.92, 0.98  # of the approach at which all touch
+STRAIN = 0.05  # of a pin, at the force whose shares are compared
+FRICTION, DOWN = 0.3, 0.2  # mm, after half of it
+PULLS = 0.1, 0.2, 0.3, 0.4, 0.5  # mm
+SIZE = 0.45  # mm, of elements
 
 
 @dataclass(frozen=True)
@@ -102,19 +125,11 @@ def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrah
     for number in range(1, len(design.shot or ()) + 1):
         layer = Part(f"shot-{number}", PartRole.SKIN, behind(design, number))
         cq.exporters.export(cq.Workplane(unchecked_solid(layer)), str(folder / f"shot-{number}.step"))
-    (folder / "pins.geo").write_text("\n".join(_geometry(design, size, planes)))
-    run_program(["gmsh", "-3", "-order", "2", "-format", "msh22", "-nt", "1", "pins.geo"], folder)
-    text = (folder / "pins.msh").read_text()
-
-    def block(name: str) -> list[str]:
-        return text.partition(f"${name}\n")[2].partition(f"$End{name}")[0].splitlines()[1:]
-
-    place = {int(row[0]): [float(x) for x in row[1:]] for row in map(str.split, block("Nodes"))}
-    rows = [[int(word) for word in line.split()] for line in block("Elements")]
+    place, rows = meshed(_geometry(design, size, planes), 3, folder)
     values = np.array([row[-10:] for row in rows if row[1] == TETRAHEDRON])
     values[:, [8, 9]] = values[:, [9, 8]]  # gmsh's last two edges are CalculiX's the other way round
     used, elements = np.unique(values, return_inverse=True)
-    nodes = np.array([place[int(n)] for n in used])
+    nodes = np.array([place[n] for n in used.tolist()])
     elements = elements.reshape(values.shape)
     shot = _shots(design, nodes, elements)
     if np.unique(shot).size != 1 + len(design.shot or ()):
@@ -159,9 +174,7 @@ def _geometry(design: Design, size: float, planes: int) -> Iterator[str]:
     many = len(skin_of(design).placed)
     yield f"Field[{many + 1}] = Min; Field[{many + 1}].FieldsList = {{1:{many}}};"
     yield f"Background Field = {many + 1};"
-    for option in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
-        yield f"Mesh.{option} = 0;"
-    yield "Mesh.Algorithm3D = 10; Mesh.HighOrderOptimize = 2;"
+    yield f"{SIZED}Mesh.Algorithm3D = 10; Mesh.HighOrderOptimize = 2;"
 
 
 def _tips(
@@ -257,3 +270,182 @@ def _deck(
         for pin in mesh.faces:
             yield f"*CONTACT PRINT, SLAVE=pin{pin}, MASTER=under, FREQUENCY=1000\nCF"
         yield "*NODE PRINT, NSET=apex, FREQUENCY=1000\nU\n*END STEP\n"
+
+
+def random_pins(seed: int) -> Design:
+    """Return one of the designs, by its number."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return round(float(rng.uniform(low, high)), 3)
+
+    tip = between(0.8, 3.0)
+    root, height = tip * between(1.05, 1.4), tip * between(0.5, 1.8)
+    pitch, crown = root + tip * between(0.3, 1.2), tip * between(0.06, 0.25)
+    thickness, margin = pitch * between(0.3, 1.2), root / 2 + tip * between(0.15, 1.0)
+    count = int(rng.choice([3, 3, 3, 5]))
+    drop = height * between(0.02, 0.08)
+    rings = count // 2 + 1
+    width = (count - 1) * pitch + 2 * margin
+    lean, kind = math.radians(between(2, 6)), rng.choice(["flat", "flat", "bent", "dome"])
+    radius = (count - 1) * pitch / 2 / math.sin(lean)
+    if kind != "flat":
+        thickness += radius * (1 - math.cos(1.3 * lean)) * (2 if kind == "dome" else 1)
+    skin = {"thickness": thickness, "width": width, "length": width}
+    skin["curvature_radius"] = 1e8 if kind == "flat" else radius
+    pin = {"pattern": "square", "columns": count, "rows": count, "pitch": pitch, "root_diameter": root}
+    pin |= {"tip_diameter": tip, "crown": crown}
+    if kind == "dome":
+        skin["curvature_radius_y"] = radius
+    pin |= {"heights": [height - i * drop for i in range(rings)]}
+    return skincad.Design(
+        name=f"{kind}-{count}x{count}",
+        skin=skin,
+        pin=pin,
+        material={"name": "dragon-skin-20", "poisson_ratio": 0.49},
+        mold={"process": "sla", "pour": "open"},
+        contact={"force": 1.0, "friction": 0.0},
+    )
+
+
+def layered(seed: int) -> Design:
+    """Return one of the designs with a back of another silicone, by its number."""
+    design, rng = random_pins(seed), np.random.default_rng((seed, 1))
+    deep = round(float(rng.uniform(0.25, 0.6)) * shoulder(design.skin), 3)
+    modulus = round(silicone(design).young_modulus.value * float(20 ** rng.uniform(-1, 1)), 4)
+    where = str(rng.choice(["thickness", "depth"]))
+    return design.with_(shot=[{where: deep, "young_modulus": modulus, "poisson_ratio": 0.49}])
+
+
+def compared(design: Design) -> tuple[float, float, float, float]:
+    """Return the all-touch force in N by CalculiX, and how much the reduced model's is more, relative; the
+    same of the approach; and the largest difference of forces, of their mean."""
+    model, tip = reduced.feature_model(design, 1.0, {}), skin_of(design).profile.tip_width
+    first = reduced.all_touch_force(model)
+    closes = reduced.pressed(model, first)[1]
+    nominal = STRAIN * silicone(design).young_modulus.value * math.pi / 4 * tip**2 * model.gap.size
+    end = max(reduced.pressed(model, max(nominal, 1.3 * first))[1], 1.2 * closes)
+    down = np.array([*(level * closes for level in LEVELS), end])
+    forces, rises = press(design, tip / FINENESS, down.tolist())
+    forces = forces[:, :, 1]
+    last, total = int(model.gap.argmax()), forces.sum(axis=1)
+    gaps = model.gap[last] - down[:2] - rises[:2, last]  # before it touches, where forces have no kink
+    touch = down[0] + (down[1] - down[0]) * gaps[0] / (gaps[0] - gaps[1])
+    rise = math.log(total[1] / total[0]) / math.log(down[1] / down[0])
+    theirs = float(total[1] * (touch / down[1]) ** rise)
+    shares, approach = reduced.pressed(model, float(total[-1]))
+    off = float(np.abs(shares - forces[-1]).max() / forces[-1].mean())
+    return theirs, first / theirs - 1, approach / end - 1, off
+
+
+def many(count: int) -> Design:
+    """Return rows of as many fine pins on a slightly curved base, lower outwards."""
+    width = count + 1.0
+    skin = {"thickness": 5.0, "width": width, "length": width}
+    pin = {"pattern": "square", "columns": count, "rows": count, "pitch": 1.0, "crown": 0.08}
+    pin |= {"heights": [0.5 - 0.002 * ring for ring in range((count + 1) // 2)]}
+    return skincad.Design(
+        name=f"pins-{count**2}",
+        skin={**skin, "curvature_radius": 200.0, "curvature_radius_y": 300.0},
+        pin={**pin, "root_diameter": 0.7, "tip_diameter": 0.5},
+        material={"name": "dragon-skin-20"},
+        mold={"process": "sla"},
+        contact={"force": 10.0},
+    )
+
+
+def judged(seed: int, make: Callable[[int], Design], ratio: float) -> runner.Row:
+    """Return a design's comparison; RefusedError where CalculiX fails."""
+    design, began = make(seed).with_(material={"poisson_ratio": ratio}), perf_counter()
+    try:
+        numbers = compared(design)
+    except RuntimeError as failure:
+        raise RefusedError(f"{design.name} {str(failure).splitlines()[0]}") from None
+    name = design.name
+    if design.shot:
+        stiff = layers(design)[0].young_modulus.value / silicone(design).young_modulus.value
+        name += f", {stiff:.2g}"
+    return {"seed": seed, "name": name, "numbers": numbers, "seconds": perf_counter() - began}
+
+
+def line(row: runner.Row) -> str:
+    """Return a design's line."""
+    force, off, approach, share = row["numbers"]
+    numbers = f"{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}{row['seconds']:6.0f}"
+    return f"{row['seed']:3} {row['name']:16}{numbers}"
+
+
+def times() -> None:
+    """Print the seconds of a check by the number of pins."""
+    for count in (22, 44):
+        began, cpu = perf_counter(), process_time()
+        result = skincad.check(many(count))
+        spent = f"{perf_counter() - began:.1f} s, {process_time() - cpu:.1f} s of processors"
+        print(f"{result.name}: {spent}; all touch at {result.all_touch_force}", flush=True)
+
+
+def six() -> Design:
+    """Two rows of three pins, the middle one of each 0.1 mm higher."""
+    return skincad.Design(
+        name="six",
+        skin={"curvature_radius": 1e8, "thickness": 2.0, "width": 12.0, "length": 8.0},
+        pin={
+            "columns": 3,
+            "rows": 2,
+            "pitch": 4.0,
+            "root_diameter": 2.2,
+            "tip_diameter": 1.8,
+            "crown": 0.3,
+            "heights": [2.4, 2.5, 2.4] * 2,
+        },
+        material={"name": "dragon-skin-20", "poisson_ratio": 0.49},
+        mold={"process": "sla", "pour": "open"},
+        contact={"force": 0.2},
+    )
+
+
+def slips(pulls: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pins' pulls and normal forces `(travels, pins, 2)`, N, by CalculiX and by skincad, at the
+    plate's travels, mm, under the normal force that CalculiX has when it is down."""
+    design = six()
+    theirs, _ = press(design, SIZE, [DOWN / 2, DOWN], pulls, FRICTION, large=True)
+    force, tips = float(theirs[1, :, 1].sum()), pin_pad(design).tips
+    state, ours = advance(tips, unloaded(tips), Drive(force, travel=0.0), FRICTION), []
+    for travel in pulls:
+        state = advance(tips, state, Drive(force, travel=travel), FRICTION)
+        ours.append(np.stack([state.tangential, state.normal], axis=1))
+    return theirs[2:], np.array(ours)
+
+
+def slip() -> None:
+    """Print pulls of pins at the plate's travels, mN, by CalculiX and by skincad."""
+    began = perf_counter()
+    both = slips(PULLS)
+    print(f"{perf_counter() - began:.0f} s")
+    for travel, *rows in zip(PULLS, *both, strict=True):
+        for name, row in zip(("CalculiX", "skincad"), rows, strict=True):
+            print(f"{travel:4} mm {name:9}", *(f"{1e3 * pull:7.2f}" for pull in row[:3, 0]))
+
+
+def main() -> None:
+    """Print a table."""
+    parser = runner.parser(__doc__)
+    parser.add_argument(
+        "words", nargs="*", help="layers, times or slip; first and last seed; Poisson's ratio"
+    )
+    options = parser.parse_args()
+    words, make = options.words, random_pins
+    if words in (["times"], ["slip"]):
+        (times if words == ["times"] else slip)()
+        return
+    if words[:1] == ["layers"]:
+        words, make = words[1:], layered
+    first, end = (int(word) for word in (words[:2] or ("0", "16")))
+    ratio = float(words[2]) if len(words) > 2 else 0.49
+    print(f"{'':20}{'all touch at, N':>17}{'off':>8}{'approach':>10}{'share':>8}{'s':>6}")
+    judge = partial(judged, make=make, ratio=ratio)
+    runner.rows(f"{make.__name__}-{ratio:g}", judge, range(first, end), options, line)
+
+
+if __name__ == "__main__":
+    main()
