@@ -167,9 +167,6 @@ def neo_hookean_shear(shift: float, shear: float) -> float:
     return shear * shift
 
 
-Array = NDArray[np.float64]
-
-
 def rubbed_swing(start: float, stiffness: float, mass: float, limit: float, time: Array) -> Array:
     """Return places `(n,)` of a mass let go at `start` on a spring, on a still plate that rubs by `limit` N.
 

@@ -4,7 +4,9 @@ the solid, and its limits."""
 from __future__ import annotations
 
 import math
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,13 +25,15 @@ from tests.mechanics.designs import reference, yamada
 from tests.outputs.simulators import ccx
 
 CURVED = pytest.mark.evidence(subject="doubly curved")
-VARIANTS = {
-    "reference": {},
-    "thick": {"skin": {"thickness": 8.0}},
-    "thin": {"skin": {"thickness": 2.0}},
-    "five": {"ridge": {"count": 5}},
-    "long": {"skin": {"length": 24.0}},
-}
+SKINS = (("thickness", 8.0), ("thickness", 2.0), ("length", 24.0))
+FIVE = {"ridge": {"count": 5}}
+INSIDE = [
+    *product(({}, *({"skin": {key: value}} for key, value in SKINS)), (20.0, 60.0, 1e3), (4.0,)),
+    *((FIVE, radius, 4.0) for radius in (60.0, 1e3)),
+    # one ridge carries three quarters or all, where the springs share among three
+    ({}, 20.0, 0.004),
+    ({"skin": {"thickness": 12.0}}, 60.0, 0.02),
+]
 
 
 def bent(design: Design, radius: float) -> Design:
@@ -43,22 +47,13 @@ def solved(design: Design, radius: float, force: float) -> level.SolidSolution:
     return level.solve_level(meshed, level.forms_of(meshed, 2), level.Layers(0.4, 1.8, 4), force, {})
 
 
-@pytest.mark.parametrize("radius", [20.0, *(pytest.param(r, marks=CURVED) for r in (60.0, 1e3))])
-@pytest.mark.parametrize("name", [n if n == "five" else pytest.param(n, marks=CURVED) for n in VARIANTS])
-def test_solid_lies_inside_the_closed_forms_error(name: str, radius: float) -> None:
-    assert_solid_inside(reference().with_(**VARIANTS[name]), radius, 4.0)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("thickness", "radius", "force"), [(4.0, 20.0, 0.004), pytest.param(12.0, 60.0, 0.02, marks=CURVED)]
+    ("change", "radius", "force"), [(FIVE, 20.0, 4.0), *(pytest.param(*row, marks=CURVED) for row in INSIDE)]
 )
-def test_solid_lies_inside_when_few_ridges_are_pressed(thickness: float, radius: float, force: float) -> None:
-    """One ridge carries three quarters or all, where the springs share among three."""
-    assert_solid_inside(reference().with_(skin={"thickness": thickness}), radius, force)
-
-
-def assert_solid_inside(design: Design, radius: float, force: float) -> None:
+def test_solid_lies_inside_the_closed_forms_error(
+    change: dict[str, Any], radius: float, force: float
+) -> None:
+    design = reference().with_(**change)
     spring, solid = check(bent(design, radius), model="winkler", force=force), solved(design, radius, force)
     for one, other in (
         (spring.all_touch_force, solid.all_touch_force or 0.0),
@@ -88,6 +83,7 @@ def test_a_solid_that_hardly_turns_is_the_straight_one() -> None:
     assert np.abs(turned - straight).max() < 1e-5 * np.abs(straight).max()
 
 
+@pytest.mark.slow
 def test_a_lift_of_the_back_lifts_all() -> None:
     """A rigid movement, which in turned sections is neither away from the axis nor around it: no stress."""
     forms, borders = forms_and_borders()
@@ -165,17 +161,15 @@ def test_shares_balance_at_any_force(force: float) -> None:
     assert sum(f.value or 0.0 for f in verdict.ridge_force) == pytest.approx(force, rel=1e-9)
 
 
-def test_a_nearly_straight_skin_is_the_straight_one() -> None:
-    straight, verdict = check(yamada(), model="winkler"), check(bent(yamada(), 1e8), model="winkler")
+def test_a_nearly_straight_skin_is_the_straight_one_and_the_rounder_takes_fewer_newtons() -> None:
+    straight, *bends = (
+        check(design, model="winkler")
+        for design in (yamada(), *(bent(yamada(), radius) for radius in (1e8, 1e3, 100.0, 30.0, 10.0)))
+    )
     # 0.4 um of fall at the ends of 12 mm, against gaps of 0.13 mm
-    assert verdict.all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
-    assert verdict.approach.value == pytest.approx(straight.approach.value, rel=1e-5)
-
-
-def test_the_rounder_the_fewer_newtons() -> None:
-    forces = [
-        check(bent(yamada(), r), model="winkler").all_touch_force.value for r in (1e3, 100.0, 30.0, 10.0)
-    ]
+    assert bends[0].all_touch_force.value == pytest.approx(straight.all_touch_force.value, rel=1e-5)
+    assert bends[0].approach.value == pytest.approx(straight.approach.value, rel=1e-5)
+    forces = [verdict.all_touch_force.value for verdict in bends]
     assert forces == sorted(forces, reverse=True)
 
 
@@ -208,18 +202,22 @@ def test_a_straight_pad_is_not_taken_for_it() -> None:
         check(bent(yamada(), 30.0), measured=Path("crests.csv"))
 
 
-def test_a_crushed_middle_is_no_pass() -> None:
-    thin = {"curvature_radius": 12.0, "thickness": 2.5}
-    verdict = check(bent(yamada().with_(skin=thin, ridge={"height": 0.4}), 40.0), force=50.0, model="winkler")
-    assert "middle is strained by" in verdict.out_of_range
-    assert not verdict.passed
-
-
-def test_a_contact_that_slopes_too_much_is_no_pass() -> None:
-    verdict = check(
-        bent(yamada().with_(skin={"curvature_radius": 12.0}, slot=None), 8.0), force=50.0, model="winkler"
-    )
-    assert "slopes by" in verdict.out_of_range
+@pytest.mark.parametrize(
+    ("change", "radius", "words"),
+    [
+        (
+            {"skin": {"curvature_radius": 12.0, "thickness": 2.5}, "ridge": {"height": 0.4}},
+            40.0,
+            "middle is strained by",
+        ),
+        ({"skin": {"curvature_radius": 12.0}, "slot": None}, 8.0, "slopes by"),
+    ],
+)
+def test_a_crushed_middle_or_too_steep_a_contact_is_no_pass(
+    change: dict[str, Any], radius: float, words: str
+) -> None:
+    verdict = check(bent(yamada().with_(**change), radius), force=50.0, model="winkler")
+    assert words in verdict.out_of_range
     assert not verdict.passed
 
 

@@ -38,7 +38,9 @@ def flat(*shots: dict[str, Any]) -> Design:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("model", ["linear", "corrected", "finite-strain"])
+@pytest.mark.parametrize(
+    "model", ["linear", *(pytest.param(m, marks=pytest.mark.slow) for m in ("corrected", "finite-strain"))]
+)
 def test_layers_that_do_not_widen_are_springs_one_behind_the_other(model: str) -> None:
     """The approach is F / A times the sum of thickness over modulus; the base circle falls by 1e-5 mm."""
     shots = (
@@ -52,6 +54,7 @@ def test_layers_that_do_not_widen_are_springs_one_behind_the_other(model: str) -
     assert answer.value == pytest.approx(force / 80 * give, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_layers_of_the_skins_own_silicone_change_nothing() -> None:
     """Another mesh of the same pad: 1e-3 of the approach, 1e-3 N of shares of 0.44."""
     same = {"young_modulus": 0.8, "poisson_ratio": filleted().material.poisson_ratio}
@@ -107,12 +110,17 @@ def test_shots_that_cannot_be_are_refused(shots: list[dict[str, Any]], words: st
         load("plain-ridges").with_(shot=shots)
 
 
-def test_a_face_through_a_slot_is_refused() -> None:
+def test_what_takes_no_layers_says_so() -> None:
     design = load("yamada-2002")
     assert design.slot
     deep = design.with_(slot={"elevation": -0.3}, shot=[{"young_modulus": 1.0, "depth": 0.3}])
     with pytest.raises(InputError, match=r"shot\.depth: shot 1's face must keep 0\.05 mm from the slots"):
         check(deep, model="linear")
+    # on a back an eighth as stiff the outermost share is off by a quarter of the mean
+    with pytest.raises(InputError, match=r"shot: must not be given with \[ridge\] for the reduced model"):
+        check(load(FINGER), model="reduced")
+    with pytest.raises(InputError, match="takes a skin of one silicone"):
+        start_session(load(FINGER))
 
 
 def pins(*shots: dict[str, Any], **tables: Any) -> Design:
@@ -179,17 +187,6 @@ def test_calculix_presses_pins_on_layers_alike(
     assert share <= further * errors.share + 0.02
     plain, layered = (reduced.pressed(reduced.pin_model(of), 0.3)[1] for of in (pins(**bent), design))
     assert abs(layered / plain - 1) > 0.01  # the layer counts
-
-
-def test_many_ridges_on_layers_are_not_reduced() -> None:
-    """On a back an eighth as stiff the outermost share is off by a quarter of the mean."""
-    with pytest.raises(InputError, match=r"shot: must not be given with \[ridge\] for the reduced model"):
-        check(load(FINGER), model="reduced")
-
-
-def test_a_live_session_takes_one_silicone_and_says_so() -> None:
-    with pytest.raises(InputError, match="takes a skin of one silicone"):
-        start_session(load(FINGER))
 
 
 def test_a_file_with_shots_is_read_as_it_was_written(tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def ball(ratio: float, **of_material: float) -> Design:
     )
 
 
-@pytest.mark.parametrize("model", ["linear", "finite-strain"])
+@pytest.mark.parametrize("model", ["linear", pytest.param("finite-strain", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ratio", [0.3, INCOMPRESSIBLE])
 def test_a_ball_touches_as_hertz_says(ratio: float, model: str) -> None:
     """Johnson, Contact Mechanics, eq. (4.22) to (4.24). The base of 50 mm gives 1 % of the approach, and the
@@ -222,7 +222,7 @@ def pocketed(pad: Pad, diameter: float, depth: float, kind: Literal["side", "bac
 
 
 @pytest.mark.parametrize("kind", ["side", "back"])
-@pytest.mark.parametrize("family", ["pin", "flat"])
+@pytest.mark.parametrize("family", ["pin", pytest.param("flat", marks=pytest.mark.slow)])
 def test_a_pocket_changes_the_approach_within_its_bound(family: str, kind: Literal["side", "back"]) -> None:
     pocket = {"diameter": 1.6, "depth": 3.5}
     table: dict[str, object] = {"pitch": 9.0, "columns": 1, "rows": 1, "pocket": pocket}

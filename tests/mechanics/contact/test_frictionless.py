@@ -73,15 +73,16 @@ def test_flat_gaps_share_by_stiffness() -> None:
     assert state.approach == pytest.approx(4.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("force", [0.0, -1.0, float("nan"), float("inf")])
-def test_no_force_is_refused(force: float) -> None:
-    with pytest.raises(ContactError, match="above 0"):
-        press(np.eye(2), np.zeros(2), force)
-
-
-def test_an_indefinite_flexibility_is_refused() -> None:
+def test_what_has_no_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    for force in (0.0, -1.0, float("nan"), float("inf")):
+        with pytest.raises(ContactError, match="above 0"):
+            press(np.eye(2), np.zeros(2), force)
     with pytest.raises(ContactError, match="coarser contact mesh"):
         press(np.array([[1.0, 2.0], [2.0, 1.0]]), np.zeros(2), 1.0)
+    flexibility, gap = problem(3)
+    monkeypatch.setattr(contact, "SWEEPS", 1)
+    with pytest.raises(ContactError, match="does not settle"):
+        press(flexibility, gap, 0.5, np.ones(60, bool), definite=False)
 
 
 def test_in_a_saddle_point_the_state_nearby_is_found() -> None:
@@ -91,13 +92,6 @@ def test_in_a_saddle_point_the_state_nearby_is_found() -> None:
     assert (both.force.tolist(), both.approach) == ([0.5, 0.5], 1.5)
     one = press(flexibility, gap, 1.0, np.array([True, False]), definite=False)
     assert (one.force.tolist(), one.approach, one.gap.tolist()) == ([1.0, 0.0], 1.0, [0.0, 1.0])
-
-
-def test_sweeps_that_settle_on_nothing_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    flexibility, gap = problem(3)
-    monkeypatch.setattr(contact, "SWEEPS", 1)
-    with pytest.raises(ContactError, match="does not settle"):
-        press(flexibility, gap, 0.5, np.ones(60, bool), definite=False)
 
 
 def test_a_flexibility_that_is_not_definite_starts_from_the_lowest_point() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint
 
 from skincad.inputs import Design
 from skincad.mechanics import Pad, Request, half_of, height_of, pad_of, plane_piece, ridge_model, unit_of
-from skincad.mechanics.bodies import elements, fe, plane_body
+from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies import mesh as meshes
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import linear
@@ -67,10 +68,17 @@ CASES = {
 }
 
 
+@cache
+def solved(name: str) -> tuple[Pad, linear.PlaneSolution, linear.PlaneSolution]:
+    """A pad, its half's solution and the whole's."""
+    pad = pad_of(CASES[name]())
+    half, whole = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
+    return pad, half, whole
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_half_tells_of_the_whole(name: str) -> None:
-    pad = pad_of(CASES[name]())
-    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
+    _, half, exact = solved(name)
     assert half.approach == pytest.approx(exact.approach, rel=ROUNDING)
     scale = ROUNDING * FORCE
     assert half.all_touch_force == pytest.approx(exact.all_touch_force, rel=ROUNDING, abs=scale)
@@ -88,8 +96,7 @@ def test_the_half_tells_of_the_whole(name: str) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_loads_on_one_side_are_the_wholes(name: str) -> None:
     """Symmetric and antisymmetric loads of the half give what one load does on either side of the whole."""
-    pad = pad_of(CASES[name]())
-    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
+    pad, half, exact = solved(name)
     sides = frictionless.on_both_sides(half.ridges, half.half, pad.ridges)
     off = np.abs(half.x) > 1e-9
     x = np.concatenate([half.x, -half.x[off]])
@@ -109,8 +116,7 @@ def test_loads_on_one_side_are_the_wholes(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["odd", "even"])
 def test_the_yields_model_is_the_wholes(name: str) -> None:
-    pad = pad_of(CASES[name]())
-    half, exact = (linear.level(piece, ORDER, FORCE) for piece in both(pad))
+    pad, half, exact = solved(name)
     model = linear.reduced_model(pad, half, FORCE, {})
     wanted = ridge_model(exact.ridges, max(FORCE, exact.all_touch_force or 0.0), exact.unit, exact.scale)
     for mine, theirs in ((model.coupling, wanted.coupling), (model.indentation, wanted.indentation)):
@@ -153,21 +159,3 @@ def test_what_crosses_the_middle_of_a_half_meets_its_image() -> None:
         loops = elements.outlines(system, moved)
         assert plane_body.undetected_contact(loops, lambda x: np.full_like(x, above), mirrored=True) == wrong
         assert plane_body.undetected_contact(loops, lambda x: np.full_like(x, above)) is None
-
-
-def test_the_cut_is_held_in_one_direction_and_only_there_is_a_half() -> None:
-    piece = plane_piece(pad_of(CASES["odd"]()), 0.25)
-    systems = [
-        elements.assemble(elements.curved(part.mesh, ORDER), ORDER, part.piece.materials)
-        for part in (piece, plane_piece(piece.whole, 0.25, whole=True))
-    ]
-    half, whole = systems
-    sideways, up = fe.held_on_cut(half.mesh, half.space.components[0])
-    points = np.array([v.point for v in half.mesh.vertices])
-    on_cut = np.flatnonzero(np.abs(points[:, 0]) < 1e-9)
-    assert set(on_cut) == {i for i in sideways if i < half.mesh.nv}
-    assert set(elements.symmetric_system(half).interior) == set(half.interior) - set(sideways)
-    interior, contact = elements.antisymmetric_unknowns(half)
-    assert set(interior) == set(half.interior) - set(up)
-    assert len(set(half.contact) - set(contact)) == 1  # the summit of the middle ridge
-    assert elements.symmetric_system(whole).interior.size == whole.interior.size

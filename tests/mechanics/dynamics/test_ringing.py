@@ -1,18 +1,159 @@
-"""What rings about a load of straight lines, and a plate with mass on springs: the equation of motion."""
+"""Slow modes of a skin, and what rings about a load of straight lines: against equations of motion."""
 
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from skincad.effects import ModalPad, condensed
+from skincad.effects.moving import moving
 from skincad.inputs.material import silicone
-from skincad.mechanics import FREE_TOP, RETARDATION, MasslessRun, plate_ringing, shear_frequency, skin_mass
+from skincad.mechanics import (
+    FREE_TOP,
+    RETARDATION,
+    MasslessRun,
+    Modes,
+    at_points,
+    default_sizes,
+    layer_period,
+    mode_step,
+    plate_ringing,
+    resolved,
+    shear_frequency,
+    skin_mass,
+    sliding,
+    slow_modes,
+    triangles,
+)
 from skincad.mechanics.dynamics import ringing
+from skincad.scenes import March, Scene, energy, halts_of, load_scene, piece_for, slips_of
+from skincad.scenes.march import march
 from skincad.shape import section
 from tests.mechanics.designs import filleted
+
+FINENESS, ORDER = 0.2, 2
+PULL = (
+    "history.time_s=[0.0, 0.002, 0.008]",
+    "history.normal_force_N=[0.0, 1.2, 1.2]",
+    "history.tangential_force_N=[0.0, 0.0, 0.8]",
+    "history.steps=200",
+    "effects.friction.coefficient=0.6",
+    "readout.ridges=[1, 2, 3]",
+)
+
+
+@cache
+def scene() -> Scene:
+    plain = load_scene("yamada-2002-slip")
+    design = plain.design.with_(ridge={"count": 3}, skin={"width": 5.0})
+    return load_scene("yamada-2002-slip", list(PULL), skin=design)
+
+
+@cache
+def parts(order: int = ORDER) -> tuple:  # type: ignore[type-arg]
+    piece = piece_for(scene(), {})
+    mesh = triangles(piece.pad, default_sizes(piece.pad, FINENESS))
+    pad = condensed(sliding(piece, mesh, order, True))
+    return piece, mesh, pad
+
+
+@cache
+def modes() -> Modes:
+    piece, mesh, pad = parts()
+    return slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge)
+
+
+def test_they_are_a_part_of_the_static_compliance() -> None:
+    """What is left of it is positive definite, on other points too; of a shear of all points the slow modes
+    are nearly all. The slowest swings about as a layer: a skin of finite width, and ridges on it, within 20 %
+    of a quarter wave's period, measured 8 %."""
+    pad, fine = parts()[2], parts(3)[2]
+    slow, whole = modes(), parts()[2].compliance
+    assert np.linalg.eigvalsh(whole - slow.compliance).min() > 0
+    m = pad.x.size
+    shear = np.concatenate([np.ones(m), np.zeros(m)]) / m
+    assert 0.8 < shear @ slow.compliance @ shear / (shear @ whole @ shear) < 1
+    assert (np.diff(slow.frequency) >= 0).all()
+    assert 2 * np.pi / slow.frequency[0] == pytest.approx(layer_period(scene().design), rel=0.2)
+    there = at_points(slow, fine.x, fine.ridge)
+    assert there.points.shape == (2 * fine.x.size, slow.frequency.size)
+    assert np.linalg.eigvalsh(fine.compliance - there.compliance).min() > 0
+    assert at_points(slow, slow.x, slow.ridge) is slow
+
+
+def test_long_steps_resolve_fewer() -> None:
+    _, _, pad = parts()
+    counts = [resolved(modes(), pad.compliance, dt).frequency.size for dt in (1e-6, 1e-4, 3e-4, 1.0)]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] == modes().frequency.size
+    assert counts[-1] == 0
+
+
+@pytest.mark.parametrize("dt", [1e-6, 1e-4, 3e-3])
+def test_a_step_is_exact_for_a_force_straight_in_time(dt: float) -> None:
+    """Of one mode from rest under a rising force; the closed form of a damped oscillator, d below 2 w."""
+    w = 4000.0
+    one = Modes(np.array([w]), np.ones((2, 1)), np.zeros((0, 3, 1)), np.zeros(1), np.ones(1, dtype=np.int64))
+    step, d = mode_step(one, dt), RETARDATION * w**2
+    count, rise = 40, 3.0
+    state, force = np.zeros(2), 0.0
+    for i in range(count):
+        after = rise * dt * (i + 1)
+        state = step.stays[0] @ state + step.before[0] * force + step.after[0] * after
+        force = after
+    t, z = count * dt, d / (2 * w)
+    swing = w * np.sqrt(1 - z * z)
+    fades = np.exp(-z * w * t)
+    lag = d / w**2
+    exact = (
+        rise
+        / w**2
+        * (t - lag + fades * (lag * np.cos(swing * t) + (z * w * lag - 1) / swing * np.sin(swing * t)))
+    )
+    assert state[0] == pytest.approx(exact, rel=1e-6)
+
+
+def run(pad: object, mass: float, *more: str) -> tuple[March, list[int | None], np.ndarray]:
+    told = scene() if not more else scene().with_(plate={"mass": mass}, effects={name: {} for name in more})
+    found = march(pad, told.history.times, told.history.drives(), told.terms, mass=mass)  # type: ignore[arg-type]
+    films = found.column("films")[:, :, 0]
+    return found, slips_of(found, 3, halts_of(scene())).steps, films[:, ::2] - films[:, 1::2]
+
+
+@pytest.mark.evidence(subject="slow modes")
+@pytest.mark.parametrize("mass", [1e-9, 0.2])
+def test_a_march_is_that_with_all_masses(mass: float) -> None:
+    """Slips to 3 of 200 steps, signals to 6 % of the largest before all slip; without masses they are off by
+    more."""
+    piece, mesh, pad = parts()
+    slow = resolved(modes(), pad.compliance, scene().history.times[1])
+    assert slow.frequency.size > 5
+    modal, slips, felt = run(ModalPad(pad, slow, mass), mass)
+    _, true, known = run(moving(piece, mesh, ORDER, True), mass, "inertia", "viscosity")
+    still = run(pad, 0.0)[2]
+    for one, other in zip(slips, true, strict=True):
+        assert (one is None) == (other is None)
+        assert one is None or other is None or abs(one - other) <= 3
+    end = min(len(felt), len(known), len(still), *(step for step in true if step is not None))
+    off, without = (
+        np.abs(run_[:end] - known[:end]).max() / np.abs(known[:end]).max() for run_ in (felt, still)
+    )
+    assert off < 0.06
+    assert off < without
+    assert energy(modal)["imbalance"] < 5e-3
+
+
+@pytest.mark.slow
+def test_without_slow_modes_and_plate_it_is_the_still_pad() -> None:
+    _, _, pad = parts()
+    still, none = run(pad, 0.0), run(ModalPad(pad, modes().first(0)), 0.0)
+    assert none[1] == still[1]
+    assert none[2] == pytest.approx(still[2], abs=1e-12)
+
 
 TURNS = np.array([0.0, 1e-3, 2.5e-3, 2.9e-3, 6e-3])
 LOADS = np.array([0.0, 2.0, 2.0, -1.0, -0.5])
@@ -54,11 +195,11 @@ DOWN, ALONG, MASS = 10.0, 4.0, 0.5  # N/mm, N/mm, g
 TIME = np.linspace(0.0, 0.02, 401)
 CORNERS = np.array([0.0, 0.002, 0.006, 0.007, 0.02])
 NORMAL = np.array([0.0, 2.0, 2.0, 2.0, 2.0])
-PULL = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
+SIDEWAYS = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
 STILL = np.zeros_like(CORNERS)
 
 
-def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = PULL) -> MasslessRun:
+def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = SIDEWAYS) -> MasslessRun:
     down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
     return MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
 
@@ -76,11 +217,11 @@ def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.nd
 
 
 def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
-    swing = plate_ringing(springs(), CORNERS, (NORMAL, PULL), False, MASS)
+    swing = plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     some = slice(None, None, 9)
     assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
-    assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, PULL, swing.time[some]), abs=1e-5)
+    assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, SIDEWAYS, swing.time[some]), abs=1e-5)
     slow = 2 * math.pi * math.sqrt(ringing.TONNE * MASS * (1 + FREE_TOP) / ALONG)
     assert swing.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
 
@@ -95,7 +236,7 @@ def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> No
 
 def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
-    moves = PULL / ALONG
+    moves = SIDEWAYS / ALONG
     swing = plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
     assert swing is not None
     assert not swing.normal.any()
@@ -109,14 +250,10 @@ def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     assert swing.pull[first].max() == pytest.approx(wanted, rel=0.02)
 
 
-@pytest.mark.parametrize(("normal", "pull"), [(STILL, STILL), (STILL, PULL * 0)])
-def test_nothing_rings_where_no_load_changes(normal: np.ndarray, pull: np.ndarray) -> None:
-    assert plate_ringing(springs(normal, pull), CORNERS, (normal, pull), False, MASS) is None
-
-
-def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
+def test_corners_without_a_change_or_that_the_march_did_not_reach_do_not_count() -> None:
+    assert plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
     short = MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
-    swing = plate_ringing(short, CORNERS, (NORMAL, PULL), False, MASS)
+    swing = plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     assert swing.time.max() <= short.time[-1]
     assert not swing.pull.any()
@@ -124,9 +261,9 @@ def test_corners_that_the_march_did_not_reach_do_not_count() -> None:
 
 def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
     quick = CORNERS * [1, 0.1, 1, 1, 1]
-    normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, PULL)
+    normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, SIDEWAYS)
     on = MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
-    swing = plate_ringing(on, quick, (3 * NORMAL, PULL), False, MASS)
+    swing = plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
     down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])

@@ -1,4 +1,4 @@
-"""The condensed pad of both components: against the film-stress solver, its mirror image, its whole state."""
+"""The condensed pad of both components, under a plate that slides, and one that turns."""
 
 from __future__ import annotations
 
@@ -14,8 +14,12 @@ import ngsolve as ngs
 import numpy as np
 import pytest
 
+from skincad.effects import CondensedPad, Share, Step, condensed
 from skincad.mechanics import (
     ContactPad,
+    ContactState,
+    Drive,
+    FrictionCoefficients,
     Pad,
     PadPiece,
     SizeError,
@@ -30,7 +34,7 @@ from skincad.mechanics import (
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.film import sliding as sliding_pad
-from skincad.mechanics.film import stick, stress
+from skincad.mechanics.film import stick, stress, turning
 from skincad.scenes import LEVELS, at_level
 from skincad.shape import Point, Section, Segment
 from tests.mechanics.bodies.test_elements import block
@@ -81,14 +85,10 @@ def test_the_half_agrees_with_the_whole() -> None:
     whole = PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
     pad = sliding(whole, triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
-    for condensed in (half, pad):
-        m = condensed.gap.size
-        load = np.concatenate([condensed.weight, -0.5 * condensed.weight]) / condensed.weight.sum()
-        moved = condensed.compliance @ load
-        answers.append(
-            np.array([moved[:m] @ condensed.weight, moved[m:] @ condensed.weight]) / condensed.weight.sum()
-        )
-        answers.append((condensed.strips @ load)[:, 0])
+    for one in (half, pad):
+        load = np.concatenate([one.weight, -0.5 * one.weight]) / one.weight.sum()
+        moved = (one.compliance @ load).reshape(2, -1)
+        answers += [moved @ one.weight / one.weight.sum(), (one.strips @ load)[:, 0]]
     assert answers[0] == pytest.approx(answers[2], rel=5e-3)
     assert answers[1] == pytest.approx(answers[3], abs=0.02 * np.abs(answers[1]).max())
 
@@ -133,19 +133,14 @@ def test_strips_feel_what_the_condensed_pad_says() -> None:
 
 def test_a_plate_through_the_flanks_is_a_fault() -> None:
     part, _, pad = meshed()
-    assert pad.whole.fault(0 * force(), part.whole.top, 0.0) is None
-    assert "meets the plate" in pad.whole.fault(0 * force(), part.whole.top - 0.4, 0.0)
+    top, none, x = part.whole.top, 0 * force(), np.array([-1.0, 1.0])
+    assert pad.whole.fault(none, top, 0.0) is None
     # the plate falls towards -x: what is met lies in the mirrored half
-    assert "meets the plate" in pad.whole.fault(0 * force(), part.whole.top, 0.3)
-    assert "meets the plate" in pad.whole.fault(0 * force(), part.whole.top, -0.3)
-
-
-def test_ridges_that_give_more_at_the_ends_let_the_plate_down() -> None:
-    """A plate 0.4 mm too deep meets the flanks; no longer where the ends let every ridge down by as much."""
-    part, _, pad = meshed()
-    deep, x = part.whole.top - 0.4, np.array([-1.0, 1.0])
-    assert pad.whole.fault(0 * force(), deep, 0.0, (x, np.full(2, 0.4))) is None
-    assert "meets the plate" in pad.whole.fault(0 * force(), deep, 0.0, (x, np.full(2, 0.01)))
+    for height, angle in ((top - 0.4, 0.0), (top, 0.3), (top, -0.3)):
+        assert "meets the plate" in pad.whole.fault(none, height, angle)
+    # no longer where the ends let every ridge down by as much
+    assert pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.4))) is None
+    assert "meets the plate" in pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.01)))
 
 
 FORCE = 0.3  # N
@@ -259,6 +254,7 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_mesh_takes_four_linear_forms_whatever_strips_it_has(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -275,3 +271,108 @@ def test_a_mesh_takes_four_linear_forms_whatever_strips_it_has(
         small_scene(tmp_path, "yamada-2002-press", "history.steps=2", "readout.ridges=[2]", THIRD), LEVELS[0]
     )
     assert len(forms) == 4
+
+
+RADIUS, SPACING = 60.0, 0.05
+
+
+def stiff_circle() -> CondensedPad:
+    """Points on a circle, each on stiff springs of its own."""
+    angle = np.arange(-80, 81) * SPACING / RADIUS
+    x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
+    none = np.zeros((0, 3, 2 * x.size))
+    ridge = np.ones(x.size, dtype=np.int64)
+    return condensed(ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
+
+
+def marched(model: CondensedPad, drives: list[Drive], cone: FrictionCoefficients) -> list[ContactState]:
+    states = [model.start()]
+    for before, after in pairwise(drives):
+        states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
+    return states
+
+
+@pytest.mark.parametrize("way", [1, pytest.param(-1, marks=pytest.mark.slow)])
+def test_a_plane_rolls_on_a_circle(way: int) -> None:
+    """By hand: it travels R (sin a - a) along itself, a being minus its angle, and slips nowhere."""
+    last = math.radians(3.0)
+    drives = [Drive(0.0, 0.0), Drive(1.0, 0.0)]
+    drives += [Drive(1.0, 0.0, angle=way * last * i / 300) for i in range(1, 301)]
+    states = marched(stiff_circle(), drives, FrictionCoefficients(1.0, 1.0))
+    rolled = -way * last
+    # points on chords of 0.05 mm instead of the circle: (0.05 / 60)^2 / 24 of the way rolled
+    assert states[-1].travel == pytest.approx(RADIUS * (math.sin(rolled) - rolled), abs=1e-5)
+    assert abs(states[-1].travel) > 1e-3
+    assert not any(state.slips.any() for state in states[2:])
+    middle = stiff_circle().pad.x @ states[-1].normal
+    # where a polygon's corner meets the plate: to half a chord
+    assert middle == pytest.approx(RADIUS * math.sin(rolled), abs=SPACING)
+
+
+def test_the_frame_turns_with_the_plate() -> None:
+    """Against vectors written out: how a force along the plate and one along its normal move the skin."""
+    pad, angle = meshed()[2], math.radians(4.0)
+    m, seen = pad.gap.size, turning.rotated_pad(meshed()[2], angle)
+    along, normal = (
+        np.array([math.cos(angle), math.sin(angle)]),
+        np.array([-math.sin(angle), math.cos(angle)]),
+    )
+    force = np.random.default_rng(1).normal(size=(m, 2))  # along, normal
+    plain = force[:, :1] * along + force[:, 1:] * normal
+    assert turning.in_skin_axes(force.T.ravel(), angle) == pytest.approx(plain.T.ravel(), abs=1e-14)
+    moved = (pad.compliance @ plain.T.ravel()).reshape(2, m).T
+    expected = np.concatenate([moved @ along, moved @ normal])
+    # rounding
+    assert seen.compliance @ force.T.ravel() == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+    place = np.column_stack([pad.x, -pad.gap])
+    below = -(place @ normal)
+    assert seen.gap == pytest.approx(below - below.min(), abs=1e-12)
+    assert seen.free[:m] == pytest.approx(place @ along - pad.x, abs=1e-12)
+    assert not seen.free[m:].any()
+
+
+def test_a_turned_plate_is_a_turned_pull() -> None:
+    """A bonded plate that turned by a, pressed along its normal: the same forces as seen by the fixed one."""
+    model = stiff_circle()
+    one = model.pad
+    point = replace(
+        one,
+        compliance=np.diag([0.3, 0.1]),
+        gap=np.zeros(1),
+        x=np.zeros(1),
+        ridge=one.ridge[:1],
+        weight=one.weight[:1],
+        strips=np.zeros((0, 3, 2)),
+    )
+    angle = math.radians(5.0)
+    drives = [Drive(0.0, 0.0), Drive(0.0, 0.0, angle=angle), Drive(2.0, 0.5, angle=angle)]
+    state = marched(condensed(point), drives, FrictionCoefficients(1.0, 1.0))[-1]
+    x = 2.0 * math.sin(angle) + 0.5 * math.cos(angle)
+    z = -2.0 * math.cos(angle) + 0.5 * math.sin(angle)
+    by_hand = np.array([0.3 * x, 0.1 * z])
+    assert state.approach == pytest.approx(by_hand @ [math.sin(angle), -math.cos(angle)], rel=1e-12)
+    assert state.travel == pytest.approx(by_hand @ [math.cos(angle), math.sin(angle)], rel=1e-12)
+
+
+def test_work_is_what_is_stored_and_lost() -> None:
+    """Forces and moment at their mean over a step: what is missing falls with the steps' square."""
+
+    def missing(steps: int) -> float:
+        pad = meshed()[2]
+        drives = [Drive(1.2 * i / steps, 0.0) for i in range(steps + 1)]
+        drives += [Drive(1.2, 0.0, angle=math.radians(2.0) * i / steps) for i in range(1, steps + 1)]
+        model = condensed(pad)
+        states = marched(model, drives, FrictionCoefficients(0.0, 0.0))
+        readings = [model.reading(a, b) for a, b in pairwise([states[0], *states])]
+        press_work = 0.5 * sum(
+            (a.normal + b.normal) * (b.approach - a.approach) for a, b in pairwise(readings[: steps + 1])
+        )
+        work = press_work + sum(reading.work or 0.0 for reading in readings)
+        turned_work = sum(reading.work or 0.0 for reading in readings)
+        assert abs(turned_work) > 0.01 * press_work
+        return abs(work - readings[-1].elastic) / work
+
+    coarse, fine = missing(20), missing(40)
+    assert fine < 5e-4
+    # points close within steps: between first and second order
+    assert fine < 0.6 * coarse

@@ -98,12 +98,9 @@ class TestTheTemplates:
         for state in stresses_of(name):
             assert values(state.ridge_force).sum() == pytest.approx(4.0, rel=1e-9)
             assert values(state.ridge_tangential).sum() == pytest.approx(state.tangential, abs=1e-9)
-            assert state.residual < 1e-7  # factorisation of a strip 3750 times as stiff: 1e-10 measured
-
-    def test_errors_are_small_enough_to_be_told(self, name: str) -> None:
-        for state in stresses_of(name):
             assert state.s1[0].error < 0.02 * np.abs(values(state.s1)).max()  # the default tolerance
             assert not any("is not met" in w for w in state.warnings)
+            assert state.residual < 1e-7  # factorisation of a strip 3750 times as stiff: 1e-10 measured
 
 
 @pytest.mark.slow
@@ -157,13 +154,6 @@ def drawn_between_strips(field: RidgeField) -> float:
     return float(shares[holder] @ field.stress[field.triangles[holder]])
 
 
-@pytest.mark.slow
-def test_pulling_back_mirrors_everything() -> None:
-    _, there, back = three_stresses()
-    assert values(back.s1) == pytest.approx(values(there.s2)[::-1], rel=1e-9)
-    assert values(back.ridge_force) == pytest.approx(values(there.ridge_force)[::-1], rel=1e-9)
-
-
 def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
     """A block of nu = 0 with two mirrored strips of its own modulus, tilted."""
     pad, thickness = block(3.0, 2.0, 0.0), 0.06
@@ -178,7 +168,7 @@ def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
 
 
 @pytest.mark.parametrize(
-    "degrees", [*(pytest.param(a, marks=pytest.mark.slow) for a in (0.0, 45.0)), 30.0, 90.0]
+    "degrees", [30.0, *(pytest.param(a, marks=pytest.mark.slow) for a in (0.0, 45.0, 90.0))]
 )
 def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
     """At nu = 0 a pressed block has one stress, -p along z; the elements hold it."""
@@ -216,6 +206,7 @@ def stress_at(body: film_field.StripBody, points: np.ndarray, unit: float) -> np
     )
 
 
+@pytest.mark.slow
 def test_ignored_film_is_the_silicone_without_any_strip() -> None:
     design = one().with_(contact={"film": "ignored"})
     state = film_stresses(design, 0.4)[0]
@@ -309,9 +300,10 @@ def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
     assert any("vertical" in w for w in normal.warnings)
 
 
-@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 2])
 def test_few_ridges(count: int) -> None:
-    normal = film_stresses(three().with_(ridge={"count": count}), 0.3 * count)[0]
+    normal = film_stresses(three().with_(ridge={"count": count}), 0.3 * count, tol=0.5)[0]
     between = values(normal.differential)
     assert np.abs(between + between[::-1]).max() <= ROUNDING * np.abs(values(normal.s1)).max()
 
@@ -357,7 +349,7 @@ def test_refused_before_anything_is_meshed(key: str, monkeypatch: pytest.MonkeyP
 
 def test_crushed_ridges_have_no_verdict() -> None:
     with pytest.raises(RefusedError, match="range ends"):
-        film_stresses(one(), 7.0)
+        film_stresses(one(), 7.0, tol=0.5)
 
 
 def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.LoadState:
@@ -514,16 +506,12 @@ def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -
 
 def test_a_mirrored_force_gives_the_mirrored_stress(case: tuple[Design, FilmResponse]) -> None:
     """S1 of ridge i under a force on ridge j is S2 of the mirrored ridge; a tangential one turns its sign."""
-    _, felt = case
-    for k, (way, sign) in enumerate(((felt.normal, 1), (felt.tangential, -1))):
-        difference = np.abs(way - sign * way[::-1, ::-1]).max(axis=(0, 1))
-        assert (difference <= 2 * felt.error[k].max(axis=0)).all()
-
-
-def test_forces_of_the_reference_add_up(case: tuple[Design, FilmResponse]) -> None:
     design, felt = case
     assert felt.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-9)
     assert felt.ridge_force_per_pull.sum(axis=1) == pytest.approx([0.0, 1.0], abs=1e-9)
+    for k, (way, sign) in enumerate(((felt.normal, 1), (felt.tangential, -1))):
+        difference = np.abs(way - sign * way[::-1, ::-1]).max(axis=(0, 1))
+        assert (difference <= 2 * felt.error[k].max(axis=0)).all()
 
 
 def test_without_slots_there_is_none() -> None:

@@ -86,41 +86,27 @@ def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
     assert answer.approach.error == pytest.approx((0.005 - 0.5 * by_approach) * answer.approach.value)
 
 
-def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error() -> None:
-    assert_inside(small(), 1.0)
+OTHERS = [  # judged on: none of these set the errors
+    pytest.param(name, coefficient, marks=pytest.mark.evidence(subject="friction: {name}"))
+    for name in ("milled-pad", "steep-fingertip", "nozzle-04")
+    for coefficient in (0.2, 1.0)
+]
 
 
-# judged on: none of these set the errors
-@pytest.mark.evidence(subject="friction: {name}")
-@pytest.mark.parametrize("coefficient", [0.2, 1.0])
-@pytest.mark.parametrize("name", ["milled-pad", "steep-fingertip", "nozzle-04"])
-def test_other_pads_change_less_too(name: str, coefficient: float) -> None:
-    assert_inside(load(name), coefficient)
-
-
-def assert_inside(design: Design, coefficient: float) -> None:
+@pytest.mark.parametrize(("name", "coefficient"), [("small", 1.0), *OTHERS])
+def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error(name: str, coefficient: float) -> None:
+    design = small() if name == "small" else load(name)
     force = design.contact.force
-    assert_same(
-        pressing.solve(plain_pad(design), coefficient, force),
-        pressing.solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200),
-        force,
-    )
+    fine = pressing.solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200)
+    assert_same(pressing.solve(plain_pad(design), coefficient, force), fine, force)
 
 
-def test_a_finer_solid_and_more_steps_change_less_than_the_stated_error() -> None:
-    assert_inside_in_space(small(), 0.4)
-
-
-# judged on: none of these set the errors
-@pytest.mark.evidence(subject="friction: {name}")
-@pytest.mark.parametrize("coefficient", [0.2, 1.0])
-@pytest.mark.parametrize("name", ["milled-pad", "steep-fingertip", "nozzle-04"])
-def test_other_solids_change_less_too(name: str, coefficient: float) -> None:
-    assert_inside_in_space(load(name), coefficient)
-
-
-def assert_inside_in_space(design: Design, coefficient: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "coefficient"), [pytest.param("small", 0.4, marks=pytest.mark.slow), *OTHERS]
+)
+def test_a_finer_solid_changes_less_too(name: str, coefficient: float) -> None:
     """Fillets, a finer section and layers, twice the steps."""
+    design = small() if name == "small" else load(name)
     force, finer = design.contact.force, Layers(0.3, 1.8, 3)
     fine = solve_solid(pad_of(design), coefficient, force, (), finer, 1.3, 2, 2 * SOLID_STEPS)
     assert_same(solve_solid(plain_pad(design), coefficient, force), fine, force)
@@ -142,14 +128,18 @@ def assert_same(coarse: TwoPresses, fine: TwoPresses, force: float) -> None:
         {"shape": "step", "height": 0.01},
     ],
 )
-def test_shaped_plates_and_measured_parts_are_pressed_with_friction(plate: dict[str, object]) -> None:
-    """Equal drops are none; a plate or a part that is not symmetric has other forces left than right."""
-    design = small().with_(contact={"plate": plate})
-    solution = pressing.solve(pad_of(design), 0.5, 0.65).gripped
-    assert solution.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
-    assert solution.residual < 1e-10
-    same, lower = (pressing.solve(pad_of(small()), 0.5, 0.65, (0.02, 0.02, d)).gripped for d in (0.02, 0.03))
-    level = pressing.solve(pad_of(small()), 0.5, 0.65).gripped
+def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> None:
+    pressed = pressing.solve(pad_of(small().with_(contact={"plate": plate})), 0.5, 0.65).gripped
+    assert pressed.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
+    assert pressed.residual < 1e-10
+
+
+def test_measured_parts_are_pressed_with_friction() -> None:
+    """Equal drops are none; a part that is not symmetric has other forces left than right."""
+    level, same, lower = (
+        pressing.solve(pad_of(small()), 0.5, 0.65, drops).gripped
+        for drops in ((), (0.02, 0.02, 0.02), (0.02, 0.02, 0.03))
+    )
     assert same.all_touch_force == pytest.approx(level.all_touch_force, rel=1e-9)
     assert (lower.all_touch_force or 0.0) > 1.05 * (level.all_touch_force or 0.0)
     assert lower.ridge_force[2] < level.ridge_force[2]
@@ -175,14 +165,17 @@ def of(verdict: ContactCheck) -> list[str]:
     return [part.effect for part in verdict.left_out]
 
 
-def without_presses(patch: pytest.MonkeyPatch) -> None:
-    """No press with friction succeeds, so that its bound stays."""
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> MadeUp:
+    """Models of test_auto.py, and no press with friction succeeds, so that its bound stays."""
 
     def fails(*_: object) -> None:
         raise ContactError("the sets do not settle")
 
-    patch.setattr(pressing, "solve", fails)
-    patch.setattr(pressing, "solve_solid", fails)
+    monkeypatch.setattr(pressing, "solve", fails)
+    monkeypatch.setattr(pressing, "solve_solid", fails)
+    monkeypatch.setitem(LEFT, "friction", 0.03)
+    return MadeUp(monkeypatch)
 
 
 def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
@@ -217,10 +210,8 @@ def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck
     assert verdict.seconds["friction"] > 0
 
 
-def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    without_presses(monkeypatch)
-    MadeUp(monkeypatch)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
+@pytest.mark.usefixtures("made_up")
+def test_friction_that_fails_stays_left_out_and_says_so() -> None:
     design = load("yamada-2002").with_(contact={"friction": 15.0})
     for model, effects in (("linear", ["free ends", "finite strain"]), ("corrected", ["finite strain"])):
         verdict = check(design, model=model)
@@ -228,11 +219,10 @@ def test_friction_that_fails_stays_left_out_and_says_so(monkeypatch: pytest.Monk
         assert any("contact.friction is left out, within its bound: the sets" in w for w in verdict.warnings)
 
 
+@pytest.mark.usefixtures("made_up")
 def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
-    MadeUp(monkeypatch)
     monkeypatch.setattr(adaptivity.ModelSelection, "_linear_seconds", lambda _: 2.0)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
     assert "friction" in of(verdict)
     assert any("contact.friction is left out" in w and "would take about" in w for w in verdict.warnings)
@@ -247,13 +237,11 @@ def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.
         ("plain-ridges", "solid-finite-strain", ["friction", "friction along y"]),
     ],
 )
+@pytest.mark.usefixtures("made_up")
 def test_along_y_it_counts_where_ends_are_free(
     name: str, model: str, effects: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where no press tells: bounds in closed form."""
-    without_presses(monkeypatch)
-    MadeUp(monkeypatch)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.1)
     assert of(check(load(name), model=model)) == effects
     assert bounds.friction_along(load(name)).threshold < 0.15
@@ -270,12 +258,10 @@ def test_along_y_it_counts_where_ends_are_free(
         (0.005, "solid-finite-strain", True),
     ],
 )
+@pytest.mark.usefixtures("made_up")
 def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
-    tol: float, model: str, said: bool, monkeypatch: pytest.MonkeyPatch
+    tol: float, model: str, said: bool
 ) -> None:
-    without_presses(monkeypatch)
-    MadeUp(monkeypatch)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), tol=tol)
     assert verdict.model == model
     missed = [w for w in verdict.warnings if "not met" in w]
@@ -293,35 +279,29 @@ def test_a_tolerance_that_friction_misses_is_climbed_for_without_it(
     ],
 )
 def test_no_model_is_climbed_for_what_friction_leaves_open(
-    value: float, model: str, hangs: bool, monkeypatch: pytest.MonkeyPatch
+    value: float, model: str, hangs: bool, made_up: MadeUp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    without_presses(monkeypatch)
-    MadeUp(monkeypatch, value)
+    made_up.value = value
     monkeypatch.setattr(adaptivity, "DEFAULT_BUDGET", 40.0)
     monkeypatch.setattr(adaptivity, "SHARP_SECONDS", 0.0)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), force=4.0)
     assert verdict.model == model
     words = "the verdict depends on friction, which is not known: give contact.friction"
     assert (words in verdict.warnings) == hangs
 
 
-def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("made_up")
+def test_a_meshs_tolerance_that_is_missed_is_not_blamed_on_friction() -> None:
     """A model by name is asked for its mesh's error alone."""
-    MadeUp(monkeypatch)
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     verdict = check(load("yamada-2002"), model="linear", tol=0.005)
     assert [w for w in verdict.warnings if "not met" in w] == [
         "the all-touch force's error is 0.01 of its value: the tolerance 0.005 is not met"
     ]
 
 
+@pytest.mark.usefixtures("made_up")
 def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Along y none computes it: what is said of a missed tolerance names the effect alone."""
-    without_presses(monkeypatch)
-    fake = MadeUp(monkeypatch)
-    fake.mesh = 0.01
-    monkeypatch.setitem(LEFT, "friction", 0.03)
     monkeypatch.setitem(LEFT, "friction along y", 0.2)
     verdict = check(load("plain-ridges", ["contact.friction=0.5"]), tol=0.12)
     assert verdict.model == "corrected"  # 0.1 and its mesh; 0.23 stays in any case
@@ -368,6 +348,7 @@ def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactC
     assert much / none - 1 > in_plane + 0.03
 
 
+@pytest.mark.slow
 def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
     """By finite strain's bound; a section at finite strain keeps a quarter, and as much as all is the
     error."""

@@ -1,20 +1,27 @@
-"""Pads of very many features: against the full models, their ends, and their number."""
+"""Pads of very many features: ridges against the full models, pins against beams, Hertz and CalculiX."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from scipy import interpolate, sparse
 
+import skincad
+from bench import calculix, pins
 from skincad import InputError, check, load
+from skincad.effects.pin_pad import pin_pad
 from skincad.inputs import Design
-from skincad.mechanics import Answer, Request, pad_of, pressed
+from skincad.inputs.material import silicone
+from skincad.mechanics import Drive, Request, advance, crown_radius, hertz, lone, pad_of, pressed
 from skincad.mechanics import check as checking
+from skincad.mechanics.contact import tips as tip_contact
 from skincad.mechanics.models import corrected, linear, reduced
+from skincad.mechanics.models import pin_cell as cells_of
 from skincad.shape import skin_of
+from tests.families import dome, pillars
 
 
 def pad(count: int, **ridge: float) -> Design:
@@ -29,33 +36,22 @@ def pad(count: int, **ridge: float) -> Design:
     return load("plain-ridges").with_(ridge={"count": count, **ridge}, skin=skin, contact=contact)
 
 
-@cache
-def answers(count: int) -> tuple[Answer, Answer]:
+MORE = pytest.mark.evidence(subject="reduced: {count}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [25, pytest.param(45, marks=MORE), pytest.param(101, marks=MORE)])
+def test_many_features_are_those_of_the_full_model(count: int) -> None:
     design = pad(count)
+    assert skin_of(reduced.cell_of(design)).count < 20
     request = Request(design.contact.force)
-    return reduced.answer(design, request), corrected.answer(design, request)
-
-
-def assert_same(quick: Answer, full: Answer) -> None:
-    assert quick.all_touch_force.value == pytest.approx(
-        full.all_touch_force.value, rel=reduced.ERRORS.threshold
-    )
+    quick, full = reduced.answer(design, request), corrected.answer(design, request)
+    first, last = quick.all_touch_force.value, full.all_touch_force.value
+    assert first == pytest.approx(last, rel=reduced.ERRORS.threshold)
     assert quick.approach.value == pytest.approx(full.approach.value, rel=reduced.ERRORS.approach)
     shares = [np.array([f.value for f in answer.ridge_force]) for answer in (quick, full)]
     assert np.abs(shares[0] - shares[1]).max() <= reduced.ERRORS.share * shares[1].mean()
     assert shares[0].sum() == pytest.approx(shares[1].sum(), rel=1e-8)  # the root's
-
-
-@pytest.mark.slow
-def test_twenty_five_features_are_those_of_the_full_model() -> None:
-    assert skin_of(reduced.cell_of(pad(25))).count < 20
-    assert_same(*answers(25))
-
-
-@pytest.mark.evidence(subject="reduced: {count}")
-@pytest.mark.parametrize("count", [45, 101])
-def test_more_are_too(count: int) -> None:
-    assert_same(*answers(count))
 
 
 def springs(count: int, reach: int = 3) -> reduced.FeatureModel:
@@ -122,3 +118,169 @@ def test_auto_takes_it_of_many_features_alone(monkeypatch: pytest.MonkeyPatch) -
 def test_unlike_features_are_none_of_its() -> None:
     with pytest.raises(InputError, match="must be alike for the reduced model"):
         check(pad(9, levelling=0.5), model="reduced")
+
+
+@pytest.mark.slow
+def test_slim_pins_bend_as_beams() -> None:
+    """What a pin of 8 mm turns and goes more than one of 6 mm: base and crown drop out."""
+    slim = {"root_fillet": None, "tip_diameter": 2.0, "root_diameter": 2.0, "crown": 0.0}
+    design = pillars().with_(pin={"heights": [8.0, 6.0], **slim})
+    tall, low = (cells_of.pin_cell(lone(design, height, 4.0)) for height in (8.0, 6.0))
+    bending = silicone(design).young_modulus.value * math.pi * 2.0**4 / 64
+    area = math.pi * silicone(design).young_modulus.value
+    # 1 %: the load on the tip is no beam's, which a diameter further down is forgotten
+    assert (tall.across - low.across)[1, 1] == pytest.approx(2.0 / bending, rel=0.01)
+    assert tall.axial - low.axial == pytest.approx(2.0 / area, rel=0.01)
+    turns = [-cell.across[0, 1] for cell in (low, tall)]  # the base turns by the moment at the foot
+    root = low.across[1, 1] - 6.0 / bending
+    assert turns[1] - turns[0] == pytest.approx((64 - 36) / 2 / bending + 2.0 * root, rel=0.02)
+    assert tall.across[0, 1] == pytest.approx(tall.across[1, 0], rel=1e-6)  # Betti's theorem
+
+
+def test_light_pins_press_as_spheres() -> None:
+    """Where hardly anything touches, Hertz's approach and the pin's own."""
+    cell = cells_of.pin_cell(lone(pillars(), 6.0, 4.0))
+    material = silicone(pillars())
+    modulus = material.young_modulus.value / (1 - material.poisson_ratio**2)
+    force, indentation = (column[1:6] for column in cells_of.pin_curve(cell.design))
+    closed = hertz(force, crown_radius(pillars()), modulus) + cell.axial * force
+    assert indentation == pytest.approx(closed, rel=0.02)  # a rim at finite distance
+
+
+@pytest.mark.evidence(subject="pins: compliance")
+def test_the_tips_compliance_is_that_of_pressing() -> None:
+    design = dome()
+    cells, model = reduced.pin_cells(design), reduced.pin_model(design)
+    n = cells.axial.size
+    whole = reduced.tip_compliance(design, cells)
+    down = whole[2 * n :, 2 * n :] - cells.stiffest.axial * np.eye(n)
+    # 3 % of the largest: a mean over points of the root, from two sides, against one by distance
+    assert np.abs(down - model.coupling.toarray()).max() <= 0.03 * np.abs(down).max()
+    assert whole == pytest.approx(whole.T)
+    assert np.linalg.eigvalsh(whole)[0] > 0
+
+
+@pytest.mark.slow
+def test_a_row_of_pins_moves_the_base_as_a_ridge() -> None:
+    """The sum of a row's pins along y, by their distance, is what a line of the same force does in plane
+    strain. 6 % of the effect one thickness away: the cell ends six thicknesses away."""
+    thick, width, step = 3.0, 1.0, 0.75
+    ridge = {"count": 9, "pitch": thick, "height": 1.0, "root_width": width, "tip_width": 0.8, "crown": 0.05}
+    rest = {"material": {"name": "dragon-skin-20"}, "mold": {"process": "sla"}, "contact": {"force": 1.0}}
+    skin = {"curvature_radius": 1e8, "thickness": thick, "width": 40.0, "length": 60.0}
+    ridges = skincad.Design(name="ridges", skin=skin, ridge=ridge, **rest)
+    plane = reduced.feature_model(ridges, 1.0, {}, ends=False).coupling.toarray()[4, 5:8] * 60.0
+    slim = {"root_diameter": width, "tip_diameter": 0.8, "crown": 0.05, "height": 1.0, "heights": None}
+    cell = cells_of.pin_cell(lone(pillars().with_(pin={**slim, "root_fillet": None}), 1.0, thick))
+    along = step * np.arange(-80, 81)
+    row = [cell.sinking(np.hypot(thick * k, along), width / 2).sum() * step for k in (1, 2, 3)]
+    assert row == pytest.approx(plane, abs=0.06 * abs(plane[0]))
+
+
+@pytest.mark.slow
+def test_friction_of_pins_lies_between_tips_that_slide_and_stick() -> None:
+    """Upright pins feel none along y or x; on a dome slim pins that lean would slide."""
+    flat = {part.effect: part for part in skincad.check(pillars(), force=0.3).left_out}
+    assert set(flat) == {"finite strain", "friction"}
+    assert flat["friction"].threshold <= 0.011
+    bent = dome().with_(
+        pin={"height": 1.4},
+        skin={"width": 12.0, "length": 12.0, "curvature_radius": 15.0, "curvature_radius_y": 15.0},
+    )
+    force, tips = 0.3, pin_pad(bent).tips
+    rough = advance(tips, tip_contact.unloaded(tips), Drive(force, travel=0.0), 100.0).approach
+    free, stuck = (
+        reduced.pressed(reduced.pin_model(bent, stuck=sticks), force)[1] for sticks in (False, True)
+    )
+    assert free - stuck > 0.01 * free
+    assert stuck < rough < free
+    bound = {part.effect: part for part in skincad.check(bent, force=force).left_out}["friction"].approach
+    assert abs(rough / free - 1) <= bound
+
+
+@pytest.mark.slow
+def test_one_pin_on_a_round_skin_is_judged_as_one_body() -> None:
+    skin = {"outline": "round", "curvature_radius": 1e8, "thickness": 2.0, "width": 12.0}
+    pin = {"columns": 1, "rows": 1, "heights": None, "height": 1.8, "root_diameter": 2.2, "pitch": 6.0}
+    pin |= {"tip_diameter": 1.8, "crown": 0.3, "root_fillet": None}
+    design = pillars().with_(skin={**skin, "length": None}, pin=pin)
+    result = skincad.check(design, force=0.05, model="auto")
+    assert result.model in ("linear", "finite-strain")
+    by_cell = skincad.check(design, force=0.05, model="reduced").approach
+    # 1 %: the cell's rim is further away, held as a symmetric one
+    assert skincad.check(design, force=0.05, model="linear").approach.value == pytest.approx(
+        by_cell.value, rel=0.01
+    )
+
+
+def graded(count: int) -> Design:
+    """Pins of heights that fall outwards, on a base of twice a root's margin."""
+    pin = {"pattern": "square", "columns": count, "rows": count, "pitch": 4.0, "root_diameter": 2.2}
+    pin |= {
+        "tip_diameter": 1.8,
+        "crown": 0.3,
+        "heights": [2.5 - 0.1 * ring for ring in range(count // 2 + 1)],
+    }
+    width = 4.0 * count
+    return skincad.Design(
+        name=f"graded-{count}",
+        skin={"curvature_radius": 1e8, "thickness": 2.0, "width": width, "length": width},
+        pin=pin,
+        material={"name": "dragon-skin-20", "poisson_ratio": 0.49},
+        mold={"process": "sla"},
+        contact={"force": 1.0, "friction": 0.0},
+    )
+
+
+@pytest.mark.evidence(subject="calculix: {count} by {count} pins")
+@pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
+@pytest.mark.parametrize("count", [3, 5])
+def test_calculix_gives_graded_pins_the_same_forces(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Within both errors: the reduced model's, and 2 % of CalculiX's mesh, which one pin shows."""
+    monkeypatch.setattr(pins, "FINENESS", 5)
+    _, first, approach, share = pins.compared(graded(count))
+    errors = reduced.PIN_ERRORS
+    assert abs(first) <= errors.threshold + 0.02
+    assert abs(approach) <= errors.approach + 0.02
+    assert share <= errors.share + 0.02
+
+
+@pytest.mark.evidence(subject="calculix: one pin")
+@pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
+def test_calculix_agrees_with_the_axisymmetric_pin() -> None:
+    """3 %: at a sixth of the tip its mesh is 1.2 % stiff on a pin alone, and Poisson's ratio is 0.49."""
+    design = graded(3).with_(
+        skin={"outline": "round", "width": 12.0, "length": None},
+        pin={"columns": 1, "rows": 1, "heights": None, "height": 1.8},
+    )
+    forces, _ = pins.press(design, 0.3, [0.12])
+    force = float(forces[0, 0, 1])
+    ours = skincad.check(design, force=force, model="linear").approach
+    assert ours.value == pytest.approx(0.12, rel=0.03)
+
+
+@pytest.mark.evidence(subject="pins: compliance")
+def test_tips_feel_each_other_alike_along_x_and_y() -> None:
+    """Nine pins turned by a right angle are the same nine."""
+    design = pillars()
+    whole = reduced.tip_compliance(design, reduced.pin_cells(design))
+    n = len(whole) // 3
+    turned = [3 * (i % 3) + 2 - i // 3 for i in range(n)]  # column and row of pin i, a quarter further
+    by_x, by_y = whole[:n, :n], whole[n : 2 * n, n : 2 * n]
+    # 10 % of the largest between two pins: the 24 points of a root don't turn with it
+    largest = np.abs(by_x - np.diag(np.diag(by_x))).max()
+    assert np.abs(by_y[np.ix_(turned, turned)] - by_x).max() <= 0.1 * largest
+
+
+@pytest.mark.evidence(subject="pins: compliance")
+def test_a_pressed_pin_tilts_its_neighbour_as_a_pulled_one_presses_it() -> None:
+    """Betti's theorem: how a tip goes aside as its neighbour is pressed, from the harmonic of that alone,
+    against the mean with how the neighbour rises as the tip is pulled, from the other harmonic."""
+    design = pillars().with_(pin={"heights": None, "height": 3.0})
+    whole, n = reduced.tip_compliance(design, reduced.pin_cells(design)), 9
+    cell = cells_of.pin_cell(lone(design, 3.0, 4.0))
+    out, up = (np.interp([4.9, 5.0, 5.1], cell.radius, row) for row in cell.by_push)
+    aside = -out[1] + 3.0 * (up[2] - up[0]) / 0.2  # of the pin at -x, as the other is pulled up
+    # 20 %: a root that does not bend takes the mean over it, and stiffens the base
+    assert -whole[0, 2 * n + 1] == pytest.approx(aside, rel=0.2)
+    assert -whole[2 * n + 1, 0] == pytest.approx(aside, rel=0.2)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from skincad import check, load
 from skincad.base import InputError
 from skincad.mechanics import (
     Layers,
@@ -28,7 +27,7 @@ from skincad.mechanics.contact import frictionless
 from skincad.mechanics.contact import newton as pressing
 from skincad.mechanics.models import solid_finite_strain
 from tests.mechanics.bodies.test_elements import block
-from tests.mechanics.designs import THREE, reference, value, yamada
+from tests.mechanics.designs import reference, value, yamada
 
 FEW = Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
@@ -74,17 +73,6 @@ def nominal_stress(body: SolidBody, gradient: np.ndarray, pressure: float) -> np
     return stress
 
 
-@pytest.mark.parametrize("axes", [(0, 1), (1, 2), (2, 0), (0, 2)])
-@pytest.mark.parametrize("shift", [-0.8, 1e-3, 2.0])
-def test_simple_shear(axes: tuple[int, int], shift: float) -> None:
-    """It keeps the volume: tau = G times the shear, at any size (Ogden 1984, sec. 4.4)."""
-    gradient = np.zeros((3, 3))
-    gradient[axes] = shift
-    shear = 1 / (2 * 1.4)
-    stress = nominal_stress(plain_block(0.4), gradient, 0.0)
-    assert stress[axes] == pytest.approx(shear * shift, rel=1e-10)  # rounding
-
-
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("stretch", [0.6, 0.95, 1.4])
 def test_uniaxial_stretch(axis: int, stretch: float) -> None:
@@ -113,15 +101,6 @@ def test_a_block_shortens_as_the_closed_form() -> None:
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
     assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-8)  # Newton's residual
     assert solution.pressure == pytest.approx(0.9 / 6.0, rel=1e-6)
-
-
-def test_residual_is_the_energys_derivative() -> None:
-    body = small_body()
-    random = np.random.default_rng(8)
-    state, step = 2e-3 * random.standard_normal((2, body.free.size))
-    size = 1e-3
-    slope = (body.energy(state + size * step) - body.energy(state - size * step)) / (2 * size)
-    assert body.residual(state) @ step == pytest.approx(slope, rel=1e-5)  # truncation
 
 
 def test_a_move_is_newtons() -> None:
@@ -153,17 +132,6 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
     assert np.abs(body.residual(rest)).max() <= 1e-12
 
 
-@pytest.mark.slow
-def test_at_rest_it_is_close_to_the_solid_models() -> None:
-    """What acts on the volume change itself stiffens coarse elements: 0.9 % of F9, 0.3 % of the approach."""
-    pad = pad_of(reference())
-    meshed = meshed_of(pad)
-    other = solve_level(meshed, forms_of(meshed, 2), solid_finite_strain.LAYERS, 4.0, {})
-    solution = plain().small
-    assert solution.approach == pytest.approx(other.approach, rel=0.005)
-    assert solution.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
-
-
 def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPatch) -> None:
     """u_y = 0 at both ends, on the same mesh and order, all of the bulk modulus on the pressure. 1e-4: the
     points of integration differ on curved triangles and for a law that is no polynomial."""
@@ -185,8 +153,7 @@ def test_half_is_the_whole() -> None:
     """On two meshes, which differ by 0.5 % at this order (test_solid.py); finite strain's change less."""
     pad = pad_of(reference().with_(**SMALL))
     half = solid_finite_strain.solve(pad, 1.0, {}, FEW, fineness=1.5)
-    monkey = pytest.MonkeyPatch()
-    with monkey.context() as patch:
+    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             solid_finite_strain, "meshed_piece", lambda pad, sizes, **_: meshed_piece(pad, sizes, whole=True)
         )
@@ -203,42 +170,22 @@ def ratios(strains: solid_finite_strain.Strains) -> tuple[float, float]:
     )
 
 
-@pytest.mark.parametrize("force", [0.04, 0.004])
-def test_light_loads_are_linear(force: float) -> None:
-    """The distance to small strain is of the order of the strain, approach over the ridge's height."""
-    design = reference().with_(**SMALL)
-    solution = solid_finite_strain.solve(pad_of(design), force, {}, FEW)
-    strain = solution.finite.approach / design.ridge.height
-    assert solution.finite.approach == pytest.approx(solution.small.approach, rel=strain)
-    assert solution.finite.ridge_force == pytest.approx(solution.small.ridge_force, abs=strain * force)
-
-
-@cache
-def plain() -> solid_finite_strain.Strains:
-    return solid_finite_strain.solve(pad_of(reference()), 4.0, {})
-
-
+@pytest.mark.slow
 def test_plain_ridges() -> None:
     """Finite strain with free ends: F9 +2.9 % (plane strain +4.8 %), approach -3.2 % (-3.8 %); errors as
-    the model's own."""
-    solution = plain()
+    the model's own. At small strain it is close to the solid's model: what acts on the volume change itself
+    stiffens coarse elements, by 0.9 % of F9 and 0.3 % of the approach."""
+    solution = solid_finite_strain.solve(pad_of(reference()), 4.0, {})
     assert ratios(solution) == pytest.approx((1.029, 0.968), abs=0.002)
     assert solution.finite.residual <= max(pressing.RESIDUAL, frictionless.COMPLEMENTARITY)
     assert solution.small.residual <= frictionless.COMPLEMENTARITY
     assert solution.finite.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
     assert solution.finite.touching == 9
     assert not solution.out_of_range
-
-
-def test_newton_converges_quadratically() -> None:
-    pad = pad_of(reference().with_(**SMALL))
-    meshed = meshed_of(pad)
-    scale = pad.young_modulus * meshed.unit**2 * 4
-    state = pressing.press_to(pressing.PressedPad(body_of(meshed, FEW), pad.top / meshed.unit), 0.6 / scale)
-    before, here, after = np.log10(state.history[-3:])
-    assert here < -2
-    assert after / here > 1.5  # the last one ends in rounding
-    assert before > here
+    meshed = meshed_of(pad_of(reference()))
+    other = solve_level(meshed, forms_of(meshed, 2), solid_finite_strain.LAYERS, 4.0, {})
+    assert solution.small.approach == pytest.approx(other.approach, rel=0.005)
+    assert solution.small.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
 
 
 @pytest.mark.evidence(subject="solid finite strain: limits")
@@ -250,16 +197,6 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     with pytest.raises(InputError, match=r"tips over, no equilibrium beyond is stable"):
         solid_finite_strain.solve(pad, 2.0, {}, FEW)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ratio", [0.0, 0.49999])
-def test_any_poisson_ratio(ratio: float) -> None:
-    solution = solid_finite_strain.solve(
-        pad_of(reference().with_(material={"poisson_ratio": ratio}, **SMALL)), 1.0, {}, FEW
-    )
-    assert solution.finite.touching == 3
-    assert solution.finite.residual <= pressing.RESIDUAL
 
 
 @pytest.mark.slow
@@ -369,16 +306,6 @@ def test_the_boundary_is_looked_at_in_the_middle_and_at_the_end(along: int) -> N
     middle, end = ([p.moved[:, 0] - p.rest[:, 0] for p in loops] for loops in body.outlines(moved))
     for shift, here in ((middle, along == 0), (end, along == -1)):
         assert np.concatenate(shift) == pytest.approx(0.2 if here else 0.0, abs=1e-12)
-
-
-@pytest.mark.evidence(subject="solid finite strain: limits")
-def test_the_solid_models_answer_lies_inside_the_corrected_ones_errors() -> None:
-    design = load("plain-ridges").with_(**THREE, contact={"force": 1.3, "friction": 0.0})
-    cheap = check(design, model="corrected-finite-strain")
-    truth = check(design, model="solid-finite-strain")
-    pairs = [(cheap.all_touch_force, truth.all_touch_force), (cheap.approach, truth.approach)]
-    for one, other in (*pairs, *zip(cheap.ridge_force, truth.ridge_force, strict=True)):
-        assert abs(one.value - other.value) <= one.error
 
 
 @pytest.mark.slow
