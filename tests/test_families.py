@@ -50,12 +50,9 @@ def test_each_family_has_a_template() -> None:
         assert skincad.load(name).features.family == family
 
 
-def _marks(family: str) -> list[pytest.MarkDecorator]:
-    """The first family runs with every commit."""
-    return [pytest.mark.evidence(subject=TEMPLATES[family]) if family != "ridge" else pytest.mark.slow]
-
-
-@pytest.fixture(params=[pytest.param(family, marks=_marks(family)) for family in FAMILIES])
+@pytest.fixture(
+    params=[pytest.param(key, marks=pytest.mark.evidence(subject=name)) for key, name in TEMPLATES.items()]
+)
 def family(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

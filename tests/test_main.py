@@ -420,7 +420,7 @@ def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_pat
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("command", "times"), [("make plain-ridges --format dxf", 5), ("circuit yamada-2002", 6)]
+    ("command", "times"), [("make plain-ridges --format dxf", 3), ("circuit yamada-2002", 4)]
 )
 def test_signals_at_random_moments(command: str, times: int, tmp_path: Path) -> None:
     """In the first seconds, from when skincad listens: the handlers are set before it is imported itself."""

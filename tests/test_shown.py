@@ -35,6 +35,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 WALK = "wish-to-skin"  # the one that writes
 WITH_EACH_COMMIT = ("README.md", "docs/start/", "examples/sweep.ipynb")
+BY_TURNS = "docs/start/first-scene.md"  # half of what all pages of `docs/start` take
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
@@ -57,7 +58,8 @@ def files(paths: list[Path]) -> list[Any]:
 
 
 def _mark(name: str) -> pytest.MarkDecorator:
-    return pytest.mark.slow if name.startswith(WITH_EACH_COMMIT) else pytest.mark.evidence(subject=name)
+    often = name.startswith(WITH_EACH_COMMIT) and name != BY_TURNS
+    return pytest.mark.slow if often else pytest.mark.evidence(subject=name)
 
 
 def _shows_work(path: Path) -> bool:

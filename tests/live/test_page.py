@@ -52,7 +52,7 @@ def only_here(seen: Looking) -> bool:
 
 
 @pytest.mark.parametrize(
-    "moves", [30, pytest.param(200, marks=pytest.mark.evidence(subject="live: 200 moves in a browser"))]
+    "moves", [10, pytest.param(200, marks=pytest.mark.evidence(subject="live: 200 moves in a browser"))]
 )
 def test_random_moves_two_browsers_and_the_verdict_of_check(
     moves: int, capfd: pytest.CaptureFixture[str]
