@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import skincad
 from skincad.inputs import places
 from skincad.shape import FAMILIES, Segment, Skin, area, drawn_section, section, skin_of
 from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
-from tests.refusals import refused, refused_by
+from tests.refusals import refused_by
 
 
 def test_each_family_has_a_table_and_a_design_here() -> None:
@@ -73,11 +74,8 @@ def test_heights_by_ring_of_pins_are_those_of_its_pins() -> None:
 )
 def test_patterns_have_their_neighbours(pattern: str, inside: int, counts: int) -> None:
     size = {"rings": 2, "columns": None, "rows": None} if pattern == "polar" else {"columns": 5, "rows": 5}
-    design = pillars().with_(
-        pin={"pattern": pattern, "pitch": 3.9, "height": 5.0, "heights": None, **size},
-        skin={"width": 30.0, "length": 30.0},
-    )
-    skin = skin_of(design)
+    pin = {"pattern": pattern, "pitch": 3.9, "height": 5.0, "heights": None, **size}
+    skin = skin_of(pillars().with_(pin=pin, skin={"width": 30.0, "length": 30.0}))
     middle = min(skin.placed, key=lambda p: math.hypot(p.foot[0], p.foot[1]))
     assert (skin.count, len(middle.neighbours)) == (counts, inside)
     feet = np.array([p.foot[:2] for p in skin.placed])
@@ -89,10 +87,8 @@ def test_patterns_have_their_neighbours(pattern: str, inside: int, counts: int) 
 @pytest.mark.parametrize("pattern", ["square", "hex"])
 def test_a_margin_fills_the_skin(pattern: str) -> None:
     """No pin stands over the margin, and there is no room for one more."""
-    design = pillars().with_(
-        pin={"pattern": pattern, "pitch": 3.9, "height": 5.0, "heights": None, "margin": 1.0},
-        skin={"width": 31.0, "length": 27.0},
-    )
+    pin = {"pattern": pattern, "pitch": 3.9, "height": 5.0, "heights": None, "margin": 1.0}
+    design = pillars().with_(pin=pin, skin={"width": 31.0, "length": 27.0})
     at = np.array([(p.u, p.v) for p in places(design.skin, design.features)])
     room = np.array([31.0, 27.0]) / 2 - 1.0 - 1.8
     assert (np.abs(at).max(axis=0) <= room + 1e-9).all()
@@ -128,12 +124,18 @@ def test_rings_cross_the_section_on_either_side() -> None:
     assert section(design).centroid.x == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_flat_skin_touches_with_its_face() -> None:
+def test_a_flat_skin_touches_with_its_face_a_drawn_section_shows_pins() -> None:
     skin = skin_of(flat())
     touching = [s for s in section(flat()).outline if s.touches]
     assert (skin.count, skin.heights, skin.height) == (1, (0.0,), 4.0)
     assert [(s.kind, s.feature) for s in touching] == [("base", 1)]
     assert touching[0].radius == pytest.approx(60.0)
+    design = pillars()
+    drawn, plane = drawn_section(design), section(design)
+    assert drawn.top == pytest.approx(design.skin.thickness + 6.0, abs=1e-4)  # chords' error
+    assert drawn.area - plane.area > 2 * 3.0 * 4.0  # of three pins 3 mm wide and 5.5 to 6 mm high
+    ridges = skincad.load("plain-ridges")
+    assert drawn_section(ridges) == section(ridges)
 
 
 REFUSED = {
@@ -167,6 +169,8 @@ REFUSED = {
                                     "skin.curvature_radius_y: must not be given for a round skin"),
     "slots without ridges": (pillars, {"slot": {"thickness": 0.05, "depth": 0.2, "offset": 0.2,
                                                 "elevation": 0.1, "tilt": 0.0}}, "slot: needs ridges"),
+    "round ridges": (partial(skincad.load, "plain-ridges"), {"skin": {"outline": "round", "length": 11.0}},
+                     "skin.outline: must be 'rectangle' for ridges"),
     "a key of ridges": (pillars, {"pin": {"root_width": 1.0}}, "pin.root_width: unknown key"),
 }  # fmt: skip
 
@@ -178,23 +182,9 @@ def test_what_cannot_be_is_refused(name: str) -> None:
         skin_of(design().with_(**change))
 
 
-def test_round_ridges_are_refused() -> None:
-    with refused("must be 'rectangle' for ridges"):
-        skincad.load("plain-ridges", ["skin.outline=round", "skin.length=11.0"])
-
-
 def test_a_setting_replaces_what_cannot_stand_beside_it(tmp_path: Path) -> None:
     path = tmp_path / "pad.toml"
     path.write_text(pillars().to_toml())
     filled = skincad.load(path, ["pin.margin=0.5", "pin.height=4.0"])
     assert (filled.features.margin, filled.features.columns, filled.features.heights) == (0.5, None, None)
     assert filled.with_(pin={"columns": 3, "rows": 3}).count == 9
-
-
-def test_a_drawn_section_shows_a_row_of_pins() -> None:
-    design = pillars()
-    drawn, plane = drawn_section(design), section(design)
-    assert drawn.top == pytest.approx(design.skin.thickness + 6.0, abs=1e-4)  # chords' error
-    assert drawn.area - plane.area > 2 * 3.0 * 4.0  # of three pins 3 mm wide and 5.5 to 6 mm high
-    ridges = skincad.load("plain-ridges")
-    assert drawn_section(ridges) == section(ridges)

@@ -31,16 +31,13 @@ from skincad.shape.curves import moments, offset
 from tests.refusals import refused
 
 
-def test_area_agrees_with_a_fine_polygon(variants: dict[str, Design]) -> None:
+def test_a_section_is_closed_smooth_at_fillets_and_of_its_polygons_area(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         outline = section(design).outline
         x, z = polygon(outline, 1e-8).T
         shoelace = float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1))) / 2
         # chords cut off at most tolerance x perimeter
         assert area(outline) == pytest.approx(shoelace, abs=1e-8 * 300), name
-
-
-def test_outline_is_closed_and_smooth_at_fillets(variants: dict[str, Design]) -> None:
     for name, design in variants.items():
         outline = section(design).outline
         for one, two in zip(outline, (*outline[1:], outline[0]), strict=True):
@@ -62,46 +59,34 @@ def test_dimensions_are_those_of_the_design(yamada: Design) -> None:
     assert {s.feature for s in shape.outline} == {None, *range(1, 10)}
     assert shape.top == 4.5
     assert len(shape.slots) == 18
-
-
-def test_outer_crests_sit_where_the_circle_puts_them(yamada: Design) -> None:
     outer, middle = skin_of(yamada).placed[8].frame, skin_of(yamada).placed[4].frame
     lean = 4 / 60
     drop = (60 + 0.5) * (1 - math.cos(lean))
     summit, top = outer.at(0.0, 0.5), middle.at(0.0, 0.5)
     assert top.z - summit.z == pytest.approx(drop, rel=1e-12)
     assert drop == pytest.approx(0.133, abs=0.0015)  # docs/evidence/facts.md#the-reference-section
-
-
-def test_section_mirrors_itself(yamada: Design) -> None:
     points = polygon(section(yamada).outline, 1e-4)
     for x, z in points * [-1, 1]:
         assert np.hypot(*(points - [x, z]).T).min() < 1e-9  # rounding; corners are 0.01 mm apart
     assert section(yamada).centroid.x == pytest.approx(0.0, abs=1e-12)
 
 
-def test_default_slots_leave_the_stated_wall_and_web(yamada: Design) -> None:
+def test_slots_leave_the_stated_wall_and_web_and_lean_inward(yamada: Design) -> None:
     s1, s2 = section(yamada).slots[8:10]
     web = s2.at(-s2.thickness / 2, 0.0).x - s1.at(s1.thickness / 2, 0.0).x
     assert web == pytest.approx(0.27, abs=1e-9)  # 2 x 0.16 of offset less 0.05
     assert (s1.side, s2.side, s1.feature) == ("S1", "S2", 5)
     assert s1.centre.x < 0 < s2.centre.x
-
-
-def test_positive_tilt_leans_the_tops_inward() -> None:
     left, right = section(skincad.load("yamada-2002-tilted")).slots[8:10]
     assert left.direction.x > 0 > right.direction.x
     assert math.degrees(math.atan2(left.direction.x, left.direction.z)) == pytest.approx(45.0)
 
 
-def test_doubling_all_lengths_doubles_the_section() -> None:
+def test_every_template_has_a_section() -> None:
+    for name in template_names():
+        assert section(skincad.load(name)).area > 0, name
     small, large = (section(skincad.load(n)) for n in ("yamada-2002", "lab-bench"))
-    assert area(large.outline) == pytest.approx(4 * area(small.outline), rel=1e-14)
-
-
-@pytest.mark.parametrize("name", template_names())
-def test_every_template_has_a_section(name: str) -> None:
-    assert section(skincad.load(name)).area > 0
+    assert area(large.outline) == pytest.approx(4 * area(small.outline), rel=1e-14)  # all lengths doubled
 
 
 @pytest.mark.parametrize(
@@ -115,9 +100,7 @@ def test_every_template_has_a_section(name: str) -> None:
         ({"ridge": {"crown": 0.2, "tip_fillet": 0.3}}, "ridge", "as steep as the flanks"),
     ],
 )
-def test_what_does_not_fit_is_refused(
-    yamada: Design, change: dict[str, dict[str, float]], key: str, words: str
-) -> None:
+def test_what_does_not_fit_is_refused(yamada: Design, change: dict, key: str, words: str) -> None:
     with pytest.raises(InputError, match=words) as refused:
         section(yamada.with_(**change))
     assert refused.value.key.startswith(key)
@@ -137,7 +120,7 @@ SHORT = {"curvature_radius": 8.0, "width": 6.0, "thickness": 5.0}
     ],
 )
 @pytest.mark.parametrize("fillet", [0.0, 0.01])
-def test_a_flank_that_no_fillet_could_meet_is_not_laid_to_one(
+def test_no_fillet_is_blamed_for_a_flank(
     yamada: Design, skin: dict, ridge: dict, key: str, words: str, fillet: float
 ) -> None:
     """A flank's angles with base circle and crown are the same with fillets and without: no word of them."""
@@ -179,9 +162,7 @@ def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:
 
 
 @pytest.mark.parametrize("fillets", [(0.05, 0.08), (0.1, 0.02), (0.0, 0.05), (0.03, 0.0)])
-def test_fillets_have_their_radius_and_touch_what_they_join(
-    yamada: Design, fillets: tuple[float, float]
-) -> None:
+def test_fillets_touch_what_they_join(yamada: Design, fillets: tuple[float, float]) -> None:
     """A tip fillet touches flank and crown, a root fillet flank and base circle: heads agree there."""
     tip, root = fillets
     shape = section(yamada.with_(ridge={"tip_fillet": tip, "root_fillet": root}))
@@ -238,23 +219,17 @@ def test_each_summit_stands_its_height_over_the_base_circle(yamada: Design, ridg
         assert skin_of(design).crests[number - 1] == pytest.approx(z, abs=1e-12)
 
 
-def test_ridges_of_the_same_height_have_the_same_section(yamada: Design) -> None:
-    assert section(yamada.with_(ridge={"heights": [0.5] * 9})) == section(yamada)
-    # the skin is as high as at its highest crest
-    assert skin_of(yamada).height == 4.5
-    assert skin_of(yamada.with_(ridge={"levelling": 0.9})).height == 4.5  # outer ridges are higher, and lower
-    assert skin_of(yamada.with_(ridge={"heights": [*UNLIKE[:8], 0.8]})).height == 4.8
-
-
 def test_a_ridge_is_as_on_a_skin_of_its_height(yamada: Design) -> None:
     unlike = section(yamada.with_(ridge={"heights": UNLIKE})).outline
     for number, height in enumerate(UNLIKE, 1):
         alike = section(yamada.with_(ridge={"height": height})).outline
         assert [s for s in unlike if s.feature == number] == [s for s in alike if s.feature == number]
     assert all(a.end == b.start for a, b in zip(unlike, (*unlike[1:], unlike[0]), strict=True))
-
-
-def test_reversed_heights_mirror_the_section(yamada: Design) -> None:
+    assert section(yamada.with_(ridge={"heights": [0.5] * 9})) == section(yamada)
+    # the skin is as high as at its highest crest
+    assert skin_of(yamada).height == 4.5
+    assert skin_of(yamada.with_(ridge={"levelling": 0.9})).height == 4.5  # outer ridges are higher, and lower
+    assert skin_of(yamada.with_(ridge={"heights": [*UNLIKE[:8], 0.8]})).height == 4.8
     one, other = (
         np.array([[*s.start, s.bulge] for s in section(yamada.with_(ridge={"heights": heights})).outline])
         for heights in (UNLIKE, UNLIKE[::-1])
@@ -322,7 +297,7 @@ def test_drops_are_those_from_the_circle_of_the_crests(tmp_path: Path, name: str
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_crest_farther_off_than_a_ridge_is_high_is_refused_by_its_number(
+def test_a_crest_farther_off_than_a_ridge_is_high_is_refused(
     tmp_path: Path, yamada: Design, sign: int
 ) -> None:
     height = yamada.ridge.height
@@ -395,11 +370,14 @@ def test_circular_segment_keeps_its_digits_however_flat(radius: float) -> None:
     assert arc.radius == pytest.approx(radius, rel=1e-9)  # the tangent of half / 2 is that well conditioned
 
 
-def test_points_of_an_arc_lie_on_its_circle() -> None:
+def test_a_polygon_has_a_loops_corners_and_an_arcs_points_its_circle() -> None:
     arc = circle(2.0)[0]
     points = arc.points(np.linspace(0, 1, 9))
     assert np.hypot(*points.T) == pytest.approx(np.full(9, 2.0), abs=1e-14)
     assert arc.point(0.5) == pytest.approx((math.sqrt(2), math.sqrt(2)), abs=1e-14)
+    # (4 - 14.6) / 2 - (-14.6 - 4) / 2 is 4 + 1e-15: a bore that ends at 4 would stay closed by a film
+    block = rectangle(-26.519999999999996, 26.52, -14.6, 4.0)
+    assert {tuple(p) for p in polygon(block, 1e-3)} == {tuple(s.start) for s in block}
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
@@ -421,12 +399,6 @@ def test_offset_of_a_rectangle_is_rounded_outward_and_sharp_inward(distance: flo
     assert shoelace == pytest.approx(exact, abs=12 * 1e-4)  # perimeter x chord tolerance
 
 
-def test_a_polygon_has_a_loops_corners_to_the_last_digit() -> None:
-    """(4 - 14.6) / 2 - (-14.6 - 4) / 2 is 4 + 1e-15: a bore that ends at 4 would stay closed by a film."""
-    block = rectangle(-26.519999999999996, 26.52, -14.6, 4.0)
-    assert {tuple(p) for p in polygon(block, 1e-3)} == {tuple(s.start) for s in block}
-
-
 @pytest.mark.parametrize("heading", np.linspace(0.1, 6.2, 12))
 @pytest.mark.parametrize("bulge", [0.15, 0.9])
 def test_the_top_is_the_highest_of_many_points(heading: float, bulge: float) -> None:
@@ -440,9 +412,7 @@ def test_the_top_is_the_highest_of_many_points(heading: float, bulge: float) -> 
 @pytest.mark.parametrize("sweep", [0.02, 1.0, -2.5, 6.0])
 @pytest.mark.parametrize("radius", [0.05, 60.0, 1e6])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
-def test_an_arc_has_as_few_chords_as_keep_the_tolerance(
-    sweep: float, radius: float, tolerance: float
-) -> None:
+def test_an_arc_has_as_few_chords_as_it_needs(sweep: float, radius: float, tolerance: float) -> None:
     """A chord over an angle a lies up to R (1 - cos(a / 2)) off its arc."""
     reach = 2 * radius * abs(math.sin(sweep / 2))
     arc = Segment(Point(0.0, 0.0), Point(reach, 0.0), math.tan(sweep / 4))

@@ -79,9 +79,7 @@ def test_volumes_by_hand() -> None:
 
 @pytest.mark.parametrize(("radius", "end"), [(0.5, None), (5.0, None), (0.5, 5.0), (5.0, 0.5)])
 @pytest.mark.parametrize("tolerance", [1.0, 0.02, 1e-3])
-def test_a_bores_chords_are_as_few_as_keep_the_tolerance(
-    radius: float, end: float | None, tolerance: float
-) -> None:
+def test_a_bore_has_as_few_chords_as_it_needs(radius: float, end: float | None, tolerance: float) -> None:
     bore = Bore((0.0, 0.0, 0.0), "z", 1.0, radius, end)
     widest = max(radius, end or 0.0)
     count = bore.circle(tolerance)
@@ -101,9 +99,7 @@ def test_a_bores_chords_are_as_few_as_keep_the_tolerance(
         *((y, wide, -0.3, 6.3) for y, wide in ((0.0, 1.0), (3.0, 1.0), (-5.0, 1.6), (2.0, 0.7))),
     ],
 )
-def test_a_bore_from_outside_an_arc_counts_what_lies_inside(
-    y: float, wide: float, low: float, long: float
-) -> None:
+def test_a_bore_into_an_arc_counts_what_lies_inside(y: float, wide: float, low: float, long: float) -> None:
     """By slices of equal height: of each disk what lies between the arc's two sides."""
     axis, limit = 20.0, 20.0
     bore = Bore((1.0, y, low), "z", long, 1.0, wide, within=(axis, limit))
@@ -316,22 +312,19 @@ def test_hard_shapes_are_valid_and_of_their_volume(variants: dict[str, Design]) 
         assert shape.Volume() == pytest.approx(exact, rel=1e-9, abs=slack), name
 
 
-def test_skin_is_a_workplane_with_exact_cylinders(yamada: Design) -> None:
+def test_a_solid_has_exact_faces_and_its_plans_volume(yamada: Design) -> None:
+    cover = mold(yamada).part("cover")
+    outside = replace(cover, cuts=(*cover.cuts, Bore((100.0, 0.0, 0.0), "z", 1.0, 1.0)))
+    with pytest.raises(KernelError, match="cover: volume differs from its formula"):
+        solid(outside)
     faces = skin_solid(yamada).faces().vals()
     kinds = {face.geomType() for face in faces}
     assert kinds == {"PLANE", "CYLINDER"}
     assert len(faces) == len(section(yamada).outline) + 4 * 18 + 2
 
 
-def test_a_solid_that_is_not_its_plans_volume_is_refused(yamada: Design) -> None:
-    cover = mold(yamada).part("cover")
-    outside = replace(cover, cuts=(*cover.cuts, Bore((100.0, 0.0, 0.0), "z", 1.0, 1.0)))
-    with pytest.raises(KernelError, match="cover: volume differs from its formula"):
-        solid(outside)
-
-
 @pytest.mark.parametrize("share", [0.9, 1.2])
-def test_cuts_may_be_off_by_the_kernels_tolerance_on_each_face(
+def test_cuts_may_be_off_by_the_tolerance(
     share: float, yamada: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cover = mold(yamada).part("cover")
@@ -416,6 +409,11 @@ def test_a_bored_block_from_above_is_a_rectangle_and_a_circle() -> None:
     assert circle.centre == pytest.approx((0.0, 0.0), abs=PLACE)
     assert circle.radius == pytest.approx(1.0, abs=PLACE)
     assert seen.hidden == ()
+    # Seen along its own axes from its own origin, a solid that was turned and moved is as it was
+    turned = plate(None).rotate(cq.Vector(0, 0, 0), cq.Vector(1, 0, 0), 30).translate(cq.Vector(1, 2, 3))
+    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
+    seen = projection(turned, View((1.0, 0.0, 0.0), (0.0, c, s), (1.0, 2.0, 3.0)))
+    assert lines(seen.visible) == lines(projection(plate(None), PLAN).visible)
 
 
 def test_a_blind_bore_is_hidden_to_its_depth_and_a_through_one_is_not() -> None:
@@ -430,14 +428,6 @@ def test_a_blind_bore_is_hidden_to_its_depth_and_a_through_one_is_not() -> None:
     assert [isinstance(s, Arc) for s in blind.visible].count(True) == 0
     assert [isinstance(s, Arc) for s in blind.hidden].count(True) == 1
     assert [isinstance(s, Arc) for s in through.visible].count(True) == 1
-
-
-def test_a_turned_view_is_that_of_the_turned_solid() -> None:
-    """Seen along its own axes from its own origin, a solid that was turned and moved is as it was."""
-    turned = plate(None).rotate(cq.Vector(0, 0, 0), cq.Vector(1, 0, 0), 30).translate(cq.Vector(1, 2, 3))
-    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
-    seen = projection(turned, View((1.0, 0.0, 0.0), (0.0, c, s), (1.0, 2.0, 3.0)))
-    assert lines(seen.visible) == lines(projection(plate(None), PLAN).visible)
 
 
 @pytest.mark.parametrize("bulge", [0.4, -0.2])

@@ -82,11 +82,15 @@ def test_a_nut_goes_into_each_pocket_of_a_printed_end_plate_and_does_not_turn(na
         assert NUT_FLATS + 0.2 <= flats + 1e-9 < 2 / math.sqrt(3) * NUT_FLATS
 
 
-def test_pocket_and_bolt_hole_are_one_way_through_without_a_film(yamada: Design) -> None:
+def test_a_pocket_is_open_to_its_bolt_hole_which_is_as_wide_as_its_thread_asks(yamada: Design) -> None:
     """Two cuts that meet on a face: by genus one hole each; a film between would make it none."""
     plate = mold(skincad.load("plain-ridges")).part("end-b")
     assert manifold(plate, 1e-3).genus() == 4 + 2  # bolts, pins
     assert pockets(yamada) == []  # wire-cut: tapped
+    parts = mold(skincad.load("milled-pad")).parts
+    for role in (CutRole.END_THREAD, CutRole.PULL):
+        wide = {2 * hole.radius for part in parts for hole in bores(part, role)}
+        assert wide == {3.0 - 0.5}  # ISO 2306, coarse pitch
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -148,9 +152,7 @@ def test_nicks_tell_where_the_strips_numbers_begin(end: str) -> None:
 @pytest.mark.parametrize(
     ("bent", "what"), [(None, "the pins of a mold's cover"), (100.0, "bolts and pins of a mold")]
 )
-def test_too_short_a_skin_is_told_by_the_length_that_was_written(
-    yamada: Design, shrinks: float, bent: float | None, what: str
-) -> None:
+def test_too_short_a_skin_is_told(yamada: Design, shrinks: float, bent: float | None, what: str) -> None:
     """What is poured is longer, and so is what it needs: a skin as long as it is told to be has room."""
 
     def refused(length: float) -> list[InputError]:
@@ -171,9 +173,7 @@ def test_too_short_a_skin_is_told_by_the_length_that_was_written(
 
 
 @pytest.mark.parametrize(("thickness", "carrier"), [(3.0, 3.2), (3.0, 3.0), (2.5, 3.5)])
-def test_the_least_floor_of_a_split_cavity_leaves_its_pins_apart_in_the_walls(
-    thickness: float, carrier: float
-) -> None:
+def test_the_least_floor_of_a_split_cavity_leaves_its_pins_apart(thickness: float, carrier: float) -> None:
     """A wall has the cover's pins from above and the base's from below; 1.2 mm stay between their holes."""
     change = {"skin": {"thickness": thickness}, "slot": None, "film": None, "contact": {"film": None}}
     steep = skincad.load("steep-fingertip").with_(**change, mold={"carrier_thickness": carrier, "floor": 9.0})
@@ -189,13 +189,6 @@ def test_the_least_floor_of_a_split_cavity_leaves_its_pins_apart_in_the_walls(
     # and the pieces stand on the base with a foot of 1 mm or more under the deepest ridge
     base, skin = closed.part("cavity-base"), closed.part("skin")
     assert manifold(base, 0.01).bounding_box()[5] + 1.0 <= manifold(skin, 0.01).bounding_box()[2]
-
-
-def test_holes_to_be_tapped_are_as_wide_as_m3_less_its_pitch() -> None:
-    parts = mold(skincad.load("milled-pad")).parts
-    for role in (CutRole.END_THREAD, CutRole.PULL):
-        wide = {2 * hole.radius for part in parts for hole in bores(part, role)}
-        assert wide == {3.0 - 0.5}  # ISO 2306, coarse pitch
 
 
 NU = 0.35  # the formula has none
@@ -402,21 +395,18 @@ def test_a_blind_hole_is_as_deep_as_its_screw_of_the_list_needs() -> None:
     )
 
 
-def test_a_plate_too_thin_for_a_thread_has_nuts_behind_it() -> None:
-    steel, thin = (few_ridges(mold={"end_plate": thick}) for thick in (3.75, 3.7))
-    for design, role in ((steel, CutRole.END_THREAD), (thin, CutRole.END_BOLT)):
-        plate = mold(design).part("end-b-comb")
-        assert len(bores(plate, role)) == 2
-    assert "with nuts, 0 of them sunk" in casting_sheet(Job(thin), [], "", True)
-
-
-def test_torque_is_what_the_head_bears() -> None:
+def test_torque_is_what_the_head_bears_and_a_thin_plate_has_nuts() -> None:
     """0.2 d F, F by 20 MPa in plastic on the ring of a head of 5.5 mm round a hole of 3.4. Golden sheets
     have the numbers."""
     known, ring = processes(), math.pi / 4 * (5.5**2 - 3.4**2)
     assert torque(known["sla"]) == torque(known["fdm"]) == pytest.approx(0.2 * 3e-3 * 20 * ring, abs=0.01)
     assert torque(known["edm"]) == pytest.approx(0.2 * 3e-3 * 60 * ring, abs=0.01)
     assert engagement(known["cnc"]) == 1.5 * 3.0
+    steel, thin = (few_ridges(mold={"end_plate": thick}) for thick in (3.75, 3.7))
+    for design, role in ((steel, CutRole.END_THREAD), (thin, CutRole.END_BOLT)):
+        plate = mold(design).part("end-b-comb")
+        assert len(bores(plate, role)) == 2
+    assert "with nuts, 0 of them sunk" in casting_sheet(Job(thin), [], "", True)
 
 
 @pytest.mark.parametrize("cover", [4.0, 46.0])
@@ -455,16 +445,14 @@ def test_a_thread_has_its_drill_its_screw_and_its_run_out(name: str) -> None:
     assert blind_thread(name, process).least == 1.5 * diameter  # in plastic
 
 
-def test_an_m3_is_the_mold_s_own() -> None:
+def test_threads_of_a_mold_and_its_mount_take_their_depth_from_the_process() -> None:
     for process in (METAL, RESIN):
         blind = blind_thread("M3", process)
         assert 2 * blind.radius == (2.5 if not blind.insert else 2 * insert_radius("M3", blind.insert))
         assert blind.depth - blind.most + (0.0 if blind.insert else 1.0) == pytest.approx(
             run_out_room(process)
         )
-
-
-def test_a_carrier_is_as_thick_as_the_deepest_hole_asks() -> None:
+    # a carrier is as thick as the deepest hole asks
     for mount, process, deepest, word in (
         (Mount(thread="M3", diameter=9.0), METAL, 3.0 + 1.0 + 2.5, "M3 threads"),
         (Mount(thread="M4", diameter=9.0), RESIN, 8.1 + 1.0, "M4 glued inserts"),

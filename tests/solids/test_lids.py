@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from functools import cache
-from itertools import combinations, permutations
+from itertools import combinations, permutations, product
 from typing import Any
 
 import numpy as np
@@ -119,7 +119,7 @@ def test_pull_holes_go_aside_as_far_as_they_must_and_a_carrier_ends() -> None:
     assert len(bores(carrier(empty, thin._replace(trough=40.0, back=3.0)), CutRole.PULL)) == 2
 
 
-def test_holes_make_way_for_threads_to_pull_by_as_long_as_half_stay() -> None:
+def test_holes_make_way_for_threads_to_pull_by_and_a_carrier_without_room_is_plain() -> None:
     design, place = planned("cast-in", "plain")
     part = carrier(design, place)
     pulls, rivets = bores(part, CutRole.PULL), bores(part, CutRole.RIVET)
@@ -129,42 +129,40 @@ def test_holes_make_way_for_threads_to_pull_by_as_long_as_half_stay() -> None:
     tiny, narrow = planned("steep-fingertip", "plain")
     assert bores(carrier(tiny, narrow), CutRole.PULL) == []
     assert len(bores(carrier(tiny, narrow), CutRole.RIVET)) == 1
+    design, place = planned("yamada-2002", "plain")
+    short = place._replace(end=2.0)
+    assert bores(carrier(design.with_(mold={"carrier": None}), short), CutRole.RIVET) == []
+    with pytest.raises(InputError, match=r"^mold.carrier: leaves no room"):
+        carrier(design.with_(mold={"carrier": "perforated"}), short)
+    plain = design.with_(mold={"carrier": "plain"})
+    assert bores(carrier(plain, place), CutRole.RIVET) == bores(cover(plain, place), CutRole.BLEED) == []
 
 
-def test_the_cup_covers_vent_and_gap_and_clears_bolts_and_edges() -> None:
+def test_a_cover_lies_on_the_block_with_its_cup_bleeds_and_pins() -> None:
     for design, place in possible():
-        lid, vent = cover(design, place), bores(carrier(design, place), CutRole.VENT)[0]
+        lid, plate = cover(design, place), carrier(design, place)
+        assert {s.start for s in lid.body.outline} == set(
+            product(*((-a, a) for a in (place.half, place.cover)))
+        )
+        assert (lid.body.low, lid.body.high) == (place.top, place.top + place.lid)
+        # the cup covers vent and gap, should the cover sit aside too, and clears bolts and edges
+        (vent,), rivets = bores(plate, CutRole.VENT), bores(plate, CutRole.RIVET)
         (cup,) = bores(lid, CutRole.RESERVOIR)
         assert (cup.start[2], cup.length) == (place.top, place.lid)
         assert math.dist(at(cup), at(vent)) + vent.radius <= cup.radius + 1e-9
-        assert cup.start[1] + cup.radius > place.end + 0.2  # the gap, should the cover sit aside
+        assert cup.start[1] + cup.radius > place.end + 0.2
         assert cup.far_radius >= cup.radius
         assert cup.start[1] + cup.far_radius <= place.cover - EDGE / 2 + 1e-9
         for bolt in bores(lid, CutRole.COVER_BOLT):
             assert bolt.radius == BOLT_RADIUS
             for x in place.centres:
                 assert abs(bolt.start[0] - x) >= cup.far_radius + BOLT_RADIUS + EDGE - 1e-9
-
-
-def test_each_rivet_hole_has_its_bleed_at_the_highest_point_of_its_rim() -> None:
-    """While it is poured, end b is up: the bleed touches the rim from inside there."""
-    for design, place in possible():
-        lid, rivets = cover(design, place), bores(carrier(design, place), CutRole.RIVET)
-        bleeds, (cup,) = bores(lid, CutRole.BLEED), bores(lid, CutRole.RESERVOIR)
-        assert len(bleeds) == len(rivets)
-        for hole, bleed in zip(rivets, bleeds, strict=True):
+        # while it is poured, end b is up: a bleed touches its rivet's rim from inside there
+        for hole, bleed in zip(rivets, bores(lid, CutRole.BLEED), strict=True):
             assert bleed.start[0] == hole.start[0]
             assert bleed.start[1] + bleed.radius == pytest.approx(hole.start[1] + hole.far_radius, abs=1e-12)
             assert math.dist(at(bleed), at(cup)) > bleed.radius + cup.far_radius + EDGE / 2
             assert (bleed.start[2], bleed.length) == (place.top, place.lid)
-
-
-def test_a_cover_lies_on_the_block_and_its_pins_end_a_clearance_before_their_holes_do() -> None:
-    for design, place in possible():
-        lid = cover(design, place)
-        corners = {s.start for s in lid.body.outline}
-        assert corners == {(x, y) for x in (-place.half, place.half) for y in (-place.cover, place.cover)}
-        assert (lid.body.low, lid.body.high) == (place.top, place.top + place.lid)
         pins = [part.body for part in cover_dowels(design, place)]
         for pin, hole in zip(pins, bores(lid, CutRole.COVER_PIN), strict=True):
             assert at(pin) == at(hole)
@@ -206,16 +204,6 @@ def test_a_reservoir_is_refused_outside_the_range_told_and_taken_at_its_ends() -
     for wrong in (low - 0.01, high + 0.01, 50.0):
         (again,) = refused_lids(design.with_(mold={"reservoir": wrong}), place)
         assert again.rule == refused.value.rule  # whatever was asked
-
-
-def test_a_carrier_without_room_for_holes_is_plain_unless_holes_were_asked_for() -> None:
-    design, place = planned("yamada-2002", "plain")
-    short = place._replace(end=2.0)
-    assert bores(carrier(design.with_(mold={"carrier": None}), short), CutRole.RIVET) == []
-    with pytest.raises(InputError, match=r"^mold.carrier: leaves no room"):
-        carrier(design.with_(mold={"carrier": "perforated"}), short)
-    plain = design.with_(mold={"carrier": "plain"})
-    assert bores(carrier(plain, place), CutRole.RIVET) == bores(cover(plain, place), CutRole.BLEED) == []
 
 
 HOLES = (CutRole.MOUNT, CutRole.MOUNT_PIN, CutRole.FIDUCIAL)
@@ -316,9 +304,8 @@ def misfit(seen: np.ndarray[Any, Any], drawn: np.ndarray[Any, Any]) -> float:
 @pytest.mark.parametrize("name", [n for n in NAMES if MOUNTS[n][0].get("fiducials")])
 def test_a_camera_knows_a_turned_carrier(name: str) -> None:
     """Of all ways to match what is seen with what is drawn only the right one fits within half a dimple."""
-    drawn = np.array(
-        [at(hole) for hole in bores(mold(mounted_design(name)).part("carrier"), CutRole.FIDUCIAL)]
-    )
+    part = mold(mounted_design(name)).part("carrier")
+    drawn = np.array([at(hole) for hole in bores(part, CutRole.FIDUCIAL)])
     fits = [order for order in permutations(range(len(drawn))) if misfit(drawn[list(order)], drawn) < 0.5]
     assert fits == [tuple(range(len(drawn)))]
 

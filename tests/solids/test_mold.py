@@ -68,12 +68,23 @@ def test_cavity_and_skin_fill_the_trough_between_them(yamada: Design) -> None:
     assert total == pytest.approx(block, abs=0.08)  # bores as chords: 1e-4 mm x 800 mm2 of walls
 
 
-def test_parts_have_the_holes_they_need(yamada: Design) -> None:
+def test_plates_and_pieces_have_the_holes_they_need(yamada: Design) -> None:
     """Genus counts through holes, so that no bore ends in a film that a volume doesn't show."""
     closed = mold(yamada)
     genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made != "bought"}
     ends = {"end-a-comb": 4, "end-a-keeper": 3, "end-b-comb": 4, "end-b-keeper": 2}
     assert genus == {"skin": 18, "cavity": 4, **ends, "carrier": 5, "cover": 9}
+    # of a gang bolts in count + 1 lanes, a gate for each skin
+    closed = mold(few_ridges(mold={"cavities": 4}))
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made == "made"}
+    assert genus["cavity"] == 2 * 5
+    assert genus["end-a-comb"] == 5 + 2
+    assert genus["end-a-keeper"] == 5 + 4
+    assert genus["cover"] == 2 + 5 + 4 * 2  # pins, a bolt a row; reservoir and bleed each
+    # of pieces a y bolt a lane, and z bolts, which end in threads through the base
+    closed = mold(skincad.load(STEEP))
+    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.name.startswith("cavity")}
+    assert genus == {"cavity-base": 4, "cavity-left": 2, "cavity-1": 0, "cavity-right": 2}
 
 
 def test_comb_and_keeper_close_the_end_but_for_the_slits(yamada: Design) -> None:
@@ -99,7 +110,7 @@ def test_shims_leave_away_from_the_wiring_side(side: str, way: int) -> None:
         assert math.copysign(1, step.travel) == way
 
 
-def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design) -> None:
+def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design, cast: Design) -> None:
     """The lap of film and shim is thicker than a notch: the combs are off before it comes by."""
     steps = mold(yamada).opening
     order = [(s.axis, s.parts[0].split("-")[0]) for s in steps]
@@ -109,6 +120,10 @@ def test_opening_takes_plates_then_shims_then_cover_then_skin(yamada: Design) ->
     shims = closed.of(PartRole.SHIM)
     assert len(shims) == 18
     assert {(s.body.low, s.body.high) for s in shims} == {(-6.0 - 5.0 - 6.0, 6.0 + 5.0 + 6.0)}
+    steps = mold(cast).opening
+    order = [(step.axis, step.parts[0]) for step in steps]
+    assert order == [("y", "end-a-comb"), ("y", "end-b-comb"), ("z", "cover"), ("z", "skin")]
+    assert {"skin", "carrier", "strip-1-S1", "strip-9-S2"} <= set(steps[-1].parts)
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -232,13 +247,6 @@ def test_a_strip_stands_on_its_notch_and_clears_its_sides_and_the_keeper(cast: D
     assert shared(0.0, 1.5 * play) > 0.3 * play * 0.052 * 4.0  # the split circle falls to the outer slots
 
 
-def test_opening_leaves_cast_in_strips_in_the_skin(cast: Design) -> None:
-    steps = mold(cast).opening
-    order = [(step.axis, step.parts[0]) for step in steps]
-    assert order == [("y", "end-a-comb"), ("y", "end-b-comb"), ("z", "cover"), ("z", "skin")]
-    assert {"skin", "carrier", "strip-1-S1", "strip-9-S2"} <= set(steps[-1].parts)
-
-
 @pytest.mark.slow
 def test_interference_sees_tabs_that_were_not_cut_off(cast: Design) -> None:
     """Tabs are wider than a notch: on the way of the end plates they would be met."""
@@ -285,19 +293,7 @@ def test_every_skin_of_a_gang_is_the_single_one_moved(yamada: Design) -> None:
     assert centres[1] == pytest.approx(0.0, abs=1e-12)
     assert centres[2] == pytest.approx(-centres[0], abs=1e-12)
     assert centres[2] > 11.0 + 2 * 2.0 + 2 * 1.7  # skin, ledges, a bolt between
-
-
-def test_gates_reservoirs_and_bolts_are_one_for_each_and_one_between() -> None:
-    """Genus counts through holes: bolts in count + 1 lanes, a gate for each skin."""
-    closed = mold(few_ridges(mold={"cavities": 4}))
-    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.made == "made"}
-    assert genus["cavity"] == 2 * 5
-    assert genus["end-a-comb"] == 5 + 2
-    assert genus["end-a-keeper"] == 5 + 4
-    assert genus["cover"] == 2 + 5 + 4 * 2  # pins, a bolt a row; reservoir and bleed each
-
-
-def test_grams_and_air_are_those_of_the_single_mold_times_the_skins() -> None:
+    # grams and air are those of the single mold times the skins
     few, many = few_ridges(), few_ridges(mold={"cavities": 4})
     assert poured_volume(Job(many)) == pytest.approx(4 * poured_volume(Job(few)), rel=1e-12)
     assert pockets(Job(many), 1.0) == pockets(Job(few), 1.0)
@@ -340,10 +336,3 @@ def test_pieces_of_a_split_cavity_fill_the_whole_one(design: Design) -> None:
     bodies = math.fsum(part.body.volume for part in pieces)  # less their bores
     assert bodies == pytest.approx(whole.part("cavity").body.volume, rel=1e-12)
     assert closed.part("skin").volume == pytest.approx(whole.part("skin").volume, rel=1e-12)
-
-
-def test_holes_of_the_pieces_go_through_where_they_should() -> None:
-    """Genus counts through holes: a y bolt a lane, and z bolts, which end in threads through the base."""
-    closed = mold(skincad.load(STEEP))
-    genus = {p.name: manifold(p, 1e-3).genus() for p in closed.parts if p.name.startswith("cavity")}
-    assert genus == {"cavity-base": 4, "cavity-left": 2, "cavity-1": 0, "cavity-right": 2}

@@ -140,9 +140,7 @@ def test_air_leaves_by_the_vent_and_stays_where_end_b_is_low() -> None:
         ({"skin": {"length": 12.0}}, "skin.length", "of a round skin"),
     ],
 )
-def test_what_a_round_skin_and_its_mold_cannot_be_is_one_line(
-    change: dict[str, object], start: str, rule: str
-) -> None:
+def test_what_a_round_mold_cannot_be_is_one_line(change: dict[str, object], start: str, rule: str) -> None:
     with pytest.raises(InputError, match=f"^{start}: .*{rule}") as refusal:
         mold(rings().with_(**change))
     assert "\n" not in str(refusal.value)

@@ -93,9 +93,6 @@ def test_a_flat_second_curvature_tends_to_the_straight_skin(yamada: Design) -> N
         assert off == pytest.approx(section(yamada).centroid.z - yamada.skin.thickness, rel=1e-7)
     low, high = mesh(skin_part(bent(yamada, 1e8)), 1e-3).bounds
     assert np.allclose([low, high], mesh(skin_part(yamada), 1e-3).bounds, atol=1e-3)  # chords
-
-
-def test_without_the_key_a_skin_is_a_prism(yamada: Design) -> None:
     assert yamada.skin.curvature_radius_y is None
     assert skin_part(yamada).body == replace(skin_part(yamada).body, low=-6.0, high=6.0, axis="y")
 
@@ -131,9 +128,7 @@ def test_corners_lie_on_the_true_surface_of_a_sphere(yamada: Design) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("relative", "least", "most"), [(True, 1.5, 5.0), (False, 0.0, 1.5)])
-def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
-    relative: bool, least: float, most: float
-) -> None:
+def test_the_kernels_own_mesh_misses_what_was_asked(relative: bool, least: float, most: float) -> None:
     """By default its tolerance is relative: measured 2.9 times the asked one, 0.8 where it is absolute."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
 
@@ -146,7 +141,12 @@ def test_kernels_own_mesh_lies_on_ours_and_by_its_default_misses_what_was_asked(
     assert measure(part, mesh(part, tolerance), tolerance).deviation <= 1.1 * tolerance
 
 
-def test_skin_is_symmetric_about_both_planes() -> None:
+def test_length_is_the_summits_arc_and_a_skin_is_symmetric(yamada: Design) -> None:
+    turned = body(skin_part(bent(yamada, 30.0)))
+    end = turned.placed(np.array([[0.0, 4.0], [0.0, 0.0]]), turned.high)
+    assert math.atan2(end[0, 1], end[0, 2] - turned.centre) * 30.0 == pytest.approx(6.0, rel=1e-14)
+    assert end[0, 1] / (end[0, 2] + 26.0) == pytest.approx(end[1, 1] / (end[1, 2] + 26.0), rel=1e-13)
+    assert turned.placed(np.array([[1.0, 2.0]]), 0.0).tolist() == [[1.0, 0.0, 2.0]]
     few = few_ridges(skin={"curvature_radius_y": 30.0})
     plain = few.with_(slot=None, film=None, contact={"film": None})
     box = solid(skin_part(plain)).BoundingBox(1e-6)
@@ -154,14 +154,6 @@ def test_skin_is_symmetric_about_both_planes() -> None:
     assert box.ymin == pytest.approx(-box.ymax, abs=1e-6)
     where = solid(skin_part(few)).Center()
     assert (where.x, where.y) == pytest.approx((0.0, 0.0), abs=1e-9)
-
-
-def test_length_is_the_summits_arc_and_ends_point_at_the_axis(yamada: Design) -> None:
-    turned = body(skin_part(bent(yamada, 30.0)))
-    end = turned.placed(np.array([[0.0, 4.0], [0.0, 0.0]]), turned.high)
-    assert math.atan2(end[0, 1], end[0, 2] - turned.centre) * 30.0 == pytest.approx(6.0, rel=1e-14)
-    assert end[0, 1] / (end[0, 2] + 26.0) == pytest.approx(end[1, 1] / (end[1, 2] + 26.0), rel=1e-13)
-    assert turned.placed(np.array([[1.0, 2.0]]), 0.0).tolist() == [[1.0, 0.0, 2.0]]
 
 
 def test_a_torn_mesh_and_a_section_across_the_axis_are_seen(yamada: Design) -> None:
@@ -205,16 +197,12 @@ either = pytest.mark.parametrize("few", [few_ridges(), three_ridges()], ids=["st
 
 
 @either
-def test_a_higher_ridge_adds_to_the_solid(few: Design) -> None:
+def test_unlike_ridges_make_solid_and_mold_as_high(few: Design) -> None:
     """`skin_solid` holds the CAD kernel's volume against area x path."""
     highest, lower = (few.with_(ridge={"heights": [*UNLIKE[:2], last]}) for last in (UNLIKE[2], 0.5))
     more = skin_solid(highest).val().Volume() - skin_solid(lower).val().Volume()
     # 0.06 mm of a ridge 0.5 mm wide at its tip, wider below, 12 mm long; bent it is longer by a tenth
     assert 0.06 * 0.5 * 12.0 < more < 1.2 * 0.06 * 0.65 * 12.0
-
-
-@either
-def test_the_mold_is_as_deep_as_its_highest_ridge(few: Design) -> None:
     closed = mold(few.with_(ridge={"heights": UNLIKE}))
     outline = closed.first(PartRole.SKIN).body.outline
     assert -min(s.start.z for s in outline) == pytest.approx(4.55, abs=0.02)  # a summit on its side's lean
@@ -233,7 +221,7 @@ def test_the_cavity_shrinks_to_the_part(name: str) -> None:
     assert cast.volume + by * holes == pytest.approx(by**3 * (part.volume + holes), rel=1e-12)
 
 
-def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Design) -> None:
+def test_what_is_poured_is_larger_about_the_backs_middle(yamada: Design) -> None:
     by = 1 / (1 - 0.01)
     old, new = (section(d) for d in (yamada, scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.01}))))
     for a, b in zip(old.outline, new.outline, strict=True):
@@ -242,9 +230,6 @@ def test_every_point_of_the_outline_moves_away_from_the_backs_middle(yamada: Des
     for a, b in zip(old.slots, new.slots, strict=True):
         assert b.centre == pytest.approx((by * a.centre.x, by * a.centre.z), abs=1e-12)
         assert (b.thickness, b.depth) == (a.thickness, a.depth)
-
-
-def test_a_skins_shrinkage_is_its_own_or_the_silicones(yamada: Design) -> None:
     assert Job(yamada).shrinkage == 0.001
     assert Job(yamada.with_(mold={"shrinkage": 0.0})).shrinkage == 0.0
     assert section(scaled_for_shrinkage(yamada.with_(mold={"shrinkage": 0.0}))) == section(yamada)
