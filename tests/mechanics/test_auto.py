@@ -14,27 +14,11 @@ import pytest
 from netgen.meshing import NgException
 
 from skincad import InputError, RefusedError, check, load
+from skincad import mechanics as mech
 from skincad.base import Estimate, ExhaustedError
 from skincad.inputs import Design
-from skincad.mechanics import (
-    MODELS,
-    Answer,
-    ContactError,
-    LateError,
-    LeftOut,
-    NextModel,
-    Request,
-    RidgeModel,
-    SizeError,
-    default_sizes,
-    expected_seconds,
-    film_stresses,
-    pad_of,
-    plane_piece,
-    problem,
-    triangles,
-)
 from skincad.mechanics import check as adaptivity
+from skincad.mechanics import expected_seconds
 from skincad.mechanics import manufacture as manufacturing
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.film import stress
@@ -153,7 +137,7 @@ def test_a_model_is_priced_by_what_the_last_one_took() -> None:
     solved = {
         name: replace(QUICK, own_seconds=seconds) for name, seconds in (("linear", 2.0), ("winkler", 9.0))
     }
-    price = {name: MODELS[name].price for name in MODELS}
+    price = {name: mech.MODELS[name].price for name in mech.MODELS}
     ahead = price["corrected"] + price["corrected-finite-strain"]
     assert expected_seconds("corrected-finite-strain", yamada(), {}) == pytest.approx(0.1 * 9 * (1 + ahead))
     assert expected_seconds("corrected-finite-strain", yamada(), solved) == pytest.approx(2.0 * ahead)
@@ -164,7 +148,9 @@ def test_a_model_is_priced_by_what_the_last_one_took() -> None:
     assert expected_seconds("linear", yamada(), solved) == 0.0
 
 
-QUICK = Answer(1, Estimate(0.0, 0.0, "N"), Estimate(0.1, 0.0, "mm"), (Estimate(1.0, 0.0, "N"),), 1, 0.0, {})
+QUICK = mech.Answer(
+    1, Estimate(0.0, 0.0, "N"), Estimate(0.1, 0.0, "mm"), (Estimate(1.0, 0.0, "N"),), 1, 0.0, {}
+)
 PRICES = {"linear": 1.0, "corrected": 2.0, "corrected-finite-strain": 4.5, "solid": 8.0}
 LEFT = {"free ends": 0.2, "finite strain": 0.1}
 
@@ -175,7 +161,7 @@ class MadeUp:
 
     def __init__(self, patch: pytest.MonkeyPatch, value: float = 3.0) -> None:
         self.value, self.mesh, self.now = value, 0.01, 100.0
-        self.asked: dict[str, Request] = {}
+        self.asked: dict[str, mech.Request] = {}
         self.refusals: dict[str, Exception] = {}
         winkler = models.load("winkler")
         patch.setattr(
@@ -186,26 +172,26 @@ class MadeUp:
         patch.setattr(adaptivity, "YIELD_PRICE", 0.0)
         patch.setattr(adaptivity, "left_out", lambda effects, *_: tuple(map(self.bound, effects)))
 
-    def answer(self, name: str, _: Any, request: Request, *__: object) -> Answer:
+    def answer(self, name: str, _: Any, request: mech.Request, *__: object) -> mech.Answer:
         seconds = 2 * PRICES.get(name, 3.0)
         if request.must_fit and request.budget is not None and seconds > request.budget:
-            raise LateError(seconds)
+            raise mech.LateError(seconds)
         if name in self.refusals:
             raise self.refusals[name]
         self.now += seconds
         self.asked[name] = request
         first, down = Estimate(self.value, self.mesh * self.value, "N"), Estimate(0.1, 0.0, "mm")
         shares = (Estimate(request.force / 9, 0.0, "N"),) * 9
-        return Answer(9, first, down, shares, 10, 0.0, {"contact": seconds, "yield": 50.0})
+        return mech.Answer(9, first, down, shares, 10, 0.0, {"contact": seconds, "yield": 50.0})
 
-    def expected_seconds(self, name: str, _: Any, solved: dict[str, Answer]) -> float:
+    def expected_seconds(self, name: str, _: Any, solved: dict[str, mech.Answer]) -> float:
         """By half the speed once one is solved."""
         missing = {*models.prerequisites(name), name} - {*solved, "winkler"}
         slower = 2.0 if set(solved) - {"winkler"} else 1.0
         return slower * math.fsum(PRICES.get(model, 3.0) for model in missing)
 
-    def bound(self, effect: str) -> LeftOut:
-        return LeftOut(effect=effect, threshold=LEFT[effect], approach=LEFT[effect], share=LEFT[effect])
+    def bound(self, effect: str) -> mech.LeftOut:
+        return mech.LeftOut(effect=effect, threshold=LEFT[effect], approach=LEFT[effect], share=LEFT[effect])
 
 
 @pytest.mark.parametrize(
@@ -313,10 +299,10 @@ def test_without_a_tolerance_models_follow_until_the_verdict_is_clear_and_sharp(
     )
     assert [run.seconds for run in verdict.models_tried] == pytest.approx([2.0, 4.0, 9.0][: len(climbed)])
     following = {
-        "linear": NextModel("corrected", 4.0),
-        "corrected": NextModel("corrected-finite-strain", 9.0),
+        "linear": mech.NextModel("corrected", 4.0),
+        "corrected": mech.NextModel("corrected-finite-strain", 9.0),
     }
-    last = NextModel("solid-finite-strain", 22.0)
+    last = mech.NextModel("solid-finite-strain", 22.0)
     expected_next = None if model == "solid-finite-strain" else following.get(model, last)
     assert verdict.next_model == expected_next
     # the first by a guess, the others by what the last one took
@@ -328,7 +314,7 @@ def test_no_model_is_begun_that_would_end_after_half_a_minute(monkeypatch: pytes
     MadeUp(monkeypatch, 3.99)
     verdict = check(yamada(), force=4.0)
     assert (verdict.model, verdict.verdict) == ("corrected-finite-strain", "undecided")
-    assert verdict.next_model == NextModel("solid-finite-strain", 22.0)
+    assert verdict.next_model == mech.NextModel("solid-finite-strain", 22.0)
     assert verdict.next_step.startswith("`--model solid-finite-strain` (about ")
 
 
@@ -356,7 +342,7 @@ def test_a_budget_is_climbed_as_far_as_the_next_model_fits(
         [f"the linear model {late} of {budget:g} s"] if late else []
     )
     if late:
-        assert verdict.next_model == NextModel("linear", 2.0)
+        assert verdict.next_model == mech.NextModel("linear", 2.0)
         return
     assert (verdict.next_model is None) == (model == "solid-finite-strain")
     ends = {"linear": 0.0, "corrected": 2.0, "corrected-finite-strain": 6.0, "solid": 15.0}
@@ -383,12 +369,12 @@ def test_a_budget_ends_where_a_tolerance_is_met_and_what_took_longer_says_so(
 
 def test_a_model_for_which_a_pad_is_too_large_leaves_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
     fake = MadeUp(monkeypatch)
-    fake.refusals["corrected"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
+    fake.refusals["corrected"] = mech.SizeError("ridge.count", "too many", 900, "take fewer ridges")
     verdict = check(yamada(), tol=0.25)
     assert verdict.model == "linear"
     words = "the corrected model, which leaves out less, cannot judge this: ridge.count"
     assert any(words in w for w in verdict.warnings)
-    fake.refusals["linear"] = SizeError("ridge.count", "too many", 900, "take fewer ridges")
+    fake.refusals["linear"] = mech.SizeError("ridge.count", "too many", 900, "take fewer ridges")
     verdict = check(yamada())
     assert (verdict.model, verdict.next_model) == ("winkler", None)
     assert any(
@@ -421,7 +407,7 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
     monkeypatch.setattr(adaptivity.ModelSelection, "_linear_seconds", lambda _: 2.0)
     answer = fake.answer
 
-    def with_parts(*arguments: Any) -> Answer:
+    def with_parts(*arguments: Any) -> mech.Answer:
         return replace(answer(*arguments), ridge_model=object())
 
     def sampled(*_: object) -> object:
@@ -441,7 +427,7 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
     assert verdict.seconds["yield"] == pytest.approx(50.0 + 2.5)  # of the last verdict alone
     assert verdict.seconds["total"] == pytest.approx(2.0 + 4.0 + 9.0 + 2.5)
     # not the 3 s that were expected
-    assert verdict.next_model == NextModel("solid-finite-strain", pytest.approx(22.0 + 2.5))
+    assert verdict.next_model == mech.NextModel("solid-finite-strain", pytest.approx(22.0 + 2.5))
     # within a budget it has its place before it is known what it takes
     for budget, model in ((8.9, "linear"), (9.1, "corrected")):
         within = check(yamada(), force=4.0, budget=budget)
@@ -478,8 +464,8 @@ def plain() -> Design:
 
 def contact(design: Design, fineness: float, order: int) -> int:
     """Contact unknowns of the plane at this mesh and order."""
-    pad = pad_of(design)
-    return linear.contact_unknowns(plane_piece(pad, fineness), order)
+    pad = mech.pad_of(design)
+    return linear.contact_unknowns(mech.plane_piece(pad, fineness), order)
 
 
 def unsolved(*arguments: Any, **options: Any) -> Any:
@@ -489,8 +475,8 @@ def unsolved(*arguments: Any, **options: Any) -> Any:
 def test_a_finer_mesh_that_is_too_large_leaves_the_last_ones_answer(
     plain: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pad = pad_of(plain)
-    best = linear.level(plane_piece(pad, 1.0), 3, plain.contact.force)
+    pad = mech.pad_of(plain)
+    best = linear.level(mech.plane_piece(pad, 1.0), 3, plain.contact.force)
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(plain, 1.0, 3))
     answer = plane(plain, tol=1e-4)
     assert answer.unknowns == best.unknowns
@@ -503,7 +489,7 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
 ) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(plain, 0.5, 3) - 1)
     monkeypatch.setattr(linear, "_level", unsolved)
-    with pytest.raises(SizeError, match=r"ridge\.count: the linear model takes at most"):
+    with pytest.raises(mech.SizeError, match=r"ridge\.count: the linear model takes at most"):
         linear_check(plain)
     for options in ({}, {"tol": 0.01}, {"budget": 500.0}):
         verdict = check(plain, **options)
@@ -519,7 +505,7 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
 
     def counted(pad: Any, sizes: Any) -> Any:
         meshed.append(len(pad.ridges))
-        return triangles(pad, sizes)
+        return mech.triangles(pad, sizes)
 
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", 3000)
     monkeypatch.setattr(linear, "triangles", counted)
@@ -531,9 +517,9 @@ def test_far_too_many_ridges_are_told_by_one_of_them_alone(monkeypatch: pytest.M
 def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
     most = linear.MOST_CONTACT_UNKNOWNS
     design = load("plain-ridges", ["ridge.count=999", "skin.width=1000", "skin.curvature_radius=1e6"])
-    linear.check_coarsest(pad_of(design), most, "linear")
-    with pytest.raises(SizeError, match=r"ridge\.count: the finite-strain model takes at most 6000"):
-        finite_strain.solve(pad_of(design), Request(450.0))
+    linear.check_coarsest(mech.pad_of(design), most, "linear")
+    with pytest.raises(mech.SizeError, match=r"ridge\.count: the finite-strain model takes at most 6000"):
+        finite_strain.solve(mech.pad_of(design), mech.Request(450.0))
 
 
 @pytest.mark.parametrize(
@@ -541,14 +527,14 @@ def test_as_many_ridges_as_a_design_may_have_are_not_too_many() -> None:
     ["plain-ridges", *(pytest.param(n, marks=pytest.mark.slow) for n in ("fingertip-soft", "milled-pad"))],
 )
 def test_one_ridge_alone_does_not_ask_for_much_more_than_its_share(name: str) -> None:
-    pad = pad_of(load(name))
-    sizes = default_sizes(pad, linear.REFINEMENTS[0].fineness)
+    pad = mech.pad_of(load(name))
+    sizes = mech.default_sizes(pad, linear.REFINEMENTS[0].fineness)
     alone, whole = (
-        elements.contact_unknowns(elements.curved(triangles(p, sizes), 1), 1)
-        for p in (problem.one_ridge(pad), pad)
+        elements.contact_unknowns(elements.curved(mech.triangles(p, sizes), 1), 1)
+        for p in (mech.problem.one_ridge(pad), pad)
     )
     assert whole >= linear.SINGLE_RIDGE_FACTOR * alone * len(pad.ridges)
-    assert linear.contact_unknowns(plane_piece(pad, 0.5), 1) >= linear.SINGLE_RIDGE_FACTOR * alone * len(
+    assert linear.contact_unknowns(mech.plane_piece(pad, 0.5), 1) >= linear.SINGLE_RIDGE_FACTOR * alone * len(
         pad.ridges
     )
 
@@ -570,14 +556,14 @@ def test_a_solid_is_refused_before_any_of_its_levels_is_solved(
     assert len(sizes) == 2
     # what the first level takes, and not all do
     monkeypatch.setattr(solid, "MOST_UNKNOWNS", min(sizes))
-    with pytest.raises(SizeError, match="three dimensions take at most"):
+    with pytest.raises(mech.SizeError, match="three dimensions take at most"):
         check(plain, model="solid")
 
 
 @pytest.mark.slow
 def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("yamada-2002", ["ridge.count=3", "skin.width=5.0"])
-    whole = film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
+    whole = mech.film_stresses(design, 1.3, (0.0,), tol=0.5)[0]
     orders: list[int] = []
     counted = stress.contact_unknowns
 
@@ -586,15 +572,15 @@ def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> No
         return orders[-1]
 
     monkeypatch.setattr(stress, "contact_unknowns", seen)
-    film_stresses(design, 1.3, (0.0,), tol=0.5)
+    mech.film_stresses(design, 1.3, (0.0,), tol=0.5)
     monkeypatch.setattr(stress, "MOST_CONTACT_UNKNOWNS", max(orders))
-    finest = film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
+    finest = mech.film_stresses(design, 1.3, (0.0,), tol=1e-6)[0]
     assert finest.differential == whole.differential
     assert any("a finer mesh takes more than" in w for w in finest.warnings)
     monkeypatch.setattr(stress, "MOST_CONTACT_UNKNOWNS", orders[0] - 1)
     monkeypatch.setattr(stress, "level", unsolved)
-    with pytest.raises(SizeError, match="films' stresses take at most"):
-        film_stresses(design, 1.3, (0.0,))
+    with pytest.raises(mech.SizeError, match="films' stresses take at most"):
+        mech.film_stresses(design, 1.3, (0.0,))
 
 
 @pytest.mark.slow
@@ -613,7 +599,7 @@ def test_a_yield_that_does_not_settle_is_no_veto(plain: Design) -> None:
     assert whole.manufacture is not None
 
     def unsettled(*_: Any) -> Any:
-        raise ContactError("does not settle")
+        raise mech.ContactError("does not settle")
 
     for module, name in ((manufacturing, "manufacture"), (linear, "ridge_model")):
         with pytest.MonkeyPatch.context() as patch:
@@ -632,11 +618,11 @@ def test_a_yield_that_does_not_settle_is_no_veto(plain: Design) -> None:
 def test_many_ridges_are_judged_by_fewer_parts_and_the_error_says_so(ridges: int, parts: int) -> None:
     """Springs that do not feel each other, as high as each other: all touch in every part."""
     force = np.linspace(0.0, 1.0, 5)
-    springs = RidgeModel(
+    springs = mech.RidgeModel(
         np.zeros(ridges), np.zeros((ridges, ridges)), force, np.tile(force, (ridges, 1)), 1.0, 1.0
     )
     result = manufacturing.manufacture(
-        springs, 0.5 * ridges, 1e-9, problem.Spread("sla", 1e-3, (0.8, 0.8, 0.8))
+        springs, 0.5 * ridges, 1e-9, mech.problem.Spread("sla", 1e-3, (0.8, 0.8, 0.8))
     )
     assert result.passing.value == 1.0
     # Wilson's score interval at 95 % if none of n fails: 1 - z^2 / (n + z^2)

@@ -11,17 +11,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from skincad import mechanics as mech
 from skincad.base import Array
-from skincad.mechanics import (
-    ContactError,
-    ContactState,
-    Ridges,
-    default_sizes,
-    pad_of,
-    press,
-    triangles,
-    unit_of,
-)
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.contact import disc_friction, frictionless, press_path
 from tests.mechanics.designs import SHORT, reference
@@ -41,23 +32,23 @@ def springs(gaps: tuple[float, ...] = GAPS, seed: int = 3) -> StickingPad:
     gap = np.repeat(gaps, 2) + np.tile([0.0, 0.02], len(gaps))
     ridge, rows = np.repeat(np.arange(len(gaps)) + 1, 2), sparse.identity(m, format="csr")
     lift = compliance[m:, m:]
-    ridges = Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
+    ridges = mech.Ridges(lift, gap, ridge, rows, rows, gap, np.arange(m), ridge)
     return StickingPad(ridges, compliance, compliance[m:])
 
 
 @cache
 def meshed() -> StickingPad:
     """Three ridges on a short pad, meshed as coarsely as can be."""
-    pad = pad_of(reference().with_(**SHORT))
-    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
-    return press_path.sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), unit_of(pad))
+    pad = mech.pad_of(reference().with_(**SHORT))
+    mesh = elements.curved(mech.triangles(pad, mech.default_sizes(pad, 0.25)), 2)
+    return press_path.sticking_pad_of(pad, elements.assemble(mesh, 2, pad.materials), mech.unit_of(pad))
 
 
 def first_of(pad: StickingPad) -> float:
     return frictionless.all_touch_force(pad.ridges, 1.0) or 0.0
 
 
-def relaxed(pad: StickingPad, mu: float, path: list[ContactState], sweeps: int) -> tuple[Array, Array]:
+def relaxed(pad: StickingPad, mu: float, path: list[mech.ContactState], sweeps: int) -> tuple[Array, Array]:
     """Forces `(m,)` across and along when the plate is led where it was: point after point is put right by
     itself, over and over (Gauss-Seidel), and no set is ever solved for.
 
@@ -82,14 +73,14 @@ def test_without_friction_it_is_the_frictionless_press() -> None:
     first = first_of(pad)
     assert 0 < first < force
     result = press_with_friction(pad, 0.0, force, first, 7)
-    smooth = press(pad.ridges.flexibility, pad.ridges.gap, force)
+    smooth = mech.press(pad.ridges.flexibility, pad.ridges.gap, force)
     assert result.all_touch_force == pytest.approx(first, rel=1e-8)
     assert result.approach == pytest.approx(smooth.approach, rel=1e-12)
     by_ridge = np.bincount(pad.ridges.of_point, smooth.force)[1:]
     np.testing.assert_allclose(result.ridge_force, by_ridge, rtol=1e-10)
     skin = drawn(6, 7, floats=True)
     state = solve_discs(skin, unloaded(6), 1.5, 0.0)
-    np.testing.assert_allclose(state.normal, press(skin.normal, skin.gap, 1.5).force, rtol=1e-12)
+    np.testing.assert_allclose(state.normal, mech.press(skin.normal, skin.gap, 1.5).force, rtol=1e-12)
     assert not state.tangential.any()
 
 
@@ -105,11 +96,11 @@ def test_a_press_is_the_one_that_point_by_point_relaxation_finds(
 ) -> None:
     """The plate is led along the product's path: forces, and with them the force that was asked, are found
     again. Both are to rounding where the sweeps have settled."""
-    what, path, step = pad(), list[ContactState](), press_path._PlanePoints.step
+    what, path, step = pad(), list[mech.ContactState](), press_path._PlanePoints.step
     first = first_of(what)
     force, steps, sweeps = (1.2, 5, 200) if pad is springs else (1.3 * first, 8, 4000)
 
-    def watched(*arguments: object) -> ContactState:
+    def watched(*arguments: object) -> mech.ContactState:
         state = step(*arguments)  # type: ignore[arg-type]
         if state.normal.size == what.ridges.gap.size:  # not the search for a ridge that is out of contact
             path.append(state)
@@ -156,10 +147,10 @@ def test_where_all_touch_at_once_never_or_not_by_any_force(monkeypatch: pytest.M
     """Looked for up to a multiple of the force without friction, and no further."""
     assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
     assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
-    with pytest.raises(ContactError, match="not all ridges touch at up to 3 times"):
+    with pytest.raises(mech.ContactError, match="not all ridges touch at up to 3 times"):
         press_with_friction(springs(GAPS), 0.5, 0.01, 0.01, 5)
     monkeypatch.setattr(disc_friction, "ITERATIONS", 1)
-    with pytest.raises(ContactError, match="do not settle in 1 sweeps"):
+    with pytest.raises(mech.ContactError, match="do not settle in 1 sweeps"):
         solve_discs(drawn(5, 4, floats=False), unloaded(5), 1.0, 0.3)
 
 

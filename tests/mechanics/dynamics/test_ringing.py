@@ -9,26 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from skincad import mechanics as mech
 from skincad.effects import ModalPad, condensed
 from skincad.effects.moving import moving
 from skincad.inputs.material import silicone
-from skincad.mechanics import (
-    FREE_TOP,
-    RETARDATION,
-    MasslessRun,
-    Modes,
-    at_points,
-    default_sizes,
-    layer_period,
-    mode_step,
-    plate_ringing,
-    resolved,
-    shear_frequency,
-    skin_mass,
-    sliding,
-    slow_modes,
-    triangles,
-)
 from skincad.mechanics.dynamics import ringing
 from skincad.scenes import March, Scene, energy, halts_of, load_scene, piece_for, slips_of
 from skincad.scenes.march import march
@@ -56,15 +40,15 @@ def scene() -> Scene:
 @cache
 def parts(order: int = ORDER) -> tuple:  # type: ignore[type-arg]
     piece = piece_for(scene(), {})
-    mesh = triangles(piece.pad, default_sizes(piece.pad, FINENESS))
-    pad = condensed(sliding(piece, mesh, order, True))
+    mesh = mech.triangles(piece.pad, mech.default_sizes(piece.pad, FINENESS))
+    pad = condensed(mech.sliding(piece, mesh, order, True))
     return piece, mesh, pad
 
 
 @cache
-def modes() -> Modes:
+def modes() -> mech.Modes:
     piece, mesh, pad = parts()
-    return slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge)
+    return mech.slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge)
 
 
 def test_they_are_a_part_of_the_static_compliance() -> None:
@@ -78,16 +62,16 @@ def test_they_are_a_part_of_the_static_compliance() -> None:
     shear = np.concatenate([np.ones(m), np.zeros(m)]) / m
     assert 0.8 < shear @ slow.compliance @ shear / (shear @ whole @ shear) < 1
     assert (np.diff(slow.frequency) >= 0).all()
-    assert 2 * np.pi / slow.frequency[0] == pytest.approx(layer_period(scene().design), rel=0.2)
-    there = at_points(slow, fine.x, fine.ridge)
+    assert 2 * np.pi / slow.frequency[0] == pytest.approx(mech.layer_period(scene().design), rel=0.2)
+    there = mech.at_points(slow, fine.x, fine.ridge)
     assert there.points.shape == (2 * fine.x.size, slow.frequency.size)
     assert np.linalg.eigvalsh(fine.compliance - there.compliance).min() > 0
-    assert at_points(slow, slow.x, slow.ridge) is slow
+    assert mech.at_points(slow, slow.x, slow.ridge) is slow
 
 
 def test_long_steps_resolve_fewer() -> None:
     _, _, pad = parts()
-    counts = [resolved(modes(), pad.compliance, dt).frequency.size for dt in (1e-6, 1e-4, 3e-4, 1.0)]
+    counts = [mech.resolved(modes(), pad.compliance, dt).frequency.size for dt in (1e-6, 1e-4, 3e-4, 1.0)]
     assert counts == sorted(counts, reverse=True)
     assert counts[0] == modes().frequency.size
     assert counts[-1] == 0
@@ -97,8 +81,10 @@ def test_long_steps_resolve_fewer() -> None:
 def test_a_step_is_exact_for_a_force_straight_in_time(dt: float) -> None:
     """Of one mode from rest under a rising force; the closed form of a damped oscillator, d below 2 w."""
     w = 4000.0
-    one = Modes(np.array([w]), np.ones((2, 1)), np.zeros((0, 3, 1)), np.zeros(1), np.ones(1, dtype=np.int64))
-    step, d = mode_step(one, dt), RETARDATION * w**2
+    one = mech.Modes(
+        np.array([w]), np.ones((2, 1)), np.zeros((0, 3, 1)), np.zeros(1), np.ones(1, dtype=np.int64)
+    )
+    step, d = mech.mode_step(one, dt), mech.RETARDATION * w**2
     count, rise = 40, 3.0
     state, force = np.zeros(2), 0.0
     for i in range(count):
@@ -130,7 +116,7 @@ def test_a_march_is_that_with_all_masses(mass: float) -> None:
     """Slips to 3 of 200 steps, signals to 6 % of the largest before all slip; without masses they are off by
     more."""
     piece, mesh, pad = parts()
-    slow = resolved(modes(), pad.compliance, scene().history.times[1])
+    slow = mech.resolved(modes(), pad.compliance, scene().history.times[1])
     assert slow.frequency.size > 5
     modal, slips, felt = run(ModalPad(pad, slow, mass), mass)
     _, true, known = run(moving(piece, mesh, ORDER, True), mass, "inertia", "viscosity")
@@ -187,7 +173,7 @@ def test_a_ramp_of_whole_periods_leaves_nothing() -> None:
 def test_silicone_on_a_spring_is_damped_by_its_retardation() -> None:
     swing = ringing.ringer(4.0, 1e-6)
     assert swing.frequency == 2000.0
-    assert swing.damping == pytest.approx(1000 * RETARDATION)
+    assert swing.damping == pytest.approx(1000 * mech.RETARDATION)
     assert ringing.ringer(4e12, 1e-6).damping < 1
 
 
@@ -199,17 +185,17 @@ SIDEWAYS = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
 STILL = np.zeros_like(CORNERS)
 
 
-def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = SIDEWAYS) -> MasslessRun:
+def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = SIDEWAYS) -> mech.MasslessRun:
     down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
-    return MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
+    return mech.MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
 
 
 def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
     """What the skin feels more than the load, N: the plate's own mass times its acceleration."""
-    mass = ringing.TONNE * MASS * (1 + FREE_TOP)
+    mass = ringing.TONNE * MASS * (1 + mech.FREE_TOP)
 
     def pushed(t: float, state: np.ndarray) -> list[float]:
-        lack = np.interp(t, CORNERS, load) - stiffness * (state[0] + RETARDATION * state[1])
+        lack = np.interp(t, CORNERS, load) - stiffness * (state[0] + mech.RETARDATION * state[1])
         return [state[1], lack / mass]
 
     motion = solve_ivp(pushed, (0, TIME[-1]), [0, 0], rtol=1e-8, atol=1e-12, max_step=2e-5, dense_output=True)
@@ -217,43 +203,43 @@ def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.nd
 
 
 def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
-    swing = plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
+    swing = mech.plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     some = slice(None, None, 9)
     assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
     assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, SIDEWAYS, swing.time[some]), abs=1e-5)
-    slow = 2 * math.pi * math.sqrt(ringing.TONNE * MASS * (1 + FREE_TOP) / ALONG)
+    slow = 2 * math.pi * math.sqrt(ringing.TONNE * MASS * (1 + mech.FREE_TOP) / ALONG)
     assert swing.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
 
 
 def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> None:
     """A layer of 2 mm, 10 x 12 mm wide, G 0.3 MPa, 1000 kg/m3: stiffness G A / h, mass rho A h."""
     stiffness, mass = 0.3 * 120 / 2, 1e-12 * 1000 * 120 * 2
-    assert math.sqrt(stiffness / (FREE_TOP * mass)) / (2 * math.pi) == pytest.approx(
-        shear_frequency(0.3, 1000, 2.0)
+    assert math.sqrt(stiffness / (mech.FREE_TOP * mass)) / (2 * math.pi) == pytest.approx(
+        mech.shear_frequency(0.3, 1000, 2.0)
     )
 
 
 def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
     moves = SIDEWAYS / ALONG
-    swing = plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
+    swing = mech.plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
     assert swing is not None
     assert not swing.normal.any()
     assert swing.period == pytest.approx(2 * math.sqrt(ringing.TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
     speed = moves[3] / (CORNERS[3] - CORNERS[2])
     first = (swing.time >= CORNERS[2]) & (swing.time <= CORNERS[2] + swing.period / 3)
     wanted = 2 / math.pi * math.sqrt(ALONG * ringing.TONNE * MASS) * speed
-    damping = math.pi * math.sqrt(ALONG / (ringing.TONNE * MASS)) * RETARDATION / 2
+    damping = math.pi * math.sqrt(ALONG / (ringing.TONNE * MASS)) * mech.RETARDATION / 2
     wanted *= math.exp(-damping * math.pi / 2)  # what is left after a quarter of a period
     # 2 %: looked at 32 times a period, and the peak comes a little early
     assert swing.pull[first].max() == pytest.approx(wanted, rel=0.02)
 
 
 def test_corners_without_a_change_or_that_the_march_did_not_reach_do_not_count() -> None:
-    assert plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
-    short = MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
-    swing = plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
+    assert mech.plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
+    short = mech.MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
+    swing = mech.plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     assert swing.time.max() <= short.time[-1]
     assert not swing.pull.any()
@@ -262,8 +248,8 @@ def test_corners_without_a_change_or_that_the_march_did_not_reach_do_not_count()
 def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
     quick = CORNERS * [1, 0.1, 1, 1, 1]
     normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, SIDEWAYS)
-    on = MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
-    swing = plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
+    on = mech.MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
+    swing = mech.plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
     assert swing is not None
     ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
     down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
@@ -279,4 +265,4 @@ def test_a_skin_weighs_its_section_times_its_length() -> None:
     """To 3 %: base and ridges are taken as flat, without crowns and fillets."""
     design = filleted()
     wanted = 1e-6 * silicone(design).density * section(design).area * design.skin.length
-    assert skin_mass(design) == pytest.approx(wanted, rel=0.03)
+    assert mech.skin_mass(design) == pytest.approx(wanted, rel=0.03)

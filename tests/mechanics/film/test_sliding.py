@@ -14,23 +14,8 @@ import ngsolve as ngs
 import numpy as np
 import pytest
 
+from skincad import mechanics as mech
 from skincad.effects import CondensedPad, Share, Step, condensed
-from skincad.mechanics import (
-    ContactPad,
-    ContactState,
-    Drive,
-    FrictionCoefficients,
-    Pad,
-    PadPiece,
-    SizeError,
-    Sizes,
-    filled_pad,
-    piece_of,
-    press,
-    sliding,
-    triangles,
-    unit_of,
-)
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.film import sliding as sliding_pad
@@ -46,10 +31,10 @@ ORDER = 3
 
 
 @cache
-def meshed() -> tuple[PadPiece, object, ContactPad]:
-    piece = piece_of(*filled_pad(yamada().with_(ridge={"count": 3}, skin={"width": 5.0})))
-    mesh = triangles(piece.pad, stress.REFINEMENTS[0].sizes(piece))
-    return piece, mesh, sliding(piece, mesh, ORDER, True)
+def meshed() -> tuple[mech.PadPiece, object, mech.ContactPad]:
+    piece = mech.piece_of(*mech.filled_pad(yamada().with_(ridge={"count": 3}, skin={"width": 5.0})))
+    mesh = mech.triangles(piece.pad, stress.REFINEMENTS[0].sizes(piece))
+    return piece, mesh, mech.sliding(piece, mesh, ORDER, True)
 
 
 def test_stresses_and_approach_are_the_film_stress_solvers() -> None:
@@ -57,7 +42,7 @@ def test_stresses_and_approach_are_the_film_stress_solvers() -> None:
     piece, mesh, pad = meshed()
     other = stick.level(piece, mesh, ORDER, 1.2, False)
     m = pad.gap.size
-    state = press(pad.compliance[m:, m:], pad.gap, 1.2)
+    state = mech.press(pad.compliance[m:, m:], pad.gap, 1.2)
     stress = pad.strips @ np.concatenate([np.zeros(m), -state.force])
     # 1e-9: rounding of two solves with strips 3750 times as stiff as the skin
     assert stress == pytest.approx(
@@ -81,9 +66,9 @@ def test_pad_is_its_own_mirror_image() -> None:
 def test_the_half_agrees_with_the_whole() -> None:
     """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
     piece, _, half = meshed()
-    slots, unit = piece.whole.section.slots, unit_of(piece.whole)
-    whole = PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
-    pad = sliding(whole, triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
+    slots, unit = piece.whole.section.slots, mech.unit_of(piece.whole)
+    whole = mech.PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
+    pad = mech.sliding(whole, mech.triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
     for one in (half, pad):
         load = np.concatenate([one.weight, -0.5 * one.weight]) / one.weight.sum()
@@ -97,7 +82,7 @@ def force() -> np.ndarray:
     """A press, and a pull that is no mirror image of itself."""
     pad = meshed()[2]
     m = pad.gap.size
-    normal = press(pad.compliance[m:, m:], pad.gap, 1.2).force
+    normal = mech.press(pad.compliance[m:, m:], pad.gap, 1.2).force
     return np.concatenate([0.3 * normal * (1 + np.sign(pad.x)), -normal])
 
 
@@ -147,10 +132,10 @@ FORCE = 0.3  # N
 
 
 @cache
-def block_of_strips(halved: bool) -> tuple[PadPiece, object]:
+def block_of_strips(halved: bool) -> tuple[mech.PadPiece, object]:
     pad, thickness = strips_in_a_block(30.0)
-    piece = piece_of(replace(pad, density=1000.0, film_density=1780.0), thickness, halved)
-    return piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5))
+    piece = mech.piece_of(replace(pad, density=1000.0, film_density=1780.0), thickness, halved)
+    return piece, mech.triangles(piece.pad, mech.Sizes(0.5, 0.5, 0.5, 0.5))
 
 
 @pytest.mark.parametrize("halved", [False, True])
@@ -182,7 +167,9 @@ def test_as_many_contact_unknowns_as_fit_are_taken_and_one_more_is_refused(
         monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", unknowns)
         assert sliding_pad.sliding(piece, mesh, 2, False).gap.size == points
         monkeypatch.setattr(sliding_pad, "MOST_CONTACT_UNKNOWNS", unknowns - 1)
-        with pytest.raises(SizeError, match=rf"at most {unknowns - 1} contact unknowns.* got {unknowns}"):
+        with pytest.raises(
+            mech.SizeError, match=rf"at most {unknowns - 1} contact unknowns.* got {unknowns}"
+        ):
             sliding_pad.sliding(piece, mesh, 2, False)
         if not halved:  # enough: it counts whole points
             monkeypatch.undo()
@@ -190,7 +177,9 @@ def test_as_many_contact_unknowns_as_fit_are_taken_and_one_more_is_refused(
         monkeypatch.setattr(moving_pad, "MOST_CONTACT_UNKNOWNS", 2 * points)
         assert moving_pad.linear(piece, mesh, 2, False).gap.size == points
         monkeypatch.setattr(moving_pad, "MOST_CONTACT_UNKNOWNS", 2 * points - 1)
-        with pytest.raises(SizeError, match=rf"at most {2 * points - 1} contact unknowns.* got {2 * points}"):
+        with pytest.raises(
+            mech.SizeError, match=rf"at most {2 * points - 1} contact unknowns.* got {2 * points}"
+        ):
             moving_pad.linear(piece, mesh, 2, False)
         monkeypatch.undo()
 
@@ -217,8 +206,8 @@ def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
 @pytest.mark.parametrize("unit", [1.0, 0.5])
 def test_the_top_is_cut_a_step_either_side_of_where_contact_ends(unit: float) -> None:
     """Points of a block's top in any order, of which those from -0.5 to 0.5 mm stick."""
-    pad: Pad = block(4.0, 1.0, 0.3)
-    piece = PadPiece(pad, pad, False, (), 0.0, unit)
+    pad: mech.Pad = block(4.0, 1.0, 0.3)
+    piece = mech.PadPiece(pad, pad, False, (), 0.0, unit)
     x = np.array([0.5, -2.0, 2.0, -1.0, 1.5, -0.5, 0.0])
     nodes = SimpleNamespace(position=np.column_stack([x, np.ones(7)]) / unit, ridge=np.ones(7, dtype=int))
     body = SimpleNamespace(system=SimpleNamespace(nodes=nodes))
@@ -238,13 +227,13 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
     def crown(ridge: int, middle: float) -> Segment:
         return Segment(Point(middle + 1, 1.0), Point(middle - 1, 1.0), 0.0, "crown", ridge, True)
 
-    pad: Any = Pad(Section((crown(2, 3.0), crown(1, 0.0))), 2.0, 0.7, 0.3)
+    pad: Any = mech.Pad(Section((crown(2, 3.0), crown(1, 0.0))), 2.0, 0.7, 0.3)
     x = np.array([-0.4, 0.4, 2.6, 3.4])
     nodes = SimpleNamespace(position=np.column_stack([x, x]), ridge=np.array([1, 1, 2, 2]))
     solution: Any = SimpleNamespace(
         body=SimpleNamespace(system=SimpleNamespace(nodes=nodes)), bonded=np.array([True, True, True, False])
     )
-    cut = stick.with_fine_edges(PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
+    cut = stick.with_fine_edges(mech.PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
     assert [(s.feature, round(s.start.x, 9)) for s in cut] == [
         (2, 4.0),
         (2, 3.8),
@@ -282,10 +271,12 @@ def stiff_circle() -> CondensedPad:
     x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
     none = np.zeros((0, 3, 2 * x.size))
     ridge = np.ones(x.size, dtype=np.int64)
-    return condensed(ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
+    return condensed(mech.ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
 
 
-def marched(model: CondensedPad, drives: list[Drive], cone: FrictionCoefficients) -> list[ContactState]:
+def marched(
+    model: CondensedPad, drives: list[mech.Drive], cone: mech.FrictionCoefficients
+) -> list[mech.ContactState]:
     states = [model.start()]
     for before, after in pairwise(drives):
         states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
@@ -296,9 +287,9 @@ def marched(model: CondensedPad, drives: list[Drive], cone: FrictionCoefficients
 def test_a_plane_rolls_on_a_circle(way: int) -> None:
     """By hand: it travels R (sin a - a) along itself, a being minus its angle, and slips nowhere."""
     last = math.radians(3.0)
-    drives = [Drive(0.0, 0.0), Drive(1.0, 0.0)]
-    drives += [Drive(1.0, 0.0, angle=way * last * i / 300) for i in range(1, 301)]
-    states = marched(stiff_circle(), drives, FrictionCoefficients(1.0, 1.0))
+    drives = [mech.Drive(0.0, 0.0), mech.Drive(1.0, 0.0)]
+    drives += [mech.Drive(1.0, 0.0, angle=way * last * i / 300) for i in range(1, 301)]
+    states = marched(stiff_circle(), drives, mech.FrictionCoefficients(1.0, 1.0))
     rolled = -way * last
     # points on chords of 0.05 mm instead of the circle: (0.05 / 60)^2 / 24 of the way rolled
     assert states[-1].travel == pytest.approx(RADIUS * (math.sin(rolled) - rolled), abs=1e-5)
@@ -345,8 +336,8 @@ def test_a_turned_plate_is_a_turned_pull() -> None:
         strips=np.zeros((0, 3, 2)),
     )
     angle = math.radians(5.0)
-    drives = [Drive(0.0, 0.0), Drive(0.0, 0.0, angle=angle), Drive(2.0, 0.5, angle=angle)]
-    state = marched(condensed(point), drives, FrictionCoefficients(1.0, 1.0))[-1]
+    drives = [mech.Drive(0.0, 0.0), mech.Drive(0.0, 0.0, angle=angle), mech.Drive(2.0, 0.5, angle=angle)]
+    state = marched(condensed(point), drives, mech.FrictionCoefficients(1.0, 1.0))[-1]
     x = 2.0 * math.sin(angle) + 0.5 * math.cos(angle)
     z = -2.0 * math.cos(angle) + 0.5 * math.sin(angle)
     by_hand = np.array([0.3 * x, 0.1 * z])
@@ -359,10 +350,10 @@ def test_work_is_what_is_stored_and_lost() -> None:
 
     def missing(steps: int) -> float:
         pad = meshed()[2]
-        drives = [Drive(1.2 * i / steps, 0.0) for i in range(steps + 1)]
-        drives += [Drive(1.2, 0.0, angle=math.radians(2.0) * i / steps) for i in range(1, steps + 1)]
+        drives = [mech.Drive(1.2 * i / steps, 0.0) for i in range(steps + 1)]
+        drives += [mech.Drive(1.2, 0.0, angle=math.radians(2.0) * i / steps) for i in range(1, steps + 1)]
         model = condensed(pad)
-        states = marched(model, drives, FrictionCoefficients(0.0, 0.0))
+        states = marched(model, drives, mech.FrictionCoefficients(0.0, 0.0))
         readings = [model.reading(a, b) for a, b in pairwise([states[0], *states])]
         press_work = 0.5 * sum(
             (a.normal + b.normal) * (b.approach - a.approach) for a, b in pairwise(readings[: steps + 1])

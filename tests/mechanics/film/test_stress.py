@@ -13,24 +13,9 @@ import pytest
 
 import skincad
 from skincad import load
+from skincad import mechanics as mech
 from skincad.base import Estimate, InputError, RefusedError
 from skincad.inputs import Design
-from skincad.mechanics import (
-    FilmResponse,
-    FilmStress,
-    Pad,
-    RidgeField,
-    Ridges,
-    condense,
-    default_sizes,
-    filled_pad,
-    film_response,
-    film_stresses,
-    pad_of,
-    press,
-    triangles,
-    unit_of,
-)
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
@@ -53,13 +38,13 @@ def one() -> Design:
 
 
 @cache
-def stresses_of(name: str) -> tuple[FilmStress, ...]:
-    return film_stresses(load(name), 4.0, (0.0, 1.0, 2.0))
+def stresses_of(name: str) -> tuple[mech.FilmStress, ...]:
+    return mech.film_stresses(load(name), 4.0, (0.0, 1.0, 2.0))
 
 
 @cache
-def three_stresses() -> tuple[FilmStress, ...]:
-    return film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
+def three_stresses() -> tuple[mech.FilmStress, ...]:
+    return mech.film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
 
 
 def values(estimates: tuple[Estimate, ...]) -> np.ndarray:
@@ -133,7 +118,7 @@ def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
     halves = three_stresses()
     monkeypatch.setattr(stick, "half_of", lambda _: None)
-    wholes = film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
+    wholes = mech.film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
     for half, whole in zip(halves, wholes, strict=True):
         assert whole.unknowns > 1.5 * half.unknowns
         for field in ("s1", "s2", "differential", "along1", "lengthwise2", "ridge_force", "ridge_tangential"):
@@ -144,7 +129,7 @@ def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None
             assert drawn_between_strips(one) == pytest.approx(drawn_between_strips(other), rel=0.03)
 
 
-def drawn_between_strips(field: RidgeField) -> float:
+def drawn_between_strips(field: mech.RidgeField) -> float:
     """Interpolated in the drawn triangle that holds the point half-way between the two films."""
     a, b, c = (field.place[field.triangles[:, i]] for i in range(3))
     sides = np.stack([b - a, c - a], axis=2)
@@ -154,7 +139,7 @@ def drawn_between_strips(field: RidgeField) -> float:
     return float(shares[holder] @ field.stress[field.triangles[holder]])
 
 
-def strips_in_a_block(degrees: float) -> tuple[Pad, float]:
+def strips_in_a_block(degrees: float) -> tuple[mech.Pad, float]:
     """A block of nu = 0 with two mirrored strips of its own modulus, tilted."""
     pad, thickness = block(3.0, 2.0, 0.0), 0.06
     sine, cosine = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
@@ -185,13 +170,15 @@ def test_patch_applied_stress_resolved_on_the_film(degrees: float) -> None:
         assert lengthwise[0].value == pytest.approx(0.0, abs=1e-8 * pressure)
 
 
-def pressed_body(pad: Pad, mesh: object, order: int, force: float, materials: dict) -> film_field.StripBody:
+def pressed_body(
+    pad: mech.Pad, mesh: object, order: int, force: float, materials: dict
+) -> film_field.StripBody:
     """Pressed without the module under test: the linear model's steps, on the whole pad."""
     body = film_field.body(elements.curved(mesh, order), order, materials)
-    system, unit = body.system, unit_of(pad)
-    small = condense(system.matrix, system.interior, system.contact)
-    ridges = Ridges.of(system, small.flexibility, pad.top / unit)
-    state = press(ridges.flexibility, ridges.gap, force / (pad.young_modulus * unit * pad.length))
+    system, unit = body.system, mech.unit_of(pad)
+    small = mech.condense(system.matrix, system.interior, system.contact)
+    ridges = mech.Ridges.of(system, small.flexibility, pad.top / unit)
+    state = mech.press(ridges.flexibility, ridges.gap, force / (pad.young_modulus * unit * pad.length))
     load = np.zeros(system.lift.size)
     load[system.contact] = -(system.nodes.rows.T @ state.force)
     film_field.set_state(body, small.solve(load))
@@ -209,18 +196,20 @@ def stress_at(body: film_field.StripBody, points: np.ndarray, unit: float) -> np
 @pytest.mark.slow
 def test_ignored_film_is_the_silicone_without_any_strip() -> None:
     design = one().with_(contact={"film": "ignored"})
-    state = film_stresses(design, 0.4)[0]
+    state = mech.film_stresses(design, 0.4)[0]
     assert state.film == "ignored"
     assert any("the film is ignored" in w for w in state.warnings)
-    pad = pad_of(design)
+    pad = mech.pad_of(design)
     assert not pad.strips
-    body = pressed_body(pad, triangles(pad, default_sizes(pad)), 4, 0.4, {"skin": (1.0, pad.poisson_ratio)})
+    body = pressed_body(
+        pad, mech.triangles(pad, mech.default_sizes(pad)), 4, 0.4, {"skin": (1.0, pad.poisson_ratio)}
+    )
     at, share = np.polynomial.legendre.leggauss(12)
     for slot, estimate in zip(
         pad.section.slots, (e for pair in zip(state.s1, state.s2, strict=True) for e in pair), strict=True
     ):
         points = np.array([slot.at(a * 0.014, b * 0.125) for a in at for b in at])
-        xx, xz, zz = stress_at(body, points, unit_of(pad)).T * pad.young_modulus
+        xx, xz, zz = stress_at(body, points, mech.unit_of(pad)).T * pad.young_modulus
         n = slot.normal
         mean = (xx * n.x**2 + 2 * xz * n.x * n.z + zz * n.z**2) @ np.outer(share, share).ravel() / 4
         # its error, and 0.2 % for a product rule across the triangles' edges
@@ -230,11 +219,12 @@ def test_ignored_film_is_the_silicone_without_any_strip() -> None:
 @pytest.mark.evidence(subject="films: other ways")
 def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     """Mean of n.sigma.n = contour integral of (n.t)(n.x) / area, here from the silicone's side."""
-    pad, thickness = filled_pad(three())
+    pad, thickness = mech.filled_pad(three())
     state = three_stresses()[0]
     refinement = film_refinements.REFINEMENTS[0]
-    mesh = triangles(
-        pad, refinement.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, unit_of(pad)))
+    mesh = mech.triangles(
+        pad,
+        refinement.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, mech.unit_of(pad))),
     )
     stiff = {"skin": (1.0, pad.poisson_ratio), "film": (pad.film_modulus / pad.young_modulus, pad.film_ratio)}
     body = pressed_body(pad, mesh, 4, 1.2, stiff)
@@ -244,7 +234,7 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
         )
 
 
-def contour_mean(body: film_field.StripBody, pad: Pad, slot: SensorPlace, thickness: float) -> float:
+def contour_mean(body: film_field.StripBody, pad: mech.Pad, slot: SensorPlace, thickness: float) -> float:
     """Around a rectangle OFF outside of the film, less what the silicone between them holds.
 
     All is cut in line with the film's corners, where stress has no bound, and sampled densely towards them.
@@ -254,7 +244,7 @@ def contour_mean(body: film_field.StripBody, pad: Pad, slot: SensorPlace, thickn
     normal_offsets, along = (np.array([-h, -h + off, h - off, h]) for h in (a, b))
 
     def stress(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        return stress_at(body, np.array([slot.at(*p) for p in zip(x, z, strict=True)]), unit_of(pad)).T
+        return stress_at(body, np.array([slot.at(*p) for p in zip(x, z, strict=True)]), mech.unit_of(pad)).T
 
     def rule(low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
         at, share = np.polynomial.legendre.leggauss(14)
@@ -284,7 +274,7 @@ def contour_mean(body: film_field.StripBody, pad: Pad, slot: SensorPlace, thickn
 @pytest.mark.slow
 def test_similar_skins_have_similar_stress() -> None:
     """Of twice the lengths and a quarter of the moduli they are a quarter."""
-    one, other = three_stresses()[1], film_stresses(doubled(three()), 1.2, (0.3,))[0]
+    one, other = three_stresses()[1], mech.film_stresses(doubled(three()), 1.2, (0.3,))[0]
     # the mesh is the same in the pad's unit; 1e-6: netgen rounds its points
     assert 4 * values(other.s1) == pytest.approx(values(one.s1), rel=1e-6)
     assert 4 * values(other.along2) == pytest.approx(values(one.along2), rel=1e-6)
@@ -293,7 +283,7 @@ def test_similar_skins_have_similar_stress() -> None:
 @pytest.mark.slow
 def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
     design = one().with_(contact={"plate": {"shape": "tilted", "tilt": 2.0}})
-    normal, pulled = film_stresses(design, 0.4, (0.0, 0.1), tol=0.1)
+    normal, pulled = mech.film_stresses(design, 0.4, (0.0, 0.1), tol=0.1)
     assert abs(normal.differential[0].value) > 10 * normal.differential[0].error
     assert values(pulled.ridge_force).sum() == pytest.approx(0.4, rel=1e-9)
     assert values(pulled.ridge_tangential).sum() == pytest.approx(0.1, rel=1e-9)
@@ -303,7 +293,7 @@ def test_a_tilted_plate_is_solved_on_the_whole_pad() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2])
 def test_few_ridges(count: int) -> None:
-    normal = film_stresses(three().with_(ridge={"count": count}), 0.3 * count, tol=0.5)[0]
+    normal = mech.film_stresses(three().with_(ridge={"count": count}), 0.3 * count, tol=0.5)[0]
     between = values(normal.differential)
     assert np.abs(between + between[::-1]).max() <= ROUNDING * np.abs(values(normal.s1)).max()
 
@@ -312,7 +302,7 @@ def test_few_ridges(count: int) -> None:
 @pytest.mark.parametrize("name", ["yamada-2002", "yamada-2002-tilted"])
 def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(film_refinements, "REFINEMENTS", film_refinements.REFINEMENTS[1:])
-    finer = film_stresses(load(name), 4.0, (0.0, 1.0))
+    finer = mech.film_stresses(load(name), 4.0, (0.0, 1.0))
     for coarse, fine in zip(stresses_of(name), finer, strict=False):
         for field in ("s1", "s2", "differential", "along1", "along2", "lengthwise1", "ridge_tangential"):
             one, other = getattr(coarse, field), getattr(fine, field)
@@ -321,7 +311,7 @@ def test_a_finer_mesh_lies_inside_the_errors(name: str, monkeypatch: pytest.Monk
 
 
 def test_json_has_the_agreed_keys() -> None:
-    state = film_stresses(one(), 0.4, (0.3,), tol=0.5)[0]
+    state = mech.film_stresses(one(), 0.4, (0.3,), tol=0.5)[0]
     data = json.loads(json.dumps(state.as_json()))
     assert set(data["film_stress_MPa"]) == {"S1", "S2"}
     assert [set(e) for e in data["differential_stress_MPa"]] == [{"value", "error"}]
@@ -343,13 +333,13 @@ def test_refused_before_anything_is_meshed(key: str, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(film_refinements, "triangles", None)
     change, options = REFUSED[key]
     with pytest.raises(InputError) as refusal:
-        film_stresses(three().with_(**change), **options)
+        mech.film_stresses(three().with_(**change), **options)
     assert refusal.value.key == key
 
 
 def test_crushed_ridges_have_no_verdict() -> None:
     with pytest.raises(RefusedError, match="range ends"):
-        film_stresses(one(), 7.0, tol=0.5)
+        mech.film_stresses(one(), 7.0, tol=0.5)
 
 
 def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.LoadState:
@@ -363,7 +353,7 @@ def stuck(push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bo
 
 
 def two_ridges(mirrored: bool) -> stick.PadPiece:
-    pad = pad_of(three().with_(ridge={"count": 2}))
+    pad = mech.pad_of(three().with_(ridge={"count": 2}))
     return stick.PadPiece(pad, pad, mirrored, pad.section.slots, 0.028, 1.0)
 
 
@@ -477,18 +467,18 @@ RESPONSES = [
 
 
 @pytest.fixture(scope="module", params=["one", pytest.param("three", marks=pytest.mark.slow), *RESPONSES])
-def case(request: pytest.FixtureRequest) -> tuple[Design, FilmResponse]:
+def case(request: pytest.FixtureRequest) -> tuple[Design, mech.FilmResponse]:
     small = {"one": one, "three": three}.get(request.param)
     if small is None:
         design = load(request.param)
     else:
         design = small()
         design = design.with_(contact={"force": 0.4 * design.ridge.count})
-    return design, film_response(design)
+    return design, mech.film_response(design)
 
 
 @pytest.mark.slow
-def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -> None:
+def test_they_add_up_to_the_stress_of_check(case: tuple[Design, mech.FilmResponse]) -> None:
     """Pressed alone, and pulled by a quarter: within both errors, by the forces that each tells itself."""
     design, felt = case
     tol = 0.1 if design.ridge.count == 1 else None
@@ -504,7 +494,7 @@ def test_they_add_up_to_the_stress_of_check(case: tuple[Design, FilmResponse]) -
             assert error[k] <= 0.25 * np.abs(theirs).max()  # worth something: errors of all ridges add up
 
 
-def test_a_mirrored_force_gives_the_mirrored_stress(case: tuple[Design, FilmResponse]) -> None:
+def test_a_mirrored_force_gives_the_mirrored_stress(case: tuple[Design, mech.FilmResponse]) -> None:
     """S1 of ridge i under a force on ridge j is S2 of the mirrored ridge; a tangential one turns its sign."""
     design, felt = case
     assert felt.ridge_force.sum() == pytest.approx(design.contact.force, rel=1e-9)
@@ -516,4 +506,4 @@ def test_a_mirrored_force_gives_the_mirrored_stress(case: tuple[Design, FilmResp
 
 def test_without_slots_there_is_none() -> None:
     with pytest.raises(InputError, match="slot: is missing"):
-        film_response(load("plain-ridges"))
+        mech.film_response(load("plain-ridges"))

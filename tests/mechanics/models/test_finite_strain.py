@@ -9,29 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from skincad import mechanics as mech
 from skincad.base import InputError
 from skincad.effects import FiniteStrain
 from skincad.laws import Gent, NeoHooke, Ogden, Rubber, Yeoh
-from skincad.mechanics import (
-    Answer,
-    Drive,
-    Layers,
-    Request,
-    SolidSolution,
-    default_sizes,
-    filled_pad,
-    pad_of,
-    piece_of,
-    plane_piece,
-    strip_stress,
-    triangles,
-    unit_of,
-)
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.contact import newton as pressing
 from skincad.mechanics.models import finite_strain, linear, solid_finite_strain
 from skincad.scenes.march import march
-from tests.laws.closed import plane_stress
+from tests.laws.test_laws import plane_stress
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.contact.test_dragged import affine, whole
 from tests.mechanics.designs import THREE, assert_inside, filleted, reference, value, void_slots, yamada
@@ -40,8 +26,8 @@ LIMITS = pytest.mark.evidence(subject="finite strain: limits")
 COARSE = 1e-2  # tolerance that takes the cheapest refinement
 
 
-def solved(design: Any, force: float = 4.0, tol: float = COARSE) -> Answer:
-    return finite_strain.answer(design, Request(force, tol))
+def solved(design: Any, force: float = 4.0, tol: float = COARSE) -> mech.Answer:
+    return finite_strain.answer(design, mech.Request(force, tol))
 
 
 def soft() -> Any:
@@ -52,15 +38,15 @@ def soft() -> Any:
     return filleted().with_(skin=skin, ridge=ridge, material={"young_modulus": 0.1, "poisson_ratio": 0.4995})
 
 
-def shares(answer: Answer) -> np.ndarray:
+def shares(answer: mech.Answer) -> np.ndarray:
     return np.array([value(f) for f in answer.ridge_force])
 
 
 def coarse(design: Any, order: int = 2) -> pressing.PressedPad:
-    pad = pad_of(design)
-    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), order)
+    pad = mech.pad_of(design)
+    mesh = elements.curved(mech.triangles(pad, mech.default_sizes(pad, 0.5)), order)
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
-    return pressing.PressedPad(plane_body.body(mesh, order, materials), pad.top / unit_of(pad))
+    return pressing.PressedPad(plane_body.body(mesh, order, materials), pad.top / mech.unit_of(pad))
 
 
 def test_a_block_shortens_as_the_closed_form() -> None:
@@ -72,7 +58,7 @@ def test_a_block_shortens_as_the_closed_form() -> None:
     force, area, shear = 0.9, 6.0, 0.35
     ratio = force / area / shear
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
-    solution = finite_strain.Levels()(plane_piece(pad, 0.5), 3, force)
+    solution = finite_strain.Levels()(mech.plane_piece(pad, 0.5), 3, force)
     assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-4)
     assert solution.pressure == pytest.approx(force / area, rel=0.02)
 
@@ -100,8 +86,8 @@ def test_tangent_is_the_residuals_derivative() -> None:
 
 @pytest.mark.slow
 def test_at_rest_it_is_the_linear_stiffness() -> None:
-    pad = pad_of(yamada())
-    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.5)), 2)
+    pad = mech.pad_of(yamada())
+    mesh = elements.curved(mech.triangles(pad, mech.default_sizes(pad, 0.5)), 2)
     materials = {"skin": (1.0, pad.poisson_ratio), "film": (3750.0, 0.35)}
     wanted = elements.assemble(mesh, 2, materials).matrix
     rest = plane_body.body(mesh, 2, materials).rest.matrix
@@ -146,7 +132,7 @@ def test_all_touch_force_is_where_the_last_ridge_starts() -> None:
 def test_light_loads_are_linear(force: float) -> None:
     """The distance to the linear model is of the order of the strain, which is approach over ridge height."""
     design = reference().with_(**THREE)
-    one, other = solved(design, force, 0.9), linear.answer(design, Request(force, 0.9))
+    one, other = solved(design, force, 0.9), linear.answer(design, mech.Request(force, 0.9))
     strain = value(other.approach) / design.ridge.height
     assert one.touching == other.touching == 1
     assert value(one.approach) == pytest.approx(value(other.approach), rel=strain)
@@ -161,14 +147,16 @@ def test_reference_section_against_facts() -> None:
     grows by 0.09 N per N. Bounds wide enough for both. Outer crests 0.025 mm low: F9 32 % higher by
     docs/evidence/facts.md#manufacture; here a third too.
     """
-    one, other = solved(reference()), linear.answer(reference(), Request(4.0, COARSE))
+    one, other = solved(reference()), linear.answer(reference(), mech.Request(4.0, COARSE))
     assert -0.05 < value(one.approach) / value(other.approach) - 1 < -0.03
     assert -0.45 < shares(one)[0] / shares(other)[0] - 1 < -0.23
     assert 0.03 < value(one.all_touch_force) / value(other.all_touch_force) - 1 < 0.12
     assert value(one.all_touch_force) == pytest.approx(3.178, rel=4e-3)  # the rung's error
     assert one.touching == 9
     assert one.residual <= pressing.RESIDUAL
-    low = finite_strain.answer(reference(), Request(4.0, COARSE, crest_offsets=(0.025, *[0.0] * 7, 0.025)))
+    low = finite_strain.answer(
+        reference(), mech.Request(4.0, COARSE, crest_offsets=(0.025, *[0.0] * 7, 0.025))
+    )
     assert 1.25 < value(low.all_touch_force) / value(one.all_touch_force) < 1.45
 
 
@@ -241,8 +229,8 @@ def test_truth_lies_inside(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     design, force = DESIGNS[name]().with_(**THREE), 1.3
     answers = [solved(design, force, tol) for tol in (COARSE, 5e-3)]
     monkeypatch.setattr(plane_body, "CLAMPED_EDGE", plane_body.CLAMPED_EDGE / 2)
-    pad = pad_of(design)
-    levels, meshed = finite_strain.Levels(), plane_piece(pad, 2.0)
+    pad = mech.pad_of(design)
+    levels, meshed = finite_strain.Levels(), mech.plane_piece(pad, 2.0)
     exact = [levels(meshed, order, force) for order in (3, 4)][-1]
     for one in answers:
         assert one.all_touch_force.value is not None
@@ -257,8 +245,8 @@ NEO = Ogden(mu=[0.6, 0.4], alpha=[2.0, 2.0])
 @cache
 def three(law: Rubber | None) -> linear.PlaneSolution:
     """Three ridges on the coarsest mesh."""
-    pad = replace(pad_of(reference().with_(**THREE)), law=law)
-    return finite_strain.Levels()(plane_piece(pad, 0.5), 2, THREE_FORCE)
+    pad = replace(mech.pad_of(reference().with_(**THREE)), law=law)
+    return finite_strain.Levels()(mech.plane_piece(pad, 0.5), 2, THREE_FORCE)
 
 
 def numbers(of: linear.PlaneSolution) -> np.ndarray:
@@ -290,12 +278,14 @@ def test_a_scene_without_friction_is_the_models_state() -> None:
     """Silicone in the slots has the law too. 1e-8: Newton's residual of both."""
     law = Gent(mu=1.0, j_m=2.0)
     one = yamada().with_(ridge={"count": 1}, skin={"width": 3.0}, contact={"film": "ignored"})
-    pad, thickness = filled_pad(one)
+    pad, thickness = mech.filled_pad(one)
     pad = replace(pad, law=law)
     assert set(pad.laws) == {"skin", "film"}
-    mesh, unit = triangles(pad, default_sizes(pad, 0.25)), unit_of(pad)
-    large = FiniteStrain().marched(piece_of(pad, thickness, halved=False), mesh, 2, True, [])
-    depth = march(large, np.arange(2.0), [Drive(0.0, 0.0), Drive(0.8, 0.0)], []).column("approach")[-1]
+    mesh, unit = mech.triangles(pad, mech.default_sizes(pad, 0.25)), mech.unit_of(pad)
+    large = FiniteStrain().marched(mech.piece_of(pad, thickness, halved=False), mesh, 2, True, [])
+    depth = march(large, np.arange(2.0), [mech.Drive(0.0, 0.0), mech.Drive(0.8, 0.0)], []).column("approach")[
+        -1
+    ]
     approach = []
     for laws in (pad.laws, {"skin": law}, {}):
         body = plane_body.body(elements.curved(mesh, 2), 2, pad.materials, laws)
@@ -316,8 +306,8 @@ def test_where_there_is_no_energy_there_is_no_residual(
     law: Rubber | None, gradient: tuple[float, float]
 ) -> None:
     """A number would let Newton go on from a state that is none."""
-    pad = pad_of(reference().with_(ridge={"count": 1}, skin={"width": 3.0}))
-    mesh = elements.curved(triangles(pad, default_sizes(pad, 0.25)), 2)
+    pad = mech.pad_of(reference().with_(ridge={"count": 1}, skin={"width": 3.0}))
+    mesh = elements.curved(mech.triangles(pad, mech.default_sizes(pad, 0.25)), 2)
     body = plane_body.body(mesh, 2, pad.materials, {"skin": law} if law else {})
     what = replace(whole(pad, 0.25), body=body)
     for share, finite in ((0.1, True), (1.0, False)):
@@ -327,7 +317,7 @@ def test_where_there_is_no_energy_there_is_no_residual(
 
 
 def test_real_strips_stay_neo_hookean() -> None:
-    pad = replace(pad_of(yamada()), law=NEO)
+    pad = replace(mech.pad_of(yamada()), law=NEO)
     assert pad.strips
     assert set(pad.laws) == {"skin"}
 
@@ -336,7 +326,7 @@ def test_real_strips_stay_neo_hookean() -> None:
 def test_strips_stress_is_the_laws() -> None:
     """Cauchy's, J sigma = P F^T, resolved along and across the strip as it then lies."""
     design = yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
-    piece = piece_of(*filled_pad(design), halved=False)
+    piece = mech.piece_of(*mech.filled_pad(design), halved=False)
     both = {"skin": (1.0, 0.3), "film": (1.0, 0.3)}
     what = whole(replace(piece.pad, poisson_ratio=0.3), 0.25)
     gradient = np.array([[0.2, 0.3], [-0.1, 0.15]])
@@ -346,7 +336,7 @@ def test_strips_stress_is_the_laws() -> None:
     state = affine(what, gradient, pressure)
     for law in (Ogden(mu=[0.3, 0.1], alpha=[3.5, -2.0]), Gent(mu=0.2, j_m=2.0), NEO, None):
         laws = {"skin": law, "film": law} if law else {}
-        strips = strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit, laws)
+        strips = mech.strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit, laws)
         # q enters as q cof F beside what has none, in units of E
         nominal = plane_stress(law or NEO, gradient) / (law or NEO).shear * shear
         cauchy = nominal @ stretch.T / (1 + swell) + pressure * np.eye(2)
@@ -359,11 +349,11 @@ def test_strips_stress_is_the_laws() -> None:
 
 
 @cache
-def in_space(law: Rubber | None) -> SolidSolution:
+def in_space(law: Rubber | None) -> mech.SolidSolution:
     """One ridge of finite length, coarse."""
     one = reference().with_(ridge={"count": 1}, skin={"width": 2.5, "length": 2.5, "thickness": 1.5})
     return solid_finite_strain.solve(
-        replace(pad_of(one), law=law), 0.4, {}, Layers(0.9, 2.0, 2), fineness=0.6
+        replace(mech.pad_of(one), law=law), 0.4, {}, mech.Layers(0.9, 2.0, 2), fineness=0.6
     ).finite
 
 

@@ -9,22 +9,9 @@ import numpy as np
 import pytest
 
 from skincad import check, load, simulate
+from skincad import mechanics as mech
 from skincad.base import Estimate
 from skincad.inputs import Design
-from skincad.mechanics import (
-    SOLID_STEPS,
-    Answer,
-    ContactCheck,
-    ContactError,
-    Layers,
-    SizeError,
-    TwoPresses,
-    finite_strain,
-    friction,
-    pad_of,
-    plain_pad,
-    solve_solid,
-)
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics import left_out as bounds
 from skincad.mechanics.models import friction as pressing
@@ -41,16 +28,16 @@ def rubbed(coefficient: float | None) -> Design:
     return small().with_(contact={"friction": coefficient})
 
 
-def exact(answer: pressing.CoarsePress) -> Answer:
+def exact(answer: pressing.CoarsePress) -> mech.Answer:
     """A coarse answer as a model's that knows it to the last digit."""
     shares = tuple(Estimate(float(f), 0.0, "N") for f in answer.ridge_force)
     first, down = Estimate(answer.all_touch_force, 0.0, "N"), Estimate(answer.approach, 0.0, "mm")
-    return Answer(len(shares), first, down, shares, answer.unknowns, answer.residual, {})
+    return mech.Answer(len(shares), first, down, shares, answer.unknowns, answer.residual, {})
 
 
 @cache
-def on_yamada() -> TwoPresses:
-    return pressing.solve(plain_pad(load("yamada-2002")), 1.0, 4.0)
+def on_yamada() -> mech.TwoPresses:
+    return pressing.solve(mech.plain_pad(load("yamada-2002")), 1.0, 4.0)
 
 
 def test_a_scenes_press_gives_way_less_by_as_much() -> None:
@@ -97,8 +84,8 @@ OTHERS = [  # judged on: none of these set the errors
 def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error(name: str, coefficient: float) -> None:
     design = small() if name == "small" else load(name)
     force = design.contact.force
-    fine = pressing.solve(pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200)
-    assert_same(pressing.solve(plain_pad(design), coefficient, force), fine, force)
+    fine = pressing.solve(mech.pad_of(design), coefficient, force, fineness=1.0, order=3, steps=200)
+    assert_same(pressing.solve(mech.plain_pad(design), coefficient, force), fine, force)
 
 
 @pytest.mark.parametrize(
@@ -107,12 +94,12 @@ def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error(name: str
 def test_a_finer_solid_changes_less_too(name: str, coefficient: float) -> None:
     """Fillets, a finer section and layers, twice the steps."""
     design = small() if name == "small" else load(name)
-    force, finer = design.contact.force, Layers(0.3, 1.8, 3)
-    fine = solve_solid(pad_of(design), coefficient, force, (), finer, 1.3, 2, 2 * SOLID_STEPS)
-    assert_same(solve_solid(plain_pad(design), coefficient, force), fine, force)
+    force, finer = design.contact.force, mech.Layers(0.3, 1.8, 3)
+    fine = mech.solve_solid(mech.pad_of(design), coefficient, force, (), finer, 1.3, 2, 2 * mech.SOLID_STEPS)
+    assert_same(mech.solve_solid(mech.plain_pad(design), coefficient, force), fine, force)
 
 
-def assert_same(coarse: TwoPresses, fine: TwoPresses, force: float) -> None:
+def assert_same(coarse: mech.TwoPresses, fine: mech.TwoPresses, force: float) -> None:
     (answer, _), truth = pressing.with_friction(exact(fine.without), coarse, force), fine.gripped
     assert answer.all_touch_force.lower <= (truth.all_touch_force or 0.0) <= answer.all_touch_force.upper
     assert answer.approach.lower <= truth.approach <= answer.approach.upper
@@ -129,7 +116,7 @@ def assert_same(coarse: TwoPresses, fine: TwoPresses, force: float) -> None:
     ],
 )
 def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> None:
-    pressed = pressing.solve(pad_of(small().with_(contact={"plate": plate})), 0.5, 0.65).gripped
+    pressed = pressing.solve(mech.pad_of(small().with_(contact={"plate": plate})), 0.5, 0.65).gripped
     assert pressed.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
     assert pressed.residual < 1e-10
 
@@ -137,7 +124,7 @@ def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> No
 def test_measured_parts_are_pressed_with_friction() -> None:
     """Equal drops are none; a part that is not symmetric has other forces left than right."""
     level, same, lower = (
-        pressing.solve(pad_of(small()), 0.5, 0.65, drops).gripped
+        pressing.solve(mech.pad_of(small()), 0.5, 0.65, drops).gripped
         for drops in ((), (0.02, 0.02, 0.02), (0.02, 0.02, 0.03))
     )
     assert same.all_touch_force == pytest.approx(level.all_touch_force, rel=1e-9)
@@ -149,19 +136,19 @@ def test_measured_parts_are_pressed_with_friction() -> None:
 def test_solids_too() -> None:
     """A tilted plate moves sideways as no force holds it; a part's half is none."""
     tilted = small().with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
-    for pad, drops in ((pad_of(tilted), ()), (pad_of(small()), (0.0, 0.0, 0.02))):
-        pressed = solve_solid(pad, 0.5, 0.65, drops)
+    for pad, drops in ((mech.pad_of(tilted), ()), (mech.pad_of(small()), (0.0, 0.0, 0.02))):
+        pressed = mech.solve_solid(pad, 0.5, 0.65, drops)
         assert pressed.gripped.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
         assert pressed.gripped.ridge_force[0] > 1.05 * pressed.gripped.ridge_force[2]
         assert pressed.gripped.residual < 1e-7
 
 
 @pytest.fixture(scope="module")
-def smooth() -> ContactCheck:
+def smooth() -> mech.ContactCheck:
     return linear_check(rubbed(0.0), tol=0.05)
 
 
-def of(verdict: ContactCheck) -> list[str]:
+def of(verdict: mech.ContactCheck) -> list[str]:
     return [part.effect for part in verdict.left_out]
 
 
@@ -170,7 +157,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> MadeUp:
     """Models of test_auto.py, and no press with friction succeeds, so that its bound stays."""
 
     def fails(*_: object) -> None:
-        raise ContactError("the sets do not settle")
+        raise mech.ContactError("the sets do not settle")
 
     monkeypatch.setattr(pressing, "solve", fails)
     monkeypatch.setattr(pressing, "solve_solid", fails)
@@ -178,8 +165,8 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> MadeUp:
     return MadeUp(monkeypatch)
 
 
-def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: ContactCheck) -> None:
-    verdict, bound = linear_check(rubbed(None), tol=0.05), friction(rubbed(None), smooth.touching)
+def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: mech.ContactCheck) -> None:
+    verdict, bound = linear_check(rubbed(None), tol=0.05), mech.friction(rubbed(None), smooth.touching)
     assert of(smooth) == ["free ends", "finite strain"]
     assert of(verdict) == ["free ends", "finite strain", "friction"]
     for name, more in (("all_touch_force", bound.threshold), ("approach", bound.approach)):
@@ -199,10 +186,10 @@ def test_the_closed_form_computes_no_friction(coefficient: float | None, left: b
     assert (verdict.all_touch_force.error > without.all_touch_force.error) == left
 
 
-def test_a_known_coefficient_changes_the_answer_as_computed(smooth: ContactCheck) -> None:
+def test_a_known_coefficient_changes_the_answer_as_computed(smooth: mech.ContactCheck) -> None:
     verdict, design = linear_check(rubbed(0.5), tol=0.05), rubbed(0.5)
     assert of(verdict) == of(smooth)
-    change = pressing.solve(plain_pad(design), 0.5, 0.65)
+    change = pressing.solve(mech.plain_pad(design), 0.5, 0.65)
     ratio = change.gripped.approach / change.without.approach
     assert verdict.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
     assert verdict.approach.value < 0.995 * smooth.approach.value
@@ -313,13 +300,13 @@ def test_a_coefficient_that_is_given_is_not_asked_for(monkeypatch: pytest.Monkey
 
 
 @pytest.fixture(scope="module")
-def corrected() -> dict[float | None, ContactCheck]:
+def corrected() -> dict[float | None, mech.ContactCheck]:
     return {c: check(rubbed(c), model="corrected", tol=0.05) for c in (None, 0.0, 0.3, 1.0)}
 
 
 @pytest.mark.slow
 def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
-    corrected: dict[float | None, ContactCheck],
+    corrected: dict[float | None, mech.ContactCheck],
 ) -> None:
     """The middle of both; what is left out is half their distance."""
     unknown = corrected[None]
@@ -340,10 +327,10 @@ def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
 
 
 @pytest.mark.slow
-def test_friction_holds_the_free_ends_too(corrected: dict[float | None, ContactCheck]) -> None:
+def test_friction_holds_the_free_ends_too(corrected: dict[float | None, mech.ContactCheck]) -> None:
     """Ends that cannot bulge take less from the all-touch force: more than friction on a section changes."""
     none, much = corrected[0.0].all_touch_force.value, corrected[1.0].all_touch_force.value
-    section = pressing.solve(plain_pad(rubbed(1.0)), 1.0, 0.65)
+    section = pressing.solve(mech.plain_pad(rubbed(1.0)), 1.0, 0.65)
     in_plane = section.gripped.all_touch_force / section.without.all_touch_force - 1
     assert much / none - 1 > in_plane + 0.03
 
@@ -353,8 +340,11 @@ def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
     """By finite strain's bound; a section at finite strain keeps a quarter, and as much as all is the
     error."""
     design = rubbed(1.0)
-    large = finite_strain(design, linear_check(rubbed(0.0), tol=0.05), 0.65)
-    section, solid = pressing.solve(plain_pad(design), 1.0, 0.65), solve_solid(plain_pad(design), 1.0, 0.65)
+    large = mech.finite_strain(design, linear_check(rubbed(0.0), tol=0.05), 0.65)
+    section, solid = (
+        pressing.solve(mech.plain_pad(design), 1.0, 0.65),
+        mech.solve_solid(mech.plain_pad(design), 1.0, 0.65),
+    )
     fine = exact(solid.without)
     for presses in (section, solid):
         small_strain, _ = pressing.with_friction(fine, presses, 0.65)
@@ -378,5 +368,5 @@ def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
 def test_a_pad_too_large_for_friction_keeps_its_bound() -> None:
     wide = {"skin": {"curvature_radius": 3000.0, "width": 154.0}, "ridge": {"count": 150}}
     design = load("plain-ridges").with_(**wide, contact={"friction": 0.5})
-    with pytest.raises(SizeError, match="at most 1000 contact points"):
-        pressing.solve(plain_pad(design), 0.5, 4.0)
+    with pytest.raises(mech.SizeError, match="at most 1000 contact points"):
+        pressing.solve(mech.plain_pad(design), 0.5, 4.0)

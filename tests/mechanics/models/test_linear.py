@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -180,16 +179,6 @@ def test_json_has_the_contracts_keys_and_progress_is_told() -> None:
     assert [left for _, left in reports[1:]] == [None, None]
 
 
-@pytest.mark.slow
-def test_a_budget_buys_the_refinements_that_fit_and_a_larger_one_a_smaller_error() -> None:
-    three = filleted().with_(ridge={"count": 3}, skin={"width": 4.0})
-    quick, patient = linear_check(three, budget=1e-3), linear_check(three, budget=60.0)
-    assert patient.unknowns > quick.unknowns
-    assert patient.all_touch_force.error < quick.all_touch_force.error
-    assert any("more than the budget" in w for w in quick.warnings)  # one mesh is the least
-    assert not any("budget" in w or "not met" in w for w in patient.warnings)
-
-
 @FINER
 def test_parts_that_go_through_each_other_have_no_verdict() -> None:
     """The skin between ridges reaches the plate: linear contact knows crowns and tip fillets alone."""
@@ -262,12 +251,6 @@ def finest(name: str) -> linear.PlaneSolution:
 def test_truth_lies_inside(name: str, tol: float | None) -> None:
     design = DESIGNS[name]()
     assert_inside(linear.answer(design, Request(force_on(design), tol)), finest(name))
-
-
-def test_a_tolerance_out_of_reach_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(linear, "REFINEMENTS", (replace(linear.REFINEMENTS[0], usual=0.0),))
-    answer = linear.answer(reference().with_(ridge={"count": 3}), Request(4.0, 1e-9))
-    assert any("not met" in w for w in answer.warnings)
 
 
 FEW = ["ridge.count=3", "skin.width=5.0", "contact.force=1.0"]

@@ -9,19 +9,8 @@ import numpy as np
 import pytest
 from scipy import optimize
 
+from skincad import mechanics as mech
 from skincad.base import InputError
-from skincad.mechanics import (
-    Layers,
-    Pad,
-    Request,
-    SolidBody,
-    body_of,
-    coarse_sizes,
-    forms_of,
-    meshed_piece,
-    pad_of,
-    solve_level,
-)
 from skincad.mechanics.bodies import elements, mesh, plane_body, prisms, solid_law
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.contact import newton as pressing
@@ -29,19 +18,19 @@ from skincad.mechanics.models import solid_finite_strain
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import reference, value, yamada
 
-FEW = Layers(0.6, 2.0, 2)
+FEW = mech.Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
 
 
-def meshed_of(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> mesh.PadMesh:
-    return meshed_piece(pad, coarse_sizes(pad, fineness), whole=whole)
+def meshed_of(pad: mech.Pad, fineness: float = 1.0, *, whole: bool = False) -> mesh.PadMesh:
+    return mech.meshed_piece(pad, mech.coarse_sizes(pad, fineness), whole=whole)
 
 
-def small_body(along: Layers = FEW) -> SolidBody:
-    return body_of(meshed_of(pad_of(reference().with_(**SMALL))), along)
+def small_body(along: mech.Layers = FEW) -> mech.SolidBody:
+    return mech.body_of(meshed_of(mech.pad_of(reference().with_(**SMALL))), along)
 
 
-def affine(body: SolidBody, gradient: np.ndarray, pressure: float = 0.0) -> np.ndarray:
+def affine(body: mech.SolidBody, gradient: np.ndarray, pressure: float = 0.0) -> np.ndarray:
     """The state of a homogeneous displacement gradient, components and axes (x, z, y): in the hierarchical
     basis a linear function has values at the vertices alone."""
     plane = body.forms.plane.mesh
@@ -57,11 +46,11 @@ def affine(body: SolidBody, gradient: np.ndarray, pressure: float = 0.0) -> np.n
 
 
 @cache
-def plain_block(ratio: float) -> SolidBody:
-    return body_of(meshed_of(block(3.0, 2.0, ratio), whole=True), FEW)
+def plain_block(ratio: float) -> mech.SolidBody:
+    return mech.body_of(meshed_of(block(3.0, 2.0, ratio), whole=True), FEW)
 
 
-def nominal_stress(body: SolidBody, gradient: np.ndarray, pressure: float) -> np.ndarray:
+def nominal_stress(body: mech.SolidBody, gradient: np.ndarray, pressure: float) -> np.ndarray:
     """P from virtual work: the residual's work on each affine displacement, per volume."""
     residual = body.residual(affine(body, gradient, pressure))
     volume = body.elements.weight.sum()
@@ -123,10 +112,10 @@ def test_at_rest_it_is_the_small_strain_solid(ratio: float, monkeypatch: pytest.
     """With all of the bulk modulus on the pressure, on straight triangles: the same functions, rounding."""
     monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     meshed = meshed_of(block(3.0, 2.0, ratio))
-    body = body_of(meshed, FEW)
+    body = mech.body_of(meshed, FEW)
     rest = np.zeros(body.free.size)
     along = prisms.line(np.unique(body.along)[::2], 2)
-    wanted = prisms.condensed(forms_of(meshed, 2), along).flexibility
+    wanted = prisms.condensed(mech.forms_of(meshed, 2), along).flexibility
     flexibility = body.linearised(rest, rest).flexibility
     assert np.abs(flexibility - wanted).max() <= 1e-10 * np.abs(wanted).max()
     assert np.abs(body.residual(rest)).max() <= 1e-12
@@ -136,9 +125,9 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     """u_y = 0 at both ends, on the same mesh and order, all of the bulk modulus on the pressure. 1e-4: the
     points of integration differ on curved triangles and for a law that is no polynomial."""
     monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
-    pad = pad_of(reference().with_(**SMALL))
+    pad = mech.pad_of(reference().with_(**SMALL))
     meshed = meshed_of(pad, whole=True)
-    body = body_of(meshed, FEW, clamped_end=True)
+    body = mech.body_of(meshed, FEW, clamped_end=True)
     top, half = pad.top / meshed.unit, pad.length / 2 / meshed.unit
     force = 0.05  # per length; strains of 5 %
     clamped = pressing.press_to(pressing.PressedPad(body, top), force * half)
@@ -151,11 +140,13 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
 @pytest.mark.evidence(subject="solid finite strain: limits")
 def test_half_is_the_whole() -> None:
     """On two meshes, which differ by 0.5 % at this order (test_solid.py); finite strain's change less."""
-    pad = pad_of(reference().with_(**SMALL))
+    pad = mech.pad_of(reference().with_(**SMALL))
     half = solid_finite_strain.solve(pad, 1.0, {}, FEW, fineness=1.5)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            solid_finite_strain, "meshed_piece", lambda pad, sizes, **_: meshed_piece(pad, sizes, whole=True)
+            solid_finite_strain,
+            "meshed_piece",
+            lambda pad, sizes, **_: mech.meshed_piece(pad, sizes, whole=True),
         )
         whole = solid_finite_strain.solve(pad, 1.0, {}, FEW, fineness=1.5)
     assert half.finite.approach == pytest.approx(whole.finite.approach, rel=5e-3)
@@ -175,15 +166,15 @@ def test_plain_ridges() -> None:
     """Finite strain with free ends: F9 +2.9 % (plane strain +4.8 %), approach -3.2 % (-3.8 %); errors as
     the model's own. At small strain it is close to the solid's model: what acts on the volume change itself
     stiffens coarse elements, by 0.9 % of F9 and 0.3 % of the approach."""
-    solution = solid_finite_strain.solve(pad_of(reference()), 4.0, {})
+    solution = solid_finite_strain.solve(mech.pad_of(reference()), 4.0, {})
     assert ratios(solution) == pytest.approx((1.029, 0.968), abs=0.002)
     assert solution.finite.residual <= max(pressing.RESIDUAL, frictionless.COMPLEMENTARITY)
     assert solution.small.residual <= frictionless.COMPLEMENTARITY
     assert solution.finite.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
     assert solution.finite.touching == 9
     assert not solution.out_of_range
-    meshed = meshed_of(pad_of(reference()))
-    other = solve_level(meshed, forms_of(meshed, 2), solid_finite_strain.LAYERS, 4.0, {})
+    meshed = meshed_of(mech.pad_of(reference()))
+    other = mech.solve_level(meshed, mech.forms_of(meshed, 2), solid_finite_strain.LAYERS, 4.0, {})
     assert solution.small.approach == pytest.approx(other.approach, rel=0.005)
     assert solution.small.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
 
@@ -192,7 +183,7 @@ def test_plain_ridges() -> None:
 def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
     """Why a part of the bulk modulus acts on the volume change itself: without it 2 N have no stable
     state."""
-    pad = pad_of(reference().with_(**SMALL))
+    pad = mech.pad_of(reference().with_(**SMALL))
     assert solid_finite_strain.solve(pad, 2.0, {}, FEW).finite.touching == 3
     monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     with pytest.raises(InputError, match=r"tips over, no equilibrium beyond is stable"):
@@ -202,7 +193,7 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 def test_an_overload_is_refused_with_its_range() -> None:
     with pytest.raises(InputError, match=r"^force: must lie .* range \(up to about \d\.?\d* N\): .*; take a"):
-        solid_finite_strain.solve(pad_of(reference().with_(**SMALL)), 20.0, {}, FEW)
+        solid_finite_strain.solve(mech.pad_of(reference().with_(**SMALL)), 20.0, {}, FEW)
 
 
 def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
@@ -222,16 +213,16 @@ def test_faults_are_found_in_the_middle_and_at_the_end() -> None:
 def test_too_large_a_pad_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid_finite_strain, "MOST_UNKNOWNS", 1000)
     with pytest.raises(InputError, match=r"at finite strain take at most 1000 unknowns"):
-        solid_finite_strain.solve(pad_of(reference()), 4.0, {})
+        solid_finite_strain.solve(mech.pad_of(reference()), 4.0, {})
 
 
 @pytest.mark.slow
 def test_the_answer_is_the_solids_changed() -> None:
     """F9 and approach by the factors, shares in sum the force, errors larger than the solid's."""
     design = reference().with_(**SMALL)
-    small = solid_finite_strain.solid.answer(design, Request(1.0, tol=0.05))
-    answer = solid_finite_strain.answer(design, Request(1.0, tol=1e-3), fine=small)
-    by_threshold, by_approach = ratios(solid_finite_strain.solve(pad_of(design), 1.0, {}))
+    small = solid_finite_strain.solid.answer(design, mech.Request(1.0, tol=0.05))
+    answer = solid_finite_strain.answer(design, mech.Request(1.0, tol=1e-3), fine=small)
+    by_threshold, by_approach = ratios(solid_finite_strain.solve(mech.pad_of(design), 1.0, {}))
     assert value(answer.all_touch_force) == pytest.approx(
         by_threshold * value(small.all_touch_force), rel=1e-9
     )
@@ -246,7 +237,7 @@ def test_a_threshold_out_of_reach_is_said() -> None:
     """Strongly curved: the ridges in the middle fail before the outer ones touch."""
     skin = {"curvature_radius": 4.0, "length": 6.0, "width": 5.5}
     design = reference().with_(skin=skin, ridge={"count": 5})
-    solution = solid_finite_strain.solve(pad_of(design), 0.1, {}, FEW)
+    solution = solid_finite_strain.solve(mech.pad_of(design), 0.1, {}, FEW)
     assert solution.finite.all_touch_force is None
     assert "beyond the finite-strain model's range (looked up to" in solution.out_of_range
 
@@ -254,7 +245,7 @@ def test_a_threshold_out_of_reach_is_said() -> None:
 @pytest.mark.evidence(subject="yamada-2002")
 def test_yamada_2002() -> None:
     """Strips of PVDF hold the ends: F9 +3.1 %, approach -3.2 %."""
-    solution = solid_finite_strain.solve(pad_of(yamada()), 4.0, {})
+    solution = solid_finite_strain.solve(mech.pad_of(yamada()), 4.0, {})
     assert ratios(solution) == pytest.approx((1.0315, 0.9673), abs=0.001)
     assert solution.finite.residual <= pressing.RESIDUAL
 
@@ -272,27 +263,27 @@ VARIANTS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", VARIANTS)
 def test_the_changes_error_on_variants(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Against order 3 on a finer mesh with finer prisms, both sides."""
-    pad = pad_of(reference().with_(**VARIANTS[name]))
+    pad = mech.pad_of(reference().with_(**VARIANTS[name]))
     coarse = solid_finite_strain.solve(pad, 4.0, {})
-    monkeypatch.setattr(solid_finite_strain, "body_of", lambda m, along: body_of(m, along, 3))
-    fine = solid_finite_strain.solve(pad, 4.0, {}, Layers(0.3, 1.8, 3), fineness=1.25)
+    monkeypatch.setattr(solid_finite_strain, "body_of", lambda m, along: mech.body_of(m, along, 3))
+    fine = solid_finite_strain.solve(pad, 4.0, {}, mech.Layers(0.3, 1.8, 3), fineness=1.25)
     assert ratios(coarse)[0] == pytest.approx(ratios(fine)[0], rel=solid_finite_strain.ERRORS.threshold)
     assert ratios(coarse)[1] == pytest.approx(ratios(fine)[1], rel=solid_finite_strain.ERRORS.approach)
     change = [s.finite.ridge_force - s.small.ridge_force for s in (coarse, fine)]
     assert change[0] == pytest.approx(change[1], abs=solid_finite_strain.ERRORS.share * 4.0 / 9)
 
 
-@pytest.mark.parametrize("along", [FEW, Layers(0.6, 2.0, 3), Layers(0.4, 1.5, 2)])
+@pytest.mark.parametrize("along", [FEW, mech.Layers(0.6, 2.0, 3), mech.Layers(0.4, 1.5, 2)])
 def test_the_unknowns_that_are_refused_are_those_that_would_be_solved(
-    along: Layers, monkeypatch: pytest.MonkeyPatch
+    along: mech.Layers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     meshed = meshed_of(block(3.0, 2.0, 0.3))
-    count = body_of(meshed, along).displacements
+    count = mech.body_of(meshed, along).displacements
     monkeypatch.setattr(solid_finite_strain, "MOST_UNKNOWNS", count)
-    assert body_of(meshed, along).displacements == count
+    assert mech.body_of(meshed, along).displacements == count
     monkeypatch.setattr(solid_finite_strain, "MOST_UNKNOWNS", count - 1)
     with pytest.raises(InputError, match=f"at most {count - 1} unknowns") as refused:
-        body_of(meshed, along)
+        mech.body_of(meshed, along)
     assert refused.value.value == count
 
 
@@ -312,7 +303,7 @@ def test_the_boundary_is_looked_at_in_the_middle_and_at_the_end(along: int) -> N
 def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
     """Pressed whole, as crests of one part need not mirror each other. The whole's mesh is another one than
     the half's twice: its change differs by 3e-4 at most of what strain changes."""
-    pad = pad_of(reference().with_(**SMALL))
+    pad = mech.pad_of(reference().with_(**SMALL))
     half = solid_finite_strain.solve(pad, 0.5, {}, FEW)
     whole = solid_finite_strain.solve(pad, 0.5, {}, FEW, crest_offsets=(0.01, 0.01, 0.01))
     for of in ("all_touch_force", "approach"):
@@ -322,7 +313,7 @@ def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
 
 @pytest.mark.slow
 def test_a_lower_crest_asks_for_more_force_in_finite_strain_too() -> None:
-    pad = pad_of(reference().with_(**SMALL))
+    pad = mech.pad_of(reference().with_(**SMALL))
     as_designed, lower = (
         solid_finite_strain.solve(pad, 0.5, {}, FEW, crest_offsets=drops)
         for drops in ((0.0, 0.0, 1e-9), (0.02, 0.0, 0.0))

@@ -106,7 +106,7 @@ def test_a_model_leaves_out_what_its_name_does_not_tell() -> None:
 
 
 def test_the_prices_are_those_of_the_documents_table() -> None:
-    """Which `python -m bench.bench_check` measured; within 1.5 times."""
+    """Which `python -m bench.costs models` measured; within 1.5 times."""
     text = (Path(__file__).parents[3] / "docs" / "evidence" / "verdicts.md").read_text("utf-8")
     rows = re.findall(r"^\| `([\w-]+)`, .*\| ([\d./]+) \|$", text, re.MULTILINE)
     assert {name for name, _ in rows} == set(MODELS)
