@@ -291,15 +291,17 @@ def filament_levels(path: Path, places: Array, layer: float, folder: Path) -> Ar
     levels = np.zeros(len(places))
     for i, place in enumerate(places):
         spots = middle + np.column_stack([np.full(9, place), np.linspace(-REACH, REACH, 9)])
-        levels[i] = max(z for *ends, z in lines if _covers(np.array(ends), spots))
+        levels[i] = lines[_covering(lines, spots), 4].max()
     return levels
 
 
-def _covers(ends: Array, spots: Array) -> bool:
-    """Whether a line from (x, y) to (x, y) mm covers one of the spots `(n, 2)` mm."""
-    start, along = ends[:2], ends[2:] - ends[:2]
-    share = np.clip((spots - start) @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
-    return bool((np.hypot(*(spots - start - share[:, None] * along).T) < NOZZLE / 2).any())
+def _covering(lines: Array, spots: Array) -> Mask:
+    """Which lines from (x, y) to (x, y) mm, `(n, 5)` with z, cover one of the spots `(m, 2)` mm."""
+    along = (lines[:, 2:4] - lines[:, :2])[:, None]
+    away = spots - lines[:, None, :2]
+    share = (away * along).sum(axis=2) / np.maximum((along**2).sum(axis=2), 1e-12)
+    off = away - np.clip(share, 0.0, 1.0)[..., None] * along
+    return np.asarray((np.hypot(off[..., 0], off[..., 1]) < NOZZLE / 2).any(axis=1))
 
 
 def _extruded(code: str) -> Array:

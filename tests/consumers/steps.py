@@ -9,7 +9,7 @@ from pathlib import Path
 
 import cadquery as cq
 
-from bench.campaign.poured_by_solids import Box, Kit, poured_by_solids
+from bench.campaign.soundness import Box, Kit, poured_by_solids
 from skincad.solids.mold import mold
 from tests.consumers import Job
 

@@ -37,7 +37,8 @@ pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.
     [
         pytest.param("plain-ridges", [], marks=pytest.mark.slow),
         consumed("plain-ridges", ["mold.cavities=3"]),
-        *(consumed(name, []) for name in ("lab-bench", "nozzle-04", "rings-5", "pillars-9")),
+        consumed("nozzle-04", ["ridge.count=3", "skin.width=22", "skin.length=20"]),
+        *(consumed(name, []) for name in ("lab-bench", "rings-5", "pillars-9")),
     ],
 )
 def test_every_plate_is_sliced_and_lies_on_its_bed(name: str, settings: list[str], tmp_path: Path) -> None:

@@ -363,15 +363,17 @@ def rejected(case: JudgedDesign, parts: Parts) -> Mask:
     for what, values in read.items():
         (row,) = (m for m in measures if m.what.startswith(what))
         out |= (values < row.low) | (values > row.high)
-    return out if case.decides else out | ~measured_verdict(case, parts)
+    if not case.decides:
+        out[~out] = ~measured_verdict(case, parts.crests[~out], parts.crests_again[~out])
+    return out
 
 
-def measured_verdict(case: JudgedDesign, parts: Parts) -> Mask:
+def measured_verdict(case: JudgedDesign, crests: Array, crests_again: Array) -> Mask:
     """Whether each part passes as it is measured, and read on where its margin is near 0."""
-    margins = case.margin(parts.crests)
+    margins = case.margin(crests)
     near = np.abs(margins) < case.near
     passed = margins >= 0
-    passed[near] = case.passes(parts.crests_again[near])
+    passed[near] = case.passes(crests_again[near])
     return passed
 
 

@@ -36,7 +36,7 @@ class PackageFolder:
 @cache
 def packaged(name: str, parent: Path) -> PackageFolder:
     """A design for MuJoCo and URDF, made once: a fixture is made anew when another design came between."""
-    package = skincad.package(DESIGNS[name], ("mujoco", "urdf"))
+    package = skincad.package(DESIGNS[name], ("mujoco", "urdf"), model="linear")
     return PackageFolder(package, parent / name)
 
 

@@ -256,8 +256,8 @@ def test_at_the_checks_load_they_are_the_check(
 
 @pytest.mark.slow
 def test_at_other_loads_they_are_near_the_check() -> None:
-    """Measured 3 % and 5 %, of the shares 5.5 % and 13 % of the mean one: what a secant leaves."""
-    fit = room.springs(skincad.load_design("yamada-2002"), "corrected")
+    """Measured 3 % and 4 %, of the shares 1 % and 6 % of the mean one: what a secant leaves."""
+    fit = room.springs(skincad.load_design("yamada-2002"), "linear")
     half, twice = fit.elsewhere
     assert (half.force, twice.force) == (2.0, 8.0)
     assert max(half.approach_off, twice.approach_off) < 0.07
