@@ -17,14 +17,9 @@ class Terminal(io.StringIO):
         return True
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(0.0, "0:00"), (59.4, "0:59"), (59.6, "1:00"), (3725.0, "62:05"), (-3.0, "0:00")]
-)
-def test_a_time_in_words(seconds: float, words: str) -> None:
-    assert clock(seconds) == words
-
-
 def test_the_time_left_runs_down_and_is_not_negative() -> None:
+    times = {0.0: "0:00", 59.4: "0:59", 59.6: "1:00", 3725.0: "62:05", -3.0: "0:00"}
+    assert {seconds: clock(seconds) for seconds in times} == times
     assert left_in_words(None, 5.0) == ""
     assert [left_in_words(70.0, now) for now in (5.0, 65.0, 70.0, 70.1)] == [
         "1:05 left", "0:05 left", "0:00 left", LATE,
@@ -35,6 +30,7 @@ def test_off_a_terminal_nothing_is_shown() -> None:
     with stage_bar(3) as progress, step_bar(3) as tick:
         assert progress is None
         assert tick is None
+    assert list(one_by_one(2, found)) == ["first", "second"]
 
 
 def test_on_a_terminal_the_stage_and_the_time_left_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,7 +75,3 @@ def test_a_bar_is_off_the_terminal_while_lines_are_printed(monkeypatch: pytest.M
         assert drawn
         assert after.endswith("\x1b[1A\x1b[2K")  # up to the bar's line, which is erased
     assert "looking for the second" in bars[ends[0] :]
-
-
-def test_off_a_terminal_what_is_found_comes_without_a_bar() -> None:
-    assert list(one_by_one(2, found)) == ["first", "second"]

@@ -115,13 +115,10 @@ def test_a_formula_is_pythons_arithmetic(formula: str, value: float) -> None:
     assert step(formula, *values).recomputed() == pytest.approx(value)
 
 
-def test_a_sum_runs_over_the_ridges_and_tells_its_terms() -> None:
+def test_a_sum_runs_over_the_ridges_and_numbers_are_those_printed() -> None:
     calculation = step("sum(l_i * a) / sum(l_i)", Quantity("a", "", 2.0, "1"), LENGTHS)
     assert calculation.recomputed() == 2.0
     assert [terms for _, terms in calculation.sums()] == [[2.0, 4.0, 7.0], [1.0, 2.0, 3.5]]
-
-
-def test_numbers_are_taken_as_they_are_printed() -> None:
     assert step("a", Quantity("a", "", 0.1234567, "mm")).recomputed() == 0.12346
 
 
@@ -180,7 +177,7 @@ def test_levels_are_climbed_to_the_tolerance_and_not_beyond_the_last(monkeypatch
     assert stairs.climbed(0.1, first=2).levels == LEVELS[2:]
 
 
-def test_a_budget_is_not_overrun_by_what_the_next_level_is_expected_to_take(
+def test_a_budget_is_not_overrun_by_the_next_level(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     stairs = Stairs(monkeypatch)
@@ -191,7 +188,7 @@ def test_a_budget_is_not_overrun_by_what_the_next_level_is_expected_to_take(
     assert len(stairs.climbed(0.0, price=lambda _, level: inf if level is LEVELS[2] else 0.0).levels) == 2
 
 
-def test_a_level_that_refuses_leaves_the_one_before_or_gives_way_to_a_cheaper(
+def test_a_level_that_refuses_leaves_another(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     too_large = ValueError("too large")

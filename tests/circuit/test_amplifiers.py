@@ -55,9 +55,12 @@ def sets(kind: str, count: int) -> list[Constants]:
     return [replace(c, **{name: float(f)}) for c, f in zip(random_sets(count), drawn, strict=True)]
 
 
-def test_every_shipped_circuit_has_a_topology_that_is_solved_by_hand() -> None:
+def test_shipped_topologies_are_solved_by_hand_and_constants_say_units() -> None:
     shipped = {load_circuit(name).amplifier.topology for name in template_names("circuits")}
     assert shipped == HANDS.keys()
+    names = constants(load_circuit("yamada-2002")).as_json()
+    assert {"d33_C_per_N", "capacitance_F", "motional_inductance_H", "gain"} <= set(names)
+    assert len(names) == len(Constants.__dataclass_fields__)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -80,7 +83,7 @@ def test_loop_equations_and_node_equations_agree_on_random_sets(kind: str, withi
     assert np.abs(worst).max() < within
 
 
-def test_no_digit_is_lost_where_the_output_cancels() -> None:
+def test_no_digit_is_lost_where_the_output_cancels_or_the_input_is_large() -> None:
     """A of Ropo / Rf but for 1e-9, where the loop equations keep no digit: against fractions."""
     for c in random_sets(20):
         near = replace(c, gain=c.output_resistance / c.feedback_resistance * (1 + 1e-9))
@@ -88,6 +91,9 @@ def test_no_digit_is_lost_where_the_output_cancels() -> None:
         exact = [rational.gain(near, float(f)) for f in BAND[::22]]
         # 1e-5: where the machine has no extended precision, ten roundings over 1e-9
         np.testing.assert_allclose(gains, exact, rtol=0, atol=1e-5)
+    # The paper's i2 - i3 would keep none of them at 1e16 ohm
+    c = replace(constants(load_circuit("yamada-2002")), input_resistance=1e16)
+    assert np.abs(decibels(response(network(c), BAND) / exact_response(c, BAND))).max() < 1e-8
 
 
 @needs_ngspice
@@ -116,12 +122,6 @@ def test_elements_and_spice_agree_to_a_millionth_of_a_decibel(tmp_path: Path) ->
     ours = [response(network(c), frequency) for c in sets]
     worst = max(np.abs(decibels(x / spice[f"v(vout_{i})"])).max() for i, x in enumerate(ours))
     assert worst < 1e-6  # what is asked: 1e-7 relative
-
-
-def test_a_large_input_resistance_loses_no_digits() -> None:
-    """The paper's i2 - i3 would keep none of them at 1e16 ohm."""
-    c = replace(constants(load_circuit("yamada-2002")), input_resistance=1e16)
-    assert np.abs(decibels(response(network(c), BAND) / exact_response(c, BAND))).max() < 1e-8
 
 
 @pytest.mark.parametrize(
@@ -173,21 +173,20 @@ def test_a_bad_frequency_is_told(frequency: float) -> None:
         response(network(constants(load_circuit("yamada-2002"))), np.array([10.0, frequency]))
 
 
-def test_constants_say_their_units() -> None:
-    names = constants(load_circuit("yamada-2002")).as_json()
-    assert {"d33_C_per_N", "capacitance_F", "motional_inductance_H", "gain"} <= set(names)
-    assert len(names) == len(Constants.__dataclass_fields__)
-
-
 C = constants(CHARGE)
 TAU = C.feedback_resistance * C.feedback_capacitance
 
 
-def test_a_step_of_charge_is_held_and_fades_with_the_feedbacks_time() -> None:
+def test_a_charge_amplifier_holds_a_step_without_the_capacitor_it_is_the_papers() -> None:
     voltage = output(circuit_network(CHARGE), np.r_[0.0, np.full(20_000, 1e-12)], 1e4)
     exact = 1e-12 / C.feedback_capacitance * np.exp(-np.arange(20_001) * 1e-4 / TAU)
     # 1e-3: the film's own branch and the amplifier's gain of 1e5 take a share; half a step of 1e-4 s of 1 s
     assert np.abs(voltage[10:] - exact[10:]).max() < 1e-3 * exact[0]
+    plain = constants(load_circuit("charge-amplifier", ["amplifier.feedback_capacitance=0.0"]))
+    assert state_space(network(plain)).a.shape == (4, 4)
+    nearly = replace(plain, feedback_capacitance=1e-18)  # 1e10 ohm and 1e-18 F: 16 MHz
+    ratio = response(network(nearly), BAND) / response(network(plain), BAND)
+    assert np.abs(ratio - 1).max() < 2e-3
 
 
 @pytest.mark.parametrize("resistance", [1e9, 1e10, 1e11])
@@ -202,7 +201,7 @@ def test_the_drift_on_a_hold_is_what_the_feedbacks_time_says(resistance: float) 
     assert voltage[-1] == pytest.approx(exact, abs=1e-3 * voltage.max())
 
 
-def test_a_charge_amplifier_follows_the_stress_where_the_transimpedance_follows_its_rate() -> None:
+def test_a_charge_amplifier_follows_the_stress_and_its_low_cut_off_is_found() -> None:
     time = np.arange(0.0, 0.02, 1e-5)
     stress = np.sin(2 * np.pi * 100.0 * time) ** 2
     voltage = output(circuit_network(CHARGE), stress * C.d33, 1e5)
@@ -210,9 +209,6 @@ def test_a_charge_amplifier_follows_the_stress_where_the_transimpedance_follows_
     assert np.corrcoef(voltage, stress)[0, 1] < -0.999  # d33 is below 0
     # the half period has as many rises as falls
     assert abs(np.corrcoef(rate, stress)[0, 1]) < 0.2
-
-
-def test_its_low_cut_off_is_found() -> None:
     slopes = gain(CHARGE).slopes
     assert slopes.cutoff.value == pytest.approx(1 / (2 * math.pi * TAU), abs=slopes.cutoff.error)
     assert slopes.above.value == pytest.approx(0.0, abs=slopes.above.error or 0.0)
@@ -222,18 +218,10 @@ def test_its_low_cut_off_is_found() -> None:
     assert gain(CHARGE).gain[300] == pytest.approx(level, abs=0.01)
 
 
-def test_without_the_capacitor_it_is_the_papers_network() -> None:
-    plain = constants(load_circuit("charge-amplifier", ["amplifier.feedback_capacitance=0.0"]))
-    assert state_space(network(plain)).a.shape == (4, 4)
-    nearly = replace(plain, feedback_capacitance=1e-18)  # 1e10 ohm and 1e-18 F: 16 MHz
-    ratio = response(network(nearly), BAND) / response(network(plain), BAND)
-    assert np.abs(ratio - 1).max() < 2e-3
-
-
 F = constants(FOLLOWER)
 
 
-def test_the_followers_low_cut_off_and_level() -> None:
+def test_the_followers_low_cut_off_level_and_step() -> None:
     curve = gain(FOLLOWER)
     # the motional branch is a capacitor too, far below its resonance
     whole = F.capacitance + F.motional_capacitance + F.input_capacitance
@@ -242,9 +230,6 @@ def test_the_followers_low_cut_off_and_level() -> None:
     middle = int(np.argmin(np.abs(curve.frequency - 500.0)))
     # 1e-3: one hundredth of the corner's frequency squared, and a gain of 1e5
     assert curve.gain[middle] == pytest.approx(20 * math.log10(abs(F.d33) / whole), abs=1e-3)
-
-
-def test_a_step_of_charge_is_the_capacitors_voltage_and_fades_by_the_bias_resistor() -> None:
     whole = F.capacitance + F.motional_capacitance + F.input_capacitance
     voltage = output(circuit_network(FOLLOWER), np.r_[0.0, np.full(2000, 1e-12)], 1e5)
     exact = 1e-12 / whole * np.exp(-np.arange(2001) * 1e-5 / (F.input_resistance * whole))
@@ -261,6 +246,14 @@ def test_a_large_bandwidth_is_no_limit() -> None:
     ]
     assert sizes[0] < 1e-4
     assert sizes[1] == pytest.approx(sizes[0] / 10, rel=0.01)
+    # 1 MHz, the least of common ones: below the drop at 9 kHz 0.5 dB, at the cut-off a hundredth
+    common, none = (
+        gain(load_circuit("yamada-2002", [f"amplifier.gain_bandwidth={b}"])) for b in ("1e6", "0.0")
+    )
+    change = common.gain - none.gain
+    assert np.abs(change[none.frequency <= 1200.0]).max() < 0.01
+    assert 0.3 < np.abs(change[none.frequency <= 9000.0]).max() < 0.6
+    assert common.slopes.above.value == pytest.approx(60.0, abs=0.5)
 
 
 def test_film_and_feedback_ring_at_the_mean_of_their_corner_and_the_bandwidth() -> None:
@@ -281,36 +274,15 @@ def test_film_and_feedback_ring_at_the_mean_of_their_corner_and_the_bandwidth() 
     assert decibels(response(network(calm), frequency) / plain).max() < 0.1
 
 
-def test_the_papers_slopes_hardly_feel_a_common_amplifiers_bandwidth() -> None:
-    """1 MHz, the least of common ones: below the drop at 9 kHz 0.5 dB, at the cut-off a hundredth."""
-    common, none = (
-        gain(load_circuit("yamada-2002", [f"amplifier.gain_bandwidth={b}"])) for b in ("1e6", "0.0")
-    )
-    change = common.gain - none.gain
-    assert np.abs(change[none.frequency <= 1200.0]).max() < 0.01
-    assert 0.3 < np.abs(change[none.frequency <= 9000.0]).max() < 0.6
-    assert common.slopes.above.value == pytest.approx(60.0, abs=0.5)
-
-
-def test_what_an_output_follows_at_once_goes_through() -> None:
+def test_what_an_output_follows_at_once_goes_through_a_loop_of_capacitors_is_refused() -> None:
     """A divider of two resistors: no state but the film's, and the charge's share comes without delay."""
-    divider = Network(
-        (
-            Source("Epv", "pv", "load", "0", 2.0),
-            Capacitor("C", "pv", "film", 1e-9),
-            Resistor("R", "film", "0", 1e6),
-            Source("Evout", "vout", "film", "0", 1.0),
-        ),
-        1.0,
-    )
+    ends = Source("Epv", "pv", "load", "0", 2.0), Source("Evout", "vout", "film", "0", 1.0)
+    divider = Network((*ends, Capacitor("C", "pv", "film", 1e-9), Resistor("R", "film", "0", 1e6)), 1.0)
     s = state_space(divider)
     assert (s.a.item(), s.b.item(), s.c.item(), s.d) == pytest.approx((-1e3, 2e3, -1.0, 2.0))
     assert s.rest.item() == pytest.approx(2.0)
     voltage = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
     assert voltage[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
-
-
-def test_a_loop_of_capacitors_and_sources_is_refused() -> None:
     loop = (Source("Epv", "pv", "load", "0", 1.0), Capacitor("C", "pv", "vout", 1e-9))
     with pytest.raises(RefusedError, match="a loop of capacitors"):
         state_space(Network((*loop, Capacitor("D", "vout", "0", 1e-9)), 1.0))
@@ -396,7 +368,7 @@ def test_each_noise_source_goes_the_way_of_a_current_in_its_place(topology: str,
     )
 
 
-def test_the_followers_noise_by_hand_in_its_band() -> None:
+def test_the_followers_noise_by_hand_and_a_poles_resistor_adds_none() -> None:
     """Its own voltage noise and that of the feedback's resistor come out as they are."""
     densities = noise_density(network(FOLLOWER_CONSTANTS, AMPLIFIER, "follower"), np.array([1000.0]))
     # 1e-4: a gain of 1e5
@@ -404,17 +376,14 @@ def test_the_followers_noise_by_hand_in_its_band() -> None:
     assert densities["R34"][0] == pytest.approx(
         4 * Boltzmann * 293.0 * FOLLOWER_CONSTANTS.feedback_resistance, rel=1e-4
     )
-
-
-def test_a_poles_resistor_adds_no_noise() -> None:
-    """A resistor of 1 ohm, 0.13 nV/sqrt(Hz), where the input's 10 nV/sqrt(Hz) are 1e5 times as loud at a low
-    frequency, and still 50 times at 20 kHz."""
+    # A resistor of 1 ohm, 0.13 nV/sqrt(Hz), where the input's 10 nV/sqrt(Hz) are 1e5 times as loud at a low
+    # frequency, and still 50 times at 20 kHz
     slow = of("transimpedance", NoiseSources(293.0, 1e-8, 1e-15), gain_bandwidth=1e6)
     share = noise_density(slow, BAND)["Rpole"] / total_density(slow, BAND)
     assert share.max() < 1e-6
 
 
-def test_a_lossy_films_noise_is_that_of_its_loss_current() -> None:
+def test_a_lossy_films_noise_and_a_circuits_own_sources() -> None:
     """At one frequency a conductance w C tan(delta) at the film: as the input's, at the film's node."""
     c = constants(load_circuit("transimpedance", ["amplifier.series_resistance=1e-3"]))
     frequency = np.array([1000.0])
@@ -423,6 +392,14 @@ def test_a_lossy_films_noise_is_that_of_its_loss_current() -> None:
     thermal = 4 * Boltzmann * 293.0 * conductance
     # with R1 + R2 next to nothing, film and input are one node
     assert lossy["Cpvd loss"][0] == pytest.approx(thermal * lossy["Eamp current into in"][0], rel=1e-6)
+    # Only the film loses: its lead, in parallel, adds capacitance alone
+    circuit = load_circuit("yamada-2002", ["noise.temperature=300.0", "cable.capacitance=3e-10"])
+    c, whole = constants(circuit), circuit_network(circuit)
+    film = constants(load_circuit("yamada-2002", ["cable.capacitance=0"])).capacitance
+    # eps0 eps A / d: 8.8542e-12 F/m x 12 x 11.95 mm2 / 0.028 mm
+    assert film == pytest.approx(8.8542e-12 * 12 * 11.95e-6 / 0.028e-3, rel=1e-4)
+    assert c.capacitance - film == pytest.approx(3e-10, rel=1e-9)
+    assert whole == network(c, NoiseSources(300.0, 10e-9, 1e-15, circuit.film.loss_tangent, film))
 
 
 @pytest.mark.parametrize("name", [name for name in CIRCUITS if name != "voltage-follower"])
@@ -436,17 +413,6 @@ def test_samples_have_the_density_and_the_seed_is_the_noise(name: str) -> None:
     # 100 000 lines, most of them where the gain peaks, a charge amplifier's at the low end: 5 %
     frequency = np.geomspace(100.0, rate / 2, 1000)
     assert many == pytest.approx(np.trapezoid(total_density(n, frequency), frequency), rel=0.05)
-
-
-def test_a_circuits_own_sources() -> None:
-    """Only the film loses: its lead, in parallel, adds capacitance alone."""
-    circuit = load_circuit("yamada-2002", ["noise.temperature=300.0", "cable.capacitance=3e-10"])
-    c, whole = constants(circuit), circuit_network(circuit)
-    film = constants(load_circuit("yamada-2002", ["cable.capacitance=0"])).capacitance
-    # eps0 eps A / d: 8.8542e-12 F/m x 12 x 11.95 mm2 / 0.028 mm
-    assert film == pytest.approx(8.8542e-12 * 12 * 11.95e-6 / 0.028e-3, rel=1e-4)
-    assert c.capacitance - film == pytest.approx(3e-10, rel=1e-9)
-    assert whole == network(c, NoiseSources(300.0, 10e-9, 1e-15, circuit.film.loss_tangent, film))
 
 
 @pytest.mark.parametrize(("rate", "count"), [(0.0, 8), (-1.0, 8), (math.inf, 8), (math.nan, 8), (1e3, 1)])

@@ -52,7 +52,6 @@ def test_two_lines_are_found(corner: float, below: float, above: float) -> None:
     if corner in (1200.0, 300.0):
         assert slopes.cutoff.value == pytest.approx(corner, rel=1e-3)
         assert slopes.level == pytest.approx(-40.0, abs=0.05)
-        assert slopes.cutoff.error is not None
         assert slopes.cutoff.error < 5.0
 
 
@@ -63,49 +62,41 @@ def test_the_error_covers_the_truth_under_noise() -> None:
     for seed in range(20):
         noise = np.random.default_rng(seed).normal(0.0, 1.0, F.size)
         slopes = fit_slopes(F, lines(1200.0, 20.0, 60.0) + noise, 10.0, 8000.0)
-        assert slopes.cutoff.value is not None
-        assert slopes.cutoff.error is not None
         misses += abs(slopes.cutoff.value - 1200.0) > slopes.cutoff.error
     assert misses <= 2  # 5 % of 20, and one more
 
 
-def test_a_straight_line_has_no_cutoff_and_a_roll_off_its_corner() -> None:
+def test_a_straight_line_has_no_cutoff_a_roll_off_its_corner() -> None:
     slopes = fit_slopes(F, 20 * np.log10(F), 10.0, 8000.0)
     assert slopes.cutoff.value is None
     assert slopes.below == slopes.above
     assert slopes.below.value == pytest.approx(20.0, abs=1e-6)
     # A smooth curve: its asymptotes meet at 800 Hz, and the range moves the fitted corner
     slopes = fit_slopes(F, -10 * np.log10(1 + (F / 800.0) ** 2), 10.0, 20_000.0)
-    assert slopes.cutoff.value is not None
-    assert slopes.cutoff.error is not None
     assert abs(slopes.cutoff.value - 800.0) < slopes.cutoff.error
-
-
-def test_points_spread_unevenly_weigh_by_their_share_of_the_range() -> None:
-    """The same noiseless bend on a grid four times as fine above 1 kHz: the same answer."""
+    # The same noiseless bend on a grid four times as fine above 1 kHz: the same answer
     uneven = np.concatenate([F[F < 1000.0], np.geomspace(1000.0, 20_000.0, 700)])
 
     def bend(f: np.ndarray) -> np.ndarray:
         return 10 * np.log10((f / 1000.0) ** 2 + (f / 1000.0) ** 6)
 
     even, other = fit_slopes(F, bend(F), 10.0, 8000.0), fit_slopes(uneven, bend(uneven), 10.0, 8000.0)
-    assert even.cutoff.value is not None
     assert other.cutoff.value == pytest.approx(even.cutoff.value, rel=0.01)  # the grids' own sampling
 
 
-def test_too_few_points_are_told() -> None:
+def test_too_few_points_are_told_and_the_same_seed_gives_the_same_answer() -> None:
     with refused("at least 20"):
         fit_slopes(F[:10], F[:10], 10.0, 8000.0)
     with refused("at least 10"):
         calibrate(np.array([10.0, 20.0]), np.array([1.0, 2.0]), largest_ratio=ANY_RATIO)
+    target = paper_target()
+    assert calibrate(*target, starts=4) == calibrate(*target, starts=4)
 
 
 @pytest.mark.parametrize(("below", "above", "flatter"), [
     (20.0, 60.0, "below"), (-20.0, 5.0, "above"), (None, 0.5, "below"), (0.5, None, "above"),
 ])  # fmt: skip
-def test_mid_band_is_on_the_flatter_side_of_the_cutoff(
-    below: float | None, above: float | None, flatter: str
-) -> None:
+def test_mid_band_is_on_the_flatter_side(below: float | None, above: float | None, flatter: str) -> None:
     """A side without a slope is flat. Its middle is that of logarithms, from end to cut-off."""
     curve = gain(load_circuit("transimpedance"))
     sides = {
@@ -136,7 +127,6 @@ def test_the_error_covers_an_outermost_tenth_that_bends_off(mirror: bool) -> Non
     level = 20.0 * x + (off[::-1] if mirror else off)
     slopes = fit_slopes(10**x, level, 10.0, 10_000.0)
     assert slopes.cutoff.value is None
-    assert slopes.below.value is not None
     assert abs(slopes.below.value - 20.0) > 0.01
     assert slopes.below.error == pytest.approx(abs(slopes.below.value - 20.0), rel=1e-6)
 
@@ -159,31 +149,35 @@ def calibration() -> Calibration:
 
 
 @pytest.mark.slow
-def test_the_shipped_set_is_as_near_to_the_paper_as_any_that_is_found(
-    shipped: Constants, calibration: Calibration
-) -> None:
+def test_the_shipped_set_is_as_near_to_the_paper_as_any(shipped: Constants, calibration: Calibration) -> None:
     assert misfit(shipped) == pytest.approx(1.82, abs=0.01)
     assert calibration.rms == pytest.approx(misfit(shipped), abs=0.01)
     assert calibration.agreeing >= 2  # more than one start ended there
+    # Which constants the other six mix hangs on the machine's rounding: only their number is told
+    assert len(calibration.combinations) - len(calibration.open_combinations) == 4
+    frequency, _ = paper_target()
+    before = decibels(exact_response(calibration.constants, frequency))
+    step = calibration.open_combinations[0].exponents
+    moved = {
+        name: getattr(calibration.constants, name) * np.exp(0.5 * step.get(name, 0.0)) for name in FITTED
+    }
+    moved["motional_capacitance"] *= moved["capacitance"] / calibration.constants.capacitance
+    after = decibels(exact_response(Constants(d33=-33e-12, **moved), frequency))
+    assert np.std(after - before) < 0.1  # OPEN, over half a factor e
 
 
-def test_the_ranges_searched_are_those_of_the_page() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "evidence" / "circuit.md").read_text("utf-8")
-    rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", page, re.M)
-    ranges = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
-    assert ranges == BOUNDS
-
-
-def test_every_shipped_constant_lies_in_its_bounds(shipped: Constants) -> None:
+def test_every_shipped_constant_lies_in_its_bounds_which_are_the_pages(shipped: Constants) -> None:
     for name in FITTED:
         value = getattr(shipped, name)
         if name == "motional_capacitance":
             value /= shipped.capacitance
         low, high = BOUNDS[name]
         assert low <= value <= high * 1.001, name  # its three digits: the ratio is at its bound
-
-
-def test_the_shipped_cutoff_is_the_papers_but_60_db_a_decade_is_not_reached(shipped: Constants) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "evidence" / "circuit.md").read_text("utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", page, re.M)
+    ranges = {name: (float(low), float(high)) for name, low, high in rows if name in BOUNDS}
+    assert ranges == BOUNDS
+    # the cut-off is the paper's, but 60 dB a decade are not reached
     frequency = np.geomspace(10.0, 20_000.0, 400)
     slopes = fit_slopes(frequency, decibels(exact_response(shipped, frequency)), 10.0, 8000.0)
     assert slopes.cutoff.value == pytest.approx(PAPER_CUTOFF, rel=0.05)
@@ -202,21 +196,6 @@ def test_with_a_films_own_coupling_the_network_stays_at_20_db_a_decade() -> None
 
 
 @pytest.mark.slow
-def test_the_papers_statements_fix_four_of_ten_combinations(calibration: Calibration) -> None:
-    """Which constants the other six mix hangs on the machine's rounding: only their number is told."""
-    assert len(calibration.combinations) - len(calibration.open_combinations) == 4
-    frequency, _ = paper_target()
-    before = decibels(exact_response(calibration.constants, frequency))
-    step = calibration.open_combinations[0].exponents
-    moved = {
-        name: getattr(calibration.constants, name) * np.exp(0.5 * step.get(name, 0.0)) for name in FITTED
-    }
-    moved["motional_capacitance"] *= moved["capacitance"] / calibration.constants.capacitance
-    after = decibels(exact_response(Constants(d33=-33e-12, **moved), frequency))
-    assert np.std(after - before) < 0.1  # OPEN, over half a factor e
-
-
-@pytest.mark.slow
 def test_known_constants_curve_is_found_again() -> None:
     """A curve of the network itself, at another level: nothing is left over."""
     known = constants(load_circuit("yamada-2002-motional", ["motional.resistance=50000.0"]))
@@ -226,11 +205,6 @@ def test_known_constants_curve_is_found_again() -> None:
     again = exact_response(calibration.constants, frequency)
     shift = decibels(again) - decibels(exact_response(known, frequency)) - 7.0
     assert calibration.offset == pytest.approx(-float(shift.mean()), abs=1e-9)
-
-
-def test_the_same_seed_gives_the_same_answer() -> None:
-    target = paper_target()
-    assert calibrate(*target, starts=4) == calibrate(*target, starts=4)
 
 
 def test_a_resonance_between_two_points_counts_against_a_start() -> None:

@@ -103,15 +103,7 @@ def test_time_response_and_spices_transient_agree(tmp_path: Path, c: Network) ->
     assert np.abs(ours - theirs).max() < 1e-4 * np.abs(ours).max()
 
 
-def test_coarse_and_fine_steps_of_the_same_piecewise_linear_charge_agree(c: Network) -> None:
-    """The step is exact: ten steps of a tenth are one step, to rounding by the network's stiffness."""
-    coarse = pulse(np.arange(41) * 1e-4, c)
-    fine = np.interp(np.arange(401), np.arange(0, 401, 10), coarse)
-    one, ten = output(c, coarse, 1e4), output(c, fine, 1e5)[::10]
-    assert np.abs(one - ten).max() < 1e-8 * np.abs(one).max()
-
-
-def test_in_pieces_as_at_once(c: Network) -> None:
+def test_steps_are_exact_in_pieces_too_and_nothing_comes_at_rest(c: Network) -> None:
     charge = pulse(np.arange(1000) * 4e-6, c) + 1e-12
     s = stepper(c, 2.5e5)
     whole, last = run(s, charge)
@@ -120,6 +112,14 @@ def test_in_pieces_as_at_once(c: Network) -> None:
     joined = np.concatenate([head, tail[1:]])
     np.testing.assert_allclose(joined, whole, rtol=0, atol=1e-14 * np.abs(whole).max())  # sums' order
     np.testing.assert_array_equal(end, last)
+    # The step is exact: ten steps of a tenth are one step, to rounding by the network's stiffness
+    coarse = pulse(np.arange(41) * 1e-4, c)
+    fine = np.interp(np.arange(401), np.arange(0, 401, 10), coarse)
+    one, ten = output(c, coarse, 1e4), output(c, fine, 1e5)[::10]
+    assert np.abs(one - ten).max() < 1e-8 * np.abs(one).max()
+    moving = output(c, pulse(np.arange(1000) * 1e-5, c), 1e5)
+    still = output(c, np.full(1000, c.charge), 1e5)
+    assert np.abs(still).max() < 1e-9 * np.abs(moving).max()  # rounding of the film's 1 / Cpvd
 
 
 def test_one_sample_at_a_time_as_at_once(c: Network) -> None:
@@ -139,12 +139,6 @@ def test_one_sample_at_a_time_as_at_once(c: Network) -> None:
     np.testing.assert_allclose(seen, whole, rtol=0, atol=within)
 
 
-def test_at_rest_under_a_constant_charge_nothing_comes_out(c: Network) -> None:
-    moving = output(c, pulse(np.arange(1000) * 1e-5, c), 1e5)
-    still = output(c, np.full(1000, c.charge), 1e5)
-    assert np.abs(still).max() < 1e-9 * np.abs(moving).max()  # rounding of the film's 1 / Cpvd
-
-
 @pytest.mark.parametrize("rate", [10.0, 650.0, 1e5, 1e8])
 def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
     """A step of charge dies out: the last tenth of a long record is below the first."""
@@ -156,22 +150,17 @@ def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
         assert np.abs(voltage[-200:]).max() <= np.abs(voltage).max()
 
 
-def test_what_no_double_can_hold_is_refused() -> None:
+def test_what_no_double_can_hold_and_a_bad_rate_or_charge_are_refused() -> None:
     c = replace(constants(load_circuit("yamada-2002")), input_capacitance=1e-300)
     with pytest.raises(RefusedError, match="too long"):
         stepper(network(c), 1e5)
-
-
-@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf])
-def test_a_bad_rate_is_told(rate: float) -> None:
-    with refused_by("rate: must be above 0 Hz"):
-        stepper(circuit_network(load_circuit(PAPER)), rate)
-
-
-@pytest.mark.parametrize("charge", [[], [0.0, np.nan], [[0.0]]])
-def test_a_bad_charge_is_told(charge: list[float]) -> None:
-    with refused_by("charge: must be a row"):
-        output(circuit_network(load_circuit(PAPER)), np.array(charge), 1e5)
+    paper = circuit_network(load_circuit(PAPER))
+    for rate in (0.0, -1.0, np.nan, np.inf):
+        with refused_by("rate: must be above 0 Hz"):
+            stepper(paper, rate)
+    for charge in ([], [0.0, np.nan], [[0.0]]):
+        with refused_by("charge: must be a row"):
+            output(paper, np.array(charge), 1e5)
 
 
 WIDTH = 300.0

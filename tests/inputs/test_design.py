@@ -41,6 +41,9 @@ def test_every_field_has_a_meaning_and_every_number_a_unit() -> None:
         assert field.description, path
         if field.annotation in (float, int, float | None):
             assert field.json_schema_extra["unit"], path
+    ridge = json.loads(schema_of("designs"))["$defs"]["Ridge"]
+    assert ridge["oneOf"] == [{"required": ["height"]}, {"required": ["heights"]}]
+    assert not {"height", "heights"} & {*ridge["required"]}
 
 
 @pytest.mark.parametrize(
@@ -83,21 +86,11 @@ def test_a_broken_rule_names_key_rule_value_and_remedy(yamada: Design, change: d
         yamada.with_(**change)
 
 
-BROKEN = {  # rules that hang together with no other one: of fields, then between keys
-    "skin.length": {"skin": {"length": -1.0}},
-    "ridge.height": {"ridge": {"height": "high"}},
-    "contact.force": {"contact": {"force": 0.0}},
-    "film.lead": {"film": {"lead": 0.5}},
-}
-BETWEEN = {
-    "mold.process": {"mold": {"process": "hot-wire"}},
-    "mold.lid_process": {"mold": {"lid_process": "cold-wire"}},
-    "ridge.count": {"ridge": {"count": 12}},
-    "ridge.tip_width": {"ridge": {"tip_width": 0.8}},
-    "ridge.tip_fillet": {"ridge": {"tip_fillet": 1e-9}},
-    "film.thickness": {"film": {"thickness": 0.1}},
-    "film.electrode_margin": {"film": {"electrode_margin": 0.125}},
-}
+# rules that hang together with no other one: of fields, then between keys
+BROKEN = {"skin.length": -1.0, "ridge.height": "high", "contact.force": 0.0, "film.lead": 0.5}
+BETWEEN = {"mold.process": "hot-wire", "mold.lid_process": "cold-wire", "ridge.count": 12}
+BETWEEN |= {"ridge.tip_width": 0.8, "ridge.tip_fillet": 1e-9, "film.thickness": 0.1}
+BETWEEN |= {"film.electrode_margin": 0.125}
 
 
 @pytest.mark.parametrize("rules", [BROKEN, BETWEEN])
@@ -107,9 +100,9 @@ def test_all_broken_rules_are_told_in_one_line_the_first_as_it_is_alone(yamada: 
     lines = []
     while left:
         changes: dict = {}
-        for change in left.values():
-            for table, values in change.items():
-                changes[table] = {**changes.get(table, {}), **values}
+        for key, value in left.items():
+            table, _, name = key.partition(".")
+            changes.setdefault(table, {})[name] = value
         with pytest.raises(InputError) as refused:
             yamada.with_(**changes)
         errors = [refused.value, *refused.value.others]
@@ -122,7 +115,7 @@ def test_all_broken_rules_are_told_in_one_line_the_first_as_it_is_alone(yamada: 
     assert all(before.endswith(after) for before, after in pairwise(lines))
 
 
-def test_no_more_rules_are_told_than_can_be_read_and_no_key_is_missing_where_one_is_misspelt(
+def test_few_rules_are_told_and_no_misspelt_key_is_missing(
     yamada: Design,
 ) -> None:
     with pytest.raises(InputError) as refused:
@@ -141,7 +134,7 @@ def test_a_design_is_frozen_and_with_leaves_it_alone(yamada: Design) -> None:
     higher = yamada.with_(ridge={"height": 0.6})
     assert (yamada.ridge.height, higher.ridge.height) == (0.5, 0.6)
     with pytest.raises(ValueError, match="frozen"):
-        yamada.ridge.height = 0.7  # type: ignore[misc]
+        yamada.ridge.height = 0.7
 
 
 def test_overrides_read_toml_values_in_order(yamada: Design) -> None:
@@ -159,16 +152,6 @@ def test_overrides_read_toml_values_in_order(yamada: Design) -> None:
     assert load("yamada-2002", ["film=none"]).film_state == "loose"
 
 
-def test_another_silicone_brings_its_own_values(yamada: Design) -> None:
-    for soft in (
-        load("yamada-2002", ["material.name=ecoflex-00-30"]),
-        yamada.with_(material={"name": "ecoflex-00-30"}),
-    ):
-        assert Job(soft).silicone.young_modulus.value == 0.07
-    changed = load("yamada-2002", ["material.young_modulus=0.06", "material.name=ecoflex-00-30"])
-    assert Job(changed).silicone.young_modulus.value == 0.06
-
-
 @pytest.mark.parametrize(
     "text", ["ridge.height=1\nfoo=3", "ridge.height", "=1", "ridge..height=1", "name.x=1"]
 )
@@ -184,6 +167,13 @@ def test_own_values_lie_on_top_of_the_catalog(yamada: Design) -> None:
     assert (unnamed.young_modulus.low, unnamed.young_modulus.high) == (0.3, 0.3)
     with pytest.raises(InputError, match="did you mean 'dragon-skin-30'"):
         yamada.with_(material={"name": "dragonskin-30"})
+    for soft in (
+        load("yamada-2002", ["material.name=ecoflex-00-30"]),
+        yamada.with_(material={"name": "ecoflex-00-30"}),
+    ):
+        assert Job(soft).silicone.young_modulus.value == 0.07
+    changed = load("yamada-2002", ["material.young_modulus=0.06", "material.name=ecoflex-00-30"])
+    assert Job(changed).silicone.young_modulus.value == 0.06
 
 
 numbers = st.floats(allow_nan=True, allow_infinity=True) | st.integers() | st.text(max_size=5) | st.none()
@@ -255,15 +245,6 @@ def test_what_is_wrong_is_a_line_with_its_ridge(yamada: Design, ridge: dict[str,
         yamada.with_(ridge=ridge)
 
 
-def test_all_at_the_same_height_is_the_height(yamada: Design) -> None:
-    assert yamada.heights == yamada.with_(ridge={"heights": [0.5] * 9}).heights == (0.5,) * 9
-    assert not yamada.with_(ridge={"heights": [0.5] * 9}).uneven
-    assert yamada.with_(ridge={"levelling": 0.0}).heights == (0.5,) * 9
-    flat = yamada.with_(skin={"curvature_radius": 1e8}, ridge={"levelling": 1.0})
-    assert flat.heights == pytest.approx([0.5] * 9, abs=1e-7)  # 16 / 2e8 mm of drop at the outer ridges
-    assert flat.heights[0] - 0.5 == pytest.approx(8e-8, rel=1e-6)  # and no digit of it is lost
-
-
 @pytest.mark.parametrize("count", [1, 2, 8, 9])
 @pytest.mark.parametrize("share", [0.3, 1.0])
 def test_levelling_makes_up_for_a_part_of_the_drop(yamada: Design, count: int, share: float) -> None:
@@ -285,7 +266,6 @@ def test_levelling_makes_up_for_a_part_of_the_drop(yamada: Design, count: int, s
 @pytest.mark.parametrize(
     ("settings", "heights"),
     [
-        ([TEXT], UNLIKE),
         (["ridge.height=0.6", TEXT], UNLIKE),
         ([TEXT, "ridge.height=0.6"], [0.6] * 9),
         (["ridge.levelling=0.5", TEXT], UNLIKE),
@@ -295,10 +275,7 @@ def test_levelling_makes_up_for_a_part_of_the_drop(yamada: Design, count: int, s
     ],
 )
 def test_what_is_set_last_takes_the_others_place(settings: list[str], heights: list[float]) -> None:
-    design = load("yamada-2002", settings)
-    assert design.heights == tuple(heights)
-    names = ["yamada-2002", *settings]
-    assert load(names[0], names[1:]).to_toml() == design.to_toml()
+    assert load("yamada-2002", settings).heights == tuple(heights)
 
 
 def test_a_changed_copy_takes_the_others_place_too(yamada: Design) -> None:
@@ -310,31 +287,24 @@ def test_a_changed_copy_takes_the_others_place_too(yamada: Design) -> None:
     assert levelled == yamada.with_(ridge={"levelling": 0.5})
     with pytest.raises(InputError, match=r"ridge\.heights: must be 5 values, one a ridge"):
         unlike.with_(ridge={"count": 5})
+    assert yamada.heights == yamada.with_(ridge={"heights": [0.5] * 9}).heights == (0.5,) * 9
+    assert not yamada.with_(ridge={"heights": [0.5] * 9}).uneven
+    assert yamada.with_(ridge={"levelling": 0.0}).heights == (0.5,) * 9
+    flat = yamada.with_(skin={"curvature_radius": 1e8}, ridge={"levelling": 1.0})
+    assert flat.heights == pytest.approx([0.5] * 9, abs=1e-7)  # 16 / 2e8 mm of drop at the outer ridges
+    assert flat.heights[0] - 0.5 == pytest.approx(8e-8, rel=1e-6)  # and no digit of it is lost
 
 
 @pytest.mark.parametrize("ridge", [{"heights": UNLIKE}, {"levelling": 0.3}])
-def test_a_design_is_loaded_from_the_toml_that_it_writes(
-    yamada: Design, ridge: dict[str, Any], tmp_path: Any
-) -> None:
-    design = yamada.with_(ridge=ridge)
+def test_heights_are_written_and_grow_with_the_shrinkage(yamada: Design, ridge: dict, tmp_path: Any) -> None:
+    """Heights are lengths; levelling is a share, and a larger skin of the same share has the same shape."""
+    design = yamada.with_(ridge=ridge, mold={"shrinkage": 0.02})
     (tmp_path / "copy.toml").write_text(design.to_toml())
     again = skincad.load_design(tmp_path / "copy.toml")
     assert again == design
     assert hash(again) == hash(design)
-
-
-def test_the_schema_asks_for_one_of_the_two() -> None:
-    ridge = json.loads(schema_of("designs"))["$defs"]["Ridge"]
-    assert ridge["oneOf"] == [{"required": ["height"]}, {"required": ["heights"]}]
-    assert not {"height", "heights"} & {*ridge["required"]}
-
-
-def test_what_is_poured_is_larger_by_the_shrinkage(yamada: Design) -> None:
-    """Heights are lengths; levelling is a share, and a larger skin of the same share has the same shape."""
-    for ridge in ({"heights": UNLIKE}, {"levelling": 0.3}):
-        design = yamada.with_(ridge=ridge, mold={"shrinkage": 0.02})
-        larger = [height / 0.98 for height in design.heights]
-        assert scaled_for_shrinkage(design).heights == pytest.approx(larger, rel=1e-14)
+    larger = [height / 0.98 for height in design.heights]
+    assert scaled_for_shrinkage(design).heights == pytest.approx(larger, rel=1e-14)
 
 
 def small(**change: dict[str, object]) -> Design:
@@ -352,11 +322,8 @@ def by_check(design: Design, force: float, folder: Path) -> str:
 def by_scene(design: Design, force: float, folder: Path) -> str:
     """Pressed within eight steps."""
     (folder / "skin.toml").write_text(design.to_toml())
-    settings = [
-        f"skin={(folder / 'skin.toml').as_posix()!r}",
-        f"history.normal_force_N=[0.0, {force}]",
-        *("history.steps=8", "effects.film=none", "readout.ridges=[]"),
-    ]
+    settings = [f"skin={(folder / 'skin.toml').as_posix()!r}", f"history.normal_force_N=[0.0, {force}]"]
+    settings += ["history.steps=8", "effects.film=none", "readout.ridges=[]"]
     march = at_level(load_scene("yamada-2002-press", settings), LEVELS[0]).march
     return march.stopped or "" if march.failed else ""
 
@@ -378,13 +345,8 @@ def by_ladder(design: Design, force: float, folder: Path) -> str:
     return march.stopped or "" if march.failed else ""
 
 
-WAYS: dict[str, Callable[[Design, float, Path], str]] = {
-    "check": by_check,
-    "simulate": by_scene,
-    "film stress": by_film,
-    "fit-material": by_fit,
-    "accuracy": by_ladder,
-}
+WAYS: dict[str, Callable[[Design, float, Path], str]] = {"check": by_check, "simulate": by_scene}
+WAYS |= {"film stress": by_film, "fit-material": by_fit, "accuracy": by_ladder}
 BAD: dict[str, tuple[dict[str, dict[str, object]], float]] = {
     "pressed flat": ({}, 1e4),
     "strained": ({"skin": {"curvature_radius": 4.0, "thickness": 5.0}}, 20.0),

@@ -41,9 +41,7 @@ from tests.refusals import refused
         ("ridge,crest_mm\n" + "\n".join(f"{i},3.0" for i in range(1, 10)), "must be within 0.5 mm"),
     ],
 )
-def test_a_bad_file_is_refused_with_its_row_and_remedy(
-    tmp_path: Path, yamada: Design, text: str, words: str
-) -> None:
+def test_a_bad_file_is_refused(tmp_path: Path, yamada: Design, text: str, words: str) -> None:
     path = tmp_path / "crests.csv"
     path.write_text(text)
     with refused(words):
@@ -87,9 +85,7 @@ def spelt(text: str, decimal: str) -> str:
 
 @pytest.mark.parametrize("decimal", [".", ","])
 @pytest.mark.parametrize("spelling", SPELLINGS)
-def test_one_table_reads_the_same_however_a_spreadsheet_writes_it(
-    tmp_path: Path, spelling: str, decimal: str
-) -> None:
+def test_a_table_reads_the_same_from_any_spreadsheet(tmp_path: Path, spelling: str, decimal: str) -> None:
     if (spelling, decimal) == ("commas", ","):
         return  # refused, below
     path = tmp_path / "crests.csv"
@@ -166,9 +162,7 @@ def test_every_reader_takes_a_european_spreadsheet(tmp_path: Path, yamada: Desig
 
 @pytest.mark.parametrize("span", [0.02, 1.0, 50.0])
 @pytest.mark.parametrize(("back", "taken"), [(0.03, True), (0.08, False)])
-def test_a_crosshead_may_go_back_by_a_twentieth_of_its_way(
-    tmp_path: Path, span: float, back: float, taken: bool
-) -> None:
+def test_a_crosshead_may_go_back_a_little(tmp_path: Path, span: float, back: float, taken: bool) -> None:
     travel = np.linspace(0.0, span, 30)
     travel[15] = travel[14] - back * span
     path = tmp_path / "test.csv"
@@ -197,24 +191,13 @@ def test_a_form_reads_back_as_it_was_filled_in(tmp_path: Path) -> None:
     (tmp_path / NOTCH_FORM).write_text(form(NOTCH_COLUMNS, NOTCHES, ["a note", "another"]))
     (tmp_path / CREST_FORM).write_text(form(CREST_COLUMNS, STEPS))
     notches, steps = read_notches(tmp_path), read_crests(tmp_path)
-    assert notches is not None
-    assert steps is not None
     rows = [*zip(*(column.tolist() for column in notches), strict=True)]
     assert rows == [tuple(map(float, row[1:])) for row in NOTCHES]
     assert steps.measured.tolist() == [float(row[2]) for row in STEPS]
-
-
-def test_so_does_one_of_a_spreadsheet_with_decimal_commas(tmp_path: Path) -> None:
-    lines = form(NOTCH_COLUMNS, NOTCHES).replace(",", ";").replace(".", ",")
+    lines = form(NOTCH_COLUMNS, NOTCHES).replace(",", ";").replace(".", ",")  # as a spreadsheet writes it
     (tmp_path / NOTCH_FORM).write_text(lines.replace("\n", ";;\r\n"))
-    notches = read_notches(tmp_path)
-    assert notches is not None
-    assert notches.drawn[0] == 0.06
-
-
-def test_a_form_that_is_not_there_was_not_measured(tmp_path: Path) -> None:
-    assert read_notches(tmp_path) is None
-    assert read_crests(tmp_path / "nowhere") is None
+    assert read_notches(tmp_path).drawn[0] == 0.06
+    assert read_notches(tmp_path / "nowhere") is read_crests(tmp_path / "nowhere") is None  # not measured
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,11 @@ from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
 from tests.refusals import refused_by
 
 
-def test_each_family_has_a_table_and_a_design_here() -> None:
+def test_each_family_has_a_design_here_and_heights_by_ring() -> None:
     assert set(FAMILIES) == {"ridge", *(one().features.family for one in OF_FAMILIES.values())}
+    assert skin_of(pillars()).heights == (*[5.5] * 4, 6.0, *[5.5] * 4)
+    graded = dome().with_(pin={"heights": [1.0, 0.9, 0.8, 0.7]})
+    assert skin_of(graded).heights == (1.0, *[0.9] * 6, *[0.8] * 12, *[0.7] * 18)
 
 
 @pytest.mark.parametrize("name", OF_FAMILIES)
@@ -61,12 +64,6 @@ def test_levelled_features_have_level_crests(name: str) -> None:
     assert max(level.crests) == pytest.approx(max(skin_of(design).crests), rel=1e-14)
     half = skin_of(design.with_(**{design.features.family: {"levelling": 0.5}}))
     assert np.ptp(half.crests) == pytest.approx(np.ptp(skin_of(design).crests) / 2, rel=1e-9)
-
-
-def test_heights_by_ring_of_pins_are_those_of_its_pins() -> None:
-    assert skin_of(pillars()).heights == (*[5.5] * 4, 6.0, *[5.5] * 4)
-    graded = dome().with_(pin={"heights": [1.0, 0.9, 0.8, 0.7]})
-    assert skin_of(graded).heights == (1.0, *[0.9] * 6, *[0.8] * 12, *[0.7] * 18)
 
 
 @pytest.mark.parametrize(

@@ -150,11 +150,8 @@ def test_the_steepest_crown_is_that_whose_tangent_is_the_flank(yamada: Design) -
 
 def test_a_ridge_without_fillets_has_no_tiny_edges(yamada: Design) -> None:
     """Rounding made a fillet of radius 0 an edge of 1e-17 mm, and one root in ten crossed itself by it."""
-    sharp = yamada.with_(
-        slot=None,
-        skin={"curvature_radius": 20.0},
-        ridge={"tip_width": 0.75, "crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0},
-    )
+    ridge = {"tip_width": 0.75, "crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0}
+    sharp = yamada.with_(slot=None, skin={"curvature_radius": 20.0}, ridge=ridge)
     for root in np.linspace(0.76, 0.98, 23):
         outline = section(sharp.with_(ridge={"root_width": float(root)})).outline
         assert min(s.chord for s in outline) > 1e-3
@@ -192,7 +189,6 @@ def test_a_line_meets_a_circle_that_is_concentric_with_the_base(radius: float, l
         return float((x * x + n * n + 2 * radius * n) / (math.hypot(x, n + radius) + radius))
 
     u = concentric_hit(start, along, 1 / radius, level + level**2 / (2 * radius))
-    assert u is not None
     assert over(u) == pytest.approx(level, abs=1e-9)
     assert concentric_hit(start, -along, 1 / radius, 0.3) is None  # it falls
     assert concentric_hit(np.array([0.0, -0.6]), np.array([1.0, 0.0]), 1 / radius, 0.3) is None  # it is level

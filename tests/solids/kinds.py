@@ -55,12 +55,9 @@ def boned(folder: Path, shape: cq.Workplane | str, base: Design | None = None, *
 
 def many_locked() -> Design:
     """Seven locked ridges on a radius of 8 mm: pieces between on both sides of the middle one."""
-    return skincad.load("steep-fingertip").with_(
-        skin={"curvature_radius": 8.0, "width": 10.5, "thickness": 4.0},
-        ridge={"count": 7, "height": 1.2, "pitch": 1.3, "root_width": 0.5, "tip_width": 0.5},
-        slot=None,
-        mold={"floor": 14.0},
-    )
+    skin = {"curvature_radius": 8.0, "width": 10.5, "thickness": 4.0}
+    ridge = {"count": 7, "height": 1.2, "pitch": 1.3, "root_width": 0.5, "tip_width": 0.5}
+    return skincad.load("steep-fingertip").with_(skin=skin, ridge=ridge, slot=None, mold={"floor": 14.0})
 
 
 def round_flat() -> Design:
@@ -74,6 +71,8 @@ def wide_rings() -> Design:
     return families.rings().with_(skin={"width": 22.0})
 
 
+LOCKED = ["skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none"]
+HARD = {"name": "dragon-skin-30"}
 IN_A_BLOCK = {"block_process": "fdm", "lid_process": "fdm"}
 KINDS: dict[str, Callable[[Path], Design]] = {
     "straight": lambda _: few_ridges(),
@@ -86,9 +85,7 @@ KINDS: dict[str, Callable[[Path], Design]] = {
     "gang of four": lambda _: skincad.load("plain-ridges", ["ridge.count=3", "mold.cavities=4"]),
     "split": lambda _: skincad.load("steep-fingertip"),
     "split of seven": lambda _: many_locked(),
-    "locked": lambda _: skincad.load(
-        "yamada-2002", ["skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none"]
-    ),
+    "locked": lambda _: skincad.load("yamada-2002", LOCKED),
     "mount": lambda _: mounted_design("yamada-2002"),
     "bowl": lambda _: three_ridges(),
     "shallow bowl": lambda _: bent("yamada-2002", 60.0, "ridge.count=3"),
@@ -111,11 +108,9 @@ KINDS: dict[str, Callable[[Path], Design]] = {
     "bone on pins": lambda folder: boned(folder, plate(), bone_bond="rivets"),
     "turned bone": lambda folder: boned(folder, stem(), bone_at=[2.0, 1.0, 0.0], bone_turn=[0.0, 0.0, 90.0]),
     "bones of a gang": lambda folder: boned(folder, stem(), cavities=2),
-    "bone behind a layer": lambda folder: boned(folder, stem()).with_(
-        shot=({"name": "dragon-skin-30", "thickness": 3.0},)
-    ),
+    "bone behind a layer": lambda folder: boned(folder, stem()).with_(shot=({**HARD, "thickness": 3.0},)),
     "bone in a round skin": lambda folder: boned(folder, stem(), wide_rings()),
-    "bone on pins in a round skin": lambda folder: boned(folder, plate(), wide_rings()).with_(
-        shot=({"name": "dragon-skin-30", "thickness": 2.6},)
+    "bone on pins in a round skin": lambda folder: boned(
+        folder, plate(), wide_rings().with_(shot=({**HARD, "thickness": 2.6},))
     ),
 }

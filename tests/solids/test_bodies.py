@@ -66,10 +66,8 @@ def test_volumes_by_hand() -> None:
     drilled = Part("p", PartRole.COVER, box(2, (0, 5), (0, 1)), (Bore((0, 2, 0), "z", 1.0, 0.5, 1.0),))
     frustum = math.pi / 3 * (0.25 + 0.5 + 1.0)
     assert drilled.volume == pytest.approx(20.0 - frustum, rel=1e-14)
-    short, long = (
-        Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT),
-        Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0),
-    )
+    short = Bore((0.0, 0.0, 0.0), "z", 2.0, 1.0, role=CutRole.VENT)
+    long = Bore((0.0, 0.0, -1.0), "z", 4.0, 1.0)
     assert ExtendedCut(short, long).volume == short.volume
     assert ExtendedCut(short, long).role is CutRole.VENT
     turned = RotatedBody(short, 20.0, 0.3, 0.0)
@@ -258,10 +256,8 @@ def test_a_grids_angles_are_common_and_ends_between_them_lie_on_its_chords() -> 
     assert set(whole[whole > -0.11]) <= set(part)  # to the last digit
     step = whole[1] - whole[0]
     assert 22.0 * (1 - math.cos(step / 2)) < fine / 2 < 22.0 * (1 - math.cos(0.6 * step))
-    (y0, z0), (y1, z1), (y2, z2) = (
-        *grid.arc(whole[3], whole[4], fine),
-        grid.arc(whole[3] + 0.3 * step, 0.3, fine)[0],
-    )
+    (y0, z0), (y1, z1) = grid.arc(whole[3], whole[4], fine)
+    y2, z2 = grid.arc(whole[3] + 0.3 * step, 0.3, fine)[0]
     assert (y1 - y0) * (z2 - z0) == pytest.approx((y2 - y0) * (z1 - z0), rel=1e-9)
     assert math.hypot(y2, 20 - z2) < 20.0
 
@@ -392,11 +388,8 @@ def plate(depth: float | None) -> cq.Solid:
 
 
 def lines(strokes: tuple[Stroke, ...]) -> set[tuple[tuple[float, float], ...]]:
-    return {
-        tuple(sorted((round(x, 6) + 0.0, round(y, 6) + 0.0) for x, y in stroke.points))
-        for stroke in strokes
-        if isinstance(stroke, Polyline)
-    }
+    straight = [stroke.points for stroke in strokes if isinstance(stroke, Polyline)]
+    return {tuple(sorted((round(x, 6) + 0.0, round(y, 6) + 0.0) for x, y in points)) for points in straight}
 
 
 def test_a_bored_block_from_above_is_a_rectangle_and_a_circle() -> None:

@@ -34,7 +34,6 @@ def on_stem(tmp_path: Path) -> Design:
 def test_a_bone_takes_its_room_of_the_skin(on_stem: Design) -> None:
     """The block and half a thickness of edges. That kernel and mesh agree is the contract's of all kinds."""
     bone = bone_of(on_stem)
-    assert bone is not None
     assert bone.inside == pytest.approx(8 * 10 * 2, rel=1e-9)
     assert bone.volume == pytest.approx(8 * 10 * 2 + math.prod(STEM), rel=1e-9)
     assert skin_part(on_stem).volume == pytest.approx(skin_part(bare()).volume - 160.0, rel=1e-9)
@@ -45,6 +44,8 @@ def test_a_bone_takes_its_room_of_the_skin(on_stem: Design) -> None:
     assert window.volume == pytest.approx(wide * closed.first(PartRole.CARRIER).body.high, rel=1e-3)
     plain = bare().with_(mold={"carrier": "plain", "gate": None})
     assert poured_volume(Job(plain)) - poured_volume(Job(on_stem)) == pytest.approx(160.0, rel=1e-6)
+    # a check takes a flat back, and says so
+    assert any("flat back" in note for note in skincad.check(on_stem, model="winkler").warnings)
 
 
 def test_a_bone_that_ends_at_the_back_stands_on_pins(tmp_path: Path) -> None:
@@ -59,7 +60,6 @@ def test_a_bone_that_ends_at_the_back_stands_on_pins(tmp_path: Path) -> None:
 def test_a_pose_moves_and_turns_a_bone(tmp_path: Path) -> None:
     """Turned by a right angle about z, and moved: sides swap."""
     bone = bone_of(boned(tmp_path, stem(), bone_at=[2.0, 1.0, 0.0], bone_turn=[0.0, 0.0, 90.0]))
-    assert bone is not None
     low, high = bone.corners.reshape(-1, 3).min(axis=0), bone.corners.reshape(-1, 3).max(axis=0)
     assert low == pytest.approx([2 - 5, 1 - 4, -12], abs=1e-9)
     assert high == pytest.approx([2 + 5, 1 + 4, 2], abs=1e-9)
@@ -99,7 +99,6 @@ def test_silicone_round_a_bone_in_a_round_skin_is_measured_as_it_turns(tmp_path:
 def test_a_turning_bone_takes_what_its_faces_pass_through(tmp_path: Path) -> None:
     """Points of the block's faces turn within, and reach its ends; 2 um: a chord between slices."""
     bone = bone_of(boned(tmp_path, stem(), wide_rings(), bone_at=[1.0, 4.0, 0.0], bone_turn=[6.0, 3.0, 20.0]))
-    assert bone is not None
     region, dice = bone.in_section(turned=True), np.random.default_rng(1)
     shares = dice.dirichlet(np.ones(3), (len(bone.corners), 200))
     points = (shares @ bone.corners).reshape(-1, 3)
@@ -124,10 +123,6 @@ def test_each_skin_of_a_gang_has_its_bone(tmp_path: Path, shape: cq.Workplane) -
     for role in (PartRole.COVER, PartRole.SEAL):
         roles, alone = ([cut.role for cut in each.first(role).cuts] for each in (closed, one))
         assert roles.count(CutRole.WINDOW) == 2 * alone.count(CutRole.WINDOW)
-
-
-def test_a_check_says_that_it_takes_a_flat_back(on_stem: Design) -> None:
-    assert any("flat back" in note for note in skincad.check(on_stem, model="winkler").warnings)
 
 
 @pytest.mark.slow
@@ -177,19 +172,15 @@ STRAIGHT = cq.Workplane("XY").box(5, 6, 8)
 BLOCK = cq.Workplane("XY").box(6, 6, 2, centered=(True, True, False))
 
 
-def test_a_file_that_is_no_step_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_a_bone_that_is_not_there_or_no_step_is_refused(tmp_path: Path) -> None:
     """The kernel writes nothing of its own beside it."""
     (tmp_path / "no.step").write_text("solid")
     text = skincad.load("lab-bench").to_toml()
     (tmp_path / "pad.toml").write_text(text.replace("[mold]", '[mold]\nbone = "no.step"', 1))
     line = refused_command("make", "pad.toml", "--no-check", cwd=tmp_path)
     assert "mold.bone: is no STEP file" in line
-
-
-def test_a_bone_that_is_not_there(tmp_path: Path) -> None:
-    design = skincad.load("lab-bench").with_(mold={"bone": str(tmp_path / "none.step")})
     with pytest.raises(InputError, match=r"mold.bone: there is no such file"):
-        mold(design)
+        mold(skincad.load("lab-bench").with_(mold={"bone": str(tmp_path / "none.step")}))
     with pytest.raises(InputError, match=r"mold.bone_at: needs mold.bone"):
         skincad.load("lab-bench", ["mold.bone_at=[0.0, 0.0, 1.0]"])
     with pytest.raises(InputError, match=r"mold.carrier: must be 'plain' with a bone"):

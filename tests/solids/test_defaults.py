@@ -24,19 +24,10 @@ RANDOM = pytest.mark.evidence(subject="seeds: molds")
 RESCUED = 12  # of them are built
 LARGEST_SHARE = 0.10  # of valid sections without a mold; those shorter than 4 mm are 6 % of what is drawn
 # what a mold has where bolts, pins, gate and vent find room
-PLAIN = {
-    "wall": 13.0,
-    "floor": 9.0,
-    "carrier_thickness": 4.0,
-    "carrier": "perforated",
-    "pour": "syringe",
-    "gate": 2.0,
-    "vent": 1.0,
-}
+PLAIN = {"wall": 13.0, "floor": 9.0, "carrier_thickness": 4.0, "carrier": "perforated"}
+PLAIN |= {"pour": "syringe", "gate": 2.0, "vent": 1.0}
 # what a refusal may name: what a person wrote, or a clearance, where it is the slots' place that is told
 WRITTEN = {"skin.length", "mold.slit_clearance"}
-
-
 Planned = ClosedMold | InputError
 
 
@@ -123,7 +114,7 @@ def test_a_split_cavity_has_the_floor_that_its_pieces_need() -> None:
         mold(steep.with_(mold={"floor": 9.0, "carrier_thickness": 3.0}))
 
 
-def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
+def test_a_skin_too_thin_for_a_gate_is_poured_open_and_a_gang_has_gates(yamada: Design) -> None:
     thin = yamada.with_(skin={"thickness": 1.0, "curvature_radius": 1e3}, slot=None)
     assert (Job(yamada).gate, Job(thin).gate) == (2.0, None)
     sheet = casting_sheet(Job(thin), [], "", True)
@@ -131,11 +122,7 @@ def test_a_skin_too_thin_for_a_gate_is_poured_open(yamada: Design) -> None:
     assert "gate" not in sheet
     with pytest.raises(InputError, match=r"^skin.thickness: leaves .* for the gate"):
         mold(thin.with_(mold={"pour": "syringe"}))
-
-
-def test_a_gang_of_two_has_its_gates_in_the_sheet() -> None:
-    pair = few_ridges(mold={"cavities": 2})
-    assert "End a has the gate" in casting_sheet(Job(pair), [], "", True)
+    assert "End a has the gate" in casting_sheet(Job(few_ridges(mold={"cavities": 2})), [], "", True)
 
 
 @pytest.mark.slow

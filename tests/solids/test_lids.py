@@ -216,15 +216,12 @@ MOUNTED = [*KINDS, "bent"]
 def requested(design: Design) -> list[tuple[float, float]]:
     """Where the keys say that screws are, by another formula than the program's."""
     mount = design.mount
-    assert mount is not None
     if mount.thread is None:
         return []
     if mount.diameter:
         count = mount.count or 4
         first = math.radians(180 / count if mount.angle is None else mount.angle)
-        turns = [
-            cmath.rect(mount.diameter / 2, first) * cmath.exp(2j * math.pi * i / count) for i in range(count)
-        ]
+        turns = [cmath.rect(mount.diameter / 2, first + 2 * math.pi * i / count) for i in range(count)]
         return [(z.real, z.imag) for z in turns]
     xs, ys = ({-(w or 0) / 2, (w or 0) / 2} for w in (mount.pitch_x, mount.pitch_y))
     return [(x, y) for x in xs for y in ys]
@@ -312,19 +309,15 @@ def test_a_camera_knows_a_turned_carrier(name: str) -> None:
 
 def test_a_carrier_is_computed_as_thick_as_its_mount_asks_or_refused() -> None:
     plain = skincad.load("yamada-2002")
-    thick = {
-        name: mold(plain.with_(mount={**IN_LINE, "thread": name, "pitch_x": 10.0}, mold={"carrier": "plain"}))
-        for name in ("M2", "M3")
-    }
-    tops = {name: max(s.high for s in [closed.part("carrier").body]) for name, closed in thick.items()}
-    assert tops == {"M2": 6.0, "M3": 7.5}  # 2 + 1 + 2 and 3 + 1 + 2.5, and 1 over the silicone
+    for name, top in (("M2", 6.0), ("M3", 7.5)):  # 2 + 1 + 2 and 3 + 1 + 2.5, and 1 over the silicone
+        mount = {**IN_LINE, "thread": name, "pitch_x": 10.0}
+        assert mold(plain.with_(mount=mount, mold={"carrier": "plain"})).part("carrier").body.high == top
     exact = plain.with_(mount=IN_LINE, mold={"carrier_thickness": 6.0})
     assert mold(exact).part("carrier").body.high == 6.0
     with pytest.raises(InputError) as refused:
         mold(plain.with_(mount=IN_LINE, mold={"carrier_thickness": 5.9}))
-    assert str(refused.value).startswith(
-        "mold.carrier_thickness: must be at least 6 mm, for the mount's M2 threads over 1 mm that stay"
-    )
+    words = "must be at least 6 mm, for the mount's M2 threads over 1 mm that stay"
+    assert str(refused.value).startswith(f"mold.carrier_thickness: {words}")
 
 
 REFUSED = [

@@ -29,12 +29,16 @@ def one_pin(radius: float, along: float | None = None) -> Design:
     return skincad.Design(name="one", skin=skin, pin={**pin, "crown": 1.0}, **rest)
 
 
-def test_a_pin_on_a_sphere_counts_from_the_sphere_on() -> None:
+def test_a_pin_on_a_sphere_counts_from_the_sphere_on_and_turns_with_its_mold() -> None:
     (pin,) = skin_part(one_pin(10.0, 10.0)).adds
     height = 10 - math.sqrt(10**2 - 1)  # of the cap under its foot, whose volume the cylinder there leaves
     filled = math.pi * height - math.pi * height**2 * (10 - height / 3)
     # height over the tangent plane is 3, so cylinder 2 and hemisphere; quadrature exact to rounding
     assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
+    design = families.pillars().with_(pin={"heights": [4.0 + 0.1 * i for i in range(9)]})
+    for pin, negative in zip(skin_part(design).adds, cast_skin(design).adds, strict=True):
+        x, y, z = pin.origin
+        assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
 
 
 @pytest.mark.slow
@@ -51,13 +55,6 @@ def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: f
         # chords within c of the surface move the volume by less than c times the area
         assert abs(errors[1]) < 4e-4 * shape.Area()
         assert abs(errors[1]) < abs(errors[0]) / 5
-
-
-def test_pins_lie_in_the_mold_turned_about_x() -> None:
-    design = families.pillars().with_(pin={"heights": [4.0 + 0.1 * i for i in range(9)]})
-    for pin, negative in zip(skin_part(design).adds, cast_skin(design).adds, strict=True):
-        x, y, z = pin.origin
-        assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
 
 
 @pytest.mark.slow
@@ -122,13 +119,9 @@ def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
 def test_thin_walls_between_pins_and_deep_holes_name_key_limit_and_remedy(split: str) -> None:
     """Nibs 1.2 mm apart: 0.05 mm are left between roots of 1.15, and a hole of 3 mm is for a tool of 0.5."""
     nibs = skincad.load("nibs-fine").with_(skin={"width": 5.0, "length": 5.0}, mold={"split": split})
-    thin, deep = (
-        {f.rule: f for f in design_findings(Job(nibs.with_(**changes)))}
-        for changes in (
-            {"pin": {"root_diameter": 1.15, "root_fillet": 0.0}},
-            {"pin": {"height": 3.0, "crown": 0.05}, "mold": {"process": "cnc"}},
-        )
-    )
+    narrow = nibs.with_(pin={"root_diameter": 1.15, "root_fillet": 0.0})
+    high = nibs.with_(pin={"height": 3.0, "crown": 0.05}, mold={"process": "cnc"})
+    thin, deep = ({f.rule: f for f in design_findings(Job(design))} for design in (narrow, high))
     assert (thin["wall"].measured, thin["wall"].limit) == (pytest.approx(0.05), 0.1)
     assert "pin.pitch of at least 1.25 mm" in thin["wall"].remedy
     assert "pin.height of at most 2.2 mm" in deep["slender"].remedy
@@ -195,7 +188,7 @@ def test_plate_and_base_are_drawn_and_cast_from() -> None:
     # the middle pin is 0.5 mm higher, and its cup as much deeper than a crown of 1.5
     assert [float(row[-1]) for row in tables[1].rows] == pytest.approx([1.5 * scale, 2.0 * scale], abs=1e-3)
     assert [float(row[-1]) for row in tables[0].rows] == pytest.approx([4.0 * scale], abs=1e-3)
-    half = (plate.body.outline[0].start.x, plate.body.high)  # type: ignore[union-attr]
+    half = (plate.body.outline[0].start.x, plate.body.high)
     x, y = half[0] - 5.0 * scale, half[1] + 5.0 * scale  # pin 1, from the left and lower edge of the top view
     assert f"pin 1 at x {x:.3f}, y {y:.3f}" in tables[0].title
     assert not {f.rule for f in design_findings(job)} & {"tool depth"}

@@ -90,7 +90,7 @@ def test_core_pins_stand_in_a_plug_whose_shot_their_pockets_go_through() -> None
     assert not stage.of(PartRole.CORE_PIN)
 
 
-def test_plugs_are_used_from_the_front() -> None:
+def test_plugs_are_used_from_the_front_and_rivets_let_go() -> None:
     """The layer in front is poured first; a shot that is laid on wet needs none."""
     shots = (LEVEL, {**STIFF, "thickness": 2.0, "bond": "wet"}, {**STIFF, "depth": 1.0})
     closed = mold(layered("lab-bench", *shots, mold={"gate": None}))
@@ -100,9 +100,7 @@ def test_plugs_are_used_from_the_front() -> None:
     assert first.volume > last.volume
     for stage in closed.earlier:
         assert not stage.of(PartRole.SKIN, PartRole.CARRIER)
-
-
-def test_rivets_hold_behind_a_neck_that_the_silicone_lets_go() -> None:
+    # rivets hold behind a neck that the silicone lets go
     (plug,) = mold(layered("rings-5", {**STIFF, "thickness": 1.5, "bond": "rivets"})).plugs
     _core, *pegs = plug.adds
     (head,) = {max(s.end.x for s in peg.outline) for peg in pegs}

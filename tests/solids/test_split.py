@@ -113,8 +113,12 @@ def test_notches_that_meet_are_refused(yamada: Design, clearance: float) -> None
         split_edges(wide, section(wide), HALF)
 
 
-def test_notches_that_touch_within_rounding_are_refused() -> None:
-    """0.16 + 0.16 mm apart, 0.2 + 2 x 0.06 wide: rounding once left a tooth of 1e-17 mm between them."""
+def test_a_slot_that_turns_along_the_circle_has_no_mouth() -> None:
+    flat = skincad.load("yamada-2002-tilted").with_(ridge={"count": 1}, slot={"tilt": 80.0, "elevation": 0.1})
+    steep = flat.with_(skin={"curvature_radius": 6.0, "width": 3.0})
+    with pytest.raises(InputError, match=r"^slot.tilt: turns its notch so far"):
+        split_edges(steep, section(steep), HALF)
+    # 0.16 + 0.16 mm apart, 0.2 + 2 x 0.06 wide: rounding once left a tooth of 1e-17 mm between them
     ridge = {"count": 24, "pitch": 1.0, "root_width": 0.75, "tip_width": 0.5, "height": 0.5}
     close = skincad.load("home-printer").with_(
         skin={"curvature_radius": 1280 / 3, "thickness": 4.0},
@@ -124,13 +128,6 @@ def test_notches_that_touch_within_rounding_are_refused() -> None:
     )
     with pytest.raises(InputError, match=MEET):
         mold(close)
-
-
-def test_a_slot_that_turns_along_the_circle_has_no_mouth() -> None:
-    flat = skincad.load("yamada-2002-tilted").with_(ridge={"count": 1}, slot={"tilt": 80.0, "elevation": 0.1})
-    steep = flat.with_(skin={"curvature_radius": 6.0, "width": 3.0})
-    with pytest.raises(InputError, match=r"^slot.tilt: turns its notch so far"):
-        split_edges(steep, section(steep), HALF)
 
 
 def test_an_edge_is_closed_over_a_level_and_a_path_has_no_empty_steps() -> None:

@@ -22,7 +22,7 @@ SCENE = skincad.load_scene("yamada-2002-press")
 CIRCUIT = skincad.load_circuit("transimpedance")
 
 
-def test_a_range_is_told_as_text_or_as_a_tuple_with_its_number_of_values() -> None:
+def test_a_range_is_told_as_text_or_as_a_tuple_and_once() -> None:
     for entry in ("20:200", (20, 200)):
         answer = knob(DESIGN, "skin.curvature_radius", entry)
         assert (answer.low, answer.high, answer.count, answer.unit, answer.start) == (20, 200, None, "mm", 60)
@@ -32,18 +32,19 @@ def test_a_range_is_told_as_text_or_as_a_tuple_with_its_number_of_values() -> No
     assert str(answer) == "skin.curvature_radius=20:200"
     with pytest.raises(InputError, match=r"write ridge.height=0.4:1.3:10"):
         knob(DESIGN, "ridge.height", "0.4:1.3").values()
+    assert texts(["a=1:2", "b = all"], "vary") == {"a": "1:2", "b": "all"}
+    for wrong in (["a"], ["a="], ["=1"], ["a=1", "a=2"]):
+        with pytest.raises(InputError):
+            texts(wrong, "vary")
 
 
-def test_wide_ranges_go_by_ratios_and_narrow_ones_by_differences() -> None:
+def test_ranges_go_by_ratios_or_differences_and_whole_numbers_stay_whole() -> None:
     wide, narrow = knob(DESIGN, "skin.curvature_radius", (20, 200)), knob(DESIGN, "ridge.height", (0.5, 0.7))
     assert wide.at(0.5) == pytest.approx(20 * 10**0.5, rel=1e-4)  # five digits are told
     assert narrow.at(0.5) == pytest.approx(0.6, rel=1e-4)
     for entry in (wide, narrow):
         assert [entry.at(0.0), entry.at(1.0)] == [entry.low, entry.high]
         assert entry.share(float(entry.at(0.3))) == pytest.approx(0.3, abs=1e-4)
-
-
-def test_whole_numbers_stay_whole() -> None:
     answer = knob(DESIGN, "ridge.count", "5:9")
     assert answer.whole
     assert answer.values() == (5, 6, 7, 8, 9)
@@ -52,7 +53,7 @@ def test_whole_numbers_stay_whole() -> None:
     assert all(isinstance(value, int) for value in answer.values())
 
 
-def test_names_are_taken_from_the_catalogue() -> None:
+def test_names_are_of_the_catalogue_keys_of_all_subjects() -> None:
     names = knob(DESIGN, "material.name", "all").choices
     assert {"dragon-skin-30", "ecoflex-00-30"} <= set(names)
     assert knob(DESIGN, "mold.process", "all").choices == ("cnc", "edm", "fdm", "sla")
@@ -61,9 +62,6 @@ def test_names_are_taken_from_the_catalogue() -> None:
     assert knob(DESIGN, "material.name", two).choices == tuple(two.split(","))
     assert knob(DESIGN, "skin.length", [10.0, 12.0]).choices == (10.0, 12.0)
     assert "dragon-skin-30" in knob(SCENE, "skin.material.name", "all").choices
-
-
-def test_keys_of_scenes_circuits_and_inner_tables() -> None:
     assert knob(SCENE, "skin.ridge.height", (0.4, 0.6)).unit == "mm"
     assert knob(SCENE, "effects.friction.coefficient", (0.1, 1.0)).low == 0.1
     assert knob(SCENE, "history.normal_force_N.2", (1.0, 4.0)).start == 4.0
@@ -103,33 +101,23 @@ def test_what_can_not_be_used_is_said_in_one_line(key: str, told: Any, says: str
     assert "\n" not in str(refused.value)
 
 
-def test_options_are_told_once_each() -> None:
-    assert texts(["a=1:2", "b = all"], "vary") == {"a": "1:2", "b": "all"}
-    for wrong in (["a"], ["a="], ["=1"], ["a=1", "a=2"]):
-        with pytest.raises(InputError):
-            texts(wrong, "vary")
-
-
 FELT = skincad.load_scene("yamada-2002-slip", ["effects.piezo.circuit=transimpedance"])
 
 
 def test_a_name_or_a_file_is_known_by_its_kind(tmp_path: Path) -> None:
-    for name, kind in (
-        ("plain-ridges", "Design"),
-        ("yamada-2002-press", "Scene"),
-        ("transimpedance", "Circuit"),
-    ):
+    kinds = {"plain-ridges": "Design", "yamada-2002-press": "Scene", "transimpedance": "Circuit"}
+    for name, kind in kinds.items():
         data = load_subject(name)
         assert type(data).__name__ == kind
         path = tmp_path / f"{name}.toml"
         path.write_text(data.to_toml())
         assert load_subject(path) == data
-    assert load_subject("yamada-2002", ["ridge.count=7"]).ridge.count == 7  # type: ignore[union-attr]
+    assert load_subject("yamada-2002", ["ridge.count=7"]).ridge.count == 7
     with pytest.raises(InputError, match="did you mean 'yamada-2002'"):
         load_subject("yamda-2002")
     for source, extra in (("transimpedance", {"silicones": {}}), ("yamada-2002-press", {"printer": {}})):
         with pytest.raises(InputError, match="leave"):
-            load_subject(source, **extra)  # type: ignore[arg-type]
+            load_subject(source, **extra)
 
 
 @pytest.mark.parametrize(
@@ -149,9 +137,7 @@ def test_a_name_or_a_file_is_known_by_its_kind(tmp_path: Path) -> None:
         (FELT, "circuit.cable.capacitance", 2e-11),
     ],
 )
-def test_a_changed_key_has_its_value_and_nothing_else_is_changed(
-    subject: Any, key: str, value: float | str
-) -> None:
+def test_a_changed_key_changes_nothing_else(subject: Any, key: str, value: float | str) -> None:
     before = value_of(subject, key)
     answer = changed(subject, {key: value})
     assert value_of(answer, key) == value
@@ -176,11 +162,17 @@ def test_a_modulus_takes_its_range_along_and_names_the_nearest_silicone() -> Non
     assert value_of(soft, "material.young_modulus") == pytest.approx(0.07)
 
 
-def test_what_the_rules_forbid_is_refused_with_its_key() -> None:
+def test_what_the_rules_forbid_is_refused_and_a_circuits_keys_need_an_amplifier() -> None:
     with pytest.raises(InputError, match=r"skin\.ridge\.count"):
         changed(SCENE, {"skin.ridge.count": -1})
     with pytest.raises(InputError, match=r"skin\.length"):
         changed(DESIGN, {"skin.length": -1.0})
+    with pytest.raises(InputError, match=r"circuit.amplifier.gain: needs an amplifier.*effects.piezo"):
+        knob(SCENE, "circuit.amplifier.gain", "1:2")
+    with pytest.raises(InputError, match=r"circuit.amplifier.gian: unknown key; did you mean 'gain'"):
+        knob(FELT, "circuit.amplifier.gian", "1:2")
+    with pytest.raises(InputError, match=r"circuit.amplifier.gain: must be greater than 0"):
+        changed(FELT, {"circuit.amplifier.gain": -1.0})
 
 
 def test_the_hash_is_of_what_would_answer_otherwise(tmp_path: Path) -> None:
@@ -194,31 +186,15 @@ def test_the_hash_is_of_what_would_answer_otherwise(tmp_path: Path) -> None:
     assert fingerprint(felt) != before  # the file's text counts, not its name
 
 
-def test_a_scenes_skin_circuit_and_own_keys_change_together_and_are_written(tmp_path: Path) -> None:
-    values = {
-        "skin.ridge.height": 0.45,
-        "circuit.amplifier.feedback_resistance": 3e7,
-        "circuit.name": "own",
-        "readout.bandwidth_Hz": 3000.0,
-    }
+def test_a_scenes_keys_change_together(tmp_path: Path) -> None:
+    values = {"skin.ridge.height": 0.45, "circuit.amplifier.feedback_resistance": 3e7}
+    values |= {"circuit.name": "own", "readout.bandwidth_Hz": 3000.0}
     answer = changed(FELT, values)
     assert {key: value_of(answer, key) for key in values} == values
-    assert answer.effects["piezo"].keys() == FELT.effects["piezo"].keys()  # type: ignore[union-attr]
+    assert answer.effects["piezo"].keys() == FELT.effects["piezo"].keys()
     path = tmp_path / "scene.toml"
-    path.write_text(answer.to_toml())  # type: ignore[union-attr]
+    path.write_text(answer.to_toml())
     assert fingerprint(load_subject(path)) == fingerprint(answer)
-
-
-def test_a_circuits_keys_need_an_amplifier() -> None:
-    with pytest.raises(InputError, match=r"circuit.amplifier.gain: needs an amplifier.*effects.piezo"):
-        knob(SCENE, "circuit.amplifier.gain", "1:2")
-    with pytest.raises(InputError, match=r"circuit.amplifier.gian: unknown key; did you mean 'gain'"):
-        knob(FELT, "circuit.amplifier.gian", "1:2")
-    with pytest.raises(InputError, match=r"circuit.amplifier.gain: must be greater than 0"):
-        changed(FELT, {"circuit.amplifier.gain": -1.0})
-
-
-def test_a_key_within_a_circuit_or_a_skin_that_is_chosen_too_is_that_ones() -> None:
     both = {"effects.piezo.circuit": "charge-amplifier", "circuit.amplifier.feedback_resistance": 3e7}
     answer = changed(FELT, both)
     assert value_of(answer, "circuit.name") == "charge-amplifier"
@@ -276,15 +252,9 @@ def test_lists_count_from_one_are_told_by_their_ends_or_counted() -> None:
 
 
 def test_a_record_gives_each_attribute_once_with_its_own_error() -> None:
-    assert SHELF.as_json() == {
-        "name": "shelf",
-        "load_N": 0.9,
-        "load_N_error": 0.01,
-        "parts": [{"name": "cavity", "volume_mm3": 3.0}],
-        "notes": [],
-        "remark": None,
-        "heights_mm": [1.0, 2.0],
-    }
+    parts = [{"name": "cavity", "volume_mm3": 3.0}]
+    data = {"name": "shelf", "load_N": 0.9, "load_N_error": 0.01, "parts": parts, "notes": []}
+    assert SHELF.as_json() == data | {"remark": None, "heights_mm": [1.0, 2.0]}
     assert next(iter(SHELF.as_json())) == "name"  # what a reader looks for first
     numbers = SHELF.numbers()
     assert numbers["load_N"] == Estimate(0.9, 0.01, "N")
@@ -321,7 +291,7 @@ def test_every_reported_attribute_says_what_it_means() -> None:
             assert declared.meaning or declared.inline, f"{kind.__name__}.{name}"
 
 
-def test_a_key_may_leave_its_unit_out() -> None:
+def test_a_key_may_leave_its_unit_out_and_is_worded_with_it() -> None:
     for key in ("all_touch_force", "all_touch_force_N"):
         assert resolved(key, NUMBERS) == "all_touch_force_N"
     assert resolved("ridge_force.3", NUMBERS) == "ridge_force_N.3"
@@ -331,9 +301,6 @@ def test_a_key_may_leave_its_unit_out() -> None:
     with pytest.raises(InputError, match=r"known: all_touch_force, approach, .*yield") as refused:
         resolved("xyz", NUMBERS)
     assert "ridge_force.1" not in str(refused.value)  # all entries of all lists would be no help
-
-
-def test_words_and_units() -> None:
     assert worded("all_touch_force_N", 3.0) == "all_touch_force 3 N"
     assert worded("ridge_force_N.3", Estimate(0.5, 0.01, "N")) == "ridge_force.3 0.500 ± 0.010 N"
     assert worded("yield", 0.9) == "yield 0.9"

@@ -49,28 +49,21 @@ def test_what_was_appended_is_read_by_another_run(tmp_path: Path) -> None:
         assert [*theirs.evaluations.values()] == [*ours.evaluations.values()] == appended[:number]
 
 
+@pytest.mark.parametrize("first", [(), (0,)])
 @pytest.mark.parametrize("tail", [1, 40, 700])
-def test_a_torn_tail_is_cut_off_by_the_next_that_appends(tmp_path: Path, tail: int) -> None:
+def test_a_torn_tail_is_cut_off_by_the_next_that_appends(tmp_path: Path, first: tuple, tail: int) -> None:
     log = Log(tmp_path)
-    log.append(numbered(0))
-    whole = log.path.read_bytes()
+    for number in first:
+        log.append(numbered(number))
+    whole = b"".join(line(tmp_path, numbered(number)) for number in first)
     with log.path.open("ab") as file:
         file.write(line(tmp_path, numbered(1))[:tail])
     after = Log(tmp_path)
     after.read()
-    assert [*after.evaluations] == [numbered(0).key]
+    assert [*after.evaluations] == [numbered(number).key for number in first]
     after.append(numbered(2))
     assert after.torn
     assert log.path.read_bytes() == whole + line(tmp_path, numbered(2))
-
-
-def test_a_log_of_nothing_but_a_torn_line_is_empty(tmp_path: Path) -> None:
-    (tmp_path / "evaluations.jsonl").write_bytes(b'{"key": "abc')
-    log = Log(tmp_path)
-    log.read()
-    assert log.evaluations == {}
-    log.append(numbered(0))
-    assert log.path.read_bytes().startswith(b'{"key": "0000')
 
 
 @pytest.mark.parametrize("text", ["not json\n", "[1, 2]\n", '{"key": 1}\n', "null\n"])
@@ -91,9 +84,7 @@ def test_another_versions_lines_are_not_used(tmp_path: Path) -> None:
     assert again.other == 1
 
 
-def test_a_full_disk_is_one_line_and_leaves_whole_lines(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log = Log(tmp_path)
     log.append(numbered(0))
     before, write, calls = log.path.read_bytes(), os.write, []
@@ -121,7 +112,6 @@ def test_a_claim_is_one_processs_and_ends_with_it(tmp_path: Path) -> None:
         f"log = Log(Path({str(tmp_path)!r})); print(log.claim({key!r}), flush=True); time.sleep(60)"
     )
     with started([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as other:
-        assert other.stdout is not None
         assert other.stdout.readline() == "True\n"
         mine = Log(tmp_path)
         assert not mine.claim(key)
@@ -184,7 +174,7 @@ def test_an_interruption_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.
         if len(asked) == 4:
             raise KeyboardInterrupt
         asked.append(arguments)
-        return evaluate(*arguments)  # type: ignore[arg-type]
+        return evaluate(*arguments)
 
     monkeypatch.setattr("skincad.studies.running.evaluate", interrupted)
     with pytest.raises(KeyboardInterrupt):
@@ -225,15 +215,10 @@ def test_a_dead_worker_is_want_of_memory(monkeypatch: pytest.MonkeyPatch) -> Non
         Run(DESIGN, QUESTION).at(POINTS, who)
 
 
-@pytest.mark.parametrize(
-    ("count", "dask", "says"), [(0, None, "must be from 1"), (2, "tcp://x:1", "by the cluster")]
-)
-def test_what_can_not_be_used_is_said(count: int, dask: str | None, says: str) -> None:
-    with pytest.raises(InputError, match=says), workers(count, dask):
-        pass
-
-
-def test_without_dask_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_can_not_be_used_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    for count, dask, says in ((0, None, "must be from 1"), (2, "tcp://x:1", "by the cluster")):
+        with pytest.raises(InputError, match=says), workers(count, dask):
+            pass
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'skincad\[dask\]'"), workers(dask="tcp://localhost:1"):
         pass

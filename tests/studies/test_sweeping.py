@@ -34,19 +34,19 @@ def row(
     return Evaluation(str(value), {}, table, None, refused, model)
 
 
-def test_what_two_designs_share_of_a_models_error_is_no_error_of_their_difference() -> None:
+def test_what_two_designs_share_of_a_models_error_is_none_of_their_difference() -> None:
     a, b = row(2.0, 0.53, 0.5), row(2.4, 0.64, 0.6)
     by_hand = math.hypot(0.03, 0.04) + 0.1 + OWN * math.hypot(0.5, 0.6)
     assert difference_error(a, b, KEY) == pytest.approx(by_hand)
     assert by_hand < math.hypot(0.53, 0.64)
     other = row(2.4, 0.64, 0.6, "corrected")
     assert difference_error(a, other, KEY) == pytest.approx(math.hypot(0.53, 0.64))
-
-
-def test_an_unknown_error_makes_nothing_sure() -> None:
-    assert difference_error(row(1.0, None), row(2.0, 0.1), KEY) is None
-    assert wins([row(1.0, None), row(2.0, 0.1)]) == {1: 0, 2: 0}
-    assert wins([row(None, None), row(2.0, 0.1)]) == {2: 0}
+    # the approach has its model's part too
+    table = {"approach_mm": Estimate(0.2, 0.05, "mm"), "left_out.friction.approach": Estimate(0.1, None, "")}
+    table["left_out.finite strain.approach"] = Estimate(0.05, None, "")
+    assert model_error(Evaluation("", {}, table), "approach_mm") == pytest.approx(0.03)
+    table |= {"cutoff_Hz": Estimate(1.0, 0.1, "Hz")}
+    assert model_error(Evaluation("", {}, table), "cutoff_Hz") == 0.0
 
 
 def wins(rows: list[Evaluation], goal: Goal = "min") -> dict[int, int]:
@@ -58,46 +58,31 @@ def test_a_row_wins_beyond_the_error_of_the_difference() -> None:
     assert wins([row(1.0, 0.1), row(1.2, 0.1)]) == {1: 1, 2: 0}  # 0.2 against 0.141
     assert wins([row(1.0, 0.1), row(1.1, 0.1)]) == {1: 0, 2: 0}
     assert wins([row(1.2, 0.1), row(1.0, 0.1)], "max") == {1: 1, 2: 0}
+    # an unknown error makes nothing sure
+    assert difference_error(row(1.0, None), row(2.0, 0.1), KEY) is None
+    assert wins([row(1.0, None), row(2.0, 0.1)]) == {1: 0, 2: 0}
+    assert wins([row(None, None), row(2.0, 0.1)]) == {2: 0}
+    # of a chain each ties with the next, but not all with the first
+    answer = ranking([row(1.0, 0.1), row(1.1, 0.1), row(1.2, 0.1), row(1.3, 0.1)], KEY, "min")
+    assert answer.ties == ((1, 2), (3, 4))
 
 
 def test_rows_are_ranked_with_what_they_beat_and_what_ties() -> None:
-    rows = [
-        row(3.0, 0.1),
-        row(1.0, 0.1),
-        row(1.05, 0.1),
-        row(None, None),
-        row(0.5, 0.1, refused="no"),
-        row(2.0, 0.1),
-    ]
+    rows = [row(3.0, 0.1), row(1.0, 0.1), row(1.05, 0.1)]
+    rows += [row(None, None), row(0.5, 0.1, refused="no"), row(2.0, 0.1)]
     answer = ranking(rows, "all_touch_force", "min")
     assert answer.key == KEY
     assert [(rank.row, rank.wins) for rank in answer.ranks] == [(2, 2), (3, 2), (6, 1), (1, 0)]
     assert answer.ties == ((2, 3),)
     most = ranking(rows, KEY, "max")
     assert [(rank.row, rank.wins) for rank in most.ranks] == [(1, 3), (6, 2), (3, 0), (2, 0)]
-
-
-def test_a_tie_is_with_the_best_of_its_group() -> None:
-    """Each of a chain ties with the next, but not all with the first."""
-    answer = ranking([row(1.0, 0.1), row(1.1, 0.1), row(1.2, 0.1), row(1.3, 0.1)], KEY, "min")
-    assert answer.ties == ((1, 2), (3, 4))
-
-
-def test_the_approach_has_its_models_part_too() -> None:
-    table = {"approach_mm": Estimate(0.2, 0.05, "mm"), "left_out.friction.approach": Estimate(0.1, None, "")}
-    table["left_out.finite strain.approach"] = Estimate(0.05, None, "")
-    assert model_error(Evaluation("", {}, table), "approach_mm") == pytest.approx(0.03)
-    assert (
-        model_error(Evaluation("", {}, table | {"cutoff_Hz": Estimate(1.0, 0.1, "Hz")}), "cutoff_Hz") == 0.0
-    )
-
-
-def test_keys_and_goals_that_there_are_none_of() -> None:
     with pytest.raises(InputError, match="rank approach: no such number"):
         ranking([row(1.0, 0.1)], "approach", "min")
     with pytest.raises(InputError, match="KEY=min or KEY=max"):
-        ranking([row(1.0, 0.1)], KEY, "least")  # type: ignore[arg-type]
+        ranking([row(1.0, 0.1)], KEY, "least")
     assert ranking([], KEY, "min").ranks == ()
+    points = np.array([[0.0, 3.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0], [1.0, 1.0], [0.0, 4.0]])
+    assert pareto(points).tolist() == [True, True, False, True, True, False]
 
 
 DESIGN = skincad.load_design("yamada-2002")
@@ -106,15 +91,11 @@ VARY: dict[str, Any] = {"skin.length": (8.0, 14.0, 4), "material.name": "dragon-
 
 @pytest.fixture(scope="module")
 def swept() -> SweepResult:
-    return sweep(
-        DESIGN,
-        {**VARY, "skin.width": [11.0, 2.0]},
-        model="winkler",
-        rank={"all_touch_force": "min", "approach": "max"},
-    )
+    rank = {"all_touch_force": "min", "approach": "max"}
+    return sweep(DESIGN, {**VARY, "skin.width": [11.0, 2.0]}, model="winkler", rank=rank)
 
 
-def test_a_grid_is_every_combination_in_order(swept: SweepResult) -> None:
+def test_a_grid_is_every_combination_in_order_and_ranked(swept: SweepResult) -> None:
     assert len(swept.rows) == 4 * 2 * 2
     assert [row.values["skin.length"] for row in swept.rows[::4]] == [8.0, 10.0, 12.0, 14.0]
     for row in swept.rows:
@@ -125,9 +106,6 @@ def test_a_grid_is_every_combination_in_order(swept: SweepResult) -> None:
         design = DESIGN.with_(skin={"length": length}, material={"name": name})
         assert row.results["all_touch_force_N"] == skincad.check(design, model="winkler").all_touch_force
     assert swept.refused == 8
-
-
-def test_ranks_are_of_the_rows_that_have_the_result(swept: SweepResult) -> None:
     first, second = swept.rankings
     assert len(first.ranks) == 8
     best = swept.best()
@@ -138,12 +116,8 @@ def test_ranks_are_of_the_rows_that_have_the_result(swept: SweepResult) -> None:
 
 
 def test_a_sample_fills_the_ranges_and_is_the_same_each_time() -> None:
-    vary = {
-        "skin.length": (8.0, 14.0),
-        "skin.curvature_radius": (20.0, 200.0),
-        "material.name": "all",
-        "ridge.count": (5, 9),
-    }
+    vary = {"skin.length": (8.0, 14.0), "skin.curvature_radius": (20.0, 200.0)}
+    vary |= {"material.name": "all", "ridge.count": (5, 9)}
     points = points_of(DESIGN, vary, 200)
     assert points == points_of(DESIGN, vary, 200)
     assert len(points) == 200
@@ -155,7 +129,7 @@ def test_a_sample_fills_the_ranges_and_is_the_same_each_time() -> None:
     assert len({point["material.name"] for point in points}) == 10
 
 
-def test_the_table_is_all_that_is_known(swept: SweepResult) -> None:
+def test_table_arrays_frame_and_json_have_all_that_is_known(swept: SweepResult) -> None:
     rows = list(csv.DictReader(io.StringIO(sweep_csv(swept))))
     assert len(rows) == len(swept.rows)
     for told, row in zip(rows, swept.rows, strict=True):
@@ -165,9 +139,6 @@ def test_the_table_is_all_that_is_known(swept: SweepResult) -> None:
             assert float(told["all_touch_force_N"]) == row.results["all_touch_force_N"].value
             assert float(told["all_touch_force_N.error"]) == row.results["all_touch_force_N"].error
     assert not {"seconds.total", "cause"} & rows[0].keys()
-
-
-def test_arrays_and_a_frame(swept: SweepResult) -> None:
     arrays = swept.arrays()
     force = arrays["all_touch_force_N"]
     assert np.isnan(force).sum() == swept.refused
@@ -177,17 +148,12 @@ def test_arrays_and_a_frame(swept: SweepResult) -> None:
     named = swept.to_frame()
     assert list(named["skin.length_mm"]) == list(frame["skin.length"])
     assert named.shape == frame.shape
-
-
-def test_json_has_the_contracts_keys(swept: SweepResult) -> None:
     data = json.loads(json.dumps(swept.as_json(), allow_nan=False))
     assert {"rows", "ranking", "ties", "evaluations", "reused", "seconds"} <= data.keys()
     assert {"values", "results", "passed", "refused"} <= data["rows"][0].keys()
     assert data["rows"][0]["results"]["all_touch_force_N"].keys() == {"value", "error"}
-    assert data["ranking"][0] == {
-        "row": swept.rankings[0].ranks[0].row,
-        "wins": swept.rankings[0].ranks[0].wins,
-    }
+    first = swept.rankings[0].ranks[0]
+    assert data["ranking"][0] == {"row": first.row, "wins": first.wins}
     assert data["evaluations"] == 16
 
 
@@ -195,9 +161,8 @@ def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult
     first, sure, rows, last = str(swept).splitlines()
     assert first.startswith("yamada-2002: row 1 has the smallest all_touch_force 0.")
     assert first.endswith("skin.length 8, material.name dragon-skin-20, skin.width 11.")
-    assert sure.startswith(
-        "  how sure       surely better than 0 of the other 7 rows; not surely better than rows "
-    )
+    words = "surely better than 0 of the other 7 rows; not surely better than rows "
+    assert sure.startswith(f"  how sure       {words}")
     assert rows.startswith("  rows           16 by winkler: ")
     assert "8 refused" in rows
     assert last.startswith("Next: the same sweep with `--model ")
@@ -206,9 +171,7 @@ def test_words_say_the_best_the_ties_and_why_rows_are_refused(swept: SweepResult
     assert "largest 1" in text
     assert "is not surely better than" in text
     assert "refused        8; the first: ridge.count" in text
-
-
-def test_refusals_that_differ_in_their_numbers_are_counted_together() -> None:
+    # refusals that differ in their numbers are counted together
     text = str(sweep(DESIGN, {"ridge.pitch": [0.2, 0.3]}, model="winkler"))
     assert text.count("  refused ") == 1
     assert "refused        2; the first: ridge.root_width" in text
@@ -246,23 +209,13 @@ def test_the_page_needs_nothing_else_and_has_every_design(swept: SweepResult) ->
         assert any(value not in (None, "") for value in column)
     aimed = sweep_page(swept, ["words"], title="other", aims=["approach_mm"])
     assert "<title>other: 16 rows</title>" in aimed
-    assert (
-        json.loads(aimed.partition('id="data">')[2].partition("</script>")[0])["head"][len(varied) + 1]
-        == "approach_mm"
-    )
-
-
-def test_a_front_is_what_nothing_beats() -> None:
-    points = np.array([[0.0, 3.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0], [1.0, 1.0], [0.0, 4.0]])
-    assert pareto(points).tolist() == [True, True, False, True, True, False]
+    data = json.loads(aimed.partition('id="data">')[2].partition("</script>")[0])
+    assert data["head"][len(varied) + 1] == "approach_mm"
 
 
 def test_scenes_and_circuits_are_swept_too() -> None:
-    swept_rows = sweep(
-        skincad.load_circuit("transimpedance"),
-        {"amplifier.feedback_resistance": (1e7, 1e9, 3)},
-        rank={"cutoff": "max"},
-    )
+    vary = {"amplifier.feedback_resistance": (1e7, 1e9, 3)}
+    swept_rows = sweep(skincad.load_circuit("transimpedance"), vary, rank={"cutoff": "max"})
     assert swept_rows.question.kind == "circuit"
     assert not swept_rows.refused
     assert swept_rows.next_model is None
@@ -312,16 +265,16 @@ def test_sweep_writes_its_files_and_goes_on(tmp_path: Path, capsys: pytest.Captu
     assert data["ranked_by"] == [{"key": "approach_mm", "goal": "max"}]
 
 
-def test_a_sweep_of_refused_rows_alone_is_status_1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_without_results_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     status, text = said(capsys, f"sweep yamada-2002 --vary skin.width=1,2 --tier winkler -o {out}")
     assert status == 1
     assert "2 refused" in text
 
 
-def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_leaves_a_log_and_foreign_files_as_they_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     rows = f"{SWEEP} -o {tmp_path / 'out'}"
     said(capsys, rows)
     log = tmp_path / "out" / "evaluations.jsonl"
@@ -333,11 +286,9 @@ def test_bad_input_leaves_a_log_as_it_is(tmp_path: Path, capsys: pytest.CaptureF
     said(capsys, f"{rows} --fresh")
     assert log.read_bytes().startswith(before)  # asked anew, and nothing that was finished is lost
     assert len(log.read_bytes().splitlines()) == 8
-
-
-def test_a_foreign_folder_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "mine.txt").write_text("keep")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.txt").write_text("keep")
     monkeypatch.setattr("skincad.sweep", None)
-    with pytest.raises(InputError, match="holds files"):
-        run(f"{SWEEP} -o {tmp_path}".split())
-    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+    with pytest.raises(InputError, match="holds files"):  # before any work
+        run(f"{SWEEP} -o {tmp_path / 'other'}".split())
+    assert [path.name for path in (tmp_path / "other").iterdir()] == ["mine.txt"]

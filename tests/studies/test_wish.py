@@ -36,11 +36,6 @@ def graver_than_notes(design: Design) -> list[str]:
     return [str(finding) for finding in design_findings(Job(design)) if finding.severity != "note"]
 
 
-def share(result: WishResult) -> float:
-    assert result.check.manufacture is not None
-    return result.check.manufacture.passing.value or 0.0
-
-
 @pytest.mark.slow
 def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult) -> None:
     design = small.design
@@ -48,10 +43,9 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
     assert not small.broken
     assert (design.skin.width, design.skin.length, design.contact.force) == (6.0, 8.0, 0.1)
     assert (design.material.name, design.mold.process) == ("ecoflex-00-50", "sla")
-    assert design.film is not None
     assert design.film.thickness == 0.028
     assert graver_than_notes(design) == []
-    assert share(small) >= PASSING
+    assert small.check.manufacture.passing.value >= PASSING
     # every choice names a key, its value and its rule
     values = {choice.key: choice.value for choice in small.choices}
     assert values["ridge.pitch"].startswith(f"{small.design.ridge.pitch:g} mm, {small.design.ridge.count} ")
@@ -63,13 +57,13 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
 
 
 @pytest.mark.evidence(subject="seeds: wishes met")
-def test_its_skin_is_about_as_curved_as_the_force_bears(small: WishResult) -> None:
+def test_its_skin_is_about_as_curved_as_the_force_bears() -> None:
     """With half the radius too few parts pass: the choice is not just the flattest."""
-    assert skincad.check(small.design, model="corrected").passed
-    assert max(skin_of(small.design).crests) - min(skin_of(small.design).crests) > 0.003
-    rounder = small.design.with_(skin={"curvature_radius": small.design.skin.curvature_radius / 2})
+    design = skincad.design_for(size="10x12", touch="300mN", silicone="ecoflex-00-50").design
+    assert skincad.check(design, model="corrected").passed
+    assert max(skin_of(design).crests) - min(skin_of(design).crests) > 0.003
+    rounder = design.with_(skin={"curvature_radius": design.skin.curvature_radius / 2})
     parts = skincad.check(rounder, model="corrected").manufacture
-    assert parts is not None
     assert (parts.passing.value or 0.0) < PASSING
 
 
@@ -142,9 +136,7 @@ def test_bad_wishes_are_one_line_and_leave_no_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_new_writes_the_wish_and_says_what_to_do_next(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_new_writes_the_wish(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "pad.toml"
     status = run(["new", str(path), "--size", "10x12", "--touch", "0.3N", "--film", "none", "--json"])
     answer = json.loads(capsys.readouterr().out)
@@ -217,9 +209,7 @@ def test_the_pad_for_a_franka_finger() -> None:
         ({"size": "5x20", "touch": 2, "film": 0.5, "process": "edm"}, {"film"}),
     ],
 )
-def test_a_wish_that_cannot_be_met_is_named_and_the_nearest_design_can_be_cast(
-    wish: dict[str, Any], broken: set[str]
-) -> None:
+def test_a_wish_that_cannot_be_met_is_named(wish: dict[str, Any], broken: set[str]) -> None:
     answer = skincad.design_for(**wish)
     assert not answer.passed
     assert answer.exit_status == 1
