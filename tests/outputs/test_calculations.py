@@ -25,7 +25,7 @@ VARIANTS: dict[str, dict[str, object]] = {
     "tilted plate": {"contact": {"plate": {"shape": "tilted", "tilt": 1.0}}},
     "few touch": {"contact": {"force": 0.05}},
     "shrinks much": {"mold": {"shrinkage": 0.03}},
-    "doubly curved": {"skin": {"curvature_radius_y": 60.0}, "slot": None},
+    "doubly curved": {"skin": {"curvature_radius_y": 60.0}, "slot": None, "ridge": {"count": 3}},
 }
 
 

@@ -15,6 +15,7 @@ from tests.conftest import Made
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
 NAMES = template_names()
+REPORTS = pytest.mark.evidence(subject="reports")  # of yamada-2002
 
 
 def test_the_page_is_current() -> None:
@@ -69,13 +70,8 @@ def test_every_picture_is_what_the_program_draws(name: str, tmp_path: Path) -> N
     assert_alike(DOCS / "gallery" / f"{name}.png", tmp_path / "out" / "picture.png")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(n, marks=pytest.mark.slow if n == "yamada-2002" else pytest.mark.evidence(subject=n))
-        for n in NAMES
-    ],
-)
+@pytest.mark.evidence(subject="{name}")
+@pytest.mark.parametrize("name", [n if n != "yamada-2002" else pytest.param(n, marks=REPORTS) for n in NAMES])
 def test_every_force_is_what_the_model_gives(name: str) -> None:
     known, row = gallery.force_of(skincad.load_design(name)), forces()[name]
     again = skincad.check(skincad.load_design(name), model=row["model"]).all_touch_force

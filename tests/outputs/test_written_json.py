@@ -15,6 +15,7 @@ from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder
 SMALL = ("plain-ridges", "--set", "ridge.count=3", "--set", "skin.width=5.0")
+ONE = ("--set", "ridge.count=1", "--set", "skin.width=3.0")
 SCENE = ("yamada-2002-press-and-pull", "--set", "history.steps=4", "--budget", "0.01")
 THIRDS = (
     *("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.3]"),
@@ -33,14 +34,14 @@ RUNS = {  # with values that may be missing: a verdict that fails, no slip, no c
     "templates": ("templates",),
 }
 DEAR = {
-    "make": ("make", "yamada-2002", "--set", "ridge.count=1", "--set", "skin.width=3.0"),
+    "make": ("make", "yamada-2002", *ONE, "--tier", "winkler"),
     "simulate": ("simulate", *SCENE),
     "to gross slip": ("simulate", "yamada-2002-slip", "--set", "history.steps=50", "--budget", "0.01"),
     "simulate without readouts": (
         *("simulate", "yamada-2002-press", "--set", "history.steps=4"),
         *("--set", "readout.ridges=[]", "--set", "effects.film=none"),
     ),
-    "accuracy": ("accuracy", "plain-ridges", "--ladder", "tessellation", "--repeats", "1"),
+    "accuracy": ("accuracy", "plain-ridges", *ONE, "--ladder", "tessellation", "--repeats", "1"),
     "check": ("check", *SMALL),
 }
 
