@@ -188,7 +188,6 @@ def geometry(pad: Pad, sizes: Sizes, recombined: bool = True) -> Iterator[str]:
 
 
 def _curve(s: Segment, number: int, first: int, last: int) -> str:
-    """A line or arc between two points."""
     if s.bulge == 0.0:
         return f"Line({number}) = {{{first}, {last}}};"
     aside = (1 - s.bulge**2) / (4 * s.bulge)  # of the chord, from its middle to the centre
@@ -348,8 +347,6 @@ def run_program(command: list[str], folder: Path) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """One mesh of one program."""
-
     setting: str
     found: PressedPad
 
@@ -395,7 +392,6 @@ def time_at(error: float, seconds: NDArray[np.float64], errors: NDArray[np.float
 
 
 def compare(pad: Pad, model: str, start: float | None) -> None:
-    """Print one model's table and ratios."""
     ours = [Row(f"skincad {f:g}, {k}", own(pad, model, f, k)) for f, k in LEVELS]
     theirs = [Row(f"CalculiX {f:g}", press(pad, f, FORCE, start)) for f in MESHES[model]]
     knowing = MESHES[model] if start is None else ()
@@ -432,7 +428,6 @@ def ratios(model: str, ours: list[PressedPad], theirs: list[Row]) -> None:
 
 
 def main() -> None:
-    """Print both models' tables."""
     if missing():
         print(missing())
         return

@@ -156,7 +156,6 @@ def content(a: bytes, b: bytes) -> str:
 
 
 def golden_design(name: str) -> Design:
-    """Return the design of a golden folder."""
     return skincad.load(name).with_(**GOLDEN_DESIGNS[name][1])
 
 

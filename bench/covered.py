@@ -101,19 +101,15 @@ def recorded(tree: Path, kept: Path, texts: Path) -> Covered:
         print("the fast tests once, under coverage: some minutes", file=sys.stderr)
         kept.mkdir(parents=True, exist_ok=True)
         (kept / "coveragerc").write_text(SETTINGS, "utf-8")
-        fast = [
-            "-m",
-            "not slow and not evidence",
-            "-o",
-            "addopts=",
-            "-n",
-            "2",
-            "--dist",
-            "loadfile",
+        fast = ["-m", "not slow and not evidence", "-o", "addopts=", "-n", "2", "--dist", "loadfile"]
+        told_to = [
             "-p",
             "no:cacheprovider",
+            f"--junitxml={told}",
+            "--cov=skincad",
+            "--cov-context=test",
+            "--cov-report=",
         ]
-        told_to = [f"--junitxml={told}", "--cov=skincad", "--cov-context=test", "--cov-report="]
         subprocess.run(
             [sys.executable, "-m", "pytest", "-q", *fast, *told_to, f"--cov-config={kept / 'coveragerc'}"],
             cwd=tree,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from time import perf_counter
 from typing import TypeVar
@@ -74,7 +74,6 @@ class Row:
 
     @property
     def held(self) -> bool:
-        """Whether the true error lies within the stated one."""
         return self.true <= self.stated
 
     @property
@@ -130,7 +129,7 @@ class _Seed:
         pad = self._tried("pad", lambda: pad_of(self.design))
         if pad is None:
             return
-        solved = _Levels(pad, self.force)
+        solved = cache(partial(numbers_at, pad, self.force))
         for tol in TOLERANCES:
             answered = self._tried(f"linear {tol:g}", lambda tol=tol: refined_to(pad, self.force, tol))
             if answered is None:
@@ -141,12 +140,11 @@ class _Seed:
             above = [min(max(refinement + 1, ABOVE), last)] + [last] * self.top
             for i in dict.fromkeys(i for i in above if i > refinement):
                 name = f"fineness {REFINEMENTS[i].fineness:g}, order {REFINEMENTS[i].order}"
-                truth = self._tried(name, lambda i=i: solved.numbers(i))
+                truth = self._tried(name, lambda i=i: solved(i))
                 if truth is not None:
                     self._add(f"linear, tol {tol:g}", "mesh", found, errors(found), truth, name, i == last)
 
     def models(self, *, solids: bool, ends: bool) -> None:
-        """What the models leave out, against the models that know it."""
         plane, request = self.linear, Request(self.force, TOLERANCES[-1])
         rough = self._tried("winkler", lambda: winkler.answer(self.design, request))
         if plane is None:
@@ -178,14 +176,7 @@ class _Seed:
             self._add("corrected", "method", ends, errors(ends), numbers(whole), "solid", True)
 
     def _add(
-        self,
-        model: str,
-        part: str,
-        found: Answer,
-        stated: Numbers,
-        truth: Numbers,
-        against: str,
-        top: bool,
+        self, model: str, part: str, found: Answer, stated: Numbers, truth: Numbers, against: str, top: bool
     ) -> None:
         mine = numbers(found)
         for quantity in QUANTITIES:
@@ -211,24 +202,12 @@ class _Seed:
             return None
 
 
-class _Levels:
-    """Levels of one pad on the linear ladder, each solved once."""
-
-    def __init__(self, pad: Pad, force: float) -> None:
-        self.pad, self.force = pad, force
-        self.known: dict[int, Numbers] = {}
-
-    def numbers(self, i: int) -> Numbers:
-        """Return F9, approach and shares of the refinement's higher order."""
-        if i not in self.known:
-            answer = level(plane_piece(self.pad, REFINEMENTS[i].fineness), REFINEMENTS[i].order, self.force)
-            first = answer.all_touch_force
-            self.known[i] = {
-                "all_touch_force": None if first is None else np.array([first]),
-                "approach": np.array([answer.approach]),
-                "shares": answer.ridge_force,
-            }
-        return self.known[i]
+def numbers_at(pad: Pad, force: float, i: int) -> Numbers:
+    """Return force, approach and shares by the higher order of a refinement."""
+    answer = level(plane_piece(pad, REFINEMENTS[i].fineness), REFINEMENTS[i].order, force)
+    first = None if answer.all_touch_force is None else np.array([answer.all_touch_force])
+    shares = answer.ridge_force
+    return {"all_touch_force": first, "approach": np.array([answer.approach]), "shares": shares}
 
 
 def refined_to(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
@@ -240,12 +219,10 @@ def refined_to(pad: Pad, force: float, tol: float) -> tuple[Answer, int]:
 
 
 def numbers(found: Answer) -> Numbers:
-    """Return an answer's values by quantity."""
     return _each(found, lambda estimate: estimate.value)
 
 
 def errors(found: Answer) -> Numbers:
-    """Return an answer's stated errors by quantity."""
     return _each(found, lambda estimate: estimate.error)
 
 
@@ -274,7 +251,6 @@ def groups(rows: list[Row]) -> Iterator[tuple[tuple[str, ...], list[Row]]]:
 
 
 def table(rows: list[Row]) -> list[str]:
-    """Return the table's lines."""
     lines = []
     for (model, part, quantity, against), mine in groups(rows):
         held = np.mean([row.held for row in mine])
@@ -305,7 +281,7 @@ def main() -> None:
         for name, why in one["refused"].items():
             print(f"seed {one['seed']}: {name}: {why}")
     if options.picture:
-        from bench.calibration_plot import calibration_plot
+        from bench.pictures import calibration_plot
 
         calibration_plot(rows, options.picture)
 

@@ -66,11 +66,9 @@ class Reports:
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Count what is collected."""
         self.collected.update(subject_of(item) for item in items)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Count what is reported."""
         subject = report.nodeid.rpartition("@")[2]
         if report.failed:
             self.failures.add(report.nodeid)
@@ -87,7 +85,6 @@ def ledger() -> list[Turn]:
 
 
 def write(turns: Iterable[Turn]) -> None:
-    """Write the ledger."""
     rows = [{**asdict(turn), "subjects": dict(sorted(turn.subjects.items()))} for turn in turns]
     title = "# Evidence by turns: `python -m bench.evidence` runs one and writes its line.\n\n"
     LEDGER.write_text(title + tomlkit.dumps({"turn": rows}), encoding="utf-8")
@@ -126,13 +123,11 @@ def balanced(subjects: Mapping[str, int]) -> list[Turn]:
 
 
 def git(*words: str) -> str:
-    """Return what git prints of this history."""
     result = subprocess.run(["git", *words], cwd=HERE, capture_output=True, text=True, check=True, timeout=60)
     return result.stdout.strip()
 
 
 def head() -> str:
-    """Return the present commit."""
     return git("rev-parse", "--short=12", "HEAD")
 
 

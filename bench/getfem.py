@@ -153,7 +153,6 @@ def own(pad: Pad, fineness: float, order: int, drives: list[Drive], friction: fl
 
 
 def _by_ridge(pad: Pad, found: ContactPad, states: list[ContactState]) -> FrictionalPad:
-    """The points' forces summed over each ridge."""
     member = np.equal.outer(found.ridge, np.array(pad.ridges)).astype(float)
     return FrictionalPad(
         np.array([state.normal @ member for state in states]),
@@ -198,7 +197,6 @@ def apart(one: FrictionalPad, other: FrictionalPad) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print differences, and who slips when."""
     if missing():
         print(missing())
         return

@@ -62,7 +62,6 @@ class Way:
 
     @property
     def hit(self) -> bool:
-        """Whether it was found well enough in few enough evaluations."""
         return self.missed <= HIT and self.evaluations <= MOST[len(self.keys)]
 
     def __str__(self) -> str:

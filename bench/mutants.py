@@ -83,22 +83,10 @@ def copy(tree: Path, target: Path) -> None:
 
 def verdict(tree: Path, tests: Sequence[str], limit: float | None) -> str | None:
     """Return the first of these tests that fails against a tree, None if all pass."""
-    pytest = [
-        "-m",
-        "pytest",
-        "-o",
-        "addopts=",
-        "-x",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-rfE",
-    ]
+    pytest = ["-m", "pytest", "-o", "addopts=", "-x", "-q", "-p", "no:cacheprovider", "-rfE"]
     limited = ["sh", "-c", f'ulimit -v {MEMORY}; exec "$@"', "sh"]
     environment = {"PYTHONPATH": str(tree), "TMPDIR": str(tree.parent), "OPENBLAS_NUM_THREADS": "1"}
-    environment["PYTHONDONTWRITEBYTECODE"] = (
-        "1"  # a change within a second and of the same length would be missed
-    )
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"  # else a change of the same length and second is missed
     process = subprocess.Popen(
         [*limited, sys.executable, *pytest, *tests],
         cwd=tree,
@@ -177,7 +165,6 @@ class Bench:
         self.covered: Covered = recorded(folder / "0" / "tree", out, HERE)
 
     def known(self, mutant: Mutant) -> dict[str, Any] | None:
-        """Return a change's record."""
         answer = asdict(mutant)
         return next((record for record in self.records if answer.items() <= record.items()), None)
 
@@ -224,7 +211,6 @@ def line(told: Mapping[str, Any]) -> str:
 
 
 def summary(told: Sequence[Mapping[str, Any]]) -> str:
-    """Return the share seen, and the changes that were not."""
     unseen = [each for each in told if not each["seen"]]
     seen = len(told) - len(unseen)
     head = f"{seen} of {len(told)} seen ({seen / max(len(told), 1):.0%}), not seen:"
@@ -232,7 +218,6 @@ def summary(told: Sequence[Mapping[str, Any]]) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Draw, judge, tell."""
     parser = argparse.ArgumentParser(prog="python -m bench.mutants")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=300)

@@ -369,14 +369,12 @@ def judged(seed: int, make: Callable[[int], Design], ratio: float) -> runner.Row
 
 
 def line(row: runner.Row) -> str:
-    """Return a design's line."""
     force, off, approach, share = row["numbers"]
     numbers = f"{force:17.4f}{off:+8.1%}{approach:+10.1%}{share:8.1%}{row['seconds']:6.0f}"
     return f"{row['seed']:3} {row['name']:16}{numbers}"
 
 
 def times() -> None:
-    """Print the seconds of a check by the number of pins."""
     for count in (22, 44):
         began, cpu = perf_counter(), process_time()
         result = skincad.check(many(count))
@@ -428,7 +426,6 @@ def slip() -> None:
 
 
 def main() -> None:
-    """Print a table."""
     parser = runner.parser(__doc__)
     parser.add_argument(
         "words", nargs="*", help="layers, times or slip; first and last seed; Poisson's ratio"

@@ -24,6 +24,7 @@ TILTED, LARGEST_TILT = 0.3, 45.0  # share of skins whose slots lean, and how far
 DRIVEN, PRESSED = 0.2, 0.1  # share of scenes whose plate is driven along, and that only press
 PERIODS = 0.15, 6.0  # length of a ramp by the period of the skin's slowest mode
 STEPS = 300
+PULLED_FROM, PULLED_STEPS = 4, 10  # the step that ends the press of `pulled_scene`, and all of its
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:
@@ -42,12 +43,7 @@ def random_skin(rng: np.random.Generator, tilt: float = 0.0) -> tuple[Design, fl
     radius, length, modulus = width * between(rng, 3, 60), rng.uniform(6, 20), between(rng, 0.1, 1.5)
     normal = round(rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count, 4)
     design = _rounded(
-        skin={
-            "curvature_radius": radius,
-            "thickness": thickness,
-            "width": width,
-            "length": length,
-        },
+        skin={"curvature_radius": radius, "thickness": thickness, "width": width, "length": length},
         ridge={
             "count": count,
             "pitch": pitch,
@@ -107,6 +103,22 @@ def random_scene(rng: np.random.Generator) -> Scene:
         f"history.{other}=none",
         f"effects.friction.coefficient={friction}",
         f"readout.ridges={list(range(1, skin_of(design).count + 1))}",
+        *([] if rng.random() < 0.5 else ["effects.film=none"]),
+    ]
+    return load_scene("yamada-2002-slip", changes, skin=design)
+
+
+def pulled_scene(rng: np.random.Generator) -> Scene:
+    """Return a random scene pressed, and pulled to 0.95 of friction; InputError where its skin cannot be."""
+    design, normal = random_skin(rng)
+    friction = round(between(rng, 0.15, 0.6), 4)
+    changes = [
+        f"history.steps={PULLED_STEPS}",
+        f"history.time_s=[0.0, {PULLED_FROM / 1000}, {PULLED_STEPS / 1000}]",
+        f"history.normal_force_N=[0.0, {normal}, {normal}]",
+        f"history.tangential_force_N=[0.0, 0.0, {0.95 * friction * normal}]",
+        f"effects.friction.coefficient={friction}",
+        "readout.ridges=[3]",
         *([] if rng.random() < 0.5 else ["effects.film=none"]),
     ]
     return load_scene("yamada-2002-slip", changes, skin=design)

@@ -48,7 +48,6 @@ class Pair:
         return math.hypot(*self.mesh) + abs(self.model[0] - self.model[1]) + own * math.hypot(*self.model)
 
     def sure(self, own: float) -> bool:
-        """Whether the two are told apart."""
         return abs(self.linear[0] - self.linear[1]) > self.error(own)
 
     @property
@@ -95,7 +94,6 @@ def judged(seed: int) -> Pair:
 
 
 def summary(pairs: list[Pair]) -> list[str]:
-    """Return what pairs show, a line each."""
     lines = [f"{len(pairs)} pairs, in the right order {sum(pair.right for pair in pairs)}"]
     for own in OWNS:
         sure = [pair for pair in pairs if pair.sure(own)]

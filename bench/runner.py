@@ -113,7 +113,6 @@ def rows(
 
 
 def _plain(value: Any) -> Any:
-    """Return a number of numpy's as one of Python's."""
     return value.item()
 
 
@@ -172,7 +171,6 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
 
 
 def share(hits: int, count: int) -> str:
-    """Return a share with its 95 % interval."""
     low, high = wilson(hits, count)
     return f"{hits} of {count} = {hits / max(1, count):.0%} ({low:.0%} to {high:.0%})"
 

@@ -17,7 +17,6 @@ HEAD = "# What groups of tests take, core-seconds: `python -m bench.seconds` wri
 
 
 def main() -> None:
-    """Write the table."""
     tables = tomllib.loads(SECONDS.read_text("utf-8"))
     for tier in TIERS:
         if (path := MEASURED / f"{tier}.json").exists():

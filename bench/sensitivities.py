@@ -53,7 +53,6 @@ def judged(case: runner.Case) -> runner.Row:
 
 
 def line(row: runner.Row) -> str:
-    """Return a line for each key of a design."""
     return "\n".join(
         f"{row['case']:20} {key:24} {low:6.2f} to {high:6.2f}: {value:6.2f}"
         + ("" if low <= value <= high else "  OUTSIDE")

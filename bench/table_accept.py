@@ -99,7 +99,6 @@ class Bench:
 
 @cache
 def bench_of(name: str) -> Bench:
-    """Return a template's bench."""
     design = skincad.load_design(name)
     pad, plain, levels = pad_of(design), corrected.plain_pad(design), Levels()
     first = small_strain_curve(design, silicone(design).young_modulus.value, Stopwatch(None))
@@ -159,7 +158,6 @@ class Part:
 
 
 def part_of(rng: np.random.Generator, template: str, fault: str) -> Part:
-    """Return a random part."""
     bench = bench_of(template)
     design = bench.design
     pad, spread, height = pad_of(design), spread_of(design), float(skin_of(design).profile.height)
@@ -314,8 +312,6 @@ def called(of: Trial, setting: Setting) -> Acceptance:
 
 
 class Call(NamedTuple):
-    """What the judge called a part."""
-
     verdict: str
     cause: str | None
     alone: bool
@@ -334,7 +330,6 @@ def judged(seed: int) -> dict[str, list[Any]]:
 
 
 def table(results: list[tuple[str, Call]]) -> list[str]:
-    """Return the table of verdicts by kind, and the totals."""
     lines = list[tuple[object, ...]]()
     right = calls = cause = alone = alone_right = 0
     for kind in ("", *FAULTS):

@@ -21,7 +21,6 @@ def as_text(value: Any) -> str:
 
 
 def fits() -> list[str]:
-    """Return the table of fits, a line each."""
     lines = ["| where | numbers | what they are | designs |", "|---|---|---|---|"]
     for fit in FITS:
         numbers = "; ".join(f"{name} {as_text(value)}" for name, value in fit.values.items())
@@ -31,7 +30,6 @@ def fits() -> list[str]:
 
 
 def designs() -> list[str]:
-    """Return the table of the sets of designs, a line each."""
     lines = [f"| set | designs | {' | '.join(NUMBERS.values())} |", "|---" * (2 + len(NUMBERS)) + "|"]
     for name, drawn in DESIGNS.items():
         ranges = " | ".join(f"{low:g} to {high:g}" for low, high in drawn.ranges.values())

@@ -41,7 +41,6 @@ class Law:
 
 
 def by_shear(stress: float, mu: float) -> dict[str, object]:
-    """A constant shear stress."""
     return {"law": "shear", "shear_stress": stress, "coefficient": CAP * mu}
 
 
@@ -55,7 +54,6 @@ LAWS = Law("shear stress", by_shear), Law("power law", by_table)
 
 
 def marched(scene: Scene, table: dict[str, object]) -> Simulation:
-    """March by a law."""
     return at_level(scene.with_(effects={"friction": None}).with_(effects={"friction": table}), LEVELS[0])
 
 
@@ -76,7 +74,6 @@ def calibrated(scene: Scene, law: Law, coulomb: Simulation) -> tuple[float, Simu
 
 
 def row(name: str, stress: float | None, found: Simulation) -> str:
-    """Return a row."""
     known = {i + 1: step for i, step in enumerate(found.slip_steps) if step is not None}
     order = " ".join(str(r) for r in sorted(known, key=lambda r: (known[r], r)))
     steps = " ".join("-" if step is None else str(step) for step in found.slip_steps)
@@ -88,7 +85,6 @@ def row(name: str, stress: float | None, found: Simulation) -> str:
 
 
 def print_scene(name: str, scene: Scene) -> None:
-    """Print a scene's rows."""
     print(f"{name}\n{'':14}{'MPa':>8}  {'ridges slip from step':36}{'gross':>6}{'ms':>7}  order")
     coulomb = at_level(scene, LEVELS[0])
     print(row("Coulomb", None, coulomb), flush=True)

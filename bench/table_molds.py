@@ -93,7 +93,6 @@ def _slot(dice: Dice, ridge: dict[str, Any]) -> dict[str, Any]:
 
 
 def refusals(designs: Iterator[Design]) -> list[tuple[Design, InputError]]:
-    """Return the designs without a mold, each with why."""
     rows = []
     for design in designs:
         try:

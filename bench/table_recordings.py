@@ -112,7 +112,6 @@ class Case:
 
 
 def case_of(seed: int, folder: Path) -> Case:
-    """Return the case of a seed."""
     draw = np.random.default_rng(seed)
     name = str(draw.choice(list(SCENES)))
     whole = prediction_of(name, folder)
@@ -177,7 +176,6 @@ def faulted(draw, prediction: FilmPrediction, outputs: np.ndarray):
 
 
 def verdict(case: Case, result: RecordingAcceptance) -> str:
-    """Return right, undecided or wrong."""
     told = {s.name: s for s in result.strips}
     answer = "right"
     for name, state in case.states.items():

@@ -125,7 +125,6 @@ def judged(seed: int, friction: float | None = None) -> Comparison:
 
 
 def summary(rows: list[Comparison]) -> list[str]:
-    """Return what `rows` show, a line each."""
     outcomes = Counter((row.verdict, row.best) for row in rows)
     lines = [f"auto {ours:7} best {theirs:7} {n:4}" for (ours, theirs), n in sorted(outcomes.items())]
     lines += [

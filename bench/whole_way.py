@@ -59,7 +59,6 @@ def layered(design: Design, step: Path) -> Design:
 
 
 def made(design: Design, folder: Path) -> None:
-    """Mold and sheet."""
     result, job = skincad.make(design, checked=True), Job(design)
     skincad.write(result, folder / "mold")
     print(f"make: {result.summary}")
@@ -106,7 +105,6 @@ def packed(design: Design, folder: Path) -> None:
 
 
 def pull(design: Design) -> Scene:
-    """A pull that lets the ridges slip, one after the other."""
     force = design.contact.force
     settings = [
         f"readout.ridges={list(range(1, design.count + 1))}",

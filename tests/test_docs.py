@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from bench.geometry_plot import geometry_plot
+from bench.pictures import geometry_plot
 from skincad.circuit import Circuit
 from skincad.cli.app import app
 from skincad.effects import EFFECTS, effect

@@ -3,73 +3,59 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
 
 from skincad.circuit import Constants
 
-
-@dataclass(frozen=True)
-class Complex:
-    """A complex number of two fractions."""
-
-    real: Fraction
-    imag: Fraction = Fraction(0)
-
-    def __add__(self, other: Complex) -> Complex:
-        return Complex(self.real + other.real, self.imag + other.imag)
-
-    def __sub__(self, other: Complex) -> Complex:
-        return Complex(self.real - other.real, self.imag - other.imag)
-
-    def __mul__(self, other: Complex) -> Complex:
-        real = self.real * other.real - self.imag * other.imag
-        return Complex(real, self.real * other.imag + self.imag * other.real)
-
-    def __truediv__(self, other: Complex) -> Complex:
-        size = other.real**2 + other.imag**2
-        return self * Complex(other.real / size, -other.imag / size)
+# a + bi is the matrix a ONE + b J, whose sums, products and inverses are those of complex numbers
+ONE, J = (
+    np.array([[Fraction(n) for n in row] for row in rows]) for rows in ([[1, 0], [0, 1]], [[0, -1], [1, 0]])
+)
+NONE = 0 * ONE
 
 
-NONE, ONE = Complex(Fraction(0)), Complex(Fraction(1))
+def size(z: Any) -> Fraction:
+    return z[0, 0] ** 2 + z[1, 0] ** 2  # type: ignore[no-any-return]
 
 
-def solved(matrix: list[list[Complex]], side: list[Complex]) -> list[Complex]:
+def inverse(z: Any) -> Any:
+    return z.T / size(z)
+
+
+def solved(matrix: list[list[Any]], side: list[Any]) -> list[Any]:
     """Gauss elimination; any pivot that is not 0 will do."""
-    rows = [[*row, value] for row, value in zip(matrix, side, strict=True)]
+    rows = np.hstack([np.block(matrix), np.vstack(side)])
     n = len(rows)
     for k in range(n):
-        pivot = next(i for i in range(k, n) if rows[i][k] != NONE)
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        rows[k] = [value / rows[k][k] for value in rows[k]]
+        pivot = next(i for i in range(k, n) if rows[i, k])
+        rows[[k, pivot]] = rows[[pivot, k]]
+        rows[k] /= rows[k, k]
         for i in range(n):
-            if i != k and rows[i][k] != NONE:
-                rows[i] = [a - rows[i][k] * b for a, b in zip(rows[i], rows[k], strict=True)]
-    return [row[-1] for row in rows]
+            if i != k:
+                rows[i] -= rows[i, k] * rows[k]
+    return [rows[i : i + 2, n:] for i in range(0, n, 2)]
 
 
 def gain(c: Constants, frequency: float) -> float:
     """Return 20 log10 |vout / lo|, dB, at a frequency in Hz; minus infinity where it is 0."""
-    jw = Complex(Fraction(0), Fraction(2 * math.pi * frequency))
-
-    def real(value: float) -> Complex:
-        return Complex(Fraction(value))
-
-    film, shunt = ONE / (jw * real(c.capacitance)), ONE / (jw * real(c.input_capacitance))
-    motional = real(c.motional_resistance) + jw * real(c.motional_inductance)
-    motional += ONE / (jw * real(c.motional_capacitance))
-    leak, a, out = shunt / real(c.input_resistance), real(c.gain), real(c.output_resistance)
+    jw = Fraction(2 * math.pi * frequency) * J
+    film, shunt = (inverse(jw * Fraction(value)) for value in (c.capacitance, c.input_capacitance))
+    motional = Fraction(c.motional_resistance) * ONE + Fraction(c.motional_inductance) * jw
+    motional += inverse(Fraction(c.motional_capacitance) * jw)
+    leak, a, out = shunt / Fraction(c.input_resistance), Fraction(c.gain) * ONE, Fraction(c.output_resistance)
     if c.gain_bandwidth:
-        a /= ONE + jw * a / real(2 * math.pi * c.gain_bandwidth)
+        a = a @ inverse(ONE + jw @ a / Fraction(2 * math.pi * c.gain_bandwidth))
     rows = [  # i1, i2, vd, i4
-        [film + motional, NONE - motional, NONE, NONE],
-        [NONE - motional, motional + real(c.series_resistance), ONE, NONE],
-        [NONE, shunt, NONE - ONE - leak, NONE - shunt],
-        [NONE, NONE - shunt, leak - a, shunt + real(c.feedback_resistance) + out],
+        [film + motional, -motional, NONE, NONE],
+        [-motional, motional + Fraction(c.series_resistance) * ONE, ONE, NONE],
+        [NONE, shunt, -ONE - leak, -shunt],
+        [NONE, -shunt, leak - a, shunt + (Fraction(c.feedback_resistance) + out) * ONE],
     ]
-    _, _, vd, i4 = solved(rows, [film * jw * real(c.d33), NONE, NONE, NONE])
-    vout = a * vd - out * i4
-    size = vout.real**2 + vout.imag**2
-    if size == 0:
+    _, _, vd, i4 = solved(rows, [film @ jw * Fraction(c.d33), NONE, NONE, NONE])
+    squared = size(a @ vd - out * i4)
+    if squared == 0:
         return -math.inf
-    return 10 * (math.log10(size.numerator) - math.log10(size.denominator))
+    return 10 * (math.log10(squared.numerator) - math.log10(squared.denominator))

@@ -105,7 +105,6 @@ def held(circuit: str) -> tuple[int, float]:
 
 
 def table(circuit: str, scenes: list[SceneRun], folder: Path) -> None:
-    """Print an amplifier's part."""
     every = [case(scene, circuit, folder / "outputs") for scene in scenes]
     print(f"\n{circuit}\n{HEAD}")
     for count in RIDGES:

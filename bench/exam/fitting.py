@@ -170,7 +170,6 @@ def of_skins(told: list[Heard], *, records: bool = True) -> list[Samples]:
 
 
 def _sticking() -> Iterator[np.ndarray]:
-    """Yield features of records of ridges that all stick."""
     for outputs, noise in sticking():
         window = detector.detector(LOAD_RATE, LOAD_BAND, noise).window
         felt = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]

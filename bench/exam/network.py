@@ -51,7 +51,6 @@ def stacked(parts: list[Samples]) -> Stack:
 
 
 def fitted(parts: list[Samples], seed: int = 0) -> detector.Weights:
-    """Return the network that fits samples."""
     samples = stacked(parts)
     middle, spread = samples.rows.mean(axis=0), samples.rows.std(axis=0) + 1e-3
     samples = replace(samples, rows=((samples.rows - middle) / spread).astype(np.float32))
@@ -100,7 +99,6 @@ def loss(now: Layers, some: Stack) -> float:
 
 
 def gradient(now: Layers, some: Stack) -> Layers:
-    """Return the loss's gradient, by layer."""
     into, _, out, _ = now
     hidden, odds = _odds(now, some)
     wrong = some.weight * (1 / (1 + np.exp(-np.clip(odds, -30, 30))) - some.label) / some.label.size

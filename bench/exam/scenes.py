@@ -12,14 +12,11 @@ that ship, and four pulls and presses of a few ms, are in the design set as they
 
 from __future__ import annotations
 
-import sys
-import warnings
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 import skincad
 from bench import runner
@@ -90,7 +87,6 @@ def random_skin(number: int) -> Skin:
 
 
 def _drawn(draw: np.random.Generator, name: str) -> Design:
-    """Return a random design, or raise InputError."""
     pitch = float(np.exp(draw.uniform(np.log(0.9), np.log(4.0))))
     count = int(draw.integers(3, LARGEST + 1))
     part = {
@@ -177,7 +173,6 @@ def batch(seed: int) -> int:
 
 
 def seeds(kind: str) -> list[int]:
-    """Return a set's seeds."""
     first = FIRST + SETS.index(kind)
     count = COUNT[kind] + (sum(LATER) if kind == DESIGN else 0)
     return list(range(first, first + 2 * count, 2))
@@ -295,15 +290,3 @@ def _shipped(seed: int, name: str) -> SceneRun:
         march.column("films"), answer.slipping, march.column("normal"), march.column("tangential"),
         answer.gross_slip_step, ((name, 0),), TOLD,
     )  # fmt: skip
-
-
-if __name__ == "__main__":
-    with threadpool_limits(limits=1, user_api="blas"), warnings.catch_warnings():
-        for kind in sys.argv[2:] or SETS:
-            for seed in sorted(seeds(kind), key=lambda s: drawn(s).skin.name):
-                run = kept(seed, Path(sys.argv[1]))
-                slip, phases = run.slipping.any(axis=1).argmax(), [phase for phase, _ in run.phases]
-                words = (
-                    f"{run.friction:.2f} {run.mass} {run.time.size - 1} gross {run.gross} first slip {slip}"
-                )
-                print(run.seed, run.skin.name, words, phases, flush=True)

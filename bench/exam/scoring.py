@@ -53,7 +53,6 @@ class Case:
 
     @property
     def gross(self) -> int | None:
-        """The step of gross slip."""
         return self.scene.gross
 
     @cached_property
@@ -150,7 +149,6 @@ class Mark:
 
     @property
     def false(self) -> int:
-        """Number of false alarms."""
         return self.passing + self.other + self.none
 
 
@@ -254,7 +252,6 @@ def threshold(case: Case, window: int, outputs: np.ndarray) -> list[Alarm]:
 
 
 def slips(case: Case) -> list[Alarm]:
-    """Return where each told ridge begins to slip."""
     return [(ridge, first) for ridge, runs in enumerate(case.runs) for first, _ in runs]
 
 

@@ -2,7 +2,7 @@
 
 For what small strain misses, P-delta above all, at a small part of the price of finite strain in each step;
 and on through a pull in which finite strain itself has no smooth surface, with an error that says how far.
-Reference: finite strain in each step (tests/effects/test_chosen_steps.py, bench/table_leads.py).
+Reference: finite strain in each step (tests/effects/test_chosen_steps.py, bench/leads.py).
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ class FiniteStrain(Law):
 
         Nothing is fitted. What is said is 0.54 to 1.3 times what is found in 17 random scenes, 0.44 to 1.8 in
         30 others, 27 of them within a factor of two; of the ridge told alone 0.57 to 3.0, 26 of 30 (as of
-        bench/table_swaying.py, seeds 1 and 2). It is low where leaning ridges, which pressing turns upright,
+        bench/left_out.py, seeds 1 and 2). It is low where leaning ridges, which pressing turns upright,
         are pulled little.
         """
         design, normal = outline.design, outline.ridge_normal

@@ -3,7 +3,7 @@
 What an effect says of a scene that leaves it out: an indicator, from numbers at hand. What it says is the
 change of the differential stress S1 - S2 that naming the effect brings: of any ridge and at any time of the
 march the largest one, relative to the largest S1 - S2 of any ridge without the effect. Where a scene tells no
-film's stress, the ridges' pulls stand for it, and without a pull their normal forces. bench/table_left_out.py
+film's stress, the ridges' pulls stand for it, and without a pull their normal forces. bench/left_out.py
 holds each against marches with and without its effect.
 
 A law makes the pad that a march advances (exactly one); a pad change alters it before it is meshed; a term

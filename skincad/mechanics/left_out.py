@@ -18,7 +18,7 @@ ed., chap. 1 (beam-columns). Small strain knows none of it.
 
 Nothing here is fitted. The ridge is a column that bends and shears between two halves of elastic space, which
 its root and its tip turn in: the plate keeps a tip level only as far as silicone does. It is as squat and
-wide as P has pressed it. bench/table_swaying.py compares it with simulations at finite strain.
+wide as P has pressed it. bench/left_out.py compares it with simulations at finite strain.
 
 Each is a bound on the relative change, computed from the design and the answer. Calibrated on the seven first
 templates and 21 variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150,

@@ -7,7 +7,6 @@ import os
 import signal
 import time
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,9 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 from bench.campaign import __main__ as campaign_module
-from bench.campaign import cases, child, soundness
-from bench.campaign.__main__ import Campaign
+from bench.campaign import cases, soundness
+from bench.campaign.__main__ import Campaign, alone, judged
 from bench.campaign.cases import Case, figures
-from bench.campaign.child import alone, judged
 from bench.campaign.invariants import faults, sane
 from bench.campaign.random_designs import drawn
 from bench.campaign.soundness import outcome, summary
@@ -64,7 +62,7 @@ def spin(case: Case) -> dict[str, Any]:
 )
 def test_a_process_that_fails_is_a_fault(figures: Any, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(cases.FIGURES, "section", figures)
-    monkeypatch.setattr(child, "SECONDS", 1)
+    monkeypatch.setattr(campaign_module, "SECONDS", 1)
     ((kind, _),) = alone(CASE).faults
     assert words in kind
 
@@ -127,20 +125,14 @@ def test_a_failure_is_shrunk_and_saved(tmp_path: Path, monkeypatch: pytest.Monke
     assert campaign.refused["section: width"] > 0
 
 
-SEEDS = 60
-CHUNKS = 4  # shared out to the processes
-SMALLEST = 4  # the seed of the first of them that takes half a second without the CAD kernel
+SMALLEST = 4  # the first seed that takes half a second without the CAD kernel
 
 
 @pytest.mark.evidence(subject="seeds: sound parts")
-@pytest.mark.parametrize("chunk", range(CHUNKS))
-def test_every_part_is_sound(chunk: int, record_property: Callable[[str, object], None]) -> None:
-    size = SEEDS // CHUNKS
-    rows = [outcome(seed) for seed in range(chunk * size, (chunk + 1) * size)]
-    summary_text = summary(rows)
-    record_property("summary", summary_text)
-    print(summary_text)
-    assert not any(entry.faults for entry in rows), summary_text
+@pytest.mark.parametrize("first", range(0, 60, 15))  # shared out to the processes
+def test_every_part_is_sound(first: int) -> None:
+    rows = [outcome(seed) for seed in range(first, first + 15)]
+    assert not any(entry.faults for entry in rows), summary(rows)
 
 
 def test_one_of_them_without_the_cad_kernel() -> None:
@@ -188,11 +180,14 @@ def test_faults_and_exceptions_are_told(monkeypatch: pytest.MonkeyPatch) -> None
     assert f'name = "random-{SMALLEST}"' in text
 
 
-OVERLOAD = 1000.0
+KINDS = ("refused: history.normal_force_N", "stopped: step", "right")
+DRAWN = settings(
+    max_examples=60, database=None, deadline=None, phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)  # fmt: skip
 
 
 def became(case: Case) -> str:
-    """What became of a case, "" for one that is wrong."""
     try:
         numbers = figures(case)
     except InputError as refusal:
@@ -204,39 +199,15 @@ def became(case: Case) -> str:
     return f"stopped: {numbers['stopped']}" if numbers["failed"] else "right"
 
 
-def run(count: int, seed: int) -> list[str]:
-    """What became of `count` cases."""
-    rows: list[str] = []
-
-    @hypothesis.seed(seed)
-    @settings(
-        max_examples=count,
-        database=None,
-        deadline=None,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(scenes(overload=OVERLOAD))
-    def one(case: Case) -> None:
-        rows.append(became(case))
-
-    one()
-    return rows
-
-
-KINDS = ("refused: history.normal_force_N", "stopped: step", "right")
-
-
 @pytest.mark.evidence(subject="seeds: overloaded scenes")
 def test_overloaded_scenes_are_refused_or_right() -> None:
     """60 of them; of 300 with the seed 71 the same was seen.
 
     What a seed draws hangs on the constants of all loaded modules, so more are drawn until each kind is seen.
     """
-    completed = run(60, seed=72)
-    for seed in range(73, 77):
-        if all(any(entry.startswith(kind) for entry in completed) for kind in KINDS):
-            break
-        completed += run(60, seed)
-    for kind in KINDS:
-        assert any(entry.startswith(kind) for entry in completed), completed
+    rows: list[str] = []
+    for seed in range(72, 77):
+        hypothesis.seed(seed)(DRAWN(given(scenes(overload=1000.0))(lambda case: rows.append(became(case)))))()
+        if all(any(row.startswith(kind) for row in rows) for kind in KINDS):
+            return
+    pytest.fail(f"not all of {KINDS} in {rows}")

@@ -178,15 +178,6 @@ def test_the_fits_slope_is_the_losss() -> None:
             assert slope[at] == pytest.approx((sides[0] - sides[1]) / 2e-6, abs=1e-8)
 
 
-def test_some_of_a_stack_are_those_samples() -> None:
-    parts = samples(np.random.default_rng(6), 4, 3)
-    some = network.stacked(parts).some(np.array([9, 2, 5]))
-    assert some.count.tolist() == [3, 1, 2]
-    wanted = [parts[2][0][1], parts[0][0][2], parts[1][0][1]]
-    np.testing.assert_array_equal(some.rows, np.concatenate(wanted))
-    assert some.label.tolist() == [parts[2][1][1], parts[0][1][2], parts[1][1][1]]
-
-
 def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     """The mean of products of two features among four; and what is written is read as the same network."""
     for key, value in {"HIDDEN": 16, "EPOCHS": 60, "BATCH": 64}.items():

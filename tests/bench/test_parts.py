@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import bench_check, calculix
-from bench.measure import alone, factorise, free_block, system
-from skincad.mechanics import MODELS, default_sizes, pad_of
+from bench import calculix
+from bench.costs import alone, measured
+from skincad.mechanics import default_sizes, pad_of
 from tests.mechanics.designs import filleted, yamada
 
 PRINTED = """
@@ -71,26 +71,10 @@ def test_time_at_equal_error() -> None:
     assert math.isnan(calculix.time_at(1e-4, seconds, errors))
 
 
-def test_matrix_of_a_check_is_its_own() -> None:
-    equations = system(filleted(), 0.5, 2)
-    block = free_block(equations)
-    assert block.shape[0] == equations.unknowns
-    side = np.ones(equations.unknowns)
-    assert block @ factorise(block).solve(side) == pytest.approx(side, abs=1e-6)  # condition times rounding
-
-
 @pytest.mark.slow
 def test_alone_measures_another_process() -> None:
-    row = alone(bench_check.measured, "winkler")
+    row = alone(measured, "winkler")
     assert row["unknowns"] == 9
     assert row["peak_MB"] > 10  # an interpreter with numpy
-
-
-@pytest.mark.slow
-def test_alone_hands_on_what_went_wrong() -> None:
     with pytest.raises(RuntimeError, match="KeyError"):
-        alone(bench_check.measured, "no-such-model")
-
-
-def test_every_model_has_a_row() -> None:
-    assert [name for name in MODELS if bench_check.ready(name)][:3] == ["winkler", "reduced", "linear"]
+        alone(measured, "no-such-model")

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from bench import left_out
 from bench import table_accept as exam
-from bench import table_left_out, table_swaying
 from bench.error_bars import QUANTITIES, TOPS, Row, _Seed, errors, groups, numbers, outcome, relative, table
 from bench.hidden_targets import HIT, MOST, ways, wide
-from bench.random_scenes import PERIODS, slowest
+from bench.random_scenes import PERIODS, PULLED_STEPS, pulled_scene, slowest
 from skincad import load
 from skincad.base import Estimate
 from skincad.mechanics import Answer, LeftOut
@@ -125,13 +125,13 @@ def test_hidden_targets_that_the_closed_form_does_not_see_are_not_denied() -> No
 
 
 def test_a_seed_draws_the_same_scenes() -> None:
-    one, other = (list(table_left_out.scenes(5, 3)) for _ in range(2))
+    one, other = (list(left_out.scenes(5, 3)) for _ in range(2))
     assert [entry.to_toml() for entry in one] == [entry.to_toml() for entry in other]
-    assert one[0].to_toml() != next(table_left_out.scenes(6, 1)).to_toml()
+    assert one[0].to_toml() != next(left_out.scenes(6, 1)).to_toml()
 
 
 def test_scenes_are_of_every_kind_and_in_the_ranges() -> None:
-    entries = list(table_left_out.scenes(5, 40))
+    entries = list(left_out.scenes(5, 40))
     for scene in entries:
         ramps = np.diff(scene.history.time_s)[::2] * slowest(scene.design)
         # numbers are written with five digits
@@ -149,21 +149,20 @@ def test_scenes_are_of_every_kind_and_in_the_ranges() -> None:
         assert 0 < sum(pull) < len(pull), name
 
 
-def test_the_table_of_swaying_draws_scenes_too() -> None:
-    rng = np.random.default_rng(1)
-    scene = table_swaying.drawn(rng)
-    assert scene.history.steps == table_swaying.STEPS
+def test_scenes_are_pulled_too() -> None:
+    scene = pulled_scene(np.random.default_rng(1))
+    assert scene.history.steps == PULLED_STEPS
     assert scene.effects["friction"]["coefficient"] > 0
 
 
 def test_a_change_is_the_largest_one_by_the_largest_signal_without() -> None:
     without, named = np.array([[0.0, 1.0], [-4.0, 2.0], [9.0, 9.0]]), np.array([[0.5, 1.0], [-4.0, 3.0]])
-    assert table_left_out.change(without, named) == 0.1 + 0.15
+    assert left_out.change(without, named) == 0.1 + 0.15
 
 
 def test_misses_are_counted_by_both_factors() -> None:
-    rows = [table_left_out.Compared("film", entry, 3.0, 1.0) for entry in (0.4, 1.0, 2.5, 4.0)]
-    answer = table_left_out.held(rows)
+    rows = [left_out.Compared("film", entry, 3.0, 1.0) for entry in (0.4, 1.0, 2.5, 4.0)]
+    answer = left_out.held(rows)
     assert "within 2 in 1 of 4" in answer
     assert "within its own in 3 of 4" in answer
     assert "3 4 times" in answer

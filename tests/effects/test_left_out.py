@@ -18,7 +18,7 @@ from tests.mechanics.designs import yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import small_scene
 
-# as fitted by bench/table_left_out.py: a change of one must show
+# as fitted by bench/left_out.py: a change of one must show
 FILMS_SHEAR, FILMS_PRESSURE = 0.133, 0.033
 ENDS_CALIBRATED, ENDS_SLIPPING, ENDS_LEAST = 1.5, 6, 0.001
 MASSES_CALIBRATED = 1.4

@@ -47,7 +47,7 @@ from skincad.mechanics.problem import ContactError
 # strain in each of 110 steps, by 14 chosen ones; 0.4 % by 33 at 1 / 30
 UPDATE_INTERVAL = 1 / 12
 # The error of earlier chosen steps stays in points that stick: a ridge's forces are off by up to 1.6 times
-# the last one's error (in 95 % of 40 slips: the first 8 scenes of bench/table_leads.py's seed 1, and
+# the last one's error (in 95 % of 40 slips: the first 8 scenes of bench/leads.py's seed 1, and
 # yamada-2002-slip at friction 0.4)
 STICKING_FACTOR = 2.0
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again

@@ -13,7 +13,7 @@ mode. A driven plate does not ring along: the layer below it does, held on both 
 of speed with sqrt(stiffness mass) N per mm/s, of which 2 / pi is its first mode's.
 
 Range: small strain. Friction only limits the pull. Compared with runs with masses in
-bench/table_left_out.py.
+bench/left_out.py.
 """
 
 from __future__ import annotations

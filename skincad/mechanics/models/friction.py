@@ -50,7 +50,7 @@ BASE_ERRORS, ERRORS_BY_CHANGE = Errors(approach=0.005, threshold=0.02, share=0.0
 FULL = 1.0  # a coefficient at which next to nothing slides
 SOLID_LAYERS, SOLID_ORDER, SOLID_STEPS = Layers(0.6, 2.0, 3), 2, 8
 # Set on three templates and 15 random designs at friction 0.3 and 1, against all fillets, a finer section,
-# finer layers and twice the steps (bench/table_solid_friction.py, seeds 0 to 19): at most 0.93 % of the
+# finer layers and twice the steps (bench/coarse_solid.py, seeds 0 to 19): at most 0.93 % of the
 # all-touch force, 1 % of the approach, 1.6 % of the mean share
 SOLID_ERRORS = Errors(approach=0.008, threshold=0.007, share=0.012)
 SOLID_ERRORS_BY_CHANGE = Errors(approach=0.1, threshold=0.1, share=0.2)

@@ -54,7 +54,7 @@ MOST_UNKNOWNS = 150_000  # about 4 GB
 # 0.36 %); on yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
 ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
 # With fewer functions along y, against finer layers and sections with all fillets: a constant, and a part of
-# the change. Set on yamada-2002, plain-ridges and 27 random designs (bench/table_strain.py, seeds 0 to 29 and
+# the change. Set on yamada-2002, plain-ridges and 27 random designs (bench/coarse_solid.py, seeds 0 to 29 and
 # 500 to 529): at most 0.46 % of the all-touch force, 0.19 % of the approach, 2.2 % of the mean share
 COARSE_ERRORS = Errors(approach=0.003, threshold=0.003, share=0.005)
 COARSE_PARTS = Errors(approach=0.05, threshold=0.06, share=0.2)

@@ -1,23 +1,53 @@
-"""The labelled section: `python -m bench.geometry_plot docs/understand/geometry.png`.
+"""The pictures of docs/ that skincad draws: `python -m bench.pictures [PICTURE]...`, a minute or two.
 
-It shows every length of `[skin]`, `[ridge]`, `[slot]` and `[film]` on a section that skincad builds, with
-fillets, crown and slots larger than is usual so that they can be seen.
+Most are files of a command that the page shows. The labelled section shows every length of `[skin]`,
+`[ridge]`, `[slot]` and `[film]` on a section that skincad builds, with fillets, crown and slots larger than
+is usual so that they can be seen. `bench.error_bars --picture` draws the calibration plot: stated error
+against true error of random designs, read in grey too.
 """
 
 from __future__ import annotations
 
 import math
+import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 
 import skincad
+from bench.error_bars import Row
 from skincad.inputs import Design
 from skincad.outputs import Axes, save, sheet
-
-# gone
 from skincad.shape import polygon, section, skin_of
+
+DOCS = Path(__file__).parents[1] / "docs"
+WISH = (
+    "new pad.toml --size 24x30 --touch 1N --silicone ecoflex-00-50 --process sla --gripper franka-hand"
+    " --film pvdf-28um"
+)
+GEOMETRY = "understand/geometry.png"
+PICTURES = {  # in docs/ -> the commands that draw it, and its file
+    "start/pictures/first-skin.png": (("make yamada-2002 --format png",), "out/yamada-2002/picture.png"),
+    "start/pictures/own-design.png": ((WISH, "make pad.toml --format png"), "out/pad/picture.png"),
+    "start/pictures/first-scene.png": (("simulate yamada-2002-slip",), "out/yamada-2002-slip/signals.png"),
+    "howto/pictures/solve.png": (
+        ("solve plain-ridges --target all_touch_force=1.5 --vary ridge.levelling=0:1 --picture solve.png",),
+        "solve.png",
+    ),
+    "howto/pictures/sweep.png": (
+        ("sweep plain-ridges --vary ridge.levelling=0:1:3 --vary ridge.height=0.5,0.6",),
+        "out/plain-ridges/effects.png",
+    ),
+    "howto/pictures/gain.png": (("circuit transimpedance",), "out/transimpedance/gain.png"),
+    "howto/pictures/alarms.png": (
+        ("simulate yamada-2002-slip --set effects.piezo.circuit=transimpedance --set readout.ridges=[2,3]",),
+        "out/yamada-2002-slip/recording.png",
+    ),
+}
+
 
 SKIN, FILM, INK, HELP = "#eebda5", "#b3432b", "#14447a", "#8a8a8a"
 WORDS = {"color": INK, "family": "monospace"}
@@ -30,6 +60,31 @@ SIDES = {  # shift in points, alignments
 CHORD = 1e-3  # mm; finer than a pixel
 MIDDLE = 3  # the upright ridge of five
 Place = tuple[float, float]  # mm in the section
+PANELS = {
+    "mesh of the linear model": lambda row: row.part == "mesh",
+    "model: free ends, finite strain": lambda row: row.part in ("ends", "strain", "method"),
+    "model: winkler": lambda row: row.part == "model",
+}
+MARKS = {
+    "all_touch_force": ("#0072b2", "o", "all-touch force"),
+    "approach": ("#b3470a", "^", "approach"),
+    "shares": ("#3a7d44", "s", "shares"),
+}
+LEAST = 1e-7  # of the value; smaller errors are drawn there
+MOST = 3.0
+
+
+def draw(name: str) -> None:
+    if name == GEOMETRY:
+        geometry_plot(DOCS / name)
+        return
+    commands, file = PICTURES[name]
+    with tempfile.TemporaryDirectory() as folder:
+        for command in commands:
+            line = [sys.executable, "-m", "skincad", *command.split()]
+            subprocess.run(line, cwd=folder, check=True, stdout=subprocess.DEVNULL, timeout=600)
+        (DOCS / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(Path(folder) / file, DOCS / name)
 
 
 def shown() -> Design:
@@ -178,5 +233,40 @@ def _slots(axes: Axes, design: Design) -> None:
     axes.set_ylim(at(0, -0.4)[1], at(0, 0.78)[1])
 
 
+def calibration_plot(rows: list[Row], path: Path) -> None:
+    """Write a PNG of stated against true relative error; below the line a bar is too narrow."""
+    with sheet((12.0, 4.4), colours=64, dpi=100) as figure:
+        for axes, (title, belongs) in zip(figure.subplots(1, len(PANELS)), PANELS.items(), strict=True):
+            _panel(axes, title, [row for row in rows if belongs(row) and row.value])
+    save(figure, path)
+
+
+def _panel(axes: Axes, title: str, rows: list[Row]) -> None:
+    for quantity, (colour, marker, label) in MARKS.items():
+        for top in (False, True):
+            mine = [row for row in rows if row.quantity == quantity and row.top is top]
+            true = [max(row.true / abs(row.value), LEAST) for row in mine]
+            stated = [max(row.stated / abs(row.value), LEAST) for row in mine]
+            told = f"{label}, {'top refinement' if top else 'refinement above'}"
+            fill = colour if top else "none"
+            style = {"color": colour, "markerfacecolor": fill, "markersize": 4.5, "alpha": 0.75}
+            axes.plot(true, stated, marker, label=told, **style)
+    ends = np.array([LEAST, MOST])
+    axes.plot(ends, ends, color="#222222", linewidth=1.2)
+    axes.plot(ends, 10 * ends, color="#777777", linewidth=0.9, linestyle="--")
+    axes.set(xscale="log", yscale="log", xlim=(LEAST / 1.5, MOST), ylim=(LEAST / 1.5, MOST))
+    axes.set_xlabel("true error, relative")
+    axes.set_ylabel("stated error, relative")
+    axes.grid(color="#e4e4e4", linewidth=0.6)
+    axes.legend(fontsize=7, loc="upper left")
+    if rows:
+        held, width = np.mean([r.held for r in rows]), np.median([r.width for r in rows])
+        title += f"\n{len(rows)} cases, {held:.1%} held, median {width:.1f} times too wide"
+    axes.set_title(title, fontsize=9)
+    axes.text(MOST / 2, 3 * LEAST, "below the line: too narrow", fontsize=7, ha="right", color="#222222")
+
+
 if __name__ == "__main__":
-    geometry_plot(Path(sys.argv[1]))
+    for picture in sys.argv[1:] or [*PICTURES, GEOMETRY]:
+        draw(picture)
+        print(f"{picture} {(DOCS / picture).stat().st_size / 1000:.0f} kB")

@@ -1,13 +1,20 @@
-"""What full friction changes at finite strain and in small strain: a coarse solid whose points stick.
+"""What finite strain, friction and both change on the coarse solid, against finer solids and another way.
 
-`python -m bench.stuck_press plain-ridges yamada-2002 0 3 5`: templates and seeds of random designs; some
-seconds to a minute each. Where a point touched at the end of a step it stays from then on, along x and along
-y. For each, the change of the all-touch force and of the approach, relative, and of the share that changes
-most, in mean shares: in small strain, at finite strain, and their difference in parts of what small strain
-leaves out by its bound (left_out.py), which models/friction.py takes at most LOST of.
+`python -m bench.coarse_solid strain 600 630`: finite strain, as `corrected-finite-strain` has it, of random
+designs with few unknowns, half a minute each. `friction 502 530`: friction 0.3 and 1, sticking and sliding
+along x and y. A line tells the change on the coarse solid and by how much it is off: of the all-touch force
+and of the approach relative, of the share that is off most in mean shares; a * marks what the stated error
+does not hold.
 
-Another way than the package's: points never slide, what sticks is eliminated before the contact is solved,
-and the body is the one of finite strain in both cases, at rest or where it is."""
+`python -m bench.coarse_solid stuck plain-ridges yamada-2002 0 3 5`: what full friction changes at finite
+strain and in small strain, of templates and seeds of random designs; some seconds to a minute each. Where a
+point touched at the end of a step it stays from then on, along x and along y. For each, the change of the
+all-touch force and of the approach, relative, and of the share that changes most, in mean shares: in small
+strain, at finite strain, and their difference in parts of what small strain leaves out by its bound
+(left_out.py), which models/friction.py takes at most LOST of. Another way than the package's: points never
+slide, what sticks is eliminated before the contact is solved, and the body is the one of finite strain in
+both cases, at rest or where it is.
+"""
 
 from __future__ import annotations
 
@@ -19,33 +26,102 @@ from scipy.sparse.linalg import splu
 
 import skincad
 from bench import runner
-from bench.table_strain import flat_design
-from skincad.base import Array, Mask, one_blas_thread
+from bench.campaign.random_designs import drawn
+from bench.error_bars import force_of
+from skincad.base import Array, InputError, Mask, one_blas_thread
 from skincad.inputs import Design
 from skincad.mechanics import (
+    COARSE_ERRORS,
     COARSE_LAYERS,
+    COARSE_PARTS,
+    SOLID_ORDER,
+    SOLID_STEPS,
+    CoarseAnswer,
     ContactError,
     Errors,
     FrontFactors,
+    Layers,
     NodalContact,
     Request,
     Ridges,
     body_of,
     coarse_sizes,
+    errors_of,
     factored,
     finite_strain,
     fronts_of,
     meshed_piece,
+    pad_of,
     plain_pad,
     press,
+    relative_changes,
     run,
+    solve_solid,
 )
 from skincad.mechanics.bodies import solid_law
 from skincad.mechanics.contact.frictionless import all_touch_force
+from skincad.mechanics.models.solid_finite_strain import solve
 
+MOST = 9_000  # unknowns of the coarse solid; the finer one's are ten times as many
+FINER, FINENESS = Layers(0.3, 1.8, 3), 1.3
+MOST_BY_FRICTION = 40_000  # unknowns of the coarse solid
+COEFFICIENTS = 0.3, 1.0
 STEPS, NEWTON_STEPS, RESIDUAL = 10, 25, 1e-8
-MOST = 16_000  # unknowns
 PARTS = {"all touch": "threshold", "approach": "approach", "share": "share"}
+Pair = tuple[CoarseAnswer, CoarseAnswer]  # before and after a change
+
+
+def flat_design(seed: int) -> Design:
+    """Return the random design of a seed, straight along y, under a flat plate at its own force."""
+    design = drawn(seed).design
+    flat = {"plate": {"shape": "flat"}, "force": force_of(design, seed)}
+    return design.with_(skin={"curvature_radius_y": None}, contact=flat)
+
+
+def compared(coarse: Pair, fine: Pair, stated: Errors) -> list[tuple[str, float, float, float]]:
+    """Return by quantity the coarse pair's change, by how much it is off the fine one's, and its error."""
+    change, truth = relative_changes(*coarse), relative_changes(*fine)
+    one, other = (
+        (after.ridge_force - before.ridge_force) / before.ridge_force.mean()
+        for before, after in (coarse, fine)
+    )
+    return [
+        ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
+        ("approach", change.approach, abs(change.approach - truth.approach), stated.approach),
+        ("share", change.share, float(np.abs(one - other).max()), stated.share),
+    ]
+
+
+def line(row: runner.Row) -> str:
+    parts = (f"{name} {v:+.4f} off {off:.4f}{'*' * (off > error)}" for name, v, off, error in row["changes"])
+    return f"seed {row['seed']}{row['at']}: {'; '.join(parts)}"
+
+
+def by_strain(seed: int) -> runner.Row:
+    """Return a seed's changes by finite strain; none of a design with many unknowns."""
+    design = flat_design(seed)
+    force = design.contact.force
+    coarse = solve(plain_pad(design), force, {}, COARSE_LAYERS)
+    if coarse.finite.unknowns > MOST:
+        raise InputError("unknowns", f"must be at most {MOST}", coarse.finite.unknowns)
+    fine = solve(pad_of(design), force, {}, FINER, fineness=FINENESS)
+    pairs = [(one.small, one.finite) for one in (coarse, fine)]
+    stated = errors_of(relative_changes(*pairs[0]), COARSE_ERRORS, COARSE_PARTS)
+    return {"seed": seed, "at": "", "changes": compared(*pairs, stated)}
+
+
+def by_friction(case: str) -> runner.Row:
+    """Return the changes by friction of a seed and a coefficient; none of a design with many unknowns."""
+    seed, mu = int(case.split(maxsplit=1)[0]), float(case.split()[1])
+    design = flat_design(seed)
+    force = design.contact.force
+    coarse = solve_solid(plain_pad(design), mu, force)
+    if coarse.without.unknowns > MOST_BY_FRICTION:
+        raise InputError("unknowns", f"must be at most {MOST_BY_FRICTION}", coarse.without.unknowns)
+    fine = solve_solid(pad_of(design), mu, force, (), FINER, FINENESS, SOLID_ORDER, 2 * SOLID_STEPS)
+    pairs = [(one.without, one.gripped) for one in (coarse, fine)]
+    stated = errors_of(relative_changes(*pairs[0]), coarse.constant, coarse.by_change)
+    return {"seed": seed, "at": f", {mu:g}", "changes": compared(*pairs, stated)}
 
 
 @dataclass
@@ -80,7 +156,6 @@ class StuckPress:
         self.at_rest = self.linearised(self.rest)
 
     def linearised(self, state: Array) -> Linear:
-        """Return the body linearised at a state."""
         body = self.body
         at = solid_law.points(body.elements, *body.split(state))
         coupling = solid_law.coupling(at)
@@ -205,11 +280,10 @@ def changes(design: Design, *, finite: bool) -> Errors:
 
 
 def design_of(name: str) -> Design:
-    """Return a template, or the random design of a seed."""
     return flat_design(int(name)) if name.isdigit() else skincad.load_design(name)
 
 
-def judged(name: str) -> runner.Row:
+def by_sticking(name: str) -> runner.Row:
     """Return by quantity what sticking changes in small strain, at finite strain, and the bound."""
     design = design_of(name)
     small, large = (changes(design, finite=finite) for finite in (False, True))
@@ -220,8 +294,7 @@ def judged(name: str) -> runner.Row:
     }
 
 
-def line(row: runner.Row) -> str:
-    """Return a design's line."""
+def sticking_line(row: runner.Row) -> str:
     words = []
     for what in PARTS:
         small, large, bound = row[what]
@@ -231,9 +304,20 @@ def line(row: runner.Row) -> str:
 
 def main() -> None:
     parser = runner.parser(__doc__)
-    parser.add_argument("designs", nargs="+")
+    parser.add_argument("kind", choices=("strain", "friction", "stuck"))
+    parser.add_argument("cases", nargs="+", help="the first seed and the one to stop at; templates and seeds")
     options = parser.parse_args()
-    runner.rows("stuck-press", judged, options.designs, options, line)
+    if options.kind == "stuck":
+        runner.rows("stuck-press", by_sticking, options.cases, options, sticking_line)
+        return
+    seeds = range(*map(int, options.cases))
+    if options.kind == "strain":
+        rows = runner.rows("strain", by_strain, seeds, options, line)
+    else:
+        cases = [f"{seed} {mu}" for seed in seeds for mu in COEFFICIENTS]
+        rows = runner.rows("solid-friction", by_friction, cases, options, line)
+    held = [off <= error for row in rows for *_, off, error in row["changes"]]
+    print(f"held {sum(held)} of {len(held)}")
 
 
 if __name__ == "__main__":
