@@ -67,10 +67,13 @@ def read(path: Path) -> Read:
 
 
 def complaints(job: Job) -> list[str]:
-    """Return every STEP file without one solid of its volume, and what the assembly lost."""
+    """Return every STEP file without one solid of its volume and name, and what the assembly lost."""
     wrong = []
     for part in job.result.parts:
-        volumes = read(job.file(f"solids/{part.name}.step")).volumes
+        path = job.file(f"solids/{part.name}.step")
+        volumes = read(path).volumes
+        if f"PRODUCT('{part.name}'" not in path.read_text():
+            wrong.append(f"{part.name}.step: of another name")
         if len(volumes) != 1 or abs(volumes[0] - part.volume) > VOLUME * part.volume:
             wrong.append(f"{part.name}.step: {volumes} mm3, made were {part.volume:.12g}")
     return wrong + _of_assembly(job)

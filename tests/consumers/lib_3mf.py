@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import lib3mf
 import numpy as np
 
+from skincad.base import Array
 from skincad.solids.mold import mold
 from tests.consumers import Job, volume_slack
 
 
 class Object(NamedTuple):
-    """A mesh object as read: colour in 0 to 255."""
+    """A mesh object as read: colour in 0 to 255, and from where to where it lies along y, mm."""
 
     manifold: bool
     volume: float
     colour: tuple[int, int, int] | None
+    along: tuple[float, float]
 
 
 def missing() -> str:
@@ -38,14 +41,17 @@ def read(path: Path) -> tuple[dict[str, Object], list[str]]:
     objects, shapes = {}, model.GetMeshObjects()
     while shapes.MoveNext():
         shape = shapes.GetCurrentMeshObject()
+        corners = np.array([list(corner.Coordinates) for corner in shape.GetVertices()])
         objects[shape.GetName()] = Object(
-            bool(shape.IsManifoldAndOriented()), _volume(shape), _colour(library, model, shape)
+            bool(shape.IsManifoldAndOriented()),
+            _volume(corners, shape),
+            _colour(library, model, shape),
+            (float(corners[:, 1].min()), float(corners[:, 1].max())),
         )
     return objects, warnings
 
 
-def _volume(shape: Any) -> float:
-    corners = np.array([list(v.Coordinates) for v in shape.GetVertices()])
+def _volume(corners: Array, shape: Any) -> float:
     a, b, c = np.moveaxis(corners[np.array([list(t.Indices) for t in shape.GetTriangleIndices()])], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
@@ -69,6 +75,9 @@ def complaints(job: Job) -> list[str]:
         if list(objects) != [part.name for part in parts]:
             wrong.append(f"{name}: holds {', '.join(objects)}")
             continue
+        rows = sorted(obj.along for obj in objects.values())
+        if any(a[1] >= b[0] for a, b in pairwise(rows)):
+            wrong.append(f"{name}: parts lie on each other")
         for part in parts:
             obj = objects[part.name]
             if not obj.manifold or obj.colour != colours[part.name]:

@@ -19,12 +19,23 @@ from skincad.outputs import assembly, write_assembly
 from skincad.shape import Point, loop, section
 from skincad.solids import ClosedMold, PartRole, workplane
 from skincad.solids.mold import mold
-from tests.conftest import Made
-from tests.consumers import CONSUMERS, Job, camlib, dxf, gmsh, lib_3mf, meshlab, prusaslicer, steps
+from tests.conftest import Made, files_into
+from tests.consumers import CONSUMERS, Job, camlib, consumed, dxf, gmsh, lib_3mf, meshlab, prusaslicer, steps
+from tests.families import RIDGED
 
+READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
 without_gmsh = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())
 without_camlib = pytest.mark.skipif(bool(camlib.missing()), reason=camlib.missing())
 without_slicer = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
+
+
+@pytest.fixture(scope="module", params=[consumed(name) for name in RIDGED])
+def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Job:
+    """One make of a template for all its readers."""
+    design = skincad.load(request.param)
+    if request.param == "yamada-2002":
+        return Job(design, request.getfixturevalue("made"))
+    return Job(design, files_into(design, tmp_path_factory.mktemp("made") / request.param, READ))
 
 
 @pytest.mark.parametrize("reader", CONSUMERS)

@@ -1,16 +1,25 @@
-"""Every JSON that a command writes or prints, read as strictly as JSON is defined; all into one folder."""
+"""What is written: JSON as strict as JSON is defined, STEP and SVG of the mold, all into one folder.
+
+That other programs read solids, meshes and drawings is in tests/consumers.
+"""
 
 from __future__ import annotations
 
 import json
+import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from skincad.base import files_below
+from skincad.fabrication import Job
+from skincad.inputs import Design
+from skincad.outputs import solid_files, write_step
+from skincad.solids import workplane
 from skincad.studies.accuracy import circuit
-from tests.conftest import run_skincad
+from tests.conftest import Made, run_skincad
 from tests.small_scene import small_scene
 
 WRITING = ("make", "simulate", "circuit", "accuracy")  # the commands that write into a folder
@@ -137,3 +146,30 @@ def test_the_schema_is_json(tmp_path: Path) -> None:
 def test_what_is_no_json_is_seen(text: str) -> None:
     with pytest.raises(AssertionError):
         strict(text)
+
+
+@pytest.mark.slow
+def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
+    root = ET.parse(made.folder / "drawings/section.svg").getroot()
+    paths = root.findall("{http://www.w3.org/2000/svg}path")
+    assert len(paths) == 19
+    assert root.attrib["width"] == "13mm"
+    assert re.search(r"A60 60 0 0 0", paths[0].attrib["d"])
+
+
+def test_step_time_is_source_date_epoch(
+    yamada: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cover = workplane(Job(yamada).closed.part("cover"))
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    write_step(cover, tmp_path / "cover.step")
+    assert "'1970-01-02T00:00:00'" in (tmp_path / "cover.step").read_text()
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "tomorrow")
+    with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH: must be whole seconds"):
+        write_step(cover, tmp_path / "again.step")
+
+
+def test_a_step_file_that_the_kernel_cut_short_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "half.step").write_text("ISO-10303-21;\nHEADER;\n")
+    with pytest.raises(OSError, match="No space"):
+        solid_files.make_deterministic(tmp_path / "half.step", "half")
