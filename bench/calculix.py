@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from bench import runner
 from skincad import load
 from skincad.laws import Ogden
 from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of, pad_of, plane_piece
@@ -65,7 +66,6 @@ LEVELS = ((0.25, 2), (0.5, 2), (0.5, 3), (1.0, 3), (1.0, 4), (2.0, 4), (2.0, 5))
 MESHES = {"linear": (0.25, 0.5, 1.0, 2.0), "finite-strain": (0.25, 0.5, 1.0)}  # CalculiX's fineness
 GOALS = {"linear": 50.0, "finite-strain": 100.0}
 REPEATS = 3
-WIDTHS = (16, 10, 9, 10, 10, 10)
 # of the linear approach, where CalculiX's finite strain changes to a force (docs/evidence/facts.md)
 SOFTER = 0.95
 
@@ -345,12 +345,6 @@ def run_program(command: list[str], folder: Path) -> str:
     return done.stdout
 
 
-@dataclass(frozen=True)
-class Row:
-    setting: str
-    found: PressedPad
-
-
 def own(pad: Pad, model: str, fineness: float, order: int) -> PressedPad:
     """Return skincad's level of a model; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
@@ -370,61 +364,52 @@ def missed(found: PressedPad, reference: PressedPad) -> float:
     return float(np.abs(found.shares - reference.shares).max())
 
 
-def envelope(
-    seconds: NDArray[np.float64], errors: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the rows that no quicker row beats, quickest first."""
-    order = np.argsort(seconds)
-    lowest = np.minimum.accumulate(errors[order])
-    kept = order[errors[order] <= lowest]
-    return seconds[kept], errors[kept]
-
-
 def time_at(error: float, seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> float:
     """Return the time that this error takes, log-log between the rows that no quicker row beats.
 
     Above the largest error it is the quickest row's: never extrapolated. Below the smallest it is nan.
     """
-    time, left = envelope(seconds, errors)
+    order = np.argsort(seconds)
+    rows = order[errors[order] <= np.minimum.accumulate(errors[order])]
+    time, left = seconds[rows], errors[rows]
     if error < left[-1]:
         return float("nan")
     return float(np.exp(np.interp(-np.log(error), -np.log(left), np.log(time))))
 
 
 def compare(pad: Pad, model: str, start: float | None) -> None:
-    ours = [Row(f"skincad {f:g}, {k}", own(pad, model, f, k)) for f, k in LEVELS]
-    theirs = [Row(f"CalculiX {f:g}", press(pad, f, FORCE, start)) for f in MESHES[model]]
+    ours = {f"skincad {f:g}, {k}": own(pad, model, f, k) for f, k in LEVELS}
+    theirs = {f"CalculiX {f:g}": press(pad, f, FORCE, start) for f in MESHES[model]}
     knowing = MESHES[model] if start is None else ()
-    halves = [Row(f"its half {f:g}", press(pad, f, FORCE, whole=False)) for f in knowing]
-    best, finest = ours[-1].found, theirs[-1].found
+    halves = {f"its half {f:g}": press(pad, f, FORCE, whole=False) for f in knowing}
+    best = [*ours.values()][-1]
     print(f"\n{model}: errors against skincad's finest, and against the program's own finest")
-    names = ("fineness", "unknowns", "time, s", "share, N", "own, N", "approach")
-    print("".join(f"{name:>{width}}" for name, width in zip(names, WIDTHS, strict=True)) + "  shares, N")
-    for rows, last in ((ours, best), (theirs, finest), (halves, halves[-1].found if halves else None)):
-        for row in rows:
-            f = row.found
-            own_error = "" if f is last else f"{missed(f, last):.1e}"
-            error = "" if f is best else f"{missed(f, best):.1e}"
+    lines = []
+    for rows in (ours, theirs, halves):
+        for setting, f in rows.items():
+            last = [*rows.values()][-1]
+            error, own_error = ("" if f is of else f"{missed(f, of):.1e}" for of in (best, last))
             half = " ".join(f"{s:.4f}" for s in f.shares[: (f.shares.size + 1) // 2])
             off = f"{f.approach / best.approach - 1:+.1e}"
-            cells = (row.setting, str(f.unknowns), f"{f.seconds:.2f}", error, own_error, off)
-            print("".join(f"{c:>{width}}" for c, width in zip(cells, WIDTHS, strict=True)) + f"  {half}")
-    ratios(model, [row.found for row in ours], [*theirs, *halves])
+            lines.append((setting, f.unknowns, f"{f.seconds:.2f}", error, own_error, off, half))
+    head = ("fineness", "unknowns", "time, s", "share, N", "own, N", "approach", "shares, N")
+    print("\n".join(runner.table(head, lines)))
+    ratios(model, [*ours.values()], theirs | halves)
 
 
-def ratios(model: str, ours: list[PressedPad], theirs: list[Row]) -> None:
+def ratios(model: str, ours: list[PressedPad], theirs: dict[str, PressedPad]) -> None:
     """Print the times at equal error, the errors against the last of `ours`."""
     *levels, best = ours
     whole = np.array([level.seconds for level in levels])
     contact = whole - np.array([level.more for level in levels])
     errors = np.array([missed(level, best) for level in levels])
     print(f"times at equal error, CalculiX's over skincad's (goal {GOALS[model]:g})")
-    for row in theirs:
-        error = missed(row.found, best)
-        both = [row.found.seconds / time_at(error, time, errors) for time in (whole, contact)]
+    for setting, found in theirs.items():
+        error = missed(found, best)
+        both = [found.seconds / time_at(error, time, errors) for time in (whole, contact)]
         bound = "at least " if error > errors.max() else ""
         without = f", {both[1]:.0f}x without the all-touch force" if best.more else ""
-        print(f"{row.setting:>16}  error {error:.1e} N: {bound}{both[0]:.0f}x{without}")
+        print(f"{setting:16}  error {error:.1e} N: {bound}{both[0]:.0f}x{without}")
 
 
 def main() -> None:

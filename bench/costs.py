@@ -41,6 +41,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
+from bench import runner
 from skincad import load
 from skincad.base import InputError, RefusedError
 from skincad.effects import MarchedPad
@@ -173,13 +174,14 @@ def models(names: list[str]) -> dict[str, dict[str, Any]]:
     rows = {name: alone(measured, name) for name in dict.fromkeys(("linear", *names))}
     unit = rows["linear"]["seconds"]["total"]
     print(f"check {DESIGN}, times of the linear model's {unit:.3f} s, medians of {REPEATS} runs")
-    print(f"{'model':>24} {'time':>8} {'goal':>6} {'peak, MB':>9} {'unknowns':>9}  F9, N  /  approach, mm")
+    lines = []
     for name in names:
-        row, goal = rows[name], GOALS.get(name)
-        aim = "" if goal is None else f"<={goal:g}"
-        found = f"{in_words(*row['threshold'])}  /  {in_words(*row['approach'])}"
-        time = row["seconds"]["total"] / unit
-        print(f"{name:>24} {time:8.3g} {aim:>6} {row['peak_MB']:9.0f} {row['unknowns']:9d}  {found}")
+        row, goal = rows[name], f"<={GOALS[name]:g}" if name in GOALS else ""
+        time, peak_size = f"{row['seconds']['total'] / unit:.3g}", f"{row['peak_MB']:.0f}"
+        found = in_words(*row["threshold"]), in_words(*row["approach"])
+        lines.append((name, time, goal, peak_size, row["unknowns"], *found))
+    head = ("model", "time", "goal", "peak, MB", "unknowns", "F9, N", "approach, mm")
+    print("\n".join(runner.table(head, lines)))
     return rows
 
 

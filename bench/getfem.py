@@ -23,7 +23,7 @@ from subprocess import run
 import numpy as np
 from numpy.typing import NDArray
 
-from bench import calculix
+from bench import calculix, runner
 from skincad import load
 from skincad.mechanics import (
     Compliance,
@@ -205,15 +205,15 @@ def main() -> None:
     ours = {f"skincad {f:g}": own(pad, f, ORDER, drives, friction) for f in FINENESS[1:]}
     theirs = {f"GetFEM {f:g}": drag(pad, f, drives, friction) for f in FINENESS}
     best, last = list(ours.values())[-1], list(theirs.values())[-1]
-    print(
-        f"largest differences from skincad's finest; {FORCE:g} N, friction {friction:g}, {len(drives)} steps"
-    )
-    names = ("normal", "tangential", "pull", "approach")
-    print(f"{'':>14}{'unknowns':>10}" + "".join(f"{name:>12}" for name in names) + "  ridges let go at, mm")
+    setting = f"{FORCE:g} N, friction {friction:g}, {len(drives)} steps"
+    print(f"largest differences from skincad's finest; {setting}")
+    lines = []
     for name, found in (ours | theirs).items():
-        off = apart(found, best)
+        off = [f"{value:.1e}" for value in apart(found, best).values()]
         ends = " ".join(f"{end:.4f}" for end in let_go(found, drives, friction))
-        print(f"{name:>14}{found.unknowns:>10}" + "".join(f"{off[n]:>12.1e}" for n in names) + f"  {ends}")
+        lines.append((name, found.unknowns, *off, ends))
+    head = ("", "unknowns", "normal", "tangential", "pull", "approach", "ridges let go at, mm")
+    print("\n".join(runner.table(head, lines)))
     print("\ntravel, mm; pull, N, and ridges: . clear, o hold, x slip as a whole; skincad's, GetFEM's")
     for i, drive in enumerate(drives):
         cells = [f"{found.tangential[i].sum():9.4f} {_signs(found, friction, i)}" for found in (best, last)]
