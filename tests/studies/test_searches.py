@@ -194,12 +194,9 @@ def allowed_rows(wanted: Study) -> tuple[list[Row], int]:
             continue
         numbers = {key.removesuffix("_N").removesuffix("_mm"): n for key, n in row.results.items()}
         upper, lower = ({k: getattr(n, end) for k, n in numbers.items()} for end in ("upper", "lower"))
-        broken = any(
-            (limit.at_most is not None and upper[limit.key] > limit.at_most)
-            or (limit.at_least is not None and lower[limit.key] < limit.at_least)
-            for limit in wanted.constraints
-        )
-        if not broken:
+        most = [upper[c.key] <= c.at_most for c in wanted.constraints if c.at_most is not None]
+        least = [lower[c.key] >= c.at_least for c in wanted.constraints if c.at_least is not None]
+        if all(most + least):
             kept.append(tuple(upper[o.key] if o.goal == "min" else -lower[o.key] for o in wanted.objectives))
     return kept, len(rows)
 
@@ -213,11 +210,9 @@ def front(result: Optimisation) -> list[Row]:
 def random_aims(random: np.random.Generator, several: bool) -> dict[str, Any]:
     keys = ("all_touch_force", "approach")
     goals = [{"key": key, "goal": str(random.choice(["min", "max"]))} for key in keys]
-    limits: list[list[dict[str, Any]]] = [
-        [],
-        [{"key": "all_touch_force", "at_most": float(random.uniform(1.0, 6.0))}],
-        [{"key": "approach", "at_least": float(random.uniform(0.02, 0.1))}],
-    ]
+    most = {"key": "all_touch_force", "at_most": float(random.uniform(1.0, 6.0))}
+    least = {"key": "approach", "at_least": float(random.uniform(0.02, 0.1))}
+    limits = [[], [most], [least]]
     objectives = goals if several else [goals[int(random.integers(2))]]
     return {"objectives": objectives, "constraints": limits[int(random.integers(3))]}
 

@@ -70,7 +70,9 @@ def test_its_skin_is_about_as_curved_as_the_force_bears() -> None:
 @pytest.mark.slow
 def test_the_file_is_the_design_with_its_rules(small: WishResult, tmp_path: Path) -> None:
     for full in (False, True):
-        path, schema = write_wish(tmp_path / "mine.toml", small, full)
+        folder = tmp_path / f"full-{full}"
+        folder.mkdir()
+        path, schema = write_wish(folder / "mine.toml", small, full)
         assert skincad.load(path) == small.design.with_(name="mine")
         text = path.read_text()
         assert text.startswith(f"#:schema ./{schema.name}\n")
@@ -79,7 +81,6 @@ def test_the_file_is_the_design_with_its_rules(small: WishResult, tmp_path: Path
             assert len(text.splitlines()) < 70
             assert "leaves room for crests that scatter by 0.015 mm, as sla makes them\ncurvature" in text
             assert "d31" not in tomllib.loads(text)["film"]
-        path.unlink()
 
 
 def test_a_size_a_force_and_a_film_may_have_units() -> None:
