@@ -1,16 +1,13 @@
 """skincad against CalculiX on plain-ridges at 4 N: error against time, linear and neo-Hookean, in one run.
 
-`python -m bench.calculix [linear]` prints the tables and the ratios of times at equal error. The section is
-its own mirror image: skincad solves half of it, unasked; CalculiX is asked for the whole and, in the linear
-table, for the half too, its cut held sideways, as one who knows would ask it. Times are processor times:
-CalculiX's of its process alone, without gmsh; skincad's holds its mesh and the all-touch force besides, which
-CalculiX is not asked: the ratio is printed without it too. An error is the largest of the shares'
-differences, N.
+`python -m bench.calculix [linear]` prints the tables and the ratios of times at equal error. skincad solves
+half of the section unasked; CalculiX is asked for the whole and, in the linear table, for the half too, its
+cut held sideways. Times are processor times: CalculiX's without gmsh, skincad's with its mesh and the
+all-touch force, which CalculiX is not asked. An error is the largest of the shares' differences, N.
 
 CalculiX has quads from gmsh, CPE8R, or CAX8R of a section that turns, and penalty contact with a rigid flat
-plate. Both are processes of their own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary
-folder and on one processor. The plate hangs on a spring too soft to carry a force, so that the load is a
-force.
+plate on a spring too soft to carry a force, so that the load is a force. Both programs are processes of their
+own (Debian packages `calculix-ccx` and `gmsh`), on files in a temporary folder and on one processor.
 """
 
 from __future__ import annotations

@@ -1,16 +1,15 @@
 """Other readings of the paper's slopes, and what an amplifier buys of warning.
 
 `python -m bench.circuits readings` fits each reading to 20 dB/dec up to 1.2 kHz and 60 above, from 10 Hz to
-8 kHz, level free, and prints dB rms with the constants that were found. By `film` the motional capacitance is
-at most 0.1 of the static one, as PVDF has it; by `any` it is free.
+8 kHz, level free, and prints dB rms with its constants. By `film` the motional capacitance is at most 0.1 of
+the static one, as PVDF has it; by `any` it is free.
 
-`python -m bench.circuits amplifiers [SCENE ...]` (default steady-pull and yamada-2002-slip) marches each
-scene once and reads ridges 2 and 3, the paper's, through each amplifier with NOISES seeded noises. A charge
-amplifier and a follower give the stress; the detector asks for its rate: their samples are differenced.
-Lead: from the first true warning, `early`, to gross slip, without noise, then with it the median and the
-least; `silent`: records without one; `false`: false warnings, without noise and in a record's mean. S/N is of
-a pair as the detector gets it, rms. With `--slower` all that happens takes so many times as long: no effect
-of these scenes but the skin's mass knows how fast it goes.
+`python -m bench.circuits amplifiers [SCENE ...]` marches each scene once and reads ridges 2 and 3, the
+paper's, through each amplifier with NOISES noises. A charge amplifier and a follower give the stress, so
+their samples are differenced. Lead: from the first true warning, `early`, to gross slip, without noise, then
+with it the median and the least; `silent`: records without one; `false`: false warnings, without noise and in
+a record's mean. S/N is of a pair as the detector gets it, rms. With `--slower` all takes so many times as
+long: no effect of these scenes but the skin's mass knows how fast it goes.
 """
 
 from __future__ import annotations

@@ -2,18 +2,14 @@
 
 `python -m bench.coarse_solid strain 600 630`: finite strain, as `corrected-finite-strain` has it, of random
 designs with few unknowns, half a minute each. `friction 502 530`: friction 0.3 and 1, sticking and sliding
-along x and y. A line tells the change on the coarse solid and by how much it is off: of the all-touch force
-and of the approach relative, of the share that is off most in mean shares; a * marks what the stated error
-does not hold.
+along x and y. A line tells the change and by how much it is off: of the all-touch force and of the approach
+relative, of the share that is off most in mean shares; a * marks what the stated error does not hold.
 
-`python -m bench.coarse_solid stuck plain-ridges yamada-2002 0 3 5`: what full friction changes at finite
-strain and in small strain, of templates and seeds of random designs; some seconds to a minute each. Where a
-point touched at the end of a step it stays from then on, along x and along y. For each, the change of the
-all-touch force and of the approach, relative, and of the share that changes most, in mean shares: in small
-strain, at finite strain, and their difference in parts of what small strain leaves out by its bound
-(left_out.py), which models/friction.py takes at most LOST of. Another way than the package's: points never
-slide, what sticks is eliminated before the contact is solved, and the body is the one of finite strain in
-both cases, at rest or where it is.
+`python -m bench.coarse_solid stuck plain-ridges yamada-2002 0 3 5`: the same changes by full friction, in
+small strain and at finite strain, of templates and seeds; some seconds to a minute each. Their difference is
+in parts of what small strain leaves out by its bound (left_out.py); models/friction.py takes LOST of it at
+most. Here points never slide: one that touched at the end of a step stays, and is eliminated before the
+contact is solved. The body is the one of finite strain in both cases, at rest or where it is.
 """
 
 from __future__ import annotations

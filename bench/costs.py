@@ -1,22 +1,19 @@
-"""What models, steps of a scene and ladders take.
+"""What models, steps of a scene and ladders take. Times of `prices` are the processor's, others the clock's.
 
-`python -m bench.costs models [MODEL]...` prints, per model of `check` on yamada-2002, its time in times of
-the linear model's (a median, without program start and imports), its peak memory in a process of its own, and
-what it finds; then the linear model's stages in times of one sparse factorisation of its own finest matrix.
+`python -m bench.costs models [MODEL]...`: each model of `check` on yamada-2002 in times of the linear model,
+without start and imports, its peak memory in a process of its own, and what it finds; then the linear model's
+stages in times of one sparse factorisation of its own finest matrix.
 
-`python -m bench.costs march`: what a step costs, by the back-solve of the condensed system.
-`yamada-2002-slip` on the coarse mesh, quasi-static, viscous, with masses, at finite strain: 100 steps of the
-pull each, of the last 20, without mesh and factorisation, medians of single steps. The back-solve is one
-solve with the quasi-static pad's factorisation, whose bubbles are condensed, of one half of the pad. Then the
-whole history, by small strain and by chosen steps of finite strain: the mean of all its steps.
+`python -m bench.costs march`: a step of `yamada-2002-slip` on the coarse mesh, quasi-static, viscous, with
+masses, at finite strain, in times of one back-solve with the quasi-static pad's factorisation, of one half of
+the pad: medians of 100 steps of the pull, of the last 20. Then the mean of the whole history's steps, by
+small strain and by chosen steps of finite strain.
 
 `python -m bench.costs ladders [TEMPLATE] [--ladder NAME]... [--minutes M]`: what each stage of a ladder was
-expected to take, by what is behind the bar, and what it took; a ladder that is expected to end after M
-minutes is not begun, and said.
+expected to take, and took; a ladder that is expected to end after M minutes is not begun.
 
-`python -m bench.costs prices TEMPLATE...` solves every model on each template and prints what `check` would
-expect of each by the time of the one before, against what it took. Times are the processor's: what else a
-busy machine does is not the models'.
+`python -m bench.costs prices TEMPLATE...`: what `check` would expect of each model by the time of the one
+before, and what it took.
 """
 
 from __future__ import annotations

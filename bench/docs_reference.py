@@ -67,12 +67,8 @@ def commands_page() -> str:
 
 def python_page() -> str:
     """Return the page of public names, each by its docstring; mkdocstrings fills it in."""
-    lines = [
-        "# Python",
-        "",
-        "Every public name of `skincad`. [Use Python](../howto/python.md) shows them at work.",
-        "",
-    ]
+    words = "Every public name of `skincad`. [Use Python](../howto/python.md) shows them at work."
+    lines = ["# Python", "", words, ""]
     for name in skincad.__all__:
         home = skincad._HOMES[name].replace(":", ".")
         lines += [f"::: skincad.{home}", "    options:", f"      heading: skincad.{name}"]
@@ -204,13 +200,8 @@ def _below(kind: type[Record]) -> Iterable[type[Record]]:
 
 
 def _cell(text: str) -> str:
-    return (
-        " ".join(text.split())
-        .replace("|", "\\|")
-        .replace("<", "&lt;")
-        .replace("*", "\\*")
-        .replace("_", "\\_")
-    )
+    escaped = {"|": "\\|", "<": "&lt;", "*": "\\*", "_": "\\_"}
+    return " ".join(text.split()).translate(str.maketrans(escaped))
 
 
 PAGES: dict[str, Callable[[], str]] = {

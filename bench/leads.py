@@ -1,18 +1,14 @@
 """Whether leads of slip hold within their errors: small strain's, those of chosen steps, and of slow modes.
 
-`python -m bench.leads 3 20`: 20 random scenes of seed 3: three to seven ridges, a nominal strain of 0.02 to
-0.13, friction 0.15 to 0.6, pulled to gross slip, half of them eased on the way. The judge is finite strain in
-each step, with twice the steps and on a mesh twice as fine. Errors are those that `simulate --tol` tells,
-without what else the scene leaves out, which the judge leaves out too. Half a minute to two a scene. The one
-constant, STAYS of frozen_tangent.py, was found on seed 1.
+`python -m bench.leads 3 20`: 20 random scenes of seed 3, three to seven ridges pulled to gross slip, half of
+them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as
+fine. Errors are those of `simulate --tol`, without what else the scene leaves out. Half a minute to two a
+scene. The one constant, STAYS of frozen_tangent.py, was found on seed 1.
 
 `python -m bench.leads 2 40 masses`: slow modes of the skin's mass, and a plate's mass, against all masses: 40
 such scenes of seed 2, in times of 0.5 to 6 of the skin's slowest swing, every second one under a plate of 0.2
-to 5 times the skin's mass. What `simulate` marches, the slow modes, is on its two coarsest meshes here and
-with a fifth of the steps, and so has its error. The judge marches all unknowns with masses and viscosity
-(effects.inertia, effects.viscosity) on the first mesh. A line a ridge: its lead before gross slip without
-masses, by modes with the error, and the judge's; then how many lie within, but for one step, to which the
-judge's lead is known.
+to 5 times the skin's mass. The slow modes are on the two coarsest meshes of `simulate` and with a fifth of
+its steps, and so is their error. The judge marches all unknowns with masses and viscosity on the first mesh.
 """
 
 from __future__ import annotations

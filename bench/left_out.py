@@ -1,14 +1,13 @@
 """What leaving an effect out is said to change, against what it changes.
 
 `python -m bench.left_out 2 20`: 20 random scenes of seed 2 (bench/random_scenes.py), each marched with and
-without film, free ends and masses on one coarse mesh: some five minutes on a core. Names of effects after
-that take these alone. A line a scene, said / found; then how many of them lie within a factor of two, and
-within the factor that the estimate itself names, with the 95 % interval. Masses are those of the skin and of
-a plate as heavy, with viscosity as without it. Friction and viscosity say nothing of themselves.
+without film, free ends and masses (the skin's, and a plate as heavy, with viscosity as without it) on one
+coarse mesh, some five minutes on a core; or with the effects that are named after that. A line a scene, said
+/ found; then how many lie within a factor of two, and within the factor that the estimate itself names.
 
 `python -m bench.left_out 2 20 finite_strain`: scenes that pull to 0.95 of friction, in small and in finite
-strain on one mesh: ten seconds to a minute a scene. Besides, Pcr of its ridges, from how much steeper the
-difference rises with the pull, against mechanics/left_out.py.
+strain on one mesh, up to a minute each. Besides, Pcr of their ridges, from how much steeper the difference
+rises with the pull, against mechanics/left_out.py.
 """
 
 from __future__ import annotations

@@ -1,17 +1,15 @@
 """Skins of pins against CalculiX in three dimensions, pressed, and pulled with friction.
 
-`python -m bench.pins [first] [end] [ratio]` holds the reduced model against it on random designs, about half
-a minute each. Nine or twenty-five graded pins on flat, bent and doubly curved bases; Poisson's ratio 0.49 in
-both, or another: CalculiX has no hybrid elements. `python -m bench.pins layers [first] [end]`: on a back of
-another silicone, a twentieth to twenty times as stiff. `python -m bench.pins times`: seconds of a check by
-the number of pins. `python -m bench.pins slip`: slip of six graded pins at finite strain with friction, about
-two minutes; half of the skin is meshed, cut between the pins: where a cut runs through a tip CalculiX may
-lose its contact.
+`python -m bench.pins [first] [end] [ratio]` holds the reduced model against it on random designs, half a
+minute each: 9 or 25 graded pins on flat, bent and doubly curved bases; Poisson's ratio 0.49 in both, or
+another: CalculiX has no hybrid elements. `python -m bench.pins layers [first] [end]`: on a back a twentieth
+to twenty times as stiff. `python -m bench.pins times`: seconds of a check by the number of pins. `python -m
+bench.pins slip`: six graded pins at finite strain with friction, two minutes. Half of that skin is meshed,
+cut between the pins: where a cut runs through a tip CalculiX may lose its contact.
 
-The solid is of gmsh's tetrahedra of ten nodes, pressed by a rigid flat plate that is driven to one approach
-after another, and may then be pulled along x against friction: penalty contact, and sides that are free.
-Layers of other silicones are solids of their own that share their nodes. Of a skin that two planes mirror
-only a quarter is meshed, and pulled a half.
+The solid is of gmsh's tetrahedra of ten nodes. A rigid flat plate is driven to one approach after another,
+and may then be pulled along x: penalty contact, free sides. Layers are solids that share their nodes. Of a
+skin that two planes mirror only a quarter is meshed, and pulled a half.
 """
 
 from __future__ import annotations

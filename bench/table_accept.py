@@ -1,16 +1,13 @@
 """What `accept` calls of parts with hidden faults: `python -m bench.table_accept 21000 21200`.
 
-A seed is two parts of a template, a good one and a faulty one, each pressed ten times up to twice the
-design's force, or as far as the model goes. A good part's modulus is uniform in the material's range, its
-crests scatter by the mold's process. A faulty part has besides one of `FAULTS`, of random size. The rows
-have normal errors, and so has the zero. Parts are made otherwise than the judge's curves: on a mesh twice as
-fine and of a higher order, with free ends of finer layers; a soft back is a layer of another material, voids
-are holes in the mesh, a dry plate is pressed by the marching contact with friction; of parts with other
-crests finite strain is solved for the part itself.
+A seed is two parts of a template, a good one and one with one of `FAULTS`, each pressed ten times up to twice
+the design's force, or as far as the model goes. A good part's modulus is uniform in the material's range, its
+crests scatter by the mold's process. Rows and zero have normal errors. Parts are made otherwise than the
+judge's curves: on a mesh twice as fine and of a higher order, with free ends of finer layers; a soft back is
+a layer of another material, voids are holes in the mesh, a dry plate is pressed by the marching contact with
+friction; of parts with other crests finite strain is solved for the part itself.
 
-Each part is judged in each of `SETTINGS`: by one press; by a second one with the plate tilted by 3 degrees or
-with a bar on the middle ridge; with most parts taken as good; with crests, ridges and friction ruled out, and
-no such parts; and all with a finer scale and gauge. Thresholds were set on the seeds 20000 to 20199.
+Each part is judged in each of `SETTINGS`. Thresholds were set on the seeds 20000 to 20199.
 """
 
 from __future__ import annotations

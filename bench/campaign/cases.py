@@ -97,11 +97,8 @@ def check_figures(case: Case) -> Figures:
     verdict = check(case.design, **case.arguments)
     threshold, approach = verdict.all_touch_force, verdict.approach
     mesh = None if threshold.error is None else threshold.error - verdict.model_error
-    return {
-        "passed": verdict.passed,
-        "force": verdict.force,
-        "ridges": verdict.ridges,
-        "touching": verdict.touching,
+    same = ("passed", "force", "ridges", "touching", "model", "unknowns", "residual")
+    return {name: getattr(verdict, name) for name in same} | {
         "all_touch_force": threshold.value,
         "all_touch_error": threshold.error,
         "mesh_error": mesh,
@@ -110,9 +107,6 @@ def check_figures(case: Case) -> Figures:
         "ridge_force": [f.value for f in verdict.ridge_force],
         "share_error": max(f.error or 0.0 for f in verdict.ridge_force),
         "sum": sum(f.value or 0.0 for f in verdict.ridge_force),
-        "model": verdict.model,
-        "unknowns": verdict.unknowns,
-        "residual": verdict.residual,
         "yield": None if verdict.manufacture is None else verdict.manufacture.passing.value,
         "beyond": verdict.out_of_range,
         "warnings": list(verdict.warnings),
@@ -142,7 +136,8 @@ def scene_figures(case: Case) -> Figures:
     march, drives = simulation.march, scene.history.drives()
     friction = scene.parts.get("friction")
     mu, kinetic = getattr(friction, "coefficient", 0.0), getattr(friction, "kinetic", None)
-    return {
+    columns = ("normal", "tangential", "approach", "travel", "elastic", "dissipated")
+    return {name: march.column(name).tolist() for name in columns} | {
         "steps": len(march.readings) - 1,
         "stopped": march.stopped,
         "failed": march.failed,
@@ -151,13 +146,7 @@ def scene_figures(case: Case) -> Figures:
         "masses": marches_masses(scene) or "inertia" in scene.effects,
         "driven": drives[0].tangential is None,
         "asked_normal": [d.normal for d in drives][: len(march.readings)],
-        "normal": march.column("normal").tolist(),
-        "tangential": march.column("tangential").tolist(),
-        "approach": march.column("approach").tolist(),
-        "travel": march.column("travel").tolist(),
         "touching": march.column("touches").sum(axis=1).tolist(),
-        "elastic": march.column("elastic").tolist(),
-        "dissipated": march.column("dissipated").tolist(),
         "residual": float(march.column("residual").max()),
         "stress": {str(r): np.asarray(v).tolist() for r, v in simulation.raw.items()},
         "last_stress": [float(v[-1]) for v in simulation.raw.values()],

@@ -2,18 +2,15 @@
 
 `python -m bench.exam [FOLDER] [CIRCUIT ...]` (default out/exam, all CIRCUITS) marches the exam set (half an
 hour on two cores; what is in FOLDER is not marched again). It prints for each amplifier and number of
-monitored ridges, over SEEDS of noise: gross slips warned of, lead, warnings that are true, and false ones by
-kind, each with its 95 % interval; the same by known slips and forces, which tell what information is missing;
-what it confuses by kind of history; alarms of minutes of holding; and the bound of what any detector can warn
-of.
+monitored ridges, over SEEDS of noise: gross slips warned of, lead, and true and false warnings by kind, with
+95 % intervals; the same by known slips and forces, which tell what information is missing; what it confuses
+by kind of history; alarms of minutes of holding; and the bound of what any detector can warn of.
 
-The bound is what noise and delay leave of a slip's signal. Beside each scene that slips as a whole stands its
-twin whose friction of STICKS holds it (all but ridges that hardly touch), with the same history. A detector
-that knew both signals exactly, and had to tell one from the other before gross slip, could do no better than
+The bound is what noise and delay leave of a slip's signal. Each scene that slips as a whole has a twin with
+the same history whose friction of STICKS holds it. A detector that knew both signals could do no better than
 the matched filter: its distance d is the root of the sum of the difference's power over the noise's (Van
-Trees, Detection, Estimation, and Modulation Theory I, sec. 4.2). With false alarms allowed at FALSE a minute,
-one decision a window, it warns in a share Phi(d - z) of the noises. A detector that does not know friction,
-skin and history has less; how much less is not told.
+Trees, Detection, Estimation, and Modulation Theory I, sec. 4.2). With FALSE false alarms a minute and one
+decision a window it warns in a share Phi(d - z) of the noises.
 """
 
 from __future__ import annotations

@@ -1,19 +1,17 @@
 """Fit the detector to the design set: `python -m bench.exam.fitting FOLDER` (scenes kept there).
 
 Each design scene is heard three ways behind the transimpedance amplifier: as drawn; with all its ridges told
-and with one to three of them, at 0.2 to 5 times its speed, in another band, with 1 to 30 times the noise; and
-once behind another amplifier, up to 30 times slower, differenced where that tells the stress. A ridge's label
-is whether it slips, the low-pass's delay later; while slip lasts on to gross slip, those that still stick
-count as slipping too, at a lower weight, for that is what is to be told. The skin's label is whether a slip
-is on that lasts to gross slip. A short gross slip counts as much as one of EVENT windows. Scenes that ship
-are in the set as well, and records of ridges that all stick: outputs that follow two loads, which run and
-stop, jump and turn, as abruptly as no scene marches. Writes both networks' files, and prints what threefold
-cross-validation by scene makes of thresholds: POINTS of scenes/detector.py were read off that.
+and with one to three, at 0.2 to 5 times its speed, in another band, with 1 to 30 times the noise; and once
+behind another amplifier, up to 30 times slower, differenced where that tells the stress. A ridge's label is
+whether it slips, the low-pass's delay later; while slip lasts on to gross slip, those that still stick count
+as slipping too, at a lower weight. The skin's label is whether a slip is on that lasts to gross slip. A short
+gross slip counts as much as one of EVENT windows. Scenes that ship are in the set, and records of ridges that
+all stick: two loads that run and stop, jump and turn, as abruptly as no scene. It writes both networks'
+files, and prints what threefold cross-validation by scene makes of thresholds: POINTS of scenes/detector.py.
 
-`python -m bench.exam.fitting FOLDER --missing` tells which information the films lack: it fits the network
-that warns of gross slip to two thirds of the design set in turn, with what it is told as a feature of every
-ridge, and prints what its warnings are worth on the rest: without more, with friction, with the pull over the
-normal force, and with that over friction.
+`--missing` tells which information the films lack: it fits the network that warns of gross slip to two thirds
+of the set in turn, and prints what its warnings are worth on the rest: without more, with friction as a
+feature of every ridge, with the pull over the normal force, and with that over friction.
 """
 
 from __future__ import annotations

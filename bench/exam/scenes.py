@@ -2,12 +2,11 @@
 
 Sets are split by seed, once: even ones to choose constants on (`design`), odd ones to be scored (`exam`).
 They are marched as `simulate` marches them, with masses where their steps show them, but on the coarsest mesh
-alone and at small strain. Every eighth has a plate of 0.05 to 1 g. Seeds below FIRST were scored before.
+and at small strain. Every eighth has a plate of 0.05 to 1 g. Seeds below FIRST were scored before.
 
-Skins are the templates with films, and random ones: 10 to fit on, 30 to score; 90 more to fit on. Random
-skins keep the proportions of templates/designs/yamada-2002 within a factor (assumption) and are drawn again
-until design and Winkler verdict take them; they are pressed by what makes all their ridges touch. The scenes
-that ship, and four pulls and presses of a few ms, are in the design set as they always were.
+Skins are the templates with films, and random ones: 10 to fit on, 30 to score; 90 more to fit on. These keep
+the proportions of yamada-2002 within a factor (assumption), and are pressed by what makes all their ridges
+touch. The scenes that ship, and pulls and presses of a few ms, are in the design set.
 """
 
 from __future__ import annotations

@@ -1,19 +1,16 @@
 """The exam's scenes behind an amplifier, and what alarms of them are worth.
 
-A case has the outputs of every strip without noise, and noise of any seed. Both are Chain's, for all strips
-at once: what the chain makes of one step's change of charge is asked of it once, and the rest follows by
-superposition; noise has its density, drawn as one period of all strips.
+A case has every strip's output without noise, and noise of any seed: Chain's answer to one step of charge, by
+superposition, and its noise density, drawn as one period of all strips.
 
-An alarm names a ridge. It is true where that ridge slips in a run that lasts until gross slip, or within a
-window before; else it is false: of a slip that passes, where the ridge slips within a window of it, but not
-until gross slip; of another ridge, where only another of the skin's slips, monitored or not; of none. An
-alarm without a ridge is of the skin as a whole: true where any ridge so slips. A gross slip is warned of by a
-true alarm before it.
+An alarm names a ridge. It is true from a window before the slip of that ridge which lasts until gross slip.
+Else it is false: of a slip that passes, if the ridge slips within a window; of another ridge, if only another
+slips, monitored or not; or of none. An alarm without a ridge is of the skin: true if any ridge so slips. A
+gross slip is warned of by a true alarm before it.
 
-The detector is held against rivals: all alarms; a threshold on the outputs' rate that an engineer would set
-first, a pair that falls by more than DROP of its largest of late, in a window; and two oracles. One knows
-when each told ridge slips, the other the plate's forces and friction, and warns where the pull passes a share
-of what holds.
+Rivals of the detector: all alarms; a pair's output that falls by more than DROP of its largest of late in a
+window, as an engineer would set it first; and two oracles. One knows when each told ridge slips, the other
+the plate's forces and friction.
 """
 
 from __future__ import annotations
