@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from skincad.solids.mold import mold
@@ -17,8 +18,8 @@ VOLUME = 1e-9  # relative, of the kernel that wrote it against the one that read
 STRIP = 1e-8
 COLOUR = 1e-3
 TAIL = 5.0  # mm, of a shim beyond a comb: the lap by which it draws its film in
-_SCRIPT = """SetFactory("OpenCASCADE");
-Geometry.OCCTargetUnit = "MM";
+_HEAD = 'SetFactory("OpenCASCADE");\nGeometry.OCCTargetUnit = "MM";\n'
+_SCRIPT = """Printf("FILE");
 solids() = ShapeFromFile("{path}");
 For i In {{0 : #solids() - 1}}
   mass() = Mass Volume{{solids(i)}};
@@ -45,33 +46,37 @@ def missing() -> str:
     return "" if shutil.which("gmsh") else "gmsh is not installed"
 
 
+@lru_cache(maxsize=8)
 def read(path: Path) -> Read:
     """Return what gmsh reads from a STEP file."""
+    (text,) = _said([path])
+    return Read(
+        tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", text)),
+        tuple((float(low), float(high)) for low, high in re.findall(r"LENGTH (\S+) (\S+)", text)),
+        tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", text)),
+        tuple(tuple(map(float, colour.split(","))) for colour in re.findall(r"Color \((.*?)\) \(3D", text)),
+    )
+
+
+def _said(paths: list[Path]) -> list[str]:
+    """What gmsh, run once, says of each file."""
     with tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / "read.geo"
-        script.write_text(_SCRIPT.format(path=path.resolve()))
+        script.write_text(_HEAD + "".join(_SCRIPT.format(path=path.resolve()) for path in paths))
         process = subprocess.run(
             ["gmsh", str(script), "-"], capture_output=True, text=True, check=False, timeout=300
         )
     if process.returncode or "Error" in process.stdout + process.stderr:
-        raise RuntimeError(f"gmsh on {path.name}: {(process.stdout + process.stderr)[-2000:]}")
-    return Read(
-        tuple(float(volume) for volume in re.findall(r"VOLUME (\S+)", process.stdout)),
-        tuple((float(low), float(high)) for low, high in re.findall(r"LENGTH (\S+) (\S+)", process.stdout)),
-        tuple(name.rpartition("/")[2] for name in re.findall(r"Label '(.*?)' \(3D\)", process.stdout)),
-        tuple(
-            tuple(float(c) for c in colour.split(","))
-            for colour in re.findall(r"Color \((.*?)\) \(3D", process.stdout)
-        ),
-    )
+        raise RuntimeError(f"gmsh on {paths}: {(process.stdout + process.stderr)[-2000:]}")
+    return process.stdout.split("FILE")[1:]
 
 
 def complaints(job: Job) -> list[str]:
     """Return every STEP file without one solid of its volume and name, and what the assembly lost."""
     wrong = []
-    for part in job.result.parts:
-        path = job.file(f"solids/{part.name}.step")
-        volumes = read(path).volumes
+    paths = [job.file(f"solids/{part.name}.step") for part in job.result.parts]
+    for part, path, text in zip(job.result.parts, paths, _said(paths), strict=True):
+        volumes = [float(volume) for volume in re.findall(r"VOLUME (\S+)", text)]
         if f"PRODUCT('{part.name}'" not in path.read_text():
             wrong.append(f"{part.name}.step: of another name")
         if len(volumes) != 1 or abs(volumes[0] - part.volume) > VOLUME * part.volume:

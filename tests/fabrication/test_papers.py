@@ -33,16 +33,17 @@ from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.day_plan import day_plan
 from skincad.fabrication.fasteners import dowels, limits, pin_length, thread_words
 from skincad.fabrication.orders import orders
-from skincad.fabrication.part_drawing import notes, what_matters
+from skincad.fabrication.part_drawing import notes, surface_words, what_matters
 from skincad.fabrication.patterns import cut_words
 from skincad.fabrication.pouring import filling
 from skincad.fabrication.rules import slit_play
+from skincad.inputs import processes
 from skincad.outputs import names
 from skincad.solids import THUMB, CutRole, Part, PartRole, bores
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 from tests.conftest import Made
-from tests.templates import SHIPPED
+from tests.templates import SHIPPED, of_one_printer
 
 SHEET_GOODS = {"film strip", "shim", "seal", "board"}
 SEEDS = range(7000, 7060)  # used by no other test
@@ -292,6 +293,42 @@ def test_papers_of_random_designs_agree_and_keep_the_rules(seed: int) -> None:
     except InputError:
         pytest.skip("it has no mold, and says why")
     assert_papers_agree(Job(design))
+
+
+def test_nothing_is_cut_of_a_print_or_with_no_room_for_a_wire() -> None:
+    printed, narrow = of_one_printer("lab-bench"), skincad.load("yamada-2002", ["ridge.tip_fillet=0.01"])
+    for design, part in ((printed, "end-a-comb"), (narrow, "cavity")):
+        assert not any("trim cuts" in row for row in notes(Job(design), mold(design).part(part)))
+
+
+def test_slits_and_seat_are_told_as_they_come_out() -> None:
+    """Growth of 0.002 on a comb's walls, and on both parts that slide: 0.005 and mold.clearance less that."""
+    design = skincad.load("yamada-2002")
+    grown = design.with_(printer={"edm": {"growth": 0.002}})
+    comb, carrier = mold(grown).part("end-a-comb"), mold(grown).part("carrier")
+    assert any("Slits: 0.003 a side" in row for row in what_matters(Job(grown), comb, None))
+    assert any(
+        "(0.005 as drawn, less growth and coat)" in row for row in what_matters(Job(grown), comb, None)
+    )
+    left = f"Length and width: {design.mold.clearance - 0.004:.4g} a side to its seat"
+    assert any(row.startswith(left) for row in what_matters(Job(grown), carrier, None))
+    assert not any("as drawn" in row for row in what_matters(Job(design), comb, None))
+    tight = design.with_(printer={"edm": {"growth": 0.003}})  # leaves 0.002, and ± 0.003 is the process
+    assert any("does not keep that gap" in row for row in what_matters(Job(tight), comb, None))
+
+
+@pytest.mark.parametrize("name", ["fdm", "sla", "cnc", "edm"])
+def test_each_process_says_how_rough_its_faces_are(name: str) -> None:
+    design = skincad.load("plain-ridges", [f"mold.process={name}"])
+    part = mold(design).part("cavity")
+    rough = processes()[name].roughness
+    assert rough > 0
+    cut = not processes()[name].layer  # the general one; faces on the silicone have the process's own
+    assert surface_words(Job(design), part) == ("Ra 1.6" if cut else f"Ra {rough:g}")
+    accurate = what_matters(Job(design), part, None)[0]
+    assert (f", Ra {rough:g}: seat, trough, grooves" in accurate) == cut
+    unsaid = design.with_(printer={name: {"roughness": 0.0}})
+    assert surface_words(Job(unsaid), part) == ""
 
 
 TRADE = ("fabrication/day_plan", "fabrication/electrodes", "fabrication/facts", "fabrication/fasteners")

@@ -7,7 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import cache
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from skincad.outputs.drawing.overview import drawing
 from skincad.shape import section
 from skincad.solids import ClosedMold, Part
 from tests.bent_skin import three_ridges
+from tests.templates import KINDS
 
 SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ("yamada-2002", "plain-ridges", "steep-fingertip", "bent")
@@ -191,10 +192,10 @@ def test_the_bent_mold_from_the_side_has_its_outer_size() -> None:
     assert any("ends lean by 13.8 degrees" in text for text in seen.texts)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_all_lines_and_words_are_on_the_page(name: str) -> None:
+@pytest.mark.parametrize("name", [*KINDS, "bent"])
+def test_all_lines_outlines_and_words_are_on_the_page(name: str) -> None:
     seen = page(name)
-    points = np.array([end for line in seen.lines for end in line])
+    points = np.vstack([*(np.array(line) for line in seen.lines), *chain(*seen.outlines.values())])
     assert (points >= 0).all()
     assert (points <= PAGE).all()
     for words, place in seen.texts.items():
