@@ -68,7 +68,7 @@ def test_it_prints_the_contracts_json_and_writes_what_it_lists(tmp_path: Path) -
 
 @pytest.mark.slow
 def test_the_papers_curve_is_told_with_its_rig_and_the_films_signal_without(tmp_path: Path) -> None:
-    text = run_skincad("circuit", "yamada-2002", cwd=tmp_path).stdout
+    text = run_skincad("circuit", "yamada-2002", "-o", "one", cwd=tmp_path).stdout
     first, *_ = text.splitlines()
     assert first.startswith("yamada-2002: the gain rises by 19.8")
     assert first.endswith("as measured with its rig.")
@@ -77,13 +77,8 @@ def test_the_papers_curve_is_told_with_its_rig_and_the_films_signal_without(tmp_
     plain = run_skincad("circuit", "transimpedance", cwd=tmp_path).stdout
     assert "rig" not in plain
     assert "own signal" not in plain
-
-
-@pytest.mark.slow
-def test_same_input_same_bytes(tmp_path: Path) -> None:
-    for name in ("one", "two"):
-        assert run_skincad("circuit", "yamada-2002", "-o", name, cwd=tmp_path).returncode == 0
-    for name in FILES:
+    assert run_skincad("circuit", "yamada-2002", "-o", "two", cwd=tmp_path).returncode == 0
+    for name in FILES:  # the same bytes again
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
 
 
@@ -326,15 +321,12 @@ def test_bad_data_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text
         gain(load_circuit("yamada-2002"), "m.csv")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["yamada-2002", "--set", "film.d33=0.0"], "film.d33: must not be 0 pC/N"),
-        (["yamada-2002", "--measured", "none.csv"], "none.csv: cannot be read"),
-        (["yamada-2002", "-o", "file"], "-o: file is a file"),
-        (["yamada-2003"], "yamada-2003: no such template among circuits"),
-    ],
-)
-def test_bad_input_is_one_line_and_no_file(tmp_path: Path, arguments: list[str], words: str) -> None:
+def test_bad_input_is_one_line_and_no_file(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    assert refused_command("circuit", *arguments, cwd=tmp_path).startswith(words)
+    for words, said in (
+        ("yamada-2002 --set film.d33=0.0", "film.d33: must not be 0 pC/N"),
+        ("yamada-2002 --measured none.csv", "none.csv: cannot be read"),
+        ("yamada-2002 -o file", "-o: file is a file"),
+        ("yamada-2003", "yamada-2003: no such template among circuits"),
+    ):
+        assert refused_command("circuit", *words.split(), cwd=tmp_path).startswith(said)

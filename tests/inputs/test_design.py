@@ -79,6 +79,13 @@ def test_every_field_has_a_meaning_and_every_number_a_unit() -> None:
         ({"name": "../../x"}, "name: "),
         ({"ridge": None}, "ridge: is missing"),
         ({"colour": "red"}, "colour: unknown key"),
+        ({"skin": {"curvature_radius_y": 4.9}}, "skin.curvature_radius_y: must be at least 5 mm, or the"),
+        ({"skin": {"curvature_radius_y": 7.0}},
+         "skin.length: the fan from end to end must stay below 90 degrees, so below 11 mm, got 12"),
+        ({"skin": {"curvature_radius_y": 0.5}}, "skin.curvature_radius_y: must be greater than or equal to"),
+        ({"skin": {"curvature_radius_y": 1e9}}, "skin.curvature_radius_y: must be less than or equal to 1"),
+        ({"mold": {"method": "cast-in"}, "skin": {"curvature_radius_y": 60.0}},
+         "mold.method: needs straight strips, and skin.curvature_radius_y bends them, got 'cast-in'; drop"),
     ],
 )  # fmt: skip
 def test_a_broken_rule_names_key_rule_value_and_remedy(yamada: Design, change: dict, message: str) -> None:

@@ -306,12 +306,10 @@ def test_what_a_bent_mold_cannot_be_is_refused(settings: list[str], key: str) ->
     assert refused.value.remedy
 
 
-def test_a_split_cavity_and_strips_are_refused_where_they_do_not_go(yamada: Design) -> None:
+def test_a_split_cavity_is_refused_where_ridges_need_it_only() -> None:
     with pytest.raises(InputError, match=r"mold.split: must be 'none'"):
         mold(bent("steep-fingertip", 25.0))
     assert mold(bent("plain-ridges", 60.0, 'mold.split="auto"')).part("cavity")
-    with pytest.raises(InputError, match=r"mold.method: needs straight strips"):
-        yamada.with_(mold={"method": "cast-in"}, skin={"curvature_radius_y": 60.0})
 
 
 @pytest.mark.parametrize("radius", RADII)

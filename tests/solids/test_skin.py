@@ -175,22 +175,6 @@ def test_step_file_reads_back_with_the_same_volume(tmp_path: Path) -> None:
     assert {"TORUS", "CONE", "CYLINDER"} <= kinds
 
 
-@pytest.mark.parametrize(
-    ("skin", "key", "words"),
-    [
-        ({"curvature_radius_y": 4.9}, "skin.curvature_radius_y", "at least 5 mm"),
-        ({"curvature_radius_y": 7.0}, "skin.length", "below 11 mm"),
-        ({"curvature_radius_y": 0.5}, "skin.curvature_radius_y", "must be"),
-        ({"curvature_radius_y": 1e9}, "skin.curvature_radius_y", "must be"),
-        ({"curvature_radius_y": -30.0}, "skin.curvature_radius_y", "must be"),
-    ],
-)
-def test_what_cannot_be_revolved_is_refused(yamada: Design, skin: dict, key: str, words: str) -> None:
-    with pytest.raises(skincad.InputError, match=words) as refused:
-        yamada.with_(skin=skin)
-    assert refused.value.key == key
-
-
 UNLIKE = [0.45, 0.5, 0.56]
 either = pytest.mark.parametrize("few", [few_ridges(), three_ridges()], ids=["straight", "bent along y"])
 

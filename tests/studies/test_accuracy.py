@@ -24,6 +24,7 @@ from skincad.outputs import LADDER_SIZE, STYLES, diagram, save
 from skincad.studies import LADDERS, ErrorMeasure, Ladder, Measurement, ladder_of, slope
 from skincad.studies.accuracy.ladder import PRIOR, Countdown, timed
 from tests.conftest import run_skincad
+from tests.refusals import refused_command
 from tests.shared_pads import shared_pads  # noqa: F401  # a fixture that all tests of this file use
 
 circuit, contact, effects, slip, tessellation = map(
@@ -397,20 +398,13 @@ def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch
         assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--ladder", "contcat"), "--ladder: unknown ladder, got 'contcat'; did you mean 'contact'?"),
-        (("--repeats", "0"), "--repeats: must be from 1 to 100, got 0"),
-        (("--set", "ridge.hight=1"), "ridge.hight: unknown key; did you mean 'height'?"),
-    ],
-)
-def test_bad_input_is_one_line(arguments: tuple[str, ...], said: str, tmp_path: Path) -> None:
-    done = run_skincad("accuracy", "plain-ridges", *arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert said in done.stderr
-    assert not any(tmp_path.iterdir())
+def test_bad_input_is_one_line(tmp_path: Path) -> None:
+    for words, said in (
+        ("--ladder contcat", "--ladder: unknown ladder, got 'contcat'; did you mean 'contact'?"),
+        ("--repeats 0", "--repeats: must be from 1 to 100, got 0"),
+        ("--set ridge.hight=1", "ridge.hight: unknown key; did you mean 'height'?"),
+    ):
+        assert said in refused_command("accuracy", "plain-ridges", *words.split(), cwd=tmp_path)
 
 
 @pytest.mark.slow

@@ -214,12 +214,26 @@ def test_the_front_is_what_the_judge_says(few: Optimisation) -> None:
 
 
 @OPTIMA
-def test_without_robustness_the_value_counts() -> None:
+def test_limits_count_by_their_ends_and_a_better_judge_has_the_last_word() -> None:
     """The largest force below a limit lies at it: its value, or its upper end."""
     most = [{"key": "all_touch_force", "goal": "max"}]
     bold, robust = (optimise(study(robust=kind, objectives=most)).front[0] for kind in (False, True))
     assert bold.objectives["all_touch_force_N"].value == pytest.approx(3.0, rel=0.02)
     assert robust.objectives["all_touch_force_N"].upper == pytest.approx(3.0, rel=0.02)
+    # Judged by another model than the one that searches: its numbers, and its limit kept
+    judged = optimise(study(judge="linear", evaluations=60))
+    (best,) = judged.front
+    assert best.model == "linear"
+    assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
+    # a number may have a limit on either side
+    both = [{"key": "all_touch_force", "at_least": 0.05, "at_most": 3.0}]
+    goal = [{"key": "all_touch_force", "goal": "min"}]
+    (best,) = optimise(study(objectives=goal, constraints=both)).front
+    force, kept = best.constraints["all_touch_force_N"]
+    assert kept
+    assert (force.lower or 0.0) >= 0.05
+    impossible = [{"key": "all_touch_force", "at_least": 3.0, "at_most": 1.0}]
+    assert not optimise(study(objectives=goal, constraints=impossible, evaluations=30)).feasible
 
 
 @pytest.mark.slow
@@ -230,27 +244,6 @@ def test_a_varied_key_may_be_an_objective() -> None:
     (best,) = optimise(study(objectives=goals, vary=vary, evaluations=60)).front
     assert best.objectives["skin.curvature_radius"].value == best.values["skin.curvature_radius"]
     assert float(best.values["skin.curvature_radius"]) < 120.0  # lab-bench's own
-
-
-@OPTIMA
-def test_a_better_judge_has_the_last_word() -> None:
-    """Judged by another model than the one that searches: its numbers, and its limit kept."""
-    judged = optimise(study(judge="linear", evaluations=60))
-    (best,) = judged.front
-    assert best.model == "linear"
-    assert (best.constraints["all_touch_force_N"][0].upper or np.inf) <= 3.0
-
-
-@OPTIMA
-def test_a_number_may_have_a_limit_on_either_side() -> None:
-    both = [{"key": "all_touch_force", "at_least": 0.05, "at_most": 3.0}]
-    goal = [{"key": "all_touch_force", "goal": "min"}]
-    (best,) = optimise(study(objectives=goal, constraints=both)).front
-    force, kept = best.constraints["all_touch_force_N"]
-    assert kept
-    assert (force.lower or 0.0) >= 0.05
-    impossible = [{"key": "all_touch_force", "at_least": 3.0, "at_most": 1.0}]
-    assert not optimise(study(objectives=goal, constraints=impossible, evaluations=30)).feasible
 
 
 def test_what_nothing_keeps_is_said_with_the_nearest() -> None:

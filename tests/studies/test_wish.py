@@ -185,14 +185,10 @@ def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.evidence(subject="seeds: wishes met")
-def test_without_a_wish_the_design_is_the_home_printers() -> None:
+def test_without_a_wish_the_design_is_the_home_printers_or_for_a_franka_finger() -> None:
     answer = skincad.design_for(name="home-printer")
     assert answer.passed
     assert answer.design == skincad.load("home-printer")
-
-
-@pytest.mark.evidence(subject="seeds: wishes met")
-def test_the_pad_for_a_franka_finger() -> None:
     answer = skincad.design_for(size="24x30", touch="1N", silicone="ecoflex-00-50", gripper="franka-hand")
     assert answer.passed
     assert answer.design.mold.mount == "franka-hand"
