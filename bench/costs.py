@@ -1,4 +1,4 @@
-"""What models, steps of a scene and ladders take. Times of `prices` are the processor's, others the clock's.
+"""What models and steps of a scene take. Times of `prices` are the processor's, others the clock's.
 
 `python -m bench.costs models [MODEL]...`: each model of `check` on yamada-2002 in times of the linear model,
 without start and imports, its peak memory in a process of its own, and what it finds; then the linear model's
@@ -8,9 +8,6 @@ stages in times of one sparse factorisation of its own finest matrix.
 masses, at finite strain, in times of one back-solve with the quasi-static pad's factorisation, of one half of
 the pad: medians of 100 steps of the pull, of the last 20. Then the mean of the whole history's steps, by
 small strain and by chosen steps of finite strain.
-
-`python -m bench.costs ladders [TEMPLATE] [--ladder NAME]... [--minutes M]`: what each stage of a ladder was
-expected to take, and took; a ladder that is expected to end after M minutes is not begun.
 
 `python -m bench.costs prices TEMPLATE...`: what `check` would expect of each model by the time of the one
 before, and what it took.
@@ -63,7 +60,7 @@ from skincad.mechanics.film.stress import REFINEMENTS
 from skincad.mechanics.models import table
 from skincad.scenes import Scene, load_scene
 from skincad.scenes.march import march
-from skincad.studies import LADDERS, MESH, ladder_of
+from skincad.studies import MESH
 
 REPEATS = 3
 ORDER = 3
@@ -250,40 +247,6 @@ def steps_of_a_scene() -> None:
             print(f"{name:26}{1e3 * step:10.2f} ms{step / mean:8.1f} steps of small strain", flush=True)
 
 
-class Stages:
-    """A Progress that times the stages it is told."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self.now, self.began = "", perf_counter()
-
-    def __call__(self, stage: str, _left: float | None = None, /) -> None:
-        """End the stage before and begin this one."""
-        if self.now:
-            self.seconds[self.now] = perf_counter() - self.began
-        self.now, self.began = stage, perf_counter()
-
-
-def refine(name: str, design: Design) -> float:
-    """Print a ladder's stages, expected and taken; return the seconds of the whole."""
-    module, stages = ladder_of(name), Stages()
-    prices = module.prices(design, REPEATS)
-    answer = module.ladder(design, REPEATS, stages)
-    stages("")
-    judged = {
-        stage: taken for stage, taken in stages.seconds.items() if prices[stage]
-    }  # a refused model has none
-    for stage, taken in judged.items():
-        print(f"  {stage:48}{prices[stage]:10.2f}{taken:10.2f}{taken / prices[stage]:8.2f}")
-    for model, why in answer.skipped.items():
-        print(f"  not {model}: {why}")
-    whole, expected = sum(stages.seconds.values()), sum(prices.values())
-    ratios = np.log([taken / prices[stage] for stage, taken in judged.items()])
-    off = np.exp(np.sqrt(np.mean((ratios - ratios.mean()) ** 2)))
-    print(f"  {name:48}{expected:10.2f}{whole:10.2f}{whole / expected:8.2f}  stages off by {off:.2f}\n")
-    return whole
-
-
 def solved(design: Design) -> dict[str, Answer]:
     """Return the answer of each model that can judge the design, to the mesh that the ladder asks."""
     done: dict[str, Answer] = {}
@@ -312,34 +275,17 @@ def prices(names: list[str]) -> None:
                 before[model] = answer
 
 
-def ladders(names: list[str], template: str, minutes: float) -> None:
-    design, began = load(template), perf_counter()
-    print(f"{template:50}{'expected':>10}{'taken, s':>10}{'ratio':>8}")
-    for name in names:
-        spent, price = perf_counter() - began, sum(ladder_of(name).prices(design, REPEATS).values())
-        if spent + price > 60 * minutes:
-            print(f"  {name}: not begun, it would take {price:.0f} s")
-        else:
-            refine(name, design)
-    print(f"{perf_counter() - began:.0f} s in all")
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", choices=("models", "march", "ladders", "prices"))
+    parser.add_argument("kind", choices=("models", "march", "prices"))
     parser.add_argument("names", nargs="*", help="of models; of templates")
-    parser.add_argument("--ladder", action="append", choices=list(LADDERS))
-    parser.add_argument("--minutes", type=float, default=10.0)
     options = parser.parse_args()
-    names = options.names
     if options.kind == "models":
-        stages(models(names or list(MODELS))["linear"])
+        stages(models(options.names or list(MODELS))["linear"])
     elif options.kind == "march":
         steps_of_a_scene()
-    elif options.kind == "ladders":
-        ladders(options.ladder or list(LADDERS), *(names or ["yamada-2002"])[:1], options.minutes)
     else:
-        prices(names or [DESIGN])
+        prices(options.names or [DESIGN])
 
 
 if __name__ == "__main__":
