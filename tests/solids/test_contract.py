@@ -16,7 +16,7 @@ from skincad.solids import ClosedMold, Part, PartRole, solid, volume
 from skincad.solids.mold import mold
 from tests.solids.kinds import KINDS
 
-FAST = {"straight", "plain", "split", "round", "pins", "layers", "bone"}
+FAST = {"straight", "plain", "split", "round", "pins"}  # bones and layers have fast tests of their own
 BY_STEPS = {"layers over pockets", "nibs-fine", "pins-dome"}
 CHORD = 2e-3  # mm, of meshes whose volume counts
 LIDS = {"SKIN": 1, "CAVITY": 1, "CARRIER": 1, "COVER": 1, "COVER_PIN": 2, "SEAL": 1}

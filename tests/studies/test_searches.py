@@ -55,7 +55,7 @@ def counts(few: int, many: int) -> pytest.MarkDecorator:
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=SEEDS) for seed in (2, 3))])
 def test_a_sphere_ends_on_its_limit(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = minimise(sphere, optimiser("cma", UNIT, 1, seed, None), 900)
+    answer = minimise(sphere, optimiser("cma", UNIT, 1, seed, None), 700)
     (best,) = answer.front[:1]
     assert best.losses[0] == pytest.approx(0.08, rel=1e-3)
     assert best.place == pytest.approx([0.5, 0.5, 0.3, 0.3, 0.3], abs=0.01)
@@ -92,7 +92,7 @@ def test_places_without_a_result_are_left_and_a_known_start_is_gone_on_from() ->
             t if t.place[2] > 0.2 else Outcome(t.place, np.array([np.nan]), t.limits) for t in sphere(places)
         ]
 
-    best = minimise(holed, optimiser("cma", UNIT, 1, 5, None), 900).front[0]
+    best = minimise(holed, optimiser("cma", UNIT, 1, 5, None), 700).front[0]
     assert best.losses[0] == pytest.approx(0.08, rel=1e-3)
     start = np.array([0.5, 0.52, 0.3, 0.3, 0.3])
 
