@@ -10,17 +10,16 @@ from pathlib import Path
 import lib3mf
 import numpy as np
 import pytest
-import shapely
 import trimesh
 
 import skincad
 from bench.campaign.random_designs import drawn
 from skincad.outputs import assembly, write_assembly
-from skincad.shape import Point, loop, section
+from skincad.shape import Point, loop
 from skincad.solids import ClosedMold, PartRole, workplane
 from skincad.solids.mold import mold
 from tests.conftest import Made, files_into
-from tests.consumers import CONSUMERS, Job, camlib, consumed, dxf, gmsh, lib_3mf, meshlab, prusaslicer, steps
+from tests.consumers import CONSUMERS, Job, camlib, consumed, gmsh, lib_3mf, prusaslicer
 from tests.families import RIDGED
 
 READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
@@ -77,24 +76,6 @@ def test_a_square_groove_by_hand() -> None:
     assert left == pytest.approx((math.sqrt(2) - 1) * radius, abs=camlib.STEP)
 
 
-@pytest.mark.slow
-def test_arcs_that_became_chords_would_be_seen(read: Job) -> None:
-    (outline,) = dxf.polygons(read.file("drawings/section.dxf"), "OUTLINE")
-    corners = shapely.Polygon([s.start for s in section(read.design).outline])
-    assert abs(outline.area - corners.area) > 1e3 * dxf.CHORD * outline.length
-
-
-@pytest.mark.slow
-@without_gmsh
-def test_a_solid_of_another_size_is_seen(made: Made, tmp_path: Path) -> None:
-    """A metre for a millimetre: what a reader with another unit would see."""
-    text = (made.folder / "solids/cover.step").read_text("latin-1").replace(".MILLI.,.METRE.", "$,.METRE.")
-    (tmp_path / "cover.step").write_text(text, "latin-1")
-    (volume,) = gmsh.read(tmp_path / "cover.step").volumes
-    true = next(part.volume for part in made.parts if part.name == "cover")
-    assert volume == pytest.approx(1e9 * true, rel=1e-6)
-
-
 def combs_and_shims(closed: ClosedMold, path: Path) -> gmsh.Read:
     """What gmsh reads of them alone: the rest costs most and shows nothing of tails."""
     stack = ClosedMold(tuple(closed.of(PartRole.COMB, PartRole.SHIM)), ())
@@ -141,43 +122,6 @@ def test_strict_mode_refuses_an_object_id_of_zero(made: Made, tmp_path: Path) ->
             bad.writestr(name, good.read(name).replace(b'<object id="2"', b'<object id="0"'))
     with pytest.raises(lib3mf.ELib3MFException):
         lib_3mf.read(tmp_path / "bad.3mf")
-
-
-@pytest.mark.slow
-def test_flaws_are_seen(made: Made, tmp_path: Path) -> None:
-    torn = trimesh.load_mesh(made.folder / "solids/cover.stl")
-    torn.vertices[0] += [30.0, 0.0, 10.0]  # one corner pulled through the far side
-    torn.update_faces([i != 50 for i in range(len(torn.faces))])
-    torn.export(tmp_path / "torn.stl")
-    flaws = " ".join(meshlab.flaws(tmp_path / "torn.stl"))
-    assert "self-intersecting faces" in flaws
-    assert "open edges" in flaws
-
-
-@pytest.mark.slow
-def test_a_file_that_was_moved_is_seen(made: Made) -> None:
-    shape = trimesh.load_mesh(made.folder / "solids/cover.stl")
-    shape.apply_translation([0.0, 0.0, 0.01])
-    assert meshlab.deviation(made.folder / "solids/cover.stl", shape) >= 0.0099  # its single precision
-
-
-@pytest.mark.slow
-def test_a_sheet_with_a_wrong_number_is_seen(read: Job) -> None:
-    written = steps.sheet_numbers(read.file("casting-sheet.md").read_text("utf-8"))
-    assert {"cavity", "cover", "carrier", "poured", "grams"} <= set(written)
-    true = steps.from_solids(read)
-    # the cup alone is a tenth of what is poured
-    assert abs(float(written["poured"]) - true["skin"]) > 0.05 * true["skin"]
-
-
-@pytest.mark.slow
-@without_slicer
-def test_a_torn_mesh_is_told_though_the_slicer_exits_with_0(made: Made, tmp_path: Path) -> None:
-    torn = trimesh.load_mesh(made.folder / "solids/end-a-comb.stl")
-    torn.update_faces([i % 100 != 0 for i in range(len(torn.faces))])
-    torn.export(tmp_path / "torn.stl")
-    (said,) = prusaslicer.info(tmp_path / "torn.stl")
-    assert said["manifold"] == "no"
 
 
 @pytest.mark.slow

@@ -95,27 +95,20 @@ def test_the_levelled_mold_is_made_and_passes_its_checks(levelled: tuple[Design,
     assert skin.volume == pytest.approx(skincad.section(design).area * design.skin.length, rel=1e-11)
 
 
+def read_back(file: Path, design: Design, folder: Path) -> None:
+    for heights in (heights_by_kernel(file, design), heights_by_gmsh(file, design, folder)):
+        assert heights == pytest.approx(design.heights, abs=CLOSE)
+
+
 @pytest.mark.slow
-def test_the_kernel_reads_the_levelled_heights_back(levelled: tuple[Design, Made]) -> None:
+def test_levelled_heights_and_those_one_a_ridge_are_read_back(
+    levelled: tuple[Design, Made], yamada: Design, tmp_path: Path
+) -> None:
     design, result = levelled
-    assert heights_by_kernel(result.folder / "solids/skin.step", design) == pytest.approx(
-        design.heights, abs=CLOSE
-    )
-
-
-@pytest.mark.slow
-def test_gmsh_reads_the_levelled_heights_back(levelled: tuple[Design, Made], tmp_path: Path) -> None:
-    design, result = levelled
-    heights = heights_by_gmsh(result.folder / "solids/skin.step", design, tmp_path)
-    assert heights == pytest.approx(design.heights, abs=CLOSE)
-
-
-@pytest.mark.slow
-def test_heights_one_a_ridge_are_read_back_by_both(yamada: Design, tmp_path: Path) -> None:
-    design = yamada.with_(ridge={"heights": UNLIKE})
-    write_step(skin_solid(design), tmp_path / "skin.step")
-    assert heights_by_kernel(tmp_path / "skin.step", design) == pytest.approx(UNLIKE, abs=CLOSE)
-    assert heights_by_gmsh(tmp_path / "skin.step", design, tmp_path) == pytest.approx(UNLIKE, abs=CLOSE)
+    read_back(result.folder / "solids/skin.step", design, tmp_path)
+    unlike = yamada.with_(ridge={"heights": UNLIKE})
+    write_step(skin_solid(unlike), tmp_path / "skin.step")
+    read_back(tmp_path / "skin.step", unlike, tmp_path)
 
 
 def level_circles(path: Path) -> list[Circle]:

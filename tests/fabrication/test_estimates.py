@@ -114,37 +114,29 @@ def test_bad_keys_are_refused(key: str, value: float) -> None:
         of_one_printer("nozzle-04", [f"printer.fdm.{key}={value}"])
 
 
-def plate_names(parts: list[BedPart]) -> list[list[str]]:
-    return [[part.name for part in plate] for plate in plates(parts, SLA)]
+HALF = (120.0 - 5.0) / 2  # mm: 5 mm lie between parts
+LOW, HIGH, FLAT = (
+    BedPart("low", 100.0, 50.0, 2.0), BedPart("high", 100.0, 50.0, 9.0), BedPart("flat", 100.0, 10.0, 1.0)
+)  # fmt: skip
 
 
-def test_what_fits_exactly_shares_a_plate() -> None:
-    half = (120.0 - 5.0) / 2  # 5 mm lie between parts
-    two = [BedPart("a", half, 68.0, 5.0), BedPart("b", half, 60.0, 9.0)]
-    assert plate_names([part._replace(x=part.x, y=57.0) for part in two]) == [["b", "a"]]
-    assert plate_names([BedPart("a", half + 0.1, 40.0, 5.0), BedPart("b", half, 40.0, 5.0)]) == [["a"], ["b"]]
-
-
-def test_rows_lie_behind_each_other() -> None:
-    bar = [BedPart(name, 100.0, 17.0, 4.0) for name in "abcd"]
-    assert plate_names(bar) == [["a", "b", "c"], ["d"]]  # 3 x 17 and 2 x 5 are 61 of 68 mm
-
-
-def test_a_part_lies_as_it_fits() -> None:
-    assert plate_names([BedPart("a", 60.0, 118.0, 4.0)]) == [["a"]]
-
-
-def test_the_tallest_go_first_and_the_order_given_does_not_matter() -> None:
-    parts = [
-        BedPart("low", 100.0, 50.0, 2.0),
-        BedPart("high", 100.0, 50.0, 9.0),
-        BedPart("flat", 100.0, 10.0, 1.0),
-    ]
-    assert plate_names(parts) == plate_names(parts[::-1]) == [["high", "flat"], ["low"]]
-
-
-def test_a_part_that_no_plate_takes_is_alone() -> None:
-    assert plate_names([BedPart("big", 200.0, 10.0, 4.0), BedPart("a", 10.0, 10.0, 4.0)]) == [["a"], ["big"]]
+@pytest.mark.parametrize(
+    ("parts", "names"),
+    [
+        ([BedPart("a", HALF, 57.0, 5.0), BedPart("b", HALF, 57.0, 9.0)], [["b", "a"]]),  # they just fit
+        ([BedPart("a", HALF + 0.1, 40.0, 5.0), BedPart("b", HALF, 40.0, 5.0)], [["a"], ["b"]]),
+        # rows lie behind each other: 3 x 17 and 2 x 5 are 61 of 68 mm
+        ([BedPart(name, 100.0, 17.0, 4.0) for name in "abcd"], [["a", "b", "c"], ["d"]]),
+        ([BedPart("a", 60.0, 118.0, 4.0)], [["a"]]),  # as it fits: turned
+        # the tallest go first, and the order given doesn't matter
+        ([LOW, HIGH, FLAT], [["high", "flat"], ["low"]]),
+        ([FLAT, HIGH, LOW], [["high", "flat"], ["low"]]),
+        # what no plate takes is alone
+        ([BedPart("big", 200.0, 10.0, 4.0), BedPart("a", 10.0, 10.0, 4.0)], [["a"], ["big"]]),
+    ],
+)
+def test_parts_share_plates_as_they_fit(parts: list[BedPart], names: list[list[str]]) -> None:
+    assert [[part.name for part in plate] for plate in plates(parts, SLA)] == names
 
 
 @pytest.mark.parametrize("key", ["build_x", "build_y"])

@@ -114,13 +114,13 @@ def test_the_gravest_come_first(yamada: Design) -> None:
     assert {"warning", "note"} <= set(order)
 
 
+SHARP = {"crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0}
+
+
 def upright(radius: float, **other: object) -> Design:
     """Sharp ridges of constant width 0.75 mm: nothing but the fan's lean undercuts them."""
     return skincad.load("yamada-2002").with_(
-        slot=None,
-        skin={"curvature_radius": radius},
-        ridge={"tip_width": 0.75, "crown": 0.0, "tip_fillet": 0.0, "root_fillet": 0.0},
-        **other,
+        slot=None, skin={"curvature_radius": radius}, ridge={"tip_width": 0.75, **SHARP}, **other
     )
 
 
@@ -168,19 +168,8 @@ def test_the_silicone_decides_whether_it_leaves() -> None:
 
 
 def test_what_leans_more_than_it_is_wide_is_locked() -> None:
-    locked = skincad.load("plain-ridges").with_(
-        skin={"curvature_radius": 9.0, "thickness": 4.0},
-        ridge={
-            "height": 2.0,
-            "count": 7,
-            "pitch": 1.3,
-            "root_width": 0.5,
-            "tip_width": 0.5,
-            "crown": 0.0,
-            "tip_fillet": 0.0,
-            "root_fillet": 0.0,
-        },
-    )
+    ridge = {"height": 2.0, "count": 7, "pitch": 1.3, "root_width": 0.5, "tip_width": 0.5, **SHARP}
+    locked = skincad.load("plain-ridges").with_(skin={"curvature_radius": 9.0, "thickness": 4.0}, ridge=ridge)
     assert skin_of(locked).undercuts[7].strain == 1.0
     assert any(f.severity == "error" for f in design_findings(Job(locked)) if f.rule == "undercut")
 
@@ -231,18 +220,9 @@ def test_the_deepest_groove_and_the_highest_free_tooth(unlike: Design, yamada: D
 
 def test_a_tooth_too_slender_says_between_which_ridges() -> None:
     """Milled teeth of 0.4 mm mean width may be 1.6 mm high."""
-    thin = skincad.load("milled-pad").with_(
-        slot=None,
-        skin={"curvature_radius": 1e7},
-        ridge={
-            "heights": [1.0, 1.0, 1.0, 2.0, 1.9, 1.0, 1.0, 1.0, 1.0],
-            "root_width": 2.35,
-            "tip_width": 1.85,
-            "crown": 0.0,
-            "tip_fillet": 0.25,
-            "root_fillet": 0.0,
-        },
-    )
+    heights = {"heights": [1.0, 1.0, 1.0, 2.0, 1.9, 1.0, 1.0, 1.0, 1.0]}
+    ridge = {**heights, "root_width": 2.35, "tip_width": 1.85, **SHARP, "tip_fillet": 0.25}
+    thin = skincad.load("milled-pad").with_(slot=None, skin={"curvature_radius": 1e7}, ridge=ridge)
     (finding,) = (f for f in design_findings(Job(thin)) if f.rule == "slender")
     assert "ridges 4 and 5" in finding.where
     assert finding.measured == pytest.approx(1.9 / 0.4)

@@ -6,6 +6,8 @@ import base64
 import json
 import re
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -194,6 +196,15 @@ def test_in_a_browser_without_a_network(name: str, tmp_path: Path) -> None:
         assert seen.complaints == []
 
 
+@contextmanager
+def opened(file: Path, window: str, *, touch: bool = False) -> Iterator[Seen]:
+    """A page that is ready; in the end it must have complained of nothing."""
+    with shown(file, WINDOWS[window], touch=touch) as seen:
+        seen.page.wait_for_selector("body[data-ready]")
+        yield seen
+        assert seen.complaints == []
+
+
 WINDOWS = {"wide": (1400, 900), "narrow": (420, 860)}
 
 
@@ -210,9 +221,8 @@ def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, file: Path) -> 
     (skin,) = (part for part in data(file)["parts"] if part["name"] == "skin")
     right = np.array([1.0, 0.55, 0.0]) / np.hypot(1.0, 0.55)  # of a view from (0.55, -1, 0.75)
     wide = np.ptp(array(skin["points"]).reshape(-1, 3) @ right)
-    with shown(file, WINDOWS[window]) as seen:
+    with opened(file, window) as seen:
         page = seen.page
-        page.wait_for_selector("body[data-ready]")
         page.click("#none")
         assert page.is_hidden("#ruler")  # nothing to measure
         page.check("input[data-part=skin]")
@@ -234,14 +244,12 @@ def test_the_scale_bar_is_true_and_follows_the_zoom(window: str, file: Path) -> 
         page.mouse.wheel(0, -400)
         page.wait_for_timeout(200)
         assert pixels_per_mm(seen) > 1.05 * before
-        assert seen.complaints == []
 
 
 @pytest.mark.slow
 def test_keys_press_what_their_list_says(file: Path) -> None:
-    with shown(file, WINDOWS["wide"]) as seen:
+    with opened(file, "wide") as seen:
         page = seen.page
-        page.wait_for_selector("body[data-ready]")
         assert not page.is_visible("#keys")
         page.keyboard.press("?")
         assert page.is_visible("#keys")
@@ -255,10 +263,9 @@ def test_keys_press_what_their_list_says(file: Path) -> None:
         assert page.is_visible("#keys")
         page.keyboard.press("Escape")
         assert not page.is_visible("#keys")
-        page.keyboard.press("x")
-        assert page.is_checked("input[name=cut][value=x]")
-        page.keyboard.press("c")
-        assert page.is_checked("input[name=cut][value='']")
+        for key, cut in (("x", "x"), ("c", "''")):
+            page.keyboard.press(key)
+            assert page.is_checked(f"input[name=cut][value={cut}]")
         page.keyboard.press("e")
         assert page.input_value("#apart") == "1"
         page.keyboard.press("n")
@@ -267,14 +274,12 @@ def test_keys_press_what_their_list_says(file: Path) -> None:
         assert page.inner_text("#step") == "closed"
         page.keyboard.press("s")
         assert page.is_visible("#of-skin")
-        assert seen.complaints == []
 
 
 @pytest.mark.slow
 def test_what_the_pointer_is_on_is_named(file: Path) -> None:
-    with shown(file, WINDOWS["wide"]) as seen:
+    with opened(file, "wide") as seen:
         page = seen.page
-        page.wait_for_selector("body[data-ready]")
         box = page.locator("#stage canvas").bounding_box()
         assert box is not None
         middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -295,9 +300,8 @@ def test_what_the_pointer_is_on_is_named(file: Path) -> None:
 @pytest.mark.slow
 def test_a_thumb_can_use_it(file: Path) -> None:
     """420 pixels: nothing is wider, buttons are 40 pixels high, a drag turns, two fingers zoom."""
-    with shown(file, WINDOWS["narrow"], touch=True) as seen:
+    with opened(file, "narrow", touch=True) as seen:
         page = seen.page
-        page.wait_for_selector("body[data-ready]")
         for mode in ("#skin", "#mold"):
             page.click(mode)
             assert seen.overflow() == 0
@@ -321,4 +325,3 @@ def test_a_thumb_can_use_it(file: Path) -> None:
         seen.touch(((x - 20, y), (x - 90, y)), ((x + 20, y), (x + 90, y)))
         assert pixels_per_mm(seen) > 1.3 * scale
         assert seen.overflow() == 0
-        assert seen.complaints == []
