@@ -42,9 +42,9 @@ def random_skin(rng: np.random.Generator, tilt: float = 0.0) -> tuple[Design, fl
     thickness, width = pitch * rng.uniform(1.5, 5), pitch * (count + rng.uniform(1, 3))
     radius, length, modulus = width * between(rng, 3, 60), rng.uniform(6, 20), between(rng, 0.1, 1.5)
     normal = round(rng.uniform(0.02, 0.13) * modulus * (root + tip) / 2 * length * count, 4)
-    design = _rounded(
-        skin={"curvature_radius": radius, "thickness": thickness, "width": width, "length": length},
-        ridge={
+    tables = {
+        "skin": {"curvature_radius": radius, "thickness": thickness, "width": width, "length": length},
+        "ridge": {
             "count": count,
             "pitch": pitch,
             "height": height,
@@ -54,23 +54,18 @@ def random_skin(rng: np.random.Generator, tilt: float = 0.0) -> tuple[Design, fl
             "tip_fillet": 0.1 * tip,
             "root_fillet": 0.15 * height,
         },
-        slot={"depth": 0.5 * height, "offset": 0.2 * root, "elevation": 0.1 * height, "tilt": tilt},
-        contact={"force": normal},
-        modulus={"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus},
-    )
-    return design, normal
-
-
-def _rounded(modulus: dict[str, float], **tables: dict[str, float]) -> Design:
-    """Return the paper's skin with other values, as one would write them."""
-    tables["modulus"] = modulus
-    rounded: dict[str, Any] = {
-        table: {
-            key: value if isinstance(value, int) else round(float(value), 4) for key, value in values.items()
-        }
-        for table, values in tables.items()
+        "slot": {"depth": 0.5 * height, "offset": 0.2 * root, "elevation": 0.1 * height, "tilt": tilt},
+        "contact": {"force": normal},
+        "material": {"young_modulus": {"value": modulus, "low": 0.8 * modulus, "high": 1.2 * modulus}},
     }
-    return load("yamada-2002").with_(material={"young_modulus": rounded.pop("modulus")}, **rounded)
+    return load("yamada-2002").with_(**_rounded(tables)), normal
+
+
+def _rounded(value: Any) -> Any:
+    """Return a table's numbers as one would write them."""
+    if isinstance(value, dict):
+        return {key: _rounded(inner) for key, inner in value.items()}
+    return value if isinstance(value, int) else round(float(value), 4)
 
 
 def random_scene(rng: np.random.Generator) -> Scene:

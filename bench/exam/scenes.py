@@ -88,35 +88,25 @@ def random_skin(number: int) -> Skin:
 def _drawn(draw: np.random.Generator, name: str) -> Design:
     pitch = float(np.exp(draw.uniform(np.log(0.9), np.log(4.0))))
     count = int(draw.integers(3, LARGEST + 1))
-    part = {
-        "height": draw.uniform(0.35, 0.6),
-        "root_width": draw.uniform(0.7, 0.82),
-        "tip_width": draw.uniform(0.45, 0.6),
-        "crown": draw.uniform(0.015, 0.04),
+    ridge = {
+        "height": draw.uniform(0.35, 0.6), "root_width": draw.uniform(0.7, 0.82),
+        "tip_width": draw.uniform(0.45, 0.6), "crown": draw.uniform(0.015, 0.04), "tip_fillet": 0.05,
+        "root_fillet": 0.08,
+    }  # fmt: skip
+    slot = {"thickness": max(0.05 / pitch, 0.05), "depth": 0.25, "offset": 0.16, "elevation": 0.05}
+    values = {
+        "skin.curvature_radius": np.exp(draw.uniform(np.log(12), np.log(300))),
+        "skin.thickness": pitch * draw.uniform(2.5, 6),
+        "skin.width": pitch * (count + 2),
+        "skin.length": pitch * draw.uniform(8, 20),
+        "ridge.count": count,
+        "ridge.pitch": pitch,
+        "ridge.levelling": draw.choice([0.0, 0.0, 0.3, 0.6]),
+        "material.young_modulus": np.exp(draw.uniform(np.log(0.15), np.log(1.5))),
+        **{f"ridge.{key}": pitch * share for key, share in ridge.items()},
+        **{f"slot.{key}": pitch * share for key, share in slot.items()},
     }
-    ridge = {key: pitch * share for key, share in part.items()}
-    gap = max(0.05, 0.05 * pitch)
-    return load_design(
-        "yamada-2002",
-        [
-            f"name={name!r}".replace("'", '"'),
-            f"skin.curvature_radius={np.exp(draw.uniform(np.log(12), np.log(300))):.4g}",
-            f"skin.thickness={pitch * draw.uniform(2.5, 6):.4g}",
-            f"skin.width={pitch * (count + 2):.4g}",
-            f"skin.length={pitch * draw.uniform(8, 20):.4g}",
-            f"ridge.count={count}",
-            f"ridge.pitch={pitch:.4g}",
-            *(f"ridge.{key}={value:.4g}" for key, value in ridge.items()),
-            f"ridge.tip_fillet={0.05 * pitch:.4g}",
-            f"ridge.root_fillet={0.08 * pitch:.4g}",
-            f"ridge.levelling={draw.choice([0.0, 0.0, 0.3, 0.6])}",
-            f"slot.thickness={gap:.4g}",
-            f"slot.depth={0.25 * pitch:.4g}",
-            f"slot.offset={0.16 * pitch:.4g}",
-            f"slot.elevation={0.05 * pitch:.4g}",
-            f"material.young_modulus={np.exp(draw.uniform(np.log(0.15), np.log(1.5))):.4g}",
-        ],
-    )
+    return load_design("yamada-2002", [f'name="{name}"', *(f"{key}={v:.4g}" for key, v in values.items())])
 
 
 COUNT = {DESIGN: 240, EXAM: 320}  # scenes
