@@ -296,7 +296,6 @@ def test_a_soft_part_updates_the_design(tmp_path: Path) -> None:
     assert result["causes"][0].keys() >= {"cause", "probability", "size", "unit", "misfit", "place"}
     design = skincad.load(tmp_path / "mine.toml")
     modulus = design.material.young_modulus
-    assert modulus is not None
     assert modulus.low < 0.4 < modulus.high
     assert "# measured: press press.csv" in (tmp_path / "mine.toml").read_text()
     assert design.contact.force == 1.5
@@ -312,7 +311,7 @@ def test_a_part_is_in_by_the_silicone_that_it_measured(tmp_path: Path) -> None:
     assert done.stdout.startswith("IN: the curve is a good part's, by 9")
 
 
-@pytest.mark.slow
+@PRESSED
 def test_a_modulus_that_is_not_the_silicones_is_not_written(tmp_path: Path) -> None:
     SMALL.write(tmp_path, lambda a, f: (a + 0.18 * f, f))  # on a soft back
     fine = ("--force-error", "0.01", "--approach-error", "0.002")

@@ -445,7 +445,6 @@ def test_a_pad_of_very_many_ridges_has_an_answer_within_any_budget(monkeypatch: 
     for budget, model in ((1e-3, "winkler"), (None, "reduced")):
         verdict = check(design, budget=budget)
         assert verdict.model == model
-        assert verdict.next_model is not None
         assert verdict.next_model.model in ("linear", "corrected")
 
 
@@ -587,7 +586,6 @@ def test_film_stresses_keep_the_last_mesh(monkeypatch: pytest.MonkeyPatch) -> No
 def test_two_columns_that_touch_at_once_have_a_verdict_and_a_yield() -> None:
     verdict = check(load("plain-ridges", [*COLUMNS, "contact.force=4.0"]))
     assert verdict.touching == 2
-    assert verdict.manufacture is not None
     # both touch from next to nothing on, and crests of 0.015 mm against an approach of 1.3 mm change little
     assert verdict.manufacture.passing.value == pytest.approx(1.0, abs=0.01)
     assert max(verdict.manufacture.crest_sensitivity) < 10.0  # N/mm; 4 N press them by 1.3 mm

@@ -110,7 +110,7 @@ def test_rows_of_springs_along_unlike_ridges_by_hand() -> None:
     assert winkler.line_forces(design, approach) == pytest.approx(carried, rel=1e-6, abs=1e-12)
 
 
-@pytest.mark.parametrize("share", [0.5, 1.0])
+@pytest.mark.parametrize("share", [1.0, pytest.param(0.5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("crown", [0.0, 0.03])
 def test_the_linear_model_lies_inside_the_springs_error(share: float, crown: float) -> None:
     """Levelled crests have hardly a gap; what leaning crowns add to it counts then."""
@@ -149,7 +149,6 @@ def test_nine_ridges_touch_at_half_the_force_of_ridges_alike() -> None:
     assert verdict.passed
     assert verdict.touching == 9
     assert (verdict.all_touch_force.upper or 9.0) <= 1.32
-    assert verdict.manufacture is not None
     assert (verdict.manufacture.passing.value or 0.0) > 0.99  # of parts, with the process's crest errors
 
 

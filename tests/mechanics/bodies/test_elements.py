@@ -392,6 +392,7 @@ def light(force: float) -> linear.PlaneSolution:
     return linear.level(meshed_piece(pad, sizes, whole=True), 3, force)
 
 
+@pytest.mark.slow
 def test_a_single_ridge_under_a_micronewton_is_hertzs() -> None:
     """Half-width 0.3 um on a ridge of 0.5 mm: 0.5 %, the mesh's, as above. Far from the contact only the
     force is felt, near it only the half-width, which goes as its root. So approach over force falls by

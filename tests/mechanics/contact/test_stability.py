@@ -147,10 +147,9 @@ def test_what_turns_round_is_seen_on_a_solids_half(monkeypatch: pytest.MonkeyPat
     assert newton.press_to(what, 1.5 * half * share).force == 1.5 * half * share
 
 
-@pytest.mark.parametrize(
-    ("count", "share"),
-    [(1, 1.3), *(pytest.param(*row, marks=pytest.mark.slow) for row in ((1, 0.9), (3, 0.9), (3, 1.3)))],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("share", [0.9, 1.3])
 def test_both_kinds_of_movements_are_all_there_are(
     count: int, share: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -204,7 +204,6 @@ def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.nd
 
 def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
     swing = mech.plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
-    assert swing is not None
     some = slice(None, None, 9)
     assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
     assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, SIDEWAYS, swing.time[some]), abs=1e-5)
@@ -224,7 +223,6 @@ def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
     moves = SIDEWAYS / ALONG
     swing = mech.plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
-    assert swing is not None
     assert not swing.normal.any()
     assert swing.period == pytest.approx(2 * math.sqrt(ringing.TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
     speed = moves[3] / (CORNERS[3] - CORNERS[2])
@@ -240,7 +238,6 @@ def test_corners_without_a_change_or_that_the_march_did_not_reach_do_not_count()
     assert mech.plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
     short = mech.MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
     swing = mech.plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
-    assert swing is not None
     assert swing.time.max() <= short.time[-1]
     assert not swing.pull.any()
 
@@ -250,7 +247,6 @@ def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> 
     normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, SIDEWAYS)
     on = mech.MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
     swing = mech.plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
-    assert swing is not None
     ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
     down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
     lifted, highest = swing.normal.min(), swing.normal.max()

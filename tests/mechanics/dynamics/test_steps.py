@@ -183,15 +183,16 @@ def smooth_error(matter: Matter, steps: int) -> float:
     return abs(float(state.plate[0, 1]) - float(wanted))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "matter",
     [
         pytest.param(Matter(1.0, 0.3), marks=FINER),
-        pytest.param(Matter(0.8, 0.3), marks=pytest.mark.slow),
+        Matter(0.8, 0.3),
         pytest.param(Matter(0.0, 0.3), marks=FINER),
         pytest.param(Matter(0.8, 0.3, 1e-4), marks=FINER),
         Matter(0.8, 0.3, 0.0, ((0.5, 1e-3), (0.4, 2e-4))),
-        pytest.param(Matter(rate=3e-4), marks=pytest.mark.slow),
+        Matter(rate=3e-4),
     ],
 )
 def test_order_2_where_all_is_smooth(matter: Matter) -> None:

@@ -283,7 +283,8 @@ def marched(
     return states
 
 
-@pytest.mark.parametrize("way", [1, pytest.param(-1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("way", [1, -1])
 def test_a_plane_rolls_on_a_circle(way: int) -> None:
     """By hand: it travels R (sin a - a) along itself, a being minus its angle, and slips nowhere."""
     last = math.radians(3.0)

@@ -254,6 +254,7 @@ def numbers(of: linear.PlaneSolution) -> np.ndarray:
     return np.array([of.all_touch_force, of.approach, *of.ridge_force])
 
 
+@pytest.mark.slow
 def test_ogdens_alpha_2_and_neo_hookes_law_are_the_model_without_one() -> None:
     assert numbers(three(NEO)) == pytest.approx(numbers(three(None)), rel=1e-9)
     assert (numbers(three(NeoHooke(mu=7.0))) == numbers(three(None))).all()  # to the bit

@@ -80,7 +80,9 @@ OTHERS = [  # judged on: none of these set the errors
 ]
 
 
-@pytest.mark.parametrize(("name", "coefficient"), [("small", 1.0), *OTHERS])
+@pytest.mark.parametrize(
+    ("name", "coefficient"), [pytest.param("small", 1.0, marks=pytest.mark.slow), *OTHERS]
+)
 def test_a_finer_mesh_and_more_steps_change_less_than_the_stated_error(name: str, coefficient: float) -> None:
     design = small() if name == "small" else load(name)
     force = design.contact.force
@@ -121,6 +123,7 @@ def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> No
     assert pressed.residual < 1e-10
 
 
+@pytest.mark.slow
 def test_measured_parts_are_pressed_with_friction() -> None:
     """Equal drops are none; a part that is not symmetric has other forces left than right."""
     level, same, lower = (

@@ -45,6 +45,7 @@ def refined() -> mech.SolidSolution:
     return mech.solve_level(meshed, mech.forms_of(meshed, 3), mech.Layers(0.15, 1.8, 4), FORCE, {})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [2, pytest.param(3, marks=FACTS)])
 def test_plane_strain_of_the_prisms_is_the_linear_model(order: int) -> None:
     """The whole section on the same mesh: the same functions. 1e-5: on curved triangles, where integrands
@@ -108,7 +109,6 @@ def test_half_is_the_whole() -> None:
 def test_a_half_is_half_of_the_area() -> None:
     pad = mech.pad_of(filleted())
     half = mech.half_of(pad)
-    assert half is not None
     assert half.section.area == pytest.approx(pad.section.area / 2, rel=1e-12)  # rounding
     assert mech.half_of(replace(pad, section=replace(pad.section, outline=pad.section.outline[1:]))) is None
 

@@ -245,7 +245,7 @@ def test_every_template_has_a_verdict(name: str, model: str) -> None:
     assert judge(load(name), model)
 
 
-SOLIDS = ("corrected-finite-strain", "solid", "solid-finite-strain")
+SOLIDS = ("reduced", "corrected-finite-strain", "solid", "solid-finite-strain")
 EVIDENCE = pytest.mark.evidence(subject="yamada-2002: {model}")
 
 
@@ -345,9 +345,6 @@ def near_the_needed_force(model: str, members: int) -> Iterator[ContactCheck]:
 
 def consistent(verdict: ContactCheck) -> None:
     force, value = verdict.all_touch_force, verdict.all_touch_force.value
-    assert value is not None
-    assert force.lower is not None
-    assert force.upper is not None
     expected = (
         "passes" if force.upper <= verdict.force else "fails" if force.lower > verdict.force else "undecided"
     )
@@ -363,7 +360,7 @@ def consistent(verdict: ContactCheck) -> None:
 
 
 MEMBERS = [
-    ("winkler", 15),
+    ("winkler", 6),
     *(pytest.param(*m, marks=SEEDS) for m in (("winkler", 40), ("linear", 8), ("corrected", 6))),
 ]
 

@@ -161,7 +161,6 @@ def test_many_ridges_have_a_verdict_with_a_bar(ridges: int) -> None:
     skin = {"width": width, "curvature_radius": 50 * width}
     many = yamada().with_(**BARE, ridge={"count": ridges}, skin=skin)
     verdict = check(many, model="winkler", force=float(ridges))
-    assert verdict.all_touch_force.error is not None
     assert verdict.all_touch_force.error > (verdict.all_touch_force.value or 0.0)  # a thin layer, confined
     assert (verdict.approach.error or 0.0) < (verdict.approach.value or 0.0)
 
