@@ -24,7 +24,7 @@ from tests.processes import LIMIT, started
 from tests.refusals import refused, refused_by, refused_command
 
 PASSING = 0.9  # of all parts, by default
-SMALL: dict[str, Any] = {"size": "6x8", "touch": "100mN", "silicone": "ecoflex-00-50"}
+SMALL: dict[str, Any] = {"size": "5x6", "touch": "60mN", "silicone": "ecoflex-00-50"}
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
     design = small.design
     assert small.passed
     assert not small.broken
-    assert (design.skin.width, design.skin.length, design.contact.force) == (6.0, 8.0, 0.1)
+    assert (design.skin.width, design.skin.length, design.contact.force) == (5.0, 6.0, 0.06)
     assert (design.material.name, design.mold.process) == ("ecoflex-00-50", "sla")
     assert design.film.thickness == 0.028
     assert graver_than_notes(design) == []
@@ -164,7 +164,7 @@ def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "skincad", "new", "pad.toml"]
     with started(command, stdin=follower, stdout=follower, stderr=follower, cwd=tmp_path) as child:
         os.close(follower)
-        os.write(leader, b"hand\nnone\n10\n6x8\n100mN\n\necoflex-00-50\nnone\n")
+        os.write(leader, b"hand\nnone\n10\n5x6\n60mN\n\necoflex-00-50\nnone\n")
         said = ""
         while True:
             try:
@@ -181,7 +181,7 @@ def test_in_a_terminal_it_asks_and_asks_again(tmp_path: Path) -> None:
     assert said.count("Size in mm") == 2
     assert "Error: size: must be width x length" in said
     assert "Met: all" in said
-    assert skincad.load(tmp_path / "pad.toml").skin.width == 6.0
+    assert skincad.load(tmp_path / "pad.toml").skin.width == 5.0
 
 
 @pytest.mark.evidence(subject="seeds: wishes met")
