@@ -185,12 +185,16 @@ def part_of(rng: np.random.Generator, template: str, fault: str) -> Part:
     return Part(template, fault, float(scale), drops, pad, stuck)
 
 
+def side_of(pad: Pad) -> tuple[float, float, float]:
+    """Return x, mm, of the pad's side, and z of its lower and upper end."""
+    starts = [s.start for s in pad.section.outline]
+    x = max(abs(p.x) for p in starts)
+    return x, min(p.z for p in starts), max(p.z for p in starts if abs(abs(p.x) - x) < 1e-6)
+
+
 def with_soft_back(pad: Pad, share: float, modulus: float) -> Pad:
     """Return a pad whose lowest `share` is of a softer, compressible stuff of `modulus` times its own."""
-    points = [s.start for s in pad.section.outline if s.kind == "back"]
-    points += [s.end for s in pad.section.outline if s.kind == "back"]
-    low, x = min(p.z for p in points), max(abs(p.x) for p in points)
-    side = max(s.start.z for s in pad.section.outline if abs(abs(s.start.x) - x) < 1e-6)
+    x, low, side = side_of(pad)
     z = low + share * (side - low)
     face = Segment(Point(x, z), Point(-x, z))
     layer = PadLayer(face, modulus * pad.young_modulus, 0.4, pad.density, None)
@@ -199,9 +203,7 @@ def with_soft_back(pad: Pad, share: float, modulus: float) -> Pad:
 
 def with_voids(pad: Pad, count: int, size: float) -> Pad:
     """Return a pad with `count` round holes near its back, of `size` times the thickness of its side."""
-    x = max(abs(s.start.x) for s in pad.section.outline)
-    side = max(s.start.z for s in pad.section.outline if abs(abs(s.start.x) - x) < 1e-6)
-    low = min(s.start.z for s in pad.section.outline)
+    x, low, side = side_of(pad)
     radius, z = size * (side - low) / 2, low + 0.35 * (side - low)
     holes = []
     for place in (np.arange(count) - (count - 1) / 2) / count * 1.4 * x:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,14 +31,6 @@ SKINS: dict[str, dict[str, dict[str, float]]] = {
 }
 
 
-@dataclass(frozen=True)
-class Law:
-    """A law by one number, a shear stress in MPa."""
-
-    name: str
-    tables: Callable[[float, float], dict[str, object]]  # of shear stress and Coulomb's coefficient
-
-
 def by_shear(stress: float, mu: float) -> dict[str, object]:
     return {"law": "shear", "shear_stress": stress, "coefficient": CAP * mu}
 
@@ -50,7 +41,8 @@ def by_table(stress: float, mu: float) -> dict[str, object]:
     return {"law": "table", "table": [[float(p), float(m)] for p, m in zip(PRESSURES, answer, strict=True)]}
 
 
-LAWS = Law("shear stress", by_shear), Law("power law", by_table)
+Law = Callable[[float, float], dict[str, object]]  # friction's table by a shear stress, MPa, and Coulomb's mu
+LAWS: dict[str, Law] = {"shear stress": by_shear, "power law": by_table}
 
 
 def marched(scene: Scene, table: dict[str, object]) -> Simulation:
@@ -65,12 +57,12 @@ def calibrated(scene: Scene, law: Law, coulomb: Simulation) -> tuple[float, Simu
     longer = scene.with_(history={"tangential_force_N": further})
     stress = float(last[1].sum() / last[2].sum())
     for _ in range(TRIES):
-        answer = marched(longer, law.tables(stress, mu))
+        answer = marched(longer, law(stress, mu))
         part = float(answer.march.loads[-1][1].sum() / last[1].sum())
         if abs(part - (1 - LESS)) < SAME:
             break
         stress *= (1 - LESS) / part
-    return stress, marched(scene, law.tables(stress, mu))
+    return stress, marched(scene, law(stress, mu))
 
 
 def row(name: str, stress: float | None, found: Simulation) -> str:
@@ -88,9 +80,9 @@ def print_scene(name: str, scene: Scene) -> None:
     print(f"{name}\n{'':14}{'MPa':>8}  {'ridges slip from step':36}{'gross':>6}{'ms':>7}  order")
     coulomb = at_level(scene, LEVELS[0])
     print(row("Coulomb", None, coulomb), flush=True)
-    for law in LAWS:
+    for label, law in LAWS.items():
         stress, found = calibrated(scene, law, coulomb)
-        print(row(law.name, stress, found), flush=True)
+        print(row(label, stress, found), flush=True)
 
 
 def main() -> None:
