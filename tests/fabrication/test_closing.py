@@ -240,12 +240,9 @@ def test_the_manifest_has_the_carriers_own_holes(name: str) -> None:
         assert manifest["top_mm"] == bore.start[2] + bore.length
 
 
-def test_of_a_gang_places_count_from_each_carriers_middle() -> None:
+def test_of_a_gang_places_and_screws_are_each_carriers() -> None:
     one, two = mounted_design("yamada-2002"), mounted_design("yamada-2002").with_(mold={"cavities": 2})
     assert mount_of(Job(two)) == mount_of(Job(one))
-
-
-def test_what_is_bought_is_counted_for_every_carrier() -> None:
     design = mounted_design("lab-bench").with_(mold={"cavities": 2})
     rows = bought(design)
     (screws,) = (row for row in rows if row["what"] == "mount screw")

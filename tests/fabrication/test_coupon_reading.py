@@ -157,16 +157,13 @@ def test_a_ladder_that_pixels_drew() -> None:
         assert estimate.lower <= growth <= estimate.upper
 
 
-def test_no_growth_is_said_of_notches_that_are_shut() -> None:
+def test_growth_and_gap_of_notches_that_are_shut() -> None:
     drawn = np.array(NOTCHES)
     shut = notch_result(NotchForm(drawn, 0 * drawn, 0 * drawn + 0.02))
     assert (shut.growth, shut.gap) == (None, None)
     two = notch_result(ladder(0.125, 0, 0.0, 0.0))
     assert two.growth is None
     assert two.gap is not None
-
-
-def test_the_narrowest_gap_is_that_from_which_all_are_open() -> None:
     drawn = np.array([0.06, 0.08, 0.10, 0.12, 0.14])
     goes = np.array([0.0, 0.02, 0.0, 0.03, 0.05])
     gap = notch_result(NotchForm(drawn, goes, goes + 0.02)).gap
@@ -207,7 +204,7 @@ def test_a_block_that_lies_askew_changes_nothing() -> None:
     assert askew.worst == pytest.approx(level.worst, abs=1e-12)
 
 
-def test_layers_are_in_the_scatter() -> None:
+def test_layers_are_in_the_scatter_and_a_perfect_part_has_none() -> None:
     """Heights that are rounded to layers of 0.2 mm are off by up to half of one: 0.2 / sqrt(12) on average,
     within a quarter, for eight heights are no uniform distribution."""
     drawn = np.array(drawn_steps())
@@ -215,9 +212,6 @@ def test_layers_are_in_the_scatter() -> None:
     result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, layered))
     assert result.sigma.value == pytest.approx(0.2 / np.sqrt(12), rel=0.25)
     assert result.worst <= 0.1 + 1e-9
-
-
-def test_a_perfect_part_has_no_scatter() -> None:
     drawn = np.array(drawn_steps())
     result = crest_result(CrestForm(np.arange(1.0, drawn.size + 1), drawn, drawn + 0.01))
     assert result.sigma.value == pytest.approx(0.0, abs=1e-12)
@@ -456,12 +450,9 @@ def test_each_part_reads_back_as_one_valid_solid_and_a_closed_mesh(name: str, ma
     assert shape.bounds[0][2] == pytest.approx(0.0, abs=1e-6)  # on the bed
 
 
-def test_the_ladder_lies_on_its_face_and_the_steps_stand(made: Path) -> None:
+def test_all_parts_are_on_one_plate_the_ladder_on_its_face(made: Path) -> None:
     assert trimesh.load_mesh(made / "notch-ladder.stl").extents[2] == pytest.approx(4.0)
     assert trimesh.load_mesh(made / "crest-steps.stl").extents[2] == pytest.approx(5.0 + 1.31, abs=1e-5)
-
-
-def test_all_parts_are_on_one_plate(made: Path) -> None:
     objects, warnings = lib_3mf.read(made / "coupon.3mf")
     assert (list(objects), warnings) == ([*PARTS], [])
 

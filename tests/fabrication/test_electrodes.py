@@ -9,12 +9,7 @@ import pytest
 
 import skincad
 from skincad.fabrication import Finding, Job, design_findings, electrode_findings, fan_out, sheet_steps
-from skincad.fabrication.electrodes import (
-    faces,
-    half_gap,
-    half_tab,
-    tab,
-)
+from skincad.fabrication.electrodes import faces, half_gap, half_tab, tab
 from skincad.inputs import Design
 from skincad.shape import area, section
 from skincad.solids import BEND, MOST_TURN
@@ -46,15 +41,12 @@ def test_a_faces_metal_by_hand(yamada: Design) -> None:
     assert {s.start.z for s in outlines.front} == {-s.start.z for s in outlines.back}
 
 
-def test_tolerances_make_the_margin_and_the_gap(yamada: Design) -> None:
+def test_margin_gap_and_tab_by_hand(yamada: Design) -> None:
     coarse = yamada.with_(film={"cut_tolerance": 0.03, "registration": 0.01}).film
     wide = yamada.with_(film={"electrode_margin": 0.06}).film
     assert (yamada.film.margin, coarse.margin, wide.margin) == pytest.approx((0.04, 0.04, 0.06))
     assert [half_gap(film, 0.25) for film in (yamada.film, coarse)] == pytest.approx([0.02, 0.01])
     assert half_gap(yamada.film, 0.1) == pytest.approx(0.01 / 3)  # a third of what is left beside the margin
-
-
-def test_a_tab_holds_its_pads_and_its_label(yamada: Design) -> None:
     film = yamada.film
     assert half_tab(film, 0.25) == pytest.approx((2.54 + 1.5) / 2 + 0.5)
     # the label is beside leads of 3 mm each
@@ -67,8 +59,9 @@ def test_templates_have_no_finding(name: str) -> None:
     assert electrode_findings(Job(skincad.load(name))) == []
 
 
-def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
-    """0.2 mm: half of it less margin and registration, 0.04 and 0.02, leaves 0.04 of metal."""
+def test_a_lead_or_a_margin_that_is_too_narrow_is_told(yamada: Design) -> None:
+    """0.2 mm: half of it less margin and registration, 0.04 and 0.02, leaves 0.04 of metal. Without a margin
+    the lead lies at the edge, which may be off by 0.02, and so may the lead, and the other one."""
     narrow = yamada.with_(slot={"depth": 0.2})
     finding = by_rule(narrow)["lead width"]
     assert (finding.severity, finding.measured, finding.limit) == ("error", pytest.approx(0.04), 0.05)
@@ -76,15 +69,8 @@ def test_a_narrow_strip_has_no_room_for_two_leads(yamada: Design) -> None:
     assert deep == pytest.approx(0.22)
     assert "lead width" not in by_rule(yamada.with_(slot={"depth": deep}))
     assert "lead width" in by_rule(yamada.with_(slot={"depth": deep - 0.001}))
-
-
-def test_without_a_margin_the_cut_narrows_the_lead(yamada: Design) -> None:
-    """The lead lies at the edge, which may be off by 0.02, and so may the lead, and the other one."""
     narrow = yamada.with_(slot={"depth": 0.2}, film={"electrode_margin": 0.0})
     assert by_rule(narrow)["lead width"].measured == pytest.approx(0.1 - 0.02 - 0.04)
-
-
-def test_a_margin_below_the_tolerances_is_told(yamada: Design) -> None:
     thin = by_rule(yamada.with_(film={"electrode_margin": 0.02}))["electrode margin"]
     assert (thin.severity, thin.measured, thin.limit) == ("warning", 0.02, pytest.approx(0.04))
     assert by_rule(yamada.with_(film={"electrode_margin": 0.04})) == {}

@@ -95,9 +95,6 @@ def test_cost_is_material_machine_and_setup() -> None:
     assert float(resin.cost) == pytest.approx(material + machine + setup)
     (sure,) = estimated("lab-bench", "printer.sla.price_error=0.0")
     assert sure.cost.error == pytest.approx(material * SLA.mass_error + machine * SLA.time_error)
-
-
-def test_a_workshops_own_prices_count() -> None:
     (shipped,) = estimated("lab-bench")
     (priced,) = estimated("lab-bench", "printer.sla.price=0.0", "printer.sla.rate=20.0")
     setup, hours = 2 * 45 / 60, float(shipped.time)
@@ -178,25 +175,22 @@ def test_a_move_is_what_small_steps_give(length: float) -> None:
     assert moves(3 * length, 3, 80.0, 10.0, FIRM) == pytest.approx(3 * moves(length, 1, 80.0, 10.0, FIRM))
 
 
-def test_no_move_takes_no_time() -> None:
+def test_nothing_takes_no_time() -> None:
     assert moves(0.0, 3, 80.0, 10.0, FIRM) == moves(5.0, 0, 80.0, 10.0, FIRM) == 0.0
+    assert fill_moves(CrossSection(), 0.4, 80.0, FIRM) == (0.0, 0.0, 0.0)
+    assert contour_moves(CrossSection(), 45.0, FIRM) == (0.0, 0.0)
 
 
-def test_a_square_is_four_moves_between_corners() -> None:
+def test_ways_along_contours_by_hand() -> None:
+    """A square is four moves between corners, a circle has none but its begin."""
     length, seconds = contour_moves(CrossSection.square((20.0, 20.0)), 45.0, FIRM)
     assert length == pytest.approx(80.0)
     assert seconds == pytest.approx(moves(80.0, 4, 45.0, JERK, FIRM))
-
-
-def test_a_circle_has_no_corner_but_its_begin() -> None:
     length, seconds = contour_moves(CrossSection.circle(10.0, 400), 45.0, FIRM)
     assert length == pytest.approx(2 * math.pi * 10.0, rel=1e-4)  # 400 chords
     begun_and_ended = 2 * (45.0 - JERK) ** 2 / (2 * FIRM * 45.0)
     # a chord alone can't reach that speed: twice (45 - 10) / 1000 s less what those ways take anyhow
     assert seconds == pytest.approx(length / 45.0 + begun_and_ended, abs=0.04)
-
-
-def test_contours_do_not_know_of_each_other() -> None:
     two = CrossSection.square((20.0, 20.0)) + CrossSection.circle(3.0, 24).translate((40.0, 0.0))
     alone = [contour_moves(contour, 45.0, FIRM) for contour in two.decompose()]
     assert contour_moves(two, 45.0, FIRM) == pytest.approx(tuple(map(sum, zip(*alone, strict=True))))
@@ -211,11 +205,6 @@ def test_lines_fill_a_rectangle_less_its_hole() -> None:
     assert seconds == pytest.approx(moves(length, count, 80.0, corner, FIRM) + link)
     holed = CrossSection.square((30.0, 10.0)) - CrossSection.circle(2.0, 400).translate((15.0, 5.0))
     assert fill_moves(holed, 0.4, 80.0, FIRM)[0] == pytest.approx(count + 4.0 / 0.4, rel=1e-4)  # its diameter
-
-
-def test_nothing_is_filled_in_no_time() -> None:
-    assert fill_moves(CrossSection(), 0.4, 80.0, FIRM) == (0.0, 0.0, 0.0)
-    assert contour_moves(CrossSection(), 45.0, FIRM) == (0.0, 0.0)
 
 
 def changed(**keys: float) -> Process:
@@ -316,22 +305,16 @@ def test_higher_layers_than_the_part_are_one_layer() -> None:
     assert filament(block(30.0, 20.0, 1.2), changed(layer=2.0)).volume > 0.0
 
 
-def test_a_milled_block() -> None:
+def test_a_block_by_mill_by_wire_and_with_holes() -> None:
     stock = 44.0 * 24.0 * 9.0
     faces = 2 * (40.0 * 20.0 + 40.0 * 5.0 + 20.0 * 5.0)
     effort = machining(BLOCK, CNC)
     assert effort.volume == pytest.approx(stock)
     minutes = (stock - 4000.0) / CNC.removal_rate + faces / CNC.finish_rate
     assert effort.seconds == pytest.approx(60 * minutes)
-
-
-def test_a_wire_cuts_around_and_no_chips() -> None:
     effort = machining(BLOCK, EDM)
     assert effort.volume == pytest.approx(46.0 * 26.0 * 11.0)
     assert effort.seconds == pytest.approx(60 * (120.0 * 5.0 / EDM.finish_rate))
-
-
-def test_each_hole_takes_its_time() -> None:
     drilled = Part("cover", PartRole.COVER, BLOCK.body, HOLES)
     more = machining(drilled, EDM).seconds - machining(BLOCK, EDM).seconds
     assert more == pytest.approx(60 * 2 * EDM.hole_time)

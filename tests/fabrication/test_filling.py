@@ -233,12 +233,9 @@ def test_a_bore_that_narrows_empties_at_the_tilt_of_its_cone() -> None:
     assert total(Void((cone, neighbour)), 1.001 * half_angle) == 0.0
 
 
-def test_a_liquid_rises_no_higher_than_the_rim_that_it_runs_over(lidded: Void) -> None:
+def test_a_low_rim_and_a_void_without_a_way_out_keep_air(lidded: Void) -> None:
     low = replace(lidded, rim=np.array([[0.0, 0.0, -1.0]]))
     assert total(low, 0.0) == pytest.approx(100 + math.pi * 3, rel=1e-3)  # the hole's chords
-
-
-def test_a_void_without_a_way_out_keeps_all_its_air(lidded: Void) -> None:
     shut = Void(tuple(replace(space, open_at=None) for space in lidded.spaces))
     (pocket,) = air(shut, 20.0)
     assert pocket.volume == pytest.approx(shut.volume, rel=1e-3)  # the hole's chords
@@ -382,7 +379,7 @@ def test_the_sheet_of_an_open_pour_has_no_gate(unshrunk: Design) -> None:
     assert "gate" not in text.replace("gauge", "")
 
 
-def test_silicone_runs_off_over_the_cups_upper_rim(unshrunk: Design) -> None:
+def test_silicone_runs_off_over_the_cup_and_air_leaves_by_the_cover_alone(unshrunk: Design) -> None:
     closed = mold(unshrunk)
     (cup,) = bores(closed.part("cover"), CutRole.RESERVOIR)
     rim = void(Job(unshrunk, closed)).rim
@@ -391,9 +388,6 @@ def test_silicone_runs_off_over_the_cups_upper_rim(unshrunk: Design) -> None:
     assert away == pytest.approx(np.full(len(rim), cup.far_radius))
     turns = np.sort(np.arctan2(rim[:, 1] - cup.start[1], rim[:, 0] - cup.start[0]))
     assert np.diff(turns) == pytest.approx(np.full(len(rim) - 1, 2 * math.pi / len(rim)))
-
-
-def test_only_the_covers_openings_let_air_out_of_a_closed_mold(unshrunk: Design) -> None:
     closed = mold(unshrunk)
     spaces = void(Job(unshrunk, closed)).spaces
     top = closed.first(PartRole.COVER).body.high

@@ -91,9 +91,6 @@ def test_end_plates_and_lids_have_their_own_process(yamada: Design) -> None:
     coarse = printed.with_(printer={"fdm": {"hole": 1.5}})  # bleeds grow with it, the vent doesn't
     (hole,) = (f for f in warnings(coarse).values() if f.rule == "hole")
     assert (hole.where, hole.measured, hole.limit) == ("carrier, bore, by fdm", pytest.approx(1.0), 1.5)
-
-
-def test_lids_are_judged_by_the_molds_process_unless_they_have_one(yamada: Design) -> None:
     printed = by(yamada, "fdm").with_(mold={"clearance": 0.2}, printer={"fdm": {"hole": 1.5}})
     assert "carrier, bore, by fdm" in warnings(printed)
     assert not any("carrier" in where for where in warnings(printed.with_(mold={"lid_process": "edm"})))

@@ -337,14 +337,11 @@ def test_a_pair_out_of_balance_by_more_than_half_is_a_warning() -> None:
         assert [f.severity for f in strip_findings(Job(wide)) if f.rule == "strip place"] == grave
 
 
-def test_a_rectangles_corners_are_right_and_a_notchs_are_reflex() -> None:
+def test_angles_between_edges() -> None:
     assert [angle for _, angle in edges(rectangle(0, 2, 0, 1))] == pytest.approx([90.0] * 4)
     notched = loop([Point(*p) for p in ((0, 0), (4, 0), (4, 2), (2, 1), (0, 2))])
     inner = dict(edges(notched))[Point(2, 1)]
     assert inner == pytest.approx(360 - 2 * math.degrees(math.atan2(2, 1)))
-
-
-def test_an_arc_meets_its_chord_at_half_its_sweep() -> None:
     lens = (
         Segment(Point(0, 0), Point(1, 0)),
         Segment(Point(1, 0), Point(0, 0), math.tan(math.radians(40) / 4)),

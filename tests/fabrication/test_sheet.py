@@ -15,19 +15,16 @@ import pytest
 
 from skincad.circuit import capacitance, electrode
 from skincad.fabrication import (
-    DEAD_VOLUME,
     Job,
     casting_sheet,
-    manifold,
     opening_steps,
     parts_csv,
-    poured_volume,
     sheet_steps,
 )
 from skincad.fabrication.day_plan import day_plan, tasks
 from skincad.fabrication.shopping import consumables
 from skincad.inputs import Design, load
-from skincad.solids import CutRole, Part, PartRole, bores, box
+from skincad.solids import CutRole, PartRole, bores
 from skincad.solids.mold import mold
 from tests.bent_skin import three_ridges
 from tests.templates import SHIPPED, of_one_printer
@@ -69,38 +66,6 @@ def place(steps: list[str], words: str) -> int:
 def assert_in_order(steps: list[str], phrases: list[str]) -> None:
     places = [place(steps, phrase) for phrase in phrases]
     assert places == sorted(set(places))
-
-
-def test_poured_volume_is_the_closed_molds_void(few: Design) -> None:
-    """By booleans: a block around the cavity's space, less every part but the skin."""
-    closed = mold(few)
-    half, end, high = 37.0 / 2, 6.0 + 4.0, closed.part("cover").body.high
-    space = manifold(Part("block", PartRole.COVER, box(half, (-end, end), (-13.4, high))), 1e-3)
-    for part in closed.parts:
-        if part.name != "skin":
-            space = space - manifold(part, 1e-3)
-    void = [p.volume() for p in space.decompose() if p.bounding_box()[0] < 0 < p.bounding_box()[3]]
-    # clearances of the carrier's seat and the shims' slits are in the void too, 1 % of it; chords
-    assert poured_volume(Job(few, closed)) == pytest.approx(max(void), rel=0.015)
-
-
-def test_parts_are_made_by_what_judges_them() -> None:
-    design = load("milled-pad", ["ridge.count=3"])
-    rows = dict(re.findall(r"^\| (\S+) \| (\w+), ", sheet(design), re.MULTILINE))
-    parts = {p.name: p for p in mold(design).parts if p.made == "made"}
-    assert rows == {name: Job(design).maker(part) for name, part in parts.items()}
-    assert (rows["cavity"], rows["end-a-comb"], rows["cover"]) == ("cnc", "edm", "cnc")
-
-
-def test_masses_follow_from_volume_density_and_mix(few: Design) -> None:
-    def weighed(design: Design) -> tuple[float, ...]:
-        (pair,) = re.findall(r"weigh ([\d.]+) g of A and ([\d.]+) g of B, [\d.]+ g, into", sheet(design))
-        return tuple(map(float, pair))
-
-    # two roundings to 0.01 g
-    assert sum(weighed(few)) == pytest.approx(poured_volume(Job(few)) * 1080e-6 + DEAD_VOLUME, abs=0.02)
-    a, b = weighed(few.with_(material={"name": "sylgard-184"}))
-    assert a / b == pytest.approx(10.0, rel=0.02)
 
 
 @pytest.mark.parametrize("change", [{"mold": {"pour": "open"}}, {"skin": {"curvature_radius_y": 200.0}}])

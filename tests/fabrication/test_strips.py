@@ -49,17 +49,14 @@ def strip_rules(design: Design) -> dict[str, Finding]:
     return {finding.rule: finding for finding in strip_findings(Job(design))}
 
 
-def test_without_tension_a_rod_is_a_beam() -> None:
+def test_without_tension_a_rod_is_a_beam_and_with_much_a_string() -> None:
+    """What stiffness takes off a string's sag is 2 / u^2 (hinged) or 2 / u (built in) of it."""
     slack = replace(ROD, tension=0.0)
     bending = 3000.0 * 0.4 * 0.05**3 / 12
     assert slack.bending == pytest.approx(bending, rel=1e-12)
     assert deflection(slack, LOAD) == pytest.approx(5 * LOAD * 20.0**4 / (384 * bending), rel=1e-12)
     clamped = replace(slack, ends="built in")
     assert deflection(clamped, LOAD) == pytest.approx(LOAD * 20.0**4 / (384 * bending), rel=1e-12)
-
-
-def test_with_much_tension_a_rod_is_a_string() -> None:
-    """What stiffness takes off a string's sag is 2 / u^2 (hinged) or 2 / u (built in) of it."""
     tight = replace(ROD, tension=20.0)
     string = LOAD * 20.0**2 / (8 * 20.0)
     u = 10.0 * math.sqrt(20.0 / tight.bending)
@@ -160,17 +157,14 @@ def test_released_tension_is_shared_by_stiffness(cast: Design, yamada: Design) -
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_templates_have_no_strip_finding_above_a_note(name: str) -> None:
-    assert [f.rule for f in strip_findings(Job(skincad.load(name))) if f.severity != "note"] == []
+    findings = strip_findings(Job(skincad.load(name)))
+    assert [f.rule for f in findings if f.severity != "note" or name == "cast-in"] == []
 
 
 def test_combs_of_a_nozzle_leave_pairs_out_of_balance() -> None:
     """A comb of 0.2 mm tolerance leaves S1 and S2 by two thirds out of balance."""
     findings = strip_findings(Job(of_one_printer("nozzle-04")))
     assert [f.rule for f in findings if f.severity != "note"] == ["strip place"]
-
-
-def test_the_cast_in_template_has_none_at_all(cast: Design) -> None:
-    assert strip_findings(Job(cast)) == []
 
 
 @pytest.mark.parametrize(
@@ -265,24 +259,18 @@ def test_a_straight_lap_has_only_the_soft_slot_on_its_way(yamada: Design) -> Non
 
 
 def test_a_bent_laps_tail_is_thinned_to_pass_its_notches() -> None:
-    """A notch of 0.06 by a wire good to 0.003: 0.057, less film and glue."""
+    """A notch of 0.06 by a wire good to 0.003: 0.057, less film and glue. Of a process that grows both sides
+    of 0.1 come in by 0.015; 0.067 is left, for a lap of 0.067."""
     joint = lap(Job(three_ridges()))
     assert joint.notch == pytest.approx(0.057, rel=1e-12)
     assert joint.tail == pytest.approx(0.057 - 0.028 - 0.01, abs=1e-6)
     assert joint.stack <= joint.notch + 1e-9
     loose = lap(Job(three_ridges().with_(mold={"slit_clearance": 0.05})))
     assert loose.tail == 0.05  # and no thinning where there is room
-
-
-def test_a_notch_is_at_least_what_its_shim_was_lapped_into() -> None:
     printed = lap(
         Job(bent("lab-bench", 100.0).with_(mold={"slit_clearance": 0.01, "end_plate_process": "sla"}))
     )
     assert printed.notch == 0.1  # 0.12 less the printer's 0.05 would not take the shim itself
-
-
-def test_a_process_that_grows_leaves_a_narrower_notch() -> None:
-    """Both sides of 0.1 come in by 0.015; 0.067 is left by a wire good to 0.003, for a lap of 0.067."""
     wide = three_ridges().with_(mold={"slit_clearance": 0.025})
     joint = lap(Job(wide.with_(printer={"edm": {"growth": 0.015}})))
     assert joint.notch == pytest.approx(0.067)

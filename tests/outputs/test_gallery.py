@@ -31,12 +31,9 @@ def test_every_force_is_of_the_design_that_ships() -> None:
     }
 
 
-def test_a_changed_design_has_no_force() -> None:
+def test_a_changed_design_has_no_force_and_others_are_pressed_with_more() -> None:
     higher = skincad.load_design("yamada-2002", ["ridge.height=0.6"])
     assert gallery.force_of(higher).value is None
-
-
-def test_a_designs_force_is_above_what_all_ridges_need() -> None:
     row = gallery.entries()["lab-bench"]
     needed = row["all_touch_force_N"]
     assert needed["value"] + needed["error"] < row["force_N"] == 4.0

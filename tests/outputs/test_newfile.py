@@ -119,7 +119,7 @@ def test_every_key_is_there_with_meaning_unit_and_range(kind: Kind, tmp_path: Pa
                 assert f"{getattr(rule, bound):.8g}" in meanings[key] if hasattr(rule, bound) else True, key
 
 
-def test_a_default_is_shown_in_a_comment(tmp_path: Path) -> None:
+def test_defaults_and_effects_that_a_template_lacks_are_comments(tmp_path: Path) -> None:
     text = write_new(tmp_path / "mine.toml", "hold")[0].read_text()
     assert "# [effects.film]" not in text
     assert '# bond = "bonded"\n' in text
@@ -127,10 +127,6 @@ def test_a_default_is_shown_in_a_comment(tmp_path: Path) -> None:
     assert "# frames = 0\n" in text
     assert "# [at most" not in text
     assert "# of each point, from 0 [s, from 2 to 10000 values]\n" in text
-
-
-def test_an_effect_that_the_template_lacks_is_there_to_uncomment(tmp_path: Path) -> None:
-    text = write_new(tmp_path / "mine.toml", "hold")[0].read_text()
     voltages = "# Voltages of the strips in the ridges of the readout. Needs film."
     assert f"\n{voltages}\n# [effects.piezo]  # optional\n" in text
     text = text.replace("# [effects.finite_strain]", "[effects.finite_strain]")

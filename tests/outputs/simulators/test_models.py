@@ -165,8 +165,8 @@ def test_two_boxes_are_one_and_apart_again() -> None:
 THREE = skincad.load_design("yamada-2002", ["ridge.count=3", "skin.width=5"])
 
 
-def test_the_filling_weighs_what_its_slots_hold() -> None:
-    """6 slots of 0.05 x 0.25 x 12 mm, a film of 0.028 mm in each."""
+def test_weights_of_three_ridges_by_hand() -> None:
+    """6 slots of 0.05 x 0.25 x 12 mm, a film of 0.028 mm in each; mass by the section's area."""
     film = 6 * 0.028 * 0.25 * 12 * 1780e-6
     glue = 6 * (0.05 - 0.028) * 0.25 * 12 * 1080e-6
     assert links(THREE).filling.mass == pytest.approx(film + glue, rel=1e-9)
@@ -174,10 +174,6 @@ def test_the_filling_weighs_what_its_slots_hold() -> None:
         6 * 0.05 * 0.25 * 12 * 1080e-6, rel=1e-9
     )
     assert links(THREE.with_(slot=None)).filling is None
-
-
-def test_ridges_and_base_are_the_skin() -> None:
-    """Mass by the section's area, and the skin symmetric."""
     parts = links(THREE)
     assert parts.skin.mass == pytest.approx(skincad.section(THREE).area * 12 * 1080e-6, rel=1e-9)
     assert parts.base.mass + sum(r.mass for r in parts.ridges) == pytest.approx(parts.skin.mass, rel=1e-12)
