@@ -203,7 +203,7 @@ def test_heights_are_whole_layers_of_the_mold(name: str) -> None:
 
 def test_a_groove_that_is_narrower_at_a_middle_than_slicers_close_ends_a_layer_higher() -> None:
     """With a floor of 9.014 a middle lies just over the bottoms of ridges 4 and 6, where the mesh is open,
-    by less than 0.098 mm; consumers/test_print_levels.py slices it. With 9.012 it is wider."""
+    by less than 0.098 mm; consumers/test_prusaslicer.py slices it. With 9.012 it is wider."""
     wide, narrow = (skincad.load("plain-ridges", [f"mold.floor={floor}"]) for floor in (9.012, 9.014))
     off = np.array(heights(narrow)) - heights(wide)
     # a layer of the mold, less the shrinkage of 0.1 %
@@ -449,7 +449,7 @@ def test_good_parts_lie_beside_their_own_mold(name: str) -> None:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_layers_are_told_as_they_fall(name: str) -> None:
-    """By another count of layers; the slicers' own are in consumers/test_print_levels.py."""
+    """By another count of layers; the slicers' own are in consumers/test_prusaslicer.py."""
     design = skincad.load(name)
     closed = mold(design)
     heights = inspection(Job(design, closed)).crests.heights
