@@ -83,15 +83,9 @@ class Made:
         return self.result.parts
 
 
-def make_into(design: Design, folder: Path) -> Made:
-    """Make a design and write all its files."""
-    result = skincad.make(design)
-    return Made(result, skincad.write(result, folder))
-
-
 def files_into(design: Design, folder: Path, formats: Iterable[str] = ()) -> Made:
-    """The same for who looks at files: the verdict that stands in them is by the closed form, not by
-    seconds of finite elements."""
+    """Make a design and write its files for who looks at them: the verdict that stands in them is by the
+    closed form, not by seconds of finite elements."""
     result = skincad.make(design, model="winkler")
     return Made(result, skincad.write(result, folder, formats=formats))
 

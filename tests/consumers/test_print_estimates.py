@@ -19,7 +19,7 @@ from skincad.outputs import write_stl
 from skincad.solids.mold import mold
 from tests.consumers import consumed, prusaslicer
 from tests.consumers.prusaslicer import SlicerEstimate, filament_estimate, resin_estimate
-from tests.families import RIDGED
+from tests.designs import RIDGED
 
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
 ASKED = 0.1  # of the slicer's, by part: what issue 19 asks

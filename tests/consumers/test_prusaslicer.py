@@ -27,7 +27,7 @@ from skincad.solids import PartRole
 from skincad.solids.mold import mold
 from tests.consumers import consumed, prusaslicer
 from tests.consumers.prusaslicer import filament_levels, resin_layers, resin_levels
-from tests.templates import of_one_printer
+from tests.designs import of_one_printer
 
 pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.missing())
 

@@ -20,7 +20,7 @@ from skincad.solids import ClosedMold, PartRole, workplane
 from skincad.solids.mold import mold
 from tests.conftest import Made, files_into
 from tests.consumers import CONSUMERS, Job, camlib, consumed, gmsh, lib_3mf, prusaslicer
-from tests.families import RIDGED
+from tests.designs import RIDGED
 
 READ = ("step", "stl", "3mf", "dxf", "md")  # all that a consumer opens
 without_gmsh = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())

@@ -20,7 +20,7 @@ from skincad.solids import skin_solid, workplane
 from skincad.solids.mold import mold
 from tests.conftest import Made, files_into
 from tests.consumers import consumed, gmsh
-from tests.mounted import mounted_design
+from tests.designs import mounted_design
 from tests.processes import run_gmsh
 
 pytestmark = pytest.mark.skipif(bool(gmsh.missing()), reason=gmsh.missing())

@@ -20,9 +20,7 @@ from skincad.fabrication.part_drawing import what_matters
 from skincad.inputs import Design, processes
 from skincad.solids import CAVITIES, END_PLATES, LENGTHS, PINS, SHEETS, CutRole, PartRole, bores
 from skincad.solids.mold import mold
-from tests.bent_skin import bent
-from tests.mounted import IN_LINE, MOUNTS, PLAIN, mounted_design
-from tests.templates import KINDS, of_one_printer, template
+from tests.designs import IN_LINE, KINDS, MOUNTS, PLAIN, bent, mounted_design, of_one_printer, template
 
 
 @pytest.mark.parametrize("name", KINDS)

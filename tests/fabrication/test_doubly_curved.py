@@ -26,8 +26,8 @@ from skincad.inputs import Design
 from skincad.outputs.drawing.overview import drawing
 from skincad.solids import ClosedMold, CutRole, Part, PartRole, Prism, RotatedBody
 from skincad.solids.mold import mold
-from tests.bent_skin import bent, three_ridges
 from tests.conftest import files_into
+from tests.designs import bent, three_ridges
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from skincad.fabrication.electrodes import faces, half_gap, half_tab, tab
 from skincad.inputs import Design
 from skincad.shape import area, section
 from skincad.solids import BEND, MOST_TURN
-from tests.templates import SHIPPED
+from tests.designs import SHIPPED
 
 PITCH = 2.54  # mm, of pads and pins
 FILMED = [name for name in SHIPPED if skincad.load(str(name.values[0])).film]

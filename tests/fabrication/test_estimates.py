@@ -31,7 +31,7 @@ from skincad.inputs import Process, processes
 from skincad.shape import Point, loop
 from skincad.solids import Bore, Part, PartRole, Prism, RevolvedBody, box, plain
 from skincad.solids.mold import mold
-from tests.templates import SHIPPED, of_one_printer
+from tests.designs import SHIPPED, of_one_printer
 
 CNC, EDM, FDM, SLA = (processes()[name] for name in ("cnc", "edm", "fdm", "sla"))  # SLA's bed: 120 x 68 mm
 FIRM = 1000.0  # mm/s2

@@ -20,7 +20,7 @@ from skincad.inputs import Design, silicones
 from skincad.shape import Point, loop, rectangle
 from skincad.solids import THUMB, WIDTHS, Bore, ClosedMold, CutRole, Part, PartRole, Prism, bores
 from skincad.solids.mold import mold
-from tests.templates import KINDS, SHIPPED, template
+from tests.designs import KINDS, SHIPPED, template
 
 
 def test_a_front_is_a_film_under_its_own_weight(yamada: Design) -> None:

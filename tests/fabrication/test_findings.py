@@ -16,8 +16,8 @@ from skincad.outputs.drawing.overview import drawing
 from skincad.shape import skin_of
 from skincad.solids import SAFE_SHARE, safe_strain, split_ridges
 from skincad.solids.mold import mold
+from tests.designs import KINDS, SHIPPED
 from tests.fabrication import by
-from tests.templates import KINDS, SHIPPED
 
 LARGEST_IS_BEST = {
     *("tool reach", "slender", "tool depth", "overhang"),

@@ -31,9 +31,8 @@ from skincad.outputs.pages import page
 from skincad.shape import polygon, section, skin_of
 from skincad.solids import CutRole, bores
 from skincad.solids.mold import mold
+from tests.designs import KINDS, RIDGED, template
 from tests.fabrication.cast_parts import Parts, drawn, sliced
-from tests.families import RIDGED
-from tests.templates import KINDS, template
 
 
 def rows(design: Design) -> dict[str, Any]:

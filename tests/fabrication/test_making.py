@@ -31,11 +31,10 @@ from skincad.outputs import explosion_offset
 from skincad.outputs.drawing.overview import drawing
 from skincad.solids import TAP_RADIUS, ClosedMold, CutRole, bores
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
 from tests.conftest import run_skincad
+from tests.designs import template, three_ridges
 from tests.processes import lines_until, started
 from tests.refusals import refused_command
-from tests.templates import template
 
 
 @pytest.fixture(scope="module")

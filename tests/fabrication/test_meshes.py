@@ -25,7 +25,7 @@ from skincad.solids import (
     solid,
 )
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
+from tests.designs import three_ridges
 from tests.solids.test_doubly_curved_mold import level_crowned
 
 FINE = 2e-4  # mm, the kernel's own chord tolerance for the reference

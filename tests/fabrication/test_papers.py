@@ -41,9 +41,8 @@ from skincad.inputs import processes
 from skincad.outputs import names
 from skincad.solids import THUMB, CutRole, Part, PartRole, bores
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
 from tests.conftest import Made
-from tests.templates import SHIPPED, of_one_printer
+from tests.designs import SHIPPED, of_one_printer, three_ridges
 
 SHEET_GOODS = {"film strip", "shim", "seal", "board"}
 SEEDS = range(7000, 7060)  # used by no other test

@@ -30,9 +30,8 @@ from skincad.inputs import Design, processes
 from skincad.shape import Loop, Narrowest, Point, Segment, loop, rectangle, section
 from skincad.solids import Bore, Part, PartRole, Prism
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
+from tests.designs import of_one_printer, three_ridges
 from tests.fabrication import by
-from tests.templates import of_one_printer
 
 
 @pytest.fixture

@@ -26,8 +26,7 @@ from skincad.fabrication.shopping import consumables
 from skincad.inputs import Design, load
 from skincad.solids import CutRole, PartRole, bores
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
-from tests.templates import SHIPPED, of_one_printer
+from tests.designs import SHIPPED, of_one_printer, three_ridges
 
 FILMED = [name for name in SHIPPED if load(str(name.values[0])).film]
 DAY = (9.0, 17.0)  # o'clock: hands work between

@@ -33,8 +33,7 @@ from skincad.fabrication.strips import (
 )
 from skincad.inputs import Design
 from skincad.shape import Point, SensorPlace
-from tests.bent_skin import bent, three_ridges
-from tests.templates import KINDS, SHIPPED, of_one_printer
+from tests.designs import KINDS, SHIPPED, bent, of_one_printer, three_ridges
 
 ROD = Strip(20.0, 0.4, 0.05, 3000.0, 1780.0, 0.1, "hinged")
 LOAD = 1e-6  # N/mm

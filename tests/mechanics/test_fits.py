@@ -17,7 +17,7 @@ from skincad import check
 from skincad.inputs import Design
 from skincad.mechanics import DESIGNS, FITS, MODELS, NUMBERS, unlike
 from skincad.mechanics import fits as table
-from tests.families import RIDGED
+from tests.designs import RIDGED
 from tests.mechanics.designs import reference
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -14,9 +14,8 @@ from skincad.mechanics import manufacture as yields
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import corrected, linear
 from skincad.shape import skin_of
-from tests.families import RIDGED
+from tests.designs import RIDGED, template
 from tests.mechanics.designs import linear_check, reference
-from tests.templates import template
 
 
 @pytest.fixture(

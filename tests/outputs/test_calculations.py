@@ -15,7 +15,7 @@ from skincad.base import Calculation, Quantity, rounded
 from skincad.fabrication import Job
 from skincad.inputs import Design
 from skincad.outputs import calculations, pages
-from tests.families import RIDGED
+from tests.designs import RIDGED
 
 VARIANTS: dict[str, dict[str, object]] = {
     "levelled": {"ridge": {"levelling": 0.6}},

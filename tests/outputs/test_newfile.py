@@ -32,7 +32,7 @@ from skincad.inputs import (
 from skincad.outputs import listing, schema_of, tomls, write_new
 from skincad.scenes import Scene, load_scene
 from tests.conftest import run_skincad, skincad_process
-from tests.families import OF_FAMILIES
+from tests.designs import OF_FAMILIES
 from tests.refusals import refused
 
 EACH = [(kind, name) for kind in KINDS for name in template_names(kind)]

@@ -12,7 +12,7 @@ import pytest
 import skincad
 from skincad.inputs import places
 from skincad.shape import FAMILIES, Segment, Skin, area, drawn_section, section, skin_of
-from tests.families import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
+from tests.designs import OF_FAMILIES, dome, flat, pillars, rings, round_nibs
 from tests.refusals import refused_by
 
 

@@ -11,8 +11,7 @@ import cadquery as cq
 import skincad
 from skincad.inputs import Design
 from tests import families
-from tests.bent_skin import bent, three_ridges
-from tests.mounted import mounted_design
+from tests.designs import bent, mounted_design, three_ridges
 
 STIFF = {"young_modulus": 2.0, "poisson_ratio": 0.499}
 LEVEL, ARC = {**STIFF, "thickness": 1.0}, {**STIFF, "depth": 1.0}

@@ -17,7 +17,7 @@ from skincad.fabrication import Job, poured_volume, pours, sheet_steps
 from skincad.inputs import Design
 from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin_part
 from skincad.solids.mold import mold
-from tests.families import pillars
+from tests.designs import pillars
 from tests.refusals import refused_command
 from tests.solids.kinds import PLATE, STEM, boned, plate, stem, wide_rings
 

@@ -32,7 +32,7 @@ from skincad.solids import (
 )
 from skincad.solids.coupon import bar_outline
 from skincad.solids.skin import cast_skin
-from tests.families import RIDGED
+from tests.designs import RIDGED
 
 PARTS = {part.name: part for part in coupon("sla").parts}
 

@@ -16,7 +16,7 @@ from skincad.fabrication import Job, casting_sheet, extent
 from skincad.inputs import Design
 from skincad.solids import CAVITIES, ClosedMold, PartRole
 from skincad.solids.mold import mold
-from tests.families import RIDGED
+from tests.designs import RIDGED
 from tests.solids.kinds import few_ridges
 
 FEW, MANY = 80, 1000

@@ -36,8 +36,8 @@ from skincad.solids import (
     volume,
 )
 from skincad.solids.mold import mold
-from tests.bent_skin import bent, three_ridges
 from tests.conftest import files_into
+from tests.designs import bent, three_ridges
 
 RADII = (60.0, 25.0)
 CROWNS = pytest.mark.evidence(subject="seeds: flat crowns")

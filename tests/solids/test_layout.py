@@ -48,9 +48,8 @@ from skincad.solids import (
 from skincad.solids.fasteners import blind_depth, engagement, least_thickness
 from skincad.solids.layout import Spans, choose_screws, layout, screw_rows
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
+from tests.designs import KINDS, of_one_printer, three_ridges
 from tests.solids.kinds import FEW, few_ridges
-from tests.templates import KINDS, of_one_printer
 
 NUT_HEIGHT, NUT_FLATS = 2.4, 5.5  # mm, ISO 4032, M3
 

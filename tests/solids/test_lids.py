@@ -31,9 +31,7 @@ from skincad.solids import (
 from skincad.solids.layout import layout
 from skincad.solids.lids import carrier, cover, cover_dowels, fiducial_bores, refused_lids
 from skincad.solids.mold import mold
-from tests.families import RIDGED
-from tests.mounted import IN_LINE, MOUNTS, NAMES, mounted_design
-from tests.templates import KINDS
+from tests.designs import IN_LINE, KINDS, MOUNTS, NAMES, RIDGED, mounted_design
 
 BOLT_RADIUS, EDGE, LEAST_VENT = 1.7, 1.2, 0.3  # mm: ISO 273, M3; between bores; what a drill makes straight
 MOST_HOLES = 24

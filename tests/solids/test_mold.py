@@ -27,9 +27,8 @@ from skincad.solids import (
     split_ridges,
 )
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
+from tests.designs import KINDS, of_one_printer, three_ridges
 from tests.solids.kinds import few_ridges, many_locked
-from tests.templates import KINDS, of_one_printer
 
 BOLT_RADIUS = 1.7  # mm, ISO 273, M3, medium series
 LEDGE, NUT_DEPTH = 2.0, 2.75  # mm, the seat under a carrier; ISO 4032, M3, and some play

@@ -15,7 +15,7 @@ from skincad.fabrication.filling import pockets
 from skincad.shape import polygon, section, skin_of
 from skincad.solids import CutRole, PartRole, bores, skin_part
 from skincad.solids.mold import mold
-from tests.families import rings
+from tests.designs import rings
 from tests.solids.kinds import IN_A_BLOCK, round_flat
 
 UNDER_GROOVES = 3.0  # mm of a disc under its deepest groove

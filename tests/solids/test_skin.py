@@ -32,9 +32,8 @@ from skincad.solids import (
 )
 from skincad.solids.mold import mold
 from skincad.solids.skin import cast_skin
-from tests.bent_skin import three_ridges
+from tests.designs import KINDS, three_ridges
 from tests.solids.kinds import few_ridges
-from tests.templates import KINDS
 
 # the base circle's own radius is 60 mm: near it the base turns into a sphere, or a spindle torus
 RADII = [8.0, 12.0, 30.0, 60 - 1e-6, 60 - 1e-9, 60.0, 60 + 1e-9, 60 + 1e-7, 61.0, 1e3, 1e6, 1e8]

@@ -26,8 +26,8 @@ from skincad.mechanics import (
 )
 from skincad.mechanics.bodies import chain, condense, elements, mesh, plane_body
 from skincad.mechanics.models import linear
+from tests.designs import template
 from tests.mechanics.designs import filleted, wide
-from tests.templates import template
 
 
 def test_only_a_singular_matrix_is_called_singular(monkeypatch: pytest.MonkeyPatch) -> None:

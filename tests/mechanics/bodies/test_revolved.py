@@ -23,7 +23,7 @@ from skincad.mechanics import left_out as bounds
 from skincad.mechanics.bodies import elements, plane_body, solid_law
 from skincad.mechanics.models import finite_strain, linear
 from skincad.shape import Point, Section, Segment
-from tests.families import rings
+from tests.designs import rings
 
 MODULUS, INCOMPRESSIBLE = 0.7, 0.4999
 

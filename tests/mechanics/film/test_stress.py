@@ -20,9 +20,9 @@ from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
 from skincad.shape import Point, Section, SensorPlace
+from tests.designs import template
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.designs import doubled, yamada
-from tests.templates import template
 
 OFF = 0.5  # of the thickness, from a film to the contour around it
 ROUNDING = 1e-9  # the issue's; the halves share one solution, so only sums are rounded

@@ -21,7 +21,7 @@ from skincad.mechanics.contact import tips as tip_contact
 from skincad.mechanics.models import corrected, linear, reduced
 from skincad.mechanics.models import pin_cell as cells_of
 from skincad.shape import skin_of
-from tests.families import dome, pillars
+from tests.designs import dome, pillars
 
 
 def pad(count: int, **ridge: float) -> Design:

@@ -27,9 +27,8 @@ from skincad.mechanics import (
     whole_price,
 )
 from skincad.mechanics.models import finite_strain, linear, solid_finite_strain
-from tests.families import RIDGED
+from tests.designs import RIDGED, template
 from tests.mechanics.designs import SHORT, doubled, reference, value
-from tests.templates import template
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -43,10 +43,8 @@ from skincad.solids import (
     workplane,
 )
 from skincad.solids.mold import mold
-from tests.bent_skin import three_ridges
 from tests.conftest import Made
-from tests.families import RIDGED
-from tests.templates import SHIPPED, template
+from tests.designs import RIDGED, SHIPPED, template, three_ridges
 
 PITCH = 2.54  # mm, of pins
 LEAD = 36.0  # mm, of yamada-2002: 17 tabs of 2.54, less the slots, aside by 30 degrees

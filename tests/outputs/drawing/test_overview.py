@@ -19,8 +19,7 @@ from skincad.outputs import PAGE
 from skincad.outputs.drawing.overview import drawing
 from skincad.shape import section
 from skincad.solids import ClosedMold, Part
-from tests.bent_skin import three_ridges
-from tests.templates import KINDS
+from tests.designs import KINDS, three_ridges
 
 SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ("yamada-2002", "plain-ridges", "steep-fingertip", "bent")

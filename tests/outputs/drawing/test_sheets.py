@@ -36,8 +36,7 @@ from skincad.outputs.drawing import assembly_sheet, formats, marks, part_views
 from skincad.outputs.drawing.part_sheet import part_sheet
 from skincad.solids import Arc, CutRole, Part, RotatedBody, bores, solid, workplane
 from skincad.solids.occ import projection
-from tests.bent_skin import three_ridges
-from tests.families import RIDGED
+from tests.designs import RIDGED, three_ridges
 
 
 def others(names: list[str], *fast: str) -> list[Any]:

@@ -29,7 +29,7 @@ from skincad.outputs.figures import canvas, results, scenes
 from skincad.outputs.figures import design as pictures
 from skincad.scenes import LEVELS, at_level
 from skincad.studies import ErrorMeasure, Ladder, Measurement
-from tests.families import RIDGED
+from tests.designs import RIDGED
 from tests.small_scene import THIRD, small_scene
 
 UNITS = (

@@ -13,7 +13,7 @@ from skincad.fabrication import Job, manifold
 from skincad.outputs import explosion_offset
 from skincad.outputs.figures import design as pictures
 from skincad.solids import PINS, ClosedMold, PartRole
-from tests.bent_skin import three_ridges
+from tests.designs import three_ridges
 
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
