@@ -17,7 +17,7 @@ from skincad.mechanics.contact.tips import unloaded
 from skincad.mechanics.models.pin_cell import pin_cell
 from skincad.scenes import Scene, Simulation
 from skincad.shape import skin_of
-from tests import families
+from tests import designs
 from tests.refusals import refused
 
 MU = 0.2
@@ -160,7 +160,7 @@ PRESS, STEPS = 0.25, 200  # N, of friction's limit where it is 1
 
 def pillars() -> Design:
     """Pillars of nearly one height: the middle one of the family's would nearly tip over."""
-    return families.pillars().with_(pin={"heights": [6.0, 5.9]})
+    return designs.pillars().with_(pin={"heights": [6.0, 5.9]})
 
 
 @cache
@@ -172,7 +172,7 @@ def pulled(name: str) -> Simulation:
         "normal_force_N": [0.0, PRESS, PRESS],
         "tangential_force_N": [0.0, 0.0, 1.2 * 0.3 * PRESS],
     }
-    design = pillars() if name == "pillars" else families.OF_FAMILIES[name]()
+    design = pillars() if name == "pillars" else designs.OF_FAMILIES[name]()
     effects = {"friction": {"coefficient": 0.3}}
     return skincad.simulate(Scene(name="pull", skin=design, history=history, effects=effects))
 

@@ -10,7 +10,7 @@ import cadquery as cq
 
 import skincad
 from skincad.inputs import Design
-from tests import families
+from tests import designs
 from tests.designs import bent, mounted_design, three_ridges
 
 STIFF = {"young_modulus": 2.0, "poisson_ratio": 0.499}
@@ -67,7 +67,7 @@ def round_flat() -> Design:
 
 
 def wide_rings() -> Design:
-    return families.rings().with_(skin={"width": 22.0})
+    return designs.rings().with_(skin={"width": 22.0})
 
 
 LOCKED = ["skin.curvature_radius=15.0", "ridge.tip_width=0.7", "slot=none"]
@@ -89,20 +89,20 @@ KINDS: dict[str, Callable[[Path], Design]] = {
     "bowl": lambda _: three_ridges(),
     "shallow bowl": lambda _: bent("yamada-2002", 60.0, "ridge.count=3"),
     "mount on a bowl": lambda _: mounted_design("bent"),
-    "round": lambda _: families.rings(),
+    "round": lambda _: designs.rings(),
     "round and flat": lambda _: round_flat(),
-    "round in a block": lambda _: families.rings().with_(mold=IN_A_BLOCK),
-    "round with pins": lambda _: families.round_nibs().with_(skin={"width": 8.0}),
-    "pins": lambda _: families.pillars(),
-    "pins on a dome": lambda _: families.dome().with_(pin={"rings": 2}),
-    "pins through a plate": lambda _: families.pillars().with_(mold={"split": "tips"}),
-    "pockets": lambda _: families.flat(),
+    "round in a block": lambda _: designs.rings().with_(mold=IN_A_BLOCK),
+    "round with pins": lambda _: designs.round_nibs().with_(skin={"width": 8.0}),
+    "pins": lambda _: designs.pillars(),
+    "pins on a dome": lambda _: designs.dome().with_(pin={"rings": 2}),
+    "pins through a plate": lambda _: designs.pillars().with_(mold={"split": "tips"}),
+    "pockets": lambda _: designs.flat(),
     "layers": lambda _: few_ridges(shot=(LEVEL,)),
     "layers with rivets": lambda _: few_ridges(shot=({**ARC, "depth": 1.2, **RIVETS},)),
-    "round layers": lambda _: families.rings().with_(shot=({**LEVEL, **RIVETS},)),
-    "round layers of a depth": lambda _: families.rings().with_(shot=({**STIFF, "depth": 2.0},)),
-    "layers over pins": lambda _: families.pillars().with_(shot=({**LEVEL, **RIVETS},)),
-    "layers over pockets": lambda _: families.flat().with_(shot=({**STIFF, "depth": 1.2},)),
+    "round layers": lambda _: designs.rings().with_(shot=({**LEVEL, **RIVETS},)),
+    "round layers of a depth": lambda _: designs.rings().with_(shot=({**STIFF, "depth": 2.0},)),
+    "layers over pins": lambda _: designs.pillars().with_(shot=({**LEVEL, **RIVETS},)),
+    "layers over pockets": lambda _: designs.flat().with_(shot=({**STIFF, "depth": 1.2},)),
     "bone": lambda folder: boned(folder, stem()),
     "bone on pins": lambda folder: boned(folder, plate(), bone_bond="rivets"),
     "turned bone": lambda folder: boned(folder, stem(), bone_at=[2.0, 1.0, 0.0], bone_turn=[0.0, 0.0, 90.0]),

@@ -15,7 +15,7 @@ from skincad.shape import skin_of
 from skincad.solids import CutRole, PartRole, skin_part, solid, volume
 from skincad.solids.mold import mold
 from skincad.solids.skin import cast_skin
-from tests import families
+from tests import designs
 
 DOMES = pytest.mark.evidence(subject="kernel: domes")
 
@@ -35,7 +35,7 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on_and_turns_with_its_mold() -
     filled = math.pi * height - math.pi * height**2 * (10 - height / 3)
     # height over the tangent plane is 3, so cylinder 2 and hemisphere; quadrature exact to rounding
     assert pin.volume == pytest.approx(2 * math.pi + 2 / 3 * math.pi + filled, rel=1e-12)
-    design = families.pillars().with_(pin={"heights": [4.0 + 0.1 * i for i in range(9)]})
+    design = designs.pillars().with_(pin={"heights": [4.0 + 0.1 * i for i in range(9)]})
     for pin, negative in zip(skin_part(design).adds, cast_skin(design).adds, strict=True):
         x, y, z = pin.origin
         assert negative.origin == (x, -y, -z)  # mirrored would make another skin of unequal pins
@@ -46,7 +46,7 @@ def test_a_pin_on_a_sphere_counts_from_the_sphere_on_and_turns_with_its_mold() -
     ("name", "levelling"), [("pillars", None), *(pytest.param("dome", by, marks=DOMES) for by in (None, 0.7))]
 )
 def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: float | None) -> None:
-    design = families.OF_FAMILIES[name]().with_(pin={"levelling": levelling})
+    design = designs.OF_FAMILIES[name]().with_(pin={"levelling": levelling})
     for part in (skin_part(design), cast_skin(design)):
         shape = solid(part)  # which checks its volume against the formula to 1e-9
         assert volume(part, shape) == pytest.approx(part.volume, rel=2e-9)
@@ -60,7 +60,7 @@ def test_skin_has_its_formulas_volume_by_kernel_and_mesh(name: str, levelling: f
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pillars", pytest.param("dome", marks=DOMES)])
 def test_cavity_less_its_skin_is_empty(name: str) -> None:
-    closed = mold(families.OF_FAMILIES[name]())
+    closed = mold(designs.OF_FAMILIES[name]())
     skin, cavity = closed.first(PartRole.SKIN), closed.first(PartRole.CAVITY)
     negatives = [cut for cut in cavity.cuts if cut.role is CutRole.FEATURE]
     assert math.fsum(n.volume for n in negatives) == pytest.approx(
@@ -70,7 +70,7 @@ def test_cavity_less_its_skin_is_empty(name: str) -> None:
 
 
 def test_pockets_are_blind_holes_from_a_flat_back() -> None:
-    design = families.flat()
+    design = designs.flat()
     part, bare = skin_part(design), skin_part(design.with_(flat={"pocket": None}))
     assert bare.volume - part.volume == pytest.approx(4 * math.pi * 1.05**2 * 2.0, rel=1e-12)
     assert {cut.role for cut in part.cuts} == {CutRole.POCKET}
@@ -93,7 +93,7 @@ def test_hundreds_of_nibs_are_one_solid() -> None:
 
 
 def test_core_pins_stand_in_the_carrier_and_leave_with_it() -> None:
-    closed = mold(families.flat())
+    closed = mold(designs.flat())
     carrier, cores = closed.first(PartRole.CARRIER), closed.of(PartRole.CORE_PIN)
     assert len(cores) == 4
     holes = [cut for cut in carrier.cuts if cut.role is CutRole.CORE]
@@ -106,7 +106,7 @@ def test_core_pins_stand_in_the_carrier_and_leave_with_it() -> None:
 
 def test_a_wire_makes_no_blind_holes_and_a_mill_no_deep_ones() -> None:
     by_wire, milled, printed = (
-        {f.rule: f for f in design_findings(Job(families.pillars().with_(mold={"process": name})))}
+        {f.rule: f for f in design_findings(Job(designs.pillars().with_(mold={"process": name})))}
         for name in ("edm", "cnc", "sla")
     )
     assert by_wire["tool reach"].severity == "error"
@@ -131,7 +131,7 @@ def test_thin_walls_between_pins_and_deep_holes_name_key_limit_and_remedy(split:
 @pytest.mark.slow
 def test_one_finding_tells_of_all_leaning_pins_of_a_dome() -> None:
     pin = {"root_diameter": 0.7, "tip_diameter": 0.65, "rings": 6, "pitch": 1.2}
-    design = families.dome().with_(pin=pin)
+    design = designs.dome().with_(pin=pin)
     findings = [f for f in design_findings(Job(design)) if f.rule == "undercut"]
     undercuts = [u for u in skin_of(design).undercuts.values() if u.width > 0]
     assert [f"and {len(undercuts) - 1} more" in f.where for f in findings] == [True]
@@ -140,7 +140,7 @@ def test_one_finding_tells_of_all_leaning_pins_of_a_dome() -> None:
 
 
 def test_printed_pins_end_at_layers() -> None:
-    job = Job(families.pillars())
+    job = Job(designs.pillars())
     layer = job.cavity_process.layer
     for crest in printed_crests(job) or ():
         layers = crest / (1 - job.shrinkage) / layer
@@ -154,7 +154,7 @@ def test_printed_pins_end_at_layers() -> None:
 
 @pytest.mark.parametrize("pin", [{}, {"heights": [4.0, 3.6]}])
 def test_a_plate_of_through_holes_lies_on_a_base_of_cups(pin: dict[str, list[float]]) -> None:
-    design = families.pillars().with_(pin=pin, mold={"split": "tips"})
+    design = designs.pillars().with_(pin=pin, mold={"split": "tips"})
     closed, block = mold(design), mold(design.with_(mold={"split": "none"}))
     plate, base = closed.first(PartRole.CAVITY), closed.first(PartRole.BASE)
     pieces = [cut.volume for part in (plate, base) for cut in part.cuts if cut.role is CutRole.FEATURE]
@@ -169,18 +169,18 @@ def test_a_plate_of_through_holes_lies_on_a_base_of_cups(pin: dict[str, list[flo
 
 def test_split_auto_is_of_ridges_and_of_holes_that_a_tool_makes() -> None:
     with pytest.raises(skincad.InputError, match="split: must be 'none' here"):
-        mold(families.flat().with_(mold={"split": "auto"}))
+        mold(designs.flat().with_(mold={"split": "auto"}))
     for process, split in (("sla", False), ("cnc", True)):
-        closed = mold(families.pillars().with_(mold={"split": "auto", "process": process}))
+        closed = mold(designs.pillars().with_(mold={"split": "auto", "process": process}))
         assert bool(closed.of(PartRole.BASE)) == split
-    for pins in (families.dome(), families.pillars().with_(skin={"curvature_radius": 60.0})):
+    for pins in (designs.dome(), designs.pillars().with_(skin={"curvature_radius": 60.0})):
         with pytest.raises(skincad.InputError, match="split: needs pins on a flat base"):
             mold(pins.with_(mold={"split": "tips"}))
 
 
 @pytest.mark.slow
 def test_plate_and_base_are_drawn_and_cast_from() -> None:
-    job = Job(families.pillars().with_(mold={"split": "auto", "process": "cnc"}))
+    job = Job(designs.pillars().with_(mold={"split": "auto", "process": "cnc"}))
     plate, base = job.closed.first(PartRole.CAVITY), job.closed.first(PartRole.BASE)
     tables = [part_drawing(job, part, solid(part), None).tables[-1] for part in (plate, base)]
     assert [t.title.partition(" of ")[0] for t in tables] == ["Through holes", "Cups for the tips"]
