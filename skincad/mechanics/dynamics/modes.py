@@ -10,7 +10,7 @@ A mode is advanced exactly for a force that is straight in time. Contact makes t
 held at all points would swing less than about half a turn a step; `resolved` keeps the slow ones that do.
 
 Modes are damped as a Kelvin-Voigt solid of the assumed retardation time damps them, d_k = tau w_k^2.
-Reference: the pad with all its masses (tests/mechanics/dynamics/test_modes.py, bench/leads.py).
+Reference: the pad with all its masses (tests/mechanics/dynamics/test_ringing.py, bench/leads.py).
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ All is exact for a rigid plane on a pad of small strain: gaps along the plate's 
 forces and displacements turned into its axes. Left out is that a load is put on the undeformed section. The
 plate turns about the line of first touch at x = 0; `approach` counts from where it would just touch at its
 angle. Reference: a plane that rolls on a circle of radius R by an angle a without slip travels R (sin a - a)
-along itself (tests/mechanics/film/test_turning.py).
+along itself (tests/mechanics/film/test_sliding.py).
 """
 
 from __future__ import annotations
