@@ -87,6 +87,7 @@ def test_tests_that_share_set_up_are_one_group() -> None:
             item("a/test_a.py::test_z[pins]", EVIDENT, name="pins"),
             item("b/test_b.py::test_z[pins]", SLOW, pytest.mark.evidence(subject="pins"), design="pins"),
         ],
+        "a/test_a.py: <object object>": [item("a/test_a.py::test_x[0]", SLOW, design=object())],
         "by hand": [item("a/test_a.py::test_x", pytest.mark.xdist_group("by@ hand]"))],
     }
     for group, items in cases.items():

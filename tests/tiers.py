@@ -57,7 +57,8 @@ def _parameters(item: pytest.Item) -> Mapping[str, Any]:
 
 
 def _word(value: object) -> str:
-    return str(getattr(value, "name", None) or getattr(value, "__name__", None) or value)
+    text = str(getattr(value, "name", None) or getattr(value, "__name__", None) or value)
+    return re.sub(r" at 0x[0-9a-f]+", "", text)  # an address differs from worker to worker
 
 
 def _file(item: pytest.Item) -> str:
