@@ -67,11 +67,7 @@ def circuit_told(tables: dict[str, Any]) -> dict[str, Any]:
     circuit = Circuit(**tables)
     data = gain(circuit).as_json()
     chain = Chain.of(circuit_network(circuit), np.linspace(0.0, 0.1, 11), 50.0)
-    return {
-        **data,
-        "noise": chain.noise_rms(),
-        "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist(),
-    }
+    return {**data, "noise": chain.noise_rms(), "output": chain.output(np.linspace(0.0, 1e-12, 11)).tolist()}
 
 
 def design_told(tables: dict[str, Any]) -> dict[str, Any]:
@@ -100,7 +96,6 @@ BASES: dict[
     ),
     "design": (Design, lambda: read_table("yamada-2002", "designs"), design_told),
 }
-
 
 CIRCUIT = pytest.param("circuit", marks=pytest.mark.evidence(subject="ends: circuits"))
 

@@ -14,16 +14,16 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
 from skincad import __main__ as process
 from skincad.base import ExhaustedError, FaultError, InputError, RefusedError, listen, replaced, safe_point
-from skincad.cli import main
 from skincad.outputs import ready, write_new
+from tests.conftest import run_skincad
 from tests.processes import python, started
 
-SLOW = pytest.mark.slow  # as the fast ones beside it, through another command or encoding
 # no library that takes long to load: advice is sought with scipy
 CHECK = "check plain-ridges --tier winkler --no-advice"
 FAILS = f"{CHECK} --force 1"
@@ -38,16 +38,10 @@ def shell(line: str, cwd: Path, **environment: str) -> subprocess.CompletedProce
     )  # fmt: skip
 
 
-LINES = [("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("new x.pdf 2>&-", 2)]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "status"),
-    [
-        ("templates <&- >&- 2>&-", 0),
-        *(pytest.param(*case, marks=SLOW) for case in LINES),
-    ],
+    [("templates <&- >&- 2>&-", 0), ("templates 2>&-", 0), (f"{FAILS} >&-", 1), ("new x.pdf 2>&-", 2)],
 )
 def test_closed_descriptors_change_no_status(line: str, status: int, tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} {line}", tmp_path)
@@ -67,13 +61,7 @@ def test_a_file_never_takes_the_place_of_a_closed_descriptor(tmp_path: Path) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "status", "buffered"),
-    [
-        ("templates", 0, ""),
-        *(
-            pytest.param(*case, marks=SLOW)
-            for case in [(FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")]
-        ),
-    ],
+    [("templates", 0, ""), (FAILS, 1, "1"), ("templates", 0, "1"), ("--help", 0, "1")],
 )
 def test_a_reader_who_has_had_enough_changes_no_status(
     command: str, status: int, buffered: str, tmp_path: Path
@@ -85,11 +73,7 @@ def test_a_reader_who_has_had_enough_changes_no_status(
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize(
-    ("command", "buffered"),
-    [
-        ("templates", "1"),
-        *(pytest.param(*case, marks=SLOW) for case in [(f"{CHECK} --json", ""), ("--help", "")]),
-    ],
+    ("command", "buffered"), [("templates", "1"), (f"{CHECK} --json", ""), ("--help", "")]
 )
 def test_a_result_that_cannot_be_written_has_status_3(command: str, buffered: str, tmp_path: Path) -> None:
     done = shell(f"{SKINCAD} {command} >/dev/full", tmp_path, PYTHONUNBUFFERED=buffered)
@@ -112,11 +96,8 @@ ENCODINGS = {
 }
 
 
-# the others are slow: two are bytes of ASCII too, as that of POSIX
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "encoding", [pytest.param(e, marks=[] if e == "POSIX alone" else [SLOW]) for e in ENCODINGS]
-)
+@pytest.mark.parametrize("encoding", ENCODINGS)
 def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Path) -> None:
     """A name that the terminal's encoding lacks is escaped, in the result and in a message."""
     settings = ENCODINGS[encoding]
@@ -161,58 +142,36 @@ def test_a_name_that_is_not_utf_8_is_refused_before_any_work(tmp_path: Path) -> 
     assert not list(tmp_path.iterdir())
 
 
-def left(
-    arguments: str, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> tuple[int, str, str]:
-    """Status, stdout and stderr of a command run in this process."""
-    monkeypatch.setattr(sys, "argv", ["skincad", *arguments.split()])
-    with pytest.raises(SystemExit) as end:
-        main()
-    output = capsys.readouterr()
-    return int(end.value.code or 0), output.out, output.err
-
-
 FAILURES = {
     "memory": (MemoryError(), 3, "out of memory (MemoryError)"),
     "a library's memory": (RuntimeError("std::bad_alloc"), 3, "out of memory (std::bad_alloc)"),
-    "exhausted": (
-        ExhaustedError("the solid model needs more memory"),
-        3,
-        "the solid model needs more memory",
-    ),
+    "exhausted": (ExhaustedError("the model needs more memory"), 3, "the model needs more memory"),
     "refused": (RefusedError("does not balance"), 1, "does not balance"),
     "a failed check of its own": (
         FaultError("cavity: the print mesh is open"),
         3,
         "cavity: the print mesh is open; this is a fault of skincad, not of the input; please report it",
     ),
-    "a fault": (
-        ZeroDivisionError("by\nzero"),
-        3,
-        "internal error: ZeroDivisionError: by zero; please report",
-    ),
+    "a fault": (ZeroDivisionError("by\nzero"), 3, "internal error: ZeroDivisionError: by zero; please rep"),
 }
 
 
 @pytest.mark.parametrize("json_asked", [False, True])
 @pytest.mark.parametrize("failure", FAILURES)
 def test_every_failure_is_one_line_and_with_json_an_object(
-    failure: str, json_asked: bool, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+    failure: str, json_asked: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     raised, expected, words = FAILURES[failure]
-
-    def broken(*_: object, **__: object) -> None:
-        raise raised
-
-    monkeypatch.setattr("skincad.check", broken)
-    status, out, err = left(CHECK + " --json" * json_asked, capsys, monkeypatch)
-    assert status == expected
-    assert err.startswith(f"skincad: {words}")
-    assert err.count("\n") == 1
+    monkeypatch.setattr("skincad.check", Mock(side_effect=raised))
+    done = run_skincad(*CHECK.split(), *["--json"] * json_asked, cwd=tmp_path)
+    assert done.returncode == expected
+    assert done.stderr.startswith(f"skincad: {words}")
+    assert done.stderr.count("\n") == 1
     if json_asked:
-        assert json.loads(out) == {"passed": False, "error": err.removeprefix("skincad: ").rstrip("\n")}
+        message = done.stderr.removeprefix("skincad: ").rstrip("\n")
+        assert json.loads(done.stdout) == {"passed": False, "error": message}
     else:
-        assert out == ""
+        assert done.stdout == ""
 
 
 def kernel_fails(*_: object) -> None:
@@ -229,7 +188,7 @@ BROKEN = {  # a check that fails: what stands for it, and the words for it
     "volume": ("skincad.solids.occ.volume", lambda part, _: 1.001 * part.volume, "volume differs"),
     "validity": (
         "skincad.solids.occ.BRepCheck_Analyzer",
-        lambda _: SimpleNamespace(IsValid=lambda: False),
+        Mock(**{"return_value.IsValid": bool}),
         "not valid",
     ),
     "kernel": ("skincad.solids.occ.unchecked_solid", kernel_fails, "the CAD kernel failed (StdFail_NotDone"),
@@ -241,32 +200,27 @@ BROKEN = {  # a check that fails: what stands for it, and the words for it
 
 @pytest.mark.parametrize("check", BROKEN)
 def test_a_solid_or_mesh_that_fails_its_check_is_a_fault_and_writes_nothing(
-    check: str, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+    check: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place, wrong, words = BROKEN[check]
     monkeypatch.setattr(place, wrong)
     small = "--set ridge.count=1 --set skin.width=3.0 --no-check"
-    status, out, err = left(f"make plain-ridges {small} -o {tmp_path / 'out'}", capsys, monkeypatch)
-    assert (status, out) == (3, "")
-    assert err.startswith("skincad: skin: ")
-    assert words in err
-    assert "this is a fault of skincad, not of the input; please report it" in err
-    assert err.count("\n") == 1
+    done = run_skincad(*f"make plain-ridges {small} -o out".split(), cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr.startswith("skincad: skin: ")
+    assert words in done.stderr
+    assert "this is a fault of skincad, not of the input; please report it" in done.stderr
+    assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_traceback_is_shown_to_who_asks_for_it(
-    capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(*_: object, **__: object) -> None:
-        raise ZeroDivisionError
-
-    monkeypatch.setattr("skincad.check", broken)
+def test_a_traceback_is_shown_to_who_asks_for_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("skincad.check", Mock(side_effect=ZeroDivisionError))
     monkeypatch.setenv("SKINCAD_TRACEBACK", "1")
-    status, _, err = left(CHECK, capsys, monkeypatch)
-    assert status == 3
-    assert "Traceback" in err
-    assert "SKINCAD_TRACEBACK" in err.splitlines()[-1]
+    done = run_skincad(*CHECK.split(), cwd=tmp_path)
+    assert done.returncode == 3
+    assert "Traceback" in done.stderr
+    assert "SKINCAD_TRACEBACK" in done.stderr.splitlines()[-1]
 
 
 TOO_LITTLE = """
@@ -404,11 +358,18 @@ def assert_ended(status: int, out: str, err: str, signum: int, cwd: Path) -> Non
     ("module", "command"),
     [
         ("typer", "templates"),
-        pytest.param("pydantic_core", CHECK, marks=SLOW),
-        pytest.param("numpy.linalg", CHECK, marks=SLOW),  # C extensions, as pydantic_core
-        pytest.param("PIL.Image", "circuit yamada-2002", marks=SLOW),
-        pytest.param("ngsolve", "check plain-ridges", marks=SLOW),
-        pytest.param("OCP.gp", "make plain-ridges --format dxf", marks=SLOW),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (
+                ("numpy.linalg", CHECK),  # a C extension, as pydantic_core
+                ("PIL.Image", "circuit yamada-2002"),
+                ("ngsolve", "check plain-ridges --model linear --no-advice"),
+            )
+        ),
+        pytest.param(
+            *("OCP.gp", "make plain-ridges --format dxf --no-check"),
+            marks=[pytest.mark.slow, pytest.mark.dear("the CAD kernel is imported twice")],
+        ),
     ],
 )
 def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_path: Path) -> None:
@@ -420,7 +381,7 @@ def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_pat
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("command", "times"), [("make plain-ridges --format dxf", 3), ("circuit yamada-2002", 4)]
+    ("command", "times"), [("make plain-ridges --format dxf --no-check", 2), ("circuit yamada-2002", 4)]
 )
 def test_signals_at_random_moments(command: str, times: int, tmp_path: Path) -> None:
     """In the first seconds, from when skincad listens: the handlers are set before it is imported itself."""

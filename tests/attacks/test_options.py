@@ -12,7 +12,7 @@ from skincad.base import InputError
 from skincad.cli import run
 from skincad.cli.app import app
 
-NUMBERS = ("nan", "inf", "-inf", "1e999", "-1", "0", "abc", "", "1_0x")
+NUMBERS = ("nan", "1e999", "-inf", "-1", "0", "abc", "")
 ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0")}
 BAR = "extension_mm,force_N\n" + "\n".join(f"{i / 10},{i}" for i in range(12))
 PAD = BAR.replace("extension", "approach")
@@ -96,7 +96,7 @@ def test_a_bad_number_is_refused_by_the_name_that_was_typed(
     assert sorted(folder.iterdir()) == before
 
 
-@pytest.mark.parametrize("number", ["nan", "inf", "1e999", "-1", "0", "abc"])
+@pytest.mark.parametrize("number", NUMBERS)
 def test_so_is_a_pads_largest_force(number: str, folder: Path) -> None:
     words = refusal(["fit-material", "pad.csv", "--design", "plain-ridges", "--up-to", number])
     assert words.startswith(("--up-to: ", "Invalid value for '--up-to'")), words

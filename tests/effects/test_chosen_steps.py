@@ -26,8 +26,6 @@ from skincad.scenes.march import march
 from tests.mechanics.designs import yamada
 
 NORMAL, COEFFICIENT = 1.2, 0.5
-
-
 PRESSED, PULLED = 8, 20
 
 
@@ -71,7 +69,7 @@ def missed(run: March) -> Array:
     return np.asarray(films[:, ::2, 0] + films[:, 1::2, 0])
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="chosen steps: drift")
 def test_a_few_chosen_steps_tell_what_finite_strain_in_each_tells() -> None:
     """Signals within what is told of their error, ridges' forces within a hundredth, and both far nearer than
     small strain; in a fraction of the steps."""
@@ -88,7 +86,7 @@ def test_a_few_chosen_steps_tell_what_finite_strain_in_each_tells() -> None:
     assert loads < 0.2 * np.abs(small.loads[:, :2] - every.loads[:, :2]).max()
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="chosen steps: drift")
 def test_nothing_jumps_where_a_step_is_chosen() -> None:
     """The signal's slope changes nowhere by more than at finite strain in each step."""
     every, chosen = marched("all"), marched("chosen")
@@ -171,7 +169,7 @@ def test_before_the_first_chosen_step_its_error_is_what_has_moved() -> None:
     assert drifts[-1].films.max() > 0
 
 
-@pytest.mark.slow
+@pytest.mark.evidence(subject="chosen steps: drift")
 def test_the_same_march_gives_the_same_bits() -> None:
     way = drives()[:8]
     pad = pad_of(FiniteStrain(steps="chosen"))

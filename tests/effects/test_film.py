@@ -121,14 +121,8 @@ def test_each_stress_gives_its_own_charge_by_the_draw_axis() -> None:
 
 
 DESIGN = skincad.load("yamada-2002")
-
-
 SLIP = "yamada-2002-slip"
-
-
 RESISTANCE = 1e8 * 1e5 / (1 + 1e5)  # of the transimpedance's feedback at its finite gain
-
-
 WIDTH = 5000.0
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.effects import Friction, MarchedPad, RidgePath, Share, SmallStrain, Step, Term, condensed
-from skincad.mechanics import ContactPad, Drive, FrictionCoefficients
+from skincad.effects import Friction, MarchedPad, RidgePath, SmallStrain, Term, condensed
+from skincad.mechanics import ContactPad, FrictionCoefficients
 from skincad.scenes import load_scene
 from skincad.scenes.march import march
 from tests.effects.test_all_effects import COMPANIONS, built, dragged_through_gross_slip, piece
@@ -123,7 +123,7 @@ def test_finite_strain_slips_by_area() -> None:
             "effects.friction.shear_stress=0.05",
             "history.steps=8",
             "history.time_s=[0, 1, 2]",
-            "history.normal_force_N=[0, 1, 1]",
+            "history.normal_force_N=[0, 0.66, 0.66]",
             "history.tangential_force_N=none",
             "history.displacement_mm=[0, 0, 0.4]",
         ],
@@ -140,10 +140,10 @@ def test_finite_strain_slips_by_area() -> None:
 
 
 def test_every_kind_of_pad_has_the_same_area() -> None:
-    """Three ridges' arcs, some 0.55 mm each, times 12 mm of length; 1e-9: halved or not, the same mesh."""
+    """Two ridges' arcs, some 0.55 mm each, times 12 mm of length; 1e-9: halved or not, the same mesh."""
     crowns = [pad.area.sum() for pad, _ in pads().values()]
     assert crowns == pytest.approx(3 * [crowns[0]], rel=1e-9)
-    assert crowns[0] == pytest.approx(3 * 0.55 * piece()[0].whole.length, rel=0.02)
+    assert crowns[0] == pytest.approx(2 * 0.55 * piece()[0].whole.length, rel=0.02)
 
 
 def path(normal: list[float], pull: list[float], area: list[float], slips: list[bool]) -> RidgePath:
@@ -198,26 +198,6 @@ def springs() -> ContactPad:
     one, two = np.eye(4), np.zeros(2)
     ridge = np.array([0, 1])
     return ContactPad(FLEXIBLE * one, two, np.array([-1.0, 1.0]), ridge, np.ones(2), np.zeros((0, 3, 4)), 4)
-
-
-@pytest.mark.parametrize("coefficient", [0.2, 0.7])
-def test_friction_takes_what_the_plate_gives_and_no_spring_keeps(coefficient: float) -> None:
-    """The plate's work in x is what springs keep and friction takes; friction takes mu N times the slide."""
-    skin, cone = condensed(springs()), FrictionCoefficients(coefficient, coefficient)
-    state = skin.start()
-    drives = [Drive(2.0, travel=0.0), *(Drive(2.0, travel=0.05 * i) for i in range(1, 41))]
-    before, dissipated, work = Drive(0.0, travel=0.0), 0.0, 0.0
-    for drive in drives:
-        step = Step(0.0, 1.0, before, drive, 0.0)
-        after = skin.advanced(state, step, [Share(cone=cone)])
-        reading = skin.reading(state, after)
-        work += (after.travel - state.travel) * (state.tangential.sum() + after.tangential.sum()) / 2
-        dissipated += reading.dissipated
-        state, before = after, drive
-    limit = coefficient * 2.0  # N, on both points together
-    stretched = FLEXIBLE * limit / 2
-    assert dissipated == pytest.approx(limit * (2.0 - stretched), rel=0.05)
-    assert work == pytest.approx(dissipated + limit * stretched / 2, rel=1e-9)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

@@ -22,10 +22,7 @@ from tests.small_scene import small_scene
 FILMS_SHEAR, FILMS_PRESSURE = 0.133, 0.033
 ENDS_CALIBRATED, ENDS_SLIPPING, ENDS_LEAST = 1.5, 6, 0.001
 MASSES_CALIBRATED = 1.4
-
 PULL = "yamada-2002-press-and-pull"
-
-
 FORCES = ("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.4]")
 
 

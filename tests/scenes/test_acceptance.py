@@ -139,8 +139,6 @@ def test_most_recordings_of_the_exam_are_judged_right(tmp_path: Path) -> None:
 
 
 RANK, NOISE, GAIN = 6, 0.01, 0.8
-
-
 HUM = np.zeros((RANK, 1))
 
 

@@ -23,11 +23,7 @@ KEYS = {
     *("differential_stress_MPa", "stress_rate_MPa_per_s", "stress_jerk_MPa_per_s2", "bandwidth_Hz"),
     *("residual_max", "energy", "unknowns", "seconds", "warnings"),
 }
-
-
 SLIP = "yamada-2002-slip"
-
-
 STILL = "effects.small_strain.masses=false"  # the paper's own scene has no masses
 
 

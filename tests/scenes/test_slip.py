@@ -38,14 +38,8 @@ from skincad.scenes.detector import NOTHING, PASSING, Event, at_rest, detector, 
 from tests.small_scene import small_scene
 
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
-
-
 TIME = np.arange(600) / RATE
-
-
 D = detector(RATE, WIDTH, NOISE, alarms=EARLY)
-
-
 KEEN = replace(D, threshold=1.0, warning=1.0)  # which has alarms of either kind in the paper's scene
 
 
@@ -133,9 +127,9 @@ def test_it_hears_the_same_on_the_other_side() -> None:
     assert sorted(turned, key=str) == sorted(((e.kind, e.ridge, e.index) for e in here), key=str)
 
 
-@pytest.mark.parametrize("cuts", [range(552), [0, 7, 8, 180, 190, 490, 551], [0, 550, 551], [0, 0, 551]])
+@pytest.mark.parametrize("cuts", [[0, *range(450, 552)], [0, 7, 8, 180, 190, 490, 551], [0, 0, 551]])
 def test_in_pieces_as_at_once(cuts: list[int]) -> None:
-    """Sample by sample, and by other pieces, an empty one too: the same events, and the same bits."""
+    """Sample by sample from before the alarms on, and by other pieces, an empty one too: the same bits."""
     noise = np.random.default_rng(1).normal(0.0, NOISE / math.sqrt(2), (551, 2, 2))
     noisy = small()[0] + noise
     whole, end = fed(KEEN, at_rest(2), noisy)
@@ -188,9 +182,9 @@ def test_a_press_and_a_hold_are_no_slip() -> None:
 
 
 def test_noise_alone_does_not_alarm() -> None:
-    """White noise, 60 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
+    """White noise, 20 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
     and SEEN is 5."""
-    noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (30_000, 2, 2))
+    noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (10_000, 2, 2))
     assert statistic(D, at_rest(2), noise)[0].max() < min(D.threshold, D.warning)
 
 
