@@ -44,14 +44,13 @@ ALLOWED = {
 }
 STARTS_NOTHING = re.compile(r"from threading import (?:(?:Lock|RLock|current_thread|main_thread)(?:, )?)+$")
 SAMPLES = (
+    *("x = eval(text)", "exec(text, {})", "os.popen(words)", "import json, pickle"),
     *(
-        "x = eval(text)",
-        "exec(text, {})",
-        "os.popen(words)",
-        "import json, pickle",
         "from zipfile import ZipFile",
+        "    import subprocess",
+        "from concurrent.futures import wait",
+        "trimesh.load_mesh(file)",
     ),
-    *("    import subprocess", "from concurrent.futures import wait", "trimesh.load_mesh(file)"),
     *("np.load(file, allow_pickle=True)", "re.match(pattern, name)", "from threading import Thread, Lock"),
 )
 

@@ -387,24 +387,11 @@ readers = pytest.mark.parametrize("kind", READERS)
 HEADS = st.sampled_from(
     ["ridge,crest_mm", "approach_mm,force_N", "strain,stress_MPa", "frequency_Hz,gain_dB"]
 )
-EVIL_CELLS = (
-    "0",
-    "1",
-    "-1",
-    "1e400",
-    "nan",
-    "inf",
-    "-inf",
-    "",
-    '"',
-    "'",
-    "1,2",
-    "1_0",
-    "0x10",
-    "9" * 400,
-    "\x00",
-)
-CELLS = st.sampled_from([*EVIL_CELLS, "=1+1"]) | st.floats().map(repr)
+EVIL_CELLS = [
+    "0", "1", "-1", "1e400", "nan", "inf", "-inf", "", '"', "'", "1,2", "1_0", "0x10", "9" * 400, "\x00",
+    "=1+1",
+]  # fmt: skip
+CELLS = st.sampled_from(EVIL_CELLS) | st.floats().map(repr)
 
 
 def attacked_table(kind: str, data: bytes) -> None:

@@ -104,13 +104,8 @@ def test_so_is_a_pads_largest_force(number: str, folder: Path) -> None:
 
 def test_a_bad_pull_is_refused_before_the_verdict(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("skincad.check", None)
-    for wrong in (
-        ["--pull", "nan"],
-        ["--set", "slot=none"],
-        ["--set", "contact.film=loose"],
-        ["--force", "nan"],
-    ):
-        assert refusal(["check", "yamada-2002", "--stress", "s.png", *wrong])
+    for wrong in ("--pull nan", "--set slot=none", "--set contact.film=loose", "--force nan"):
+        assert refusal(["check", "yamada-2002", "--stress", "s.png", *wrong.split()])
 
 
 def test_a_step_that_does_not_come_is_refused_by_the_name_that_was_typed(folder: Path) -> None:

@@ -13,10 +13,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skincad import cli
 from skincad.base import InputError, did_you_mean, shown
 from skincad.inputs import read_table
 from tests.attacks.test_files import LOADERS, OWN, READERS, kinds, paths, refusal_words
+from tests.conftest import run_skincad
 
 STEERING = ("Cc", "Cf", "Zl", "Zp")
 EVERY = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if unicodedata.category(c) in STEERING)
@@ -113,72 +113,40 @@ def test_no_path_is_printed_raw(kind: str, tmp_path: Path) -> None:
         assert plain(words)
 
 
-COMMANDS = [
-    [EVIL],
-    ["check", f"--{EVIL}"],
-    ["check", "yamada-2002", "--force", EVIL],
-    ["check", "yamada-2002", "--tier", EVIL],
-    ["check", "yamada-2002", "--set", EVIL],
-    ["check", "yamada-2002", "--set", f"{EVIL}.a=1"],
-    ["check", "yamada-2002", "--set", f"ridge={EVIL}"],
-    ["check", "yamada-2002", "--measured", EVIL],
-    ["check", "yamada-2002", "--printer", EVIL],
-    ["check", "yamada-2002", "--silicones", EVIL],
-    ["check", "yamada-2002", "--stress", EVIL],
-    ["make", "yamada-2002", "--format", EVIL],
-    ["new", EVIL],
-    ["new", "x.toml", "--template", EVIL],
-    ["simulate", EVIL],
-    ["circuit", "yamada-2002", "--measured", EVIL],
-    ["accuracy", "yamada-2002", "--ladder", EVIL],
-    ["coupon", EVIL],
-    ["coupon", "sla", "--silicone", EVIL],
-    ["coupon", "sla", "--measured", EVIL],
-    ["package", "yamada-2002", "--for", EVIL],
-    ["fit-material", EVIL],
-    ["fit-material", "x.csv", "--design", EVIL],
-]
-
-
-def run(monkeypatch: pytest.MonkeyPatch, arguments: list[str]) -> object:
-    """The status of a command in this process."""
-    monkeypatch.setattr(sys, "argv", ["skincad", *arguments])
-    with pytest.raises(SystemExit) as left:
-        cli.main()
-    return left.value.code
+LINES = (
+    "", "new", "new x.toml --template", "simulate", "coupon", "coupon sla --silicone", "coupon sla --measured",
+    "fit-material", "fit-material x.csv --design", "package yamada-2002 --for", "make yamada-2002 --format",
+    "circuit yamada-2002 --measured", "accuracy yamada-2002 --ladder",
+    *(f"check yamada-2002 --{option}" for option in (
+        "force", "tier", "set", "measured", "printer", "silicones", "stress"
+    )),
+)  # fmt: skip
+COMMANDS = [[*line.split(), EVIL] for line in LINES]
+COMMANDS += [["check", f"--{EVIL}"]]
+COMMANDS += [["check", "yamada-2002", "--set", words] for words in (f"{EVIL}.a=1", f"ridge={EVIL}")]
 
 
 @pytest.mark.parametrize("arguments", COMMANDS, ids=lambda arguments: " ".join(map(ascii, arguments)))
-def test_no_argument_is_printed_raw(
-    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(monkeypatch, arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.endswith("\n")
-    assert plain(err[:-1])
+def test_no_argument_is_printed_raw(arguments: list[str], tmp_path: Path) -> None:
+    done = run_skincad(*arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.endswith("\n")
+    assert plain(done.stderr[:-1])
 
 
 @pytest.mark.parametrize(
     "arguments", [["new", "é\u202e\u200f/mine.toml"], ["circuit", "yamada-2002", "-o", EVIL]]
 )
-def test_no_path_of_a_result_is_printed_raw(
-    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(monkeypatch, arguments) == 0
-    out, _ = capsys.readouterr()
-    assert "é" in out
-    assert all(map(plain, out.split("\n")))
+def test_no_path_of_a_result_is_printed_raw(arguments: list[str], tmp_path: Path) -> None:
+    done = run_skincad(*arguments, cwd=tmp_path)
+    assert done.returncode == 0
+    assert "é" in done.stdout
+    assert all(map(plain, done.stdout.split("\n")))
 
 
-def test_json_has_the_name_itself(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(monkeypatch, ["circuit", "yamada-2002", "-o", EVIL, "--json"]) == 0
-    out, _ = capsys.readouterr()
-    assert all(file["path"].startswith(EVIL) for file in json.loads(out)["files"])
-    assert plain(out[:-1])
-    assert math.isfinite(json.loads(out)["cutoff_Hz"]["value"])
+def test_json_has_the_name_itself(tmp_path: Path) -> None:
+    done = run_skincad("circuit", "yamada-2002", "-o", EVIL, "--json", cwd=tmp_path)
+    assert done.returncode == 0
+    assert all(file["path"].startswith(EVIL) for file in json.loads(done.stdout)["files"])
+    assert plain(done.stdout[:-1])
+    assert math.isfinite(json.loads(done.stdout)["cutoff_Hz"]["value"])
