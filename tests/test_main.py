@@ -112,12 +112,6 @@ def test_nothing_fails_for_what_a_stream_cannot_show(encoding: str, tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_an_encoding_shows_what_it_has_and_escapes_the_rest(tmp_path: Path) -> None:
-    done = shell(f"{SKINCAD} new é日.pdf", tmp_path, PYTHONIOENCODING="latin-1")
-    assert done.stderr.startswith(b"skincad: FILE: \xe9\\u65e5.pdf must end in")
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(("encoding", "sign"), [("ascii", b"+-"), ("latin-1", b"\xb1")])
 def test_an_error_has_a_plus_minus_sign_where_the_encoding_has_one(
     encoding: str, sign: bytes, tmp_path: Path

@@ -114,9 +114,9 @@ def test_no_path_is_printed_raw(kind: str, tmp_path: Path) -> None:
 
 
 LINES = (
-    "", "new", "new x.toml --template", "simulate", "coupon", "coupon sla --silicone", "coupon sla --measured",
-    "fit-material", "fit-material x.csv --design", "package yamada-2002 --for", "make yamada-2002 --format",
-    "circuit yamada-2002 --measured", "accuracy yamada-2002 --ladder",
+    "", "new", "new x.toml --template", "simulate", "coupon", "coupon sla --silicone",
+    "coupon sla --measured", "fit-material", "fit-material x.csv --design", "package yamada-2002 --for",
+    "make yamada-2002 --format", "circuit yamada-2002 --measured", "accuracy yamada-2002 --ladder",
     *(f"check yamada-2002 --{option}" for option in (
         "force", "tier", "set", "measured", "printer", "silicones", "stress"
     )),

@@ -69,7 +69,6 @@ def test_its_depth_is_that_of_the_wave_or_of_the_table() -> None:
 @pytest.mark.parametrize(
     ("more", "line"),
     [
-        ("effects.finite_strain={}", "effects.texture: does not work together with finite_strain"),
         ("effects.viscosity={}", "effects.texture: does not work together with viscosity"),
         (
             "effects.texture.table=[[0.0, 0.0], [0.2, 0.1]]",

@@ -14,7 +14,6 @@ import pytest
 from skincad.base import ExhaustedError
 from skincad.scenes import LEVELS, Level, Simulation, at_level, load_scene, models, simulate
 from tests.conftest import run_skincad
-from tests.shared_pads import forget
 from tests.small_scene import THIRD, small_scene
 
 KEYS = {
@@ -25,13 +24,6 @@ KEYS = {
 }
 SLIP = "yamada-2002-slip"
 STILL = "effects.small_strain.masses=false"  # the paper's own scene has no masses
-
-
-# a third of the ridges: about a third of the forces
-PULL = (
-    *("history.normal_force_N=[0.0, 1.3, 1.3]", "history.tangential_force_N=[0.0, 0.0, 0.3]"),
-    "readout.ridges=[1, 2, 3]",
-)
 
 
 def on(level: Level, scene: str, *overrides: str) -> Simulation:
@@ -248,15 +240,6 @@ def test_rolling_fast_raises_no_alarm_of_a_ridge_that_sticks() -> None:
     assert min(simulation.read["signal_to_noise_dB"].values()) > 3
     # the issue's, at the scene's own 600 steps
     assert simulation.energy["imbalance"] < 1e-3
-
-
-@pytest.mark.slow
-def test_same_input_same_bits(tmp_path: Path) -> None:
-    scene = small_scene(tmp_path, "yamada-2002-press-and-pull", *PULL, "history.steps=20")
-    one = at_level(scene, LEVELS[0])
-    forget()
-    other = at_level(scene, LEVELS[0])
-    assert (one.march.column("films") == other.march.column("films")).all()
 
 
 @pytest.mark.evidence(subject="yamada-2002-slip: materials")

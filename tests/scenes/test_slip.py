@@ -304,15 +304,6 @@ def test_a_lead_has_its_spread_over_noises() -> None:
         assert spread == {"ridge": ridge, **ends, "warned": len(leads), "seeds": 6}
 
 
-def test_always_and_never_alarming_have_the_scores_that_they_deserve() -> None:
-    never = score(D, [], TIME, RUNS, 550)
-    always = [Event(INCIPIENT, r, i) for i in range(0, 551, D.window) for r in (0, 1)]
-    ever = score(D, always, TIME, RUNS, 550)
-    assert (never.hits, never.missed, never.false) == (0, 3, 0)
-    assert (ever.hits, ever.missed) == (3, 0)
-    assert ever.false > 40
-
-
 @pytest.mark.slow
 def test_the_papers_scene_is_reported_by_ridge() -> None:
     outputs = by_name(papers())
