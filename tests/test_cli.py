@@ -128,6 +128,7 @@ def test_bad_input_is_one_line_and_exit_2_and_no_file(line: str, tmp_path: Path)
 
 
 @pytest.mark.slow
+@pytest.mark.dear("a process that imports the CAD kernel and is stopped while it makes")
 def test_ctrl_c_exits_with_130_and_leaves_no_half_result(tmp_path: Path) -> None:
     words = [
         sys.executable,
