@@ -21,9 +21,3 @@ def shared_pads() -> Iterator[None]:
         patch.setattr(mesh, "triangles", triangles)
         patch.setattr(sliding, "sliding", condensed)
         yield
-
-
-def forget() -> None:
-    """Mesh and condense anew from here on."""
-    triangles.cache_clear()
-    condensed.cache_clear()
