@@ -7,6 +7,9 @@ not see gets slow tests and evidence of its room, as far as out/core-seconds say
 takes many times as long as without the change counts as seen. At the end: the share seen, and what was not.
 
 `--changes RECORDS` makes the changes of another commit's records, where their lines still are.
+
+mutmut 3 is no substitute: it changes nothing in decorated classes and functions, nor outside functions (its
+issues 480 and 558), which is 22 % of the 33,208 places here, and draws no sample by a seed (issue 306).
 """
 
 from __future__ import annotations
