@@ -36,7 +36,8 @@ class PackageFolder:
 @cache
 def packaged(name: str, parent: Path) -> PackageFolder:
     """A design for MuJoCo and URDF, made once: a fixture is made anew when another design came between."""
-    package = skincad.package(DESIGNS[name], ("mujoco", "urdf"), model="linear")
+    model = "auto" if name == "doubly curved" else "linear"  # which knows one curvature
+    package = skincad.package(DESIGNS[name], ("mujoco", "urdf"), model=model)
     return PackageFolder(package, parent / name)
 
 
