@@ -43,11 +43,11 @@ def test_each_subject_has_one_turn(request: pytest.FixtureRequest) -> None:
 @pytest.mark.skipif(not LEDGER.exists(), reason="no turn was run yet")
 def test_no_turn_is_much_dearer_than_the_others() -> None:
     spent = tomllib.loads(SECONDS.read_text("utf-8"))["evidence"]
-    if not spent:
-        pytest.skip("nothing was measured yet: python -m bench.seconds")
     sums = Counter[int]()
     for subject, number in turns().items():
         sums[number] += spent.get(subject, 0.0)
+    if min(sums.values()) == 0:
+        pytest.skip("not all turns were measured yet: python -m bench.seconds")
     assert {number: s for number, s in sums.items() if s > MOST_OF_A_TURN * sum(spent.values())} == {}
 
 
