@@ -374,6 +374,7 @@ def test_a_signal_while_a_library_is_imported(module: str, command: str, tmp_pat
 
 
 @pytest.mark.slow
+@pytest.mark.dear("each signal has a process that imports what the command needs")
 @pytest.mark.parametrize(
     ("command", "times"), [("make plain-ridges --format dxf --no-check", 2), ("circuit yamada-2002", 4)]
 )

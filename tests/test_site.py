@@ -62,6 +62,7 @@ def test_it_opens_and_searches_from_files(site: Path) -> None:
         assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
 
 
+@pytest.mark.dear("a browser opens each page twice")
 def test_no_page_is_wider_than_its_window(site: Path) -> None:
     beyond = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     with shown(site / "index.html") as seen:

@@ -39,6 +39,7 @@ def options(path: Path, *words: str) -> Any:
     return runner.parser("a bench", "count").parse_args(["3", "--records", str(path), *words])
 
 
+@pytest.mark.dear("two workers import all that a judge needs")
 @pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
 def test_a_run_goes_on_where_it_stopped(
     workers: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -37,6 +37,7 @@ def job(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     return Job(design, files_into(design, tmp_path_factory.mktemp("made") / request.param, READ))
 
 
+@pytest.mark.dear("the first reader pays for what all read")
 @pytest.mark.parametrize("reader", CONSUMERS)
 def test_a_reader_has_no_complaint(job: Job, reader: str) -> None:
     module = import_module(f"tests.consumers.{reader}")

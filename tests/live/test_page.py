@@ -52,6 +52,7 @@ def only_here(seen: Looking) -> bool:
     return all(url.removeprefix("blob:").startswith(f"http://{HOST}") for url in seen.requests)
 
 
+@pytest.mark.dear("two browsers draw by software")
 @pytest.mark.parametrize(
     "moves", [10, pytest.param(200, marks=pytest.mark.evidence(subject="live: 200 moves in a browser"))]
 )

@@ -77,6 +77,7 @@ def test_answers_come_in_order_and_failures_are_told(process: worker.Worker, tol
 
 
 @pytest.mark.slow
+@pytest.mark.dear("two processes import what computes")
 def test_one_that_dies_is_told_and_another_takes_its_place(process: worker.Worker, told: Queue[Any]) -> None:
     process.ask("die")
     ((kind, why),) = last(told, "die")

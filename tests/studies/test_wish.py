@@ -37,6 +37,7 @@ def graver_than_notes(design: Design) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.dear("the wish is met once for all tests of it")
 def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult) -> None:
     design = small.design
     assert small.passed
