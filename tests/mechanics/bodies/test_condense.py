@@ -14,7 +14,7 @@ from ngsolve import Mesh
 from scipy import sparse
 
 from skincad import load
-from skincad.base import Array
+from skincad.base import Array, Index
 from skincad.mechanics import (
     ContactError,
     default_sizes,
@@ -197,6 +197,43 @@ def test_a_chain_gives_no_block_across_slabs() -> None:
     for where in (np.ix_(np.append(first, last), np.append(first, last)), np.ix_(first, last)):
         with pytest.raises(IndexError, match="one slab"):
             flexibility[where]
+
+
+def stored(small: chain.ChainFactors) -> int:
+    """Numbers that a chain keeps."""
+    slabs = sum(s.flexibility.size + s.follow.size + s.stiffness.size for s in small.flexibility.slabs)
+    joints = sum(s.root.size + s.side.size for s in small.flexibility.free.steps)
+    return int(slabs + joints + sum(lower.nnz for lower in small.lowers))
+
+
+@pytest.mark.evidence(subject="condensing: growth")
+def test_what_a_chain_stores_grows_with_the_ridges() -> None:
+    """Between 6, 12 and 24 ridges as much is added for each: the ends cancel, netgen's scatter remains."""
+    few, some, many = (stored(chain.condense_by_slabs(system_of("", 2, ridges))) for ridges in (6, 12, 24))
+    assert (many - some) / 12 == pytest.approx((some - few) / 6, rel=0.1)
+
+
+@pytest.mark.evidence(subject="condensing: growth")
+def test_three_times_the_ridges_do_not_take_twice_the_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a pad curved so that its outer ridges touch last, as with nine: 31 solves of contact for either,
+    most of them in the search for the force at which the last one touches."""
+    solves: list[int] = []
+    carried = chain.SlabChain.carried
+
+    def counted(slabs: chain.SlabChain, inside: Index, sides: Array) -> Array:
+        solves.append(inside.size)
+        return carried(slabs, inside, sides)
+
+    monkeypatch.setattr(chain.SlabChain, "carried", counted)
+    counts = []
+    for ridges in (9, 27):
+        design = wide(ridges).with_(skin={"curvature_radius": 60.0 * (ridges / 9) ** 2})
+        pad = pad_of(design)
+        solution = linear.level(plane_piece(pad, 0.5, whole=True), 2, design.contact.force)
+        assert solution.all_touch_force
+        counts.append(len(solves))
+        solves.clear()
+    assert 0 < counts[1] < 2 * counts[0]
 
 
 def test_cuts_are_left_out_where_triangles_reach_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
