@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import pytest
 
@@ -55,6 +54,7 @@ LOADED = {  # what a job imports and what takes long to import
     "circuit": ("skincad.circuit.bode", "skincad.outputs.figures.results"),
 }
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+KILLS = 6  # of each job, two of them near its end
 TIMED = {"simulate.json"}  # tells how long the run took
 
 Contents = dict[str, str]
@@ -105,18 +105,7 @@ for line in iter(sys.stdin.readline, ""):
 """
 
 
-class Ran(Protocol):
-    """Run a command in a folder: status, stderr and seconds. `moment` returns when `signum` is to be sent;
-    no file gets above `most` bytes."""
-
-    def __call__(
-        self,
-        command: list[str],
-        folder: Path,
-        moment: Callable[[], None] | None = None,
-        signum: int = signal.SIGKILL,
-        most: int | None = None,
-    ) -> tuple[int, str, float]: ...
+Ran = Callable[..., tuple[int, str, float]]
 
 
 @contextmanager
@@ -141,6 +130,8 @@ def forking(job: str) -> Iterator[Ran]:
             signum: int = signal.SIGKILL,
             most: int | None = None,
         ) -> tuple[int, str, float]:
+            """Run a command in a folder: status, stderr and seconds. It gets `signum` when `moment` returns,
+            and no file gets above `most` bytes."""
             folder.mkdir(exist_ok=True)
             to.write(json.dumps([str(folder), command[3:], most]) + "\n")
             to.flush()
@@ -158,8 +149,8 @@ def forking(job: str) -> Iterator[Ran]:
 
 @pytest.mark.slow
 @pytest.mark.dear("what a kill leaves is to be seen at many moments")
-@pytest.mark.parametrize(("job", "times"), [("make", 6), ("simulate", 6), ("circuit", 6)])
-def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("job", JOBS)
+def test_killed_at_random_moments(job: str, tmp_path: Path) -> None:
     dice, killed = random.Random(2002), 0
     place, there = tmp_path / "place", tmp_path / "place" / "here"
     with forking(job) as ran:
@@ -170,7 +161,7 @@ def test_killed_at_random_moments(job: str, times: int, tmp_path: Path) -> None:
             results.append(contents(tmp_path / f"{other}" / "here"))
         assert results[0] != results[1]
         assert ran(command(job, False), place)[0] in (0, 1)
-        for i in range(times):
+        for i in range(KILLS):
             # a third of the moments near the end, where files are written and folders renamed
             wait = seconds * (dice.uniform(0.85, 1.05) if i % 3 == 0 else dice.uniform(0.1, 1.0))
             status, _, spent = ran(command(job, i % 2 == 0), place, partial(time.sleep, wait))
@@ -381,9 +372,8 @@ def test_a_full_disk(job: str, kinds: tuple[str, ...], tmp_path: Path) -> None:
         assert ran(command(job, False), tmp_path)[0] in (0, 1)
         earlier = contents(there)
         commands = [(command(job, True), 2_000)]
-        commands += [
-            ([*(word if word != "stl" else kind for word in command(job, False))], 8_000) for kind in kinds
-        ]
+        for kind in kinds:
+            commands.append(([kind if word == "stl" else word for word in command(job, False)], 8_000))
         for arguments, most in commands:
             status, err, _ = ran(arguments, tmp_path, most=most)
             assert status == 2, err
