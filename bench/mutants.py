@@ -120,7 +120,7 @@ def later_tests(file: str, budget: float) -> dict[str, float]:
     known: dict[str, float] = {}
     for tier in ("slow", "evidence"):
         if (path := HERE / "out" / "core-seconds" / f"{tier}.json").exists():
-            known |= {name.rpartition("@")[0]: spent for name, spent in json.loads(path.read_text()).items()}
+            known |= {name.rpartition("@")[0] or name: spent for name, spent in json.loads(path.read_text()).items()}
     mirror = f"{room}/test_{Path(file).name}::"
     names = sorted(
         (name for name in known if name.startswith(f"{room}/")),

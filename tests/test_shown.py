@@ -18,6 +18,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ import typer
 import skincad
 from skincad.base import files_below
 from skincad.cli.app import app
+from skincad.scenes import SceneRun, marched, marching
 from tests.conftest import run_skincad
 from tests.processes import started
 
@@ -35,7 +37,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 WALK = "wish-to-skin"  # the one that writes
 WITH_EACH_COMMIT = ("README.md", "docs/start/", "examples/sweep.ipynb")
-BY_TURNS = "docs/start/first-scene.md"  # half of what all pages of `docs/start` take
+BY_TURNS = ("docs/start/first-scene.md", "docs/start/own-design.md")  # the dearest; README.md shows the same
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
@@ -58,7 +60,7 @@ def files(paths: list[Path]) -> list[Any]:
 
 
 def _mark(name: str) -> pytest.MarkDecorator:
-    often = name.startswith(WITH_EACH_COMMIT) and name != BY_TURNS
+    often = name.startswith(WITH_EACH_COMMIT) and name not in BY_TURNS
     return pytest.mark.slow if often else pytest.mark.evidence(subject=name)
 
 
@@ -99,6 +101,15 @@ def goes_on_until_ctrl_c(arguments: list[str], folder: Path) -> int:
         return process.wait(timeout=60)
 
 
+def one_march(runs: list[tuple[object, SceneRun]], scene: skincad.Scene, **asked: Any) -> SceneRun:
+    """Return a scene's march. Commands and Python of a page that only read it in other ways share it."""
+    key = (marching(scene), asked | {"tick": None, "partial": None})
+    if (known := next((run for of, run in runs if of == key), None)) is None:
+        known = marched(scene, **asked)
+        runs.append((key, known))
+    return known
+
+
 def words(line: str) -> str:
     return re.sub(r"[+-]?\d[\d.e+-]*", "#", " ".join(line.split()))
 
@@ -131,6 +142,7 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("MPLBACKEND", "Agg")
     # pages show what a machine prints that has the time: `auto` goes on from a clear verdict for so long
     monkeypatch.setattr("skincad.mechanics.check.SHARP_SECONDS", 60.0)
+    monkeypatch.setattr("skincad.scenes.simulation.marched", partial(one_march, []))
     names: dict[str, Any] = {}
     printed = ""
     for block in blocks(page):
