@@ -188,7 +188,7 @@ def test_the_lightest_load() -> None:
     assert answer.residual <= pressing.RESIDUAL
 
 
-@pytest.mark.slow  # one ridge: test_a_single_ridge
+@pytest.mark.slow
 def test_an_overload_is_refused_with_its_range() -> None:
     with pytest.raises(
         InputError, match=r"^force: must lie .* \(up to about [1-9]\.\d+ N\): .*; take a"

@@ -190,6 +190,12 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
         solid_finite_strain.solve(pad, 2.0, {}, FEW)
 
 
+def test_a_single_ridge_touches_at_once() -> None:
+    design = reference().with_(ridge={"count": 1}, skin={"width": 5.0, "length": 6.0})
+    solution = solid_finite_strain.solve(mech.pad_of(design), 0.3, {}, FEW)
+    assert (solution.finite.all_touch_force, solution.finite.touching) == (0.0, 1)
+
+
 @pytest.mark.slow
 def test_an_overload_is_refused_with_its_range() -> None:
     with pytest.raises(InputError, match=r"^force: must lie .* range \(up to about \d\.?\d* N\): .*; take a"):
