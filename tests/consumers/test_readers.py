@@ -103,7 +103,7 @@ def test_tails_stand_out_of_sixty_random_molds(tmp_path: Path) -> None:
     for seed in range(60):
         closed = mold(drawn(seed).design)
         if closed.of(PartRole.SHIM) and drawn(seed).design.skin.curvature_radius_y is None:
-            read = combs_and_shims(closed, tmp_path / "tails.step")
+            read = combs_and_shims(closed, tmp_path / f"tails-{seed}.step")  # what is read is kept by path
             shims = [along for name, along in zip(read.names, read.along, strict=True) if "shim" in name]
             assert len(shims) == len(closed.of(PartRole.SHIM))
             short += [f"seed {seed}: {flaw}" for flaw in gmsh.short_tails(read)]
