@@ -120,7 +120,8 @@ def later_tests(file: str, budget: float) -> dict[str, float]:
     known: dict[str, float] = {}
     for tier in ("slow", "evidence"):
         if (path := HERE / "out" / "core-seconds" / f"{tier}.json").exists():
-            known |= {name.rpartition("@")[0] or name: spent for name, spent in json.loads(path.read_text()).items()}
+            spent_by = json.loads(path.read_text())
+            known |= {name.rpartition("@")[0] or name: spent for name, spent in spent_by.items()}
     mirror = f"{room}/test_{Path(file).name}::"
     names = sorted(
         (name for name in known if name.startswith(f"{room}/")),
