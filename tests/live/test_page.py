@@ -54,7 +54,7 @@ def only_here(seen: Looking) -> bool:
 
 @pytest.mark.dear("two browsers draw by software")
 @pytest.mark.parametrize(
-    "moves", [10, pytest.param(200, marks=pytest.mark.evidence(subject="live: 200 moves in a browser"))]
+    "moves", [10, pytest.param(60, marks=pytest.mark.evidence(subject="live: 60 moves in a browser"))]
 )
 def test_random_moves_two_browsers_and_the_verdict_of_check(
     moves: int, capfd: pytest.CaptureFixture[str]
@@ -73,7 +73,7 @@ def test_random_moves_two_browsers_and_the_verdict_of_check(
             if page.desk.session.refusal is not None:
                 refused += 1
                 one.press("Undo")
-        assert refused > moves // 20  # 200 moves: more than 10
+        assert refused > moves // 20  # 60 moves: more than 3
         assert len(page.desk.session.past) > moves // 4
         assert page.desk.wait_until_drawn(LONG)
         for _ in range(2 * len(page.desk.session.past) + 1):  # what waits is dropped first
