@@ -3,7 +3,7 @@
     python -m bench.evidence               the turn that was run the most commits ago
     python -m bench.evidence --turn 3 4    these, or `all`
     python -m bench.evidence --balance     deal the subjects to ten turns of equal core-seconds
-    python -m bench.evidence --check       fail if a line is older than 200 commits or holds a failure
+    python -m bench.evidence --check       fail if a line was never run, is old or holds a failure
     python -m bench.evidence --of-commit   pytest's options for the turn of this commit and for what changed
 
 Evidence is each test with the mark `evidence`; tests of one subject run together. A turn holds subjects. A
@@ -36,8 +36,7 @@ QUIET = ("-W", "ignore::pytest.PytestAssertRewriteWarning")  # tests.tiers is im
 class Turn:
     """A line of the ledger: what was run, at which commit, and how many of its cases failed.
 
-    `subjects` says how many cases each has. A turn that was dealt but never run has no `cases`, and the
-    commit at which it was dealt.
+    `subjects` says how many cases each has. A turn that was never run has no `cases`, and is a fault.
     """
 
     number: int
@@ -159,10 +158,12 @@ def run(turns: Sequence[Turn], numbers: Sequence[int]) -> list[Turn]:
 
 
 def faults(turns: Iterable[Turn]) -> Iterator[str]:
-    """Say of each line that is too old or holds a failure which command runs it."""
+    """Say of each line that was never run, is too old or holds a failure which command runs it."""
     for turn in turns:
         age, command = turn.age, f"run `python -m bench.evidence --turn {turn.number}`"
-        if age is None or age > MOST_COMMITS:
+        if not turn.cases:
+            yield f"evidence, turn {turn.number}: it was never run; {command}"
+        elif age is None or age > MOST_COMMITS:
             old = "its commit is not in this history" if age is None else f"{age} commits old"
             yield f"evidence, turn {turn.number}: {old}, {MOST_COMMITS} are allowed; {command}"
         if turn.failures:
