@@ -8,7 +8,7 @@ __getattr__, __dir__ = face(
     """
     adaptivity: Refinement by_price overrun refine unmet
     arrays: Array Index Mask
-    columns: LARGEST_FILE MOST_ROWS SEPARATORS read_columns
+    columns: Columns LARGEST_FILE MOST_ROWS SEPARATORS read_columns
     errors: ExhaustedError FaultError InputError LONGEST_LINE MOST_TOLD RefusedError UnclearError
         did_you_mean exhausted refusals require_goals require_number resource_guard shown together
     estimate: Estimate

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from threading import current_thread, main_thread
 from types import FrameType
 
@@ -24,6 +26,25 @@ def listen() -> None:
     for signum in SIGNALS:
         if signal.getsignal(signum) is not signal.SIG_IGN:
             signal.signal(signum, _received)
+
+
+@contextmanager
+def at_once() -> Iterator[None]:
+    """Let a signal end what waits for a person's answer: nothing is half done meanwhile."""
+
+    def end(signum: int, _: FrameType | None) -> None:
+        _pending.append(signum)
+        safe_point()
+
+    before = {signum: signal.getsignal(signum) for signum in SIGNALS}
+    for signum, handler in before.items():
+        if handler is _received:
+            signal.signal(signum, end)
+    try:
+        yield
+    finally:
+        for signum, handler in before.items():
+            signal.signal(signum, handler)
 
 
 def ignore() -> None:

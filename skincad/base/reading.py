@@ -91,8 +91,9 @@ _LONG_KEY = re.compile(rf"(?:\.[^.=,\[\]{{}}\n]*+){{{MOST_PARTS}}}")
 _NO_BRACKET = re.compile(r"[^\[\]{}]++")
 
 
-def text_of(path: Path, name: str, most: int, kind: str) -> str:
-    """Return the text of a regular file of at most `most` bytes: UTF-8, or UTF-16 with its mark.
+def text_of(path: Path, name: str, most: int, kind: str, otherwise: str | None = None) -> str:
+    """Return the text of a regular file of at most `most` bytes: UTF-8, UTF-16 with its mark, or, where it is
+    neither, in the encoding `otherwise`.
 
     Raises InputError, which calls the file `name` and says what `kind` was wanted, for any other.
     """
@@ -104,7 +105,12 @@ def text_of(path: Path, name: str, most: int, kind: str) -> str:
         if len(data) > most:
             raise InputError(name, f"must be at most {most} bytes", path.stat().st_size)
         marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-        text = data.decode("utf-16" if marked else "utf-8-sig")
+        try:
+            text = data.decode("utf-16" if marked else "utf-8-sig")
+        except UnicodeDecodeError:
+            if otherwise is None or marked:
+                raise
+            text = data.decode(otherwise)
     except OSError as failure:
         raise InputError(name, f"cannot be read ({failure.strerror})", remedy="check the path") from None
     except UnicodeDecodeError:

@@ -283,6 +283,9 @@ class Presenter(Protocol):
     def manifest(self, result: Any, /) -> Mapping[str, Any]:
         """Return what the manifest says of the result beside its files."""
 
+    def replaces(self, result: Any, folder: Path, /) -> None:
+        """Raise InputError for a folder whose files this result must not replace."""
+
 
 def output_named(home: str) -> Any:
     """Return what outputs/ has there, as "skincad.outputs.checks:CHECK", imported now."""

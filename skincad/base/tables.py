@@ -140,11 +140,13 @@ def _kinds(annotation: Any) -> Iterator[Any]:
         yield from _kinds(inner)
 
 
-def no_entry(key: str, entries: int = 0) -> InputError:
+def no_entry(key: str, entries: int = 0, *, of_tables: bool = False) -> InputError:
     """Return the error of a key whose last part is no entry, from 1, of its list of so many."""
     if entries:
         return InputError(key, f"must name one of the list's {entries} entries, from 1 to {entries}")
     whole = key.rpartition(".")[0]
+    if of_tables:
+        return InputError(key, f"there is no [[{whole}]] yet", remedy=f"add a [[{whole}]] table to the file")
     return InputError(
         key, f"there is no list {whole} yet", remedy=f"give the whole list first: {whole}=[...]"
     )
@@ -188,7 +190,7 @@ def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDeta
     if isinstance(value, dict):
         entry = next(iter(value), "")
         if error["type"] in ("list_type", "tuple_type") and str(entry).isdecimal():
-            return no_entry(f"{key}.{entry}")
+            return no_entry(f"{key}.{entry}", of_tables=table_of(model, path[-1]) is not None)
         value = "a table"
     if error["type"] == "string_pattern_mismatch":
         return InputError(key, f"must be {model.model_fields[path[-1]].description}", value)

@@ -68,6 +68,7 @@ class MeasuredCurve:
     gain: Real
     slopes: Slopes
     calibration: Calibration
+    notes: tuple[str, ...]  # how its file was read
 
 
 @record()
@@ -170,7 +171,7 @@ def gain(
         if has_rig(circuit):
             alone = _level(circuit, ratio)
             own_signal = OwnSignal(gain=alone, slopes=fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
-    warnings = tuple(_warnings(circuit, c, slopes))
+    warnings = (*(measurement.notes if measurement else ()), *_warnings(circuit, c, slopes))
     return CircuitGain(
         circuit=circuit,
         constants=c,
@@ -197,8 +198,6 @@ def _level(circuit: Circuit, ratio: Complex) -> Real:
 
 def _measured(circuit: Circuit, file: Path | str) -> MeasuredCurve:
     columns = read_columns(file, COLUMNS)
-    if set(columns) != set(COLUMNS):
-        raise InputError(str(file), "must have the columns frequency_Hz and gain_dB")
     order = np.argsort(columns["frequency_Hz"], kind="stable")
     frequency, gain = (columns[name][order] for name in COLUMNS)
     if (np.diff(frequency) <= 0).any() or frequency[0] <= 0:
@@ -209,7 +208,7 @@ def _measured(circuit: Circuit, file: Path | str) -> MeasuredCurve:
     d33 = constants(circuit).d33
     film = gain[inside] - decibels(film_load(circuit, frequency[inside]))
     calibration = calibrate(frequency[inside], film, d33=d33, largest_ratio=ANY_RATIO)
-    return MeasuredCurve(frequency, gain, slopes, calibration)
+    return MeasuredCurve(frequency, gain, slopes, calibration, columns.notes)
 
 
 def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:

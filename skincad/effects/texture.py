@@ -69,10 +69,6 @@ class Texture(Term):
             x, out = np.array(self.table).T
             return x, out
         read = read_columns(self.file or "", COLUMNS)
-        if missing := [name for name in COLUMNS if name not in read]:
-            raise InputError(
-                self.file or "", f"has no column {missing[0]}", remedy=f"first row: {','.join(COLUMNS)}"
-            )
         if read[COLUMNS[0]].size > MOST_ROWS:
             raise InputError(self.file or "", f"must have at most {MOST_ROWS} rows", read[COLUMNS[0]].size)
         return read[COLUMNS[0]], read[COLUMNS[1]]

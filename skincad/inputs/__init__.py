@@ -14,7 +14,7 @@ __getattr__, __dir__ = face(
     guards: THINNEST face_heights shoulder
     material: foreign_modulus layers refuse_layers
     measurements: CREST_COLUMNS CREST_FORM CrestForm FEWEST_ROWS MaterialTest NOTCH_COLUMNS NOTCH_FORM
-        NotchForm OTHER_LENGTHS OTHER_UNITS PRESSED PressCurve STRETCHED form material_test press_curve
+        NotchForm PRESSED PressCurve STRETCHED form material_test press_curve
         read_crests read_notches
     mold_table: Mount
     process: PROCESSES Process processes

@@ -110,18 +110,20 @@ def design_tables(
     grippers: Own | None = None,
 ) -> dict[str, Any]:
     """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
-    data = _with_bone(read_table(source, "designs"), Path(source))
+    folder = Path(source).parent if Path(source).suffix == ".toml" else Path()
+    data = _with_bone(read_table(source, "designs"), folder)
     data = with_own(with_own(data, "printer", printer), "silicones", silicones)
-    return overridden(with_own(data, "grippers", grippers), settings)
+    return _with_bone(overridden(with_own(data, "grippers", grippers), settings), Path())
 
 
-def _with_bone(data: dict[str, Any], source: Path) -> dict[str, Any]:
-    """A file's tables with the path of its bone from the root, so that it means the same everywhere."""
+def _with_bone(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Tables with the path of their bone from the root, so that it means the same in each file written of
+    them: a file's own is beside it, one that is set in the working directory."""
     mold = data.get("mold")
-    if source.suffix != ".toml" or not isinstance(mold, dict) or not isinstance(mold.get("bone"), str):
+    if not isinstance(mold, dict) or not isinstance(mold.get("bone"), str):
         return data
     with suppress(OSError):  # where the working directory is gone
-        return {**data, "mold": {**mold, "bone": str((source.parent / mold["bone"]).absolute())}}
+        return {**data, "mold": {**mold, "bone": str((folder / mold["bone"]).absolute())}}
     return data
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -17,10 +17,11 @@ from skincad.base.errors import InputError, require_number
 from skincad.base.reading import csv_text, text_of
 
 PRESSED, STRETCHED = ("approach_mm", "force_N"), ("extension_mm", "force_N")
-TESTS = (PRESSED, ("strain", "stress_MPa"), STRETCHED)
+TESTS = (("strain", "stress_MPa"), STRETCHED, PRESSED)
 FEWEST_ROWS = 8  # assumption: fewer leave no residual worth the name beside two fitted numbers
 MOST_BACK = 0.05  # of the span; assumption: noise of a crosshead is less, an unloading more
 MOST_WRONG = 0.05  # of the largest load; assumption: noise of a load cell is less
+NEAR_ONE = 0.05  # of a stretch, and of the largest load, in row 1
 
 
 @dataclass(frozen=True)
@@ -47,25 +48,38 @@ def material_test(
     largest deformation are left out. Raises InputError for other columns, rows that go to and fro, loads
     of the wrong sign and too few rows.
     """
-    columns = read_columns(path, tuple(sorted({"time_s", *(c for pair in TESTS for c in pair)})))
-    pair = next((pair for pair in TESTS if set(pair) == columns.keys() - {"time_s"}), None)
-    if pair is None:
-        raise InputError(str(path), "must have the columns " + ", or ".join(map(" and ".join, TESTS)))
+    bar = gauge_length is not None or area is not None
+    columns = read_columns(path, *(sorted(TESTS, key=lambda pair: pair != STRETCHED) if bar else TESTS))
+    pair = next(pair for pair in TESTS if {*pair} <= columns.by_name.keys())
     deformation, load = (columns[name] for name in pair)
+    if pair[0] == "strain":
+        _refuse_stretch(str(path), deformation, load)
     sides = (("gauge_length", gauge_length, "mm"), ("area", area, "mm2"))
     for option, size, unit in sides:
         if size is not None:
             require_number(option, size, lambda value: value > 0, f"must be above 0 {unit}")
         if (size is None) == (pair == STRETCHED):
             rule = "is missing" if size is None else "is not used by a test"
-            raise InputError(option, f"{rule} with the columns {' and '.join(pair)}", size)
+            remedy = (
+                "" if size else f"give the bar's; of a pressed pad call the columns {' and '.join(PRESSED)}"
+            )
+            raise InputError(option, f"{rule} with the columns {' and '.join(pair)}", size, remedy)
     if gauge_length is not None and area is not None:
         deformation, load = deformation / gauge_length, load / area
     squeezed = pair != PRESSED and abs(deformation.min()) > abs(deformation.max())
     kind: Literal["pad", "tensile", "compression"] = "tensile"
     if pair == PRESSED or squeezed:
         kind = "pad" if pair == PRESSED else "compression"
-    return _loading(str(path), pair, kind, deformation, load)
+    return _loading(str(path), pair, kind, deformation, load, columns.notes)
+
+
+def _refuse_stretch(name: str, strain: Array, load: Array) -> None:
+    """Raise InputError for a stretch, which is 1 without load."""
+    if abs(strain[0] - 1) <= NEAR_ONE and strain.min() > 0 and abs(load[0]) <= NEAR_ONE * np.abs(load).max():
+        rule = "strain must be 0 without load"
+        raise InputError(
+            name, rule, float(strain[0]), "subtract 1 if these are stretches, length over length"
+        )
 
 
 def _loading(
@@ -74,11 +88,13 @@ def _loading(
     kind: Literal["pad", "tensile", "compression"],
     deformation: NDArray[np.float64],
     load: NDArray[np.float64],
+    notes: tuple[str, ...],
 ) -> MaterialTest:
     """The rows up to the largest deformation, if they go there once and the load with them."""
     sign = -1.0 if kind == "compression" else 1.0
     along, against = sign * deformation, sign * load
     last = int(np.argmax(along)) + 1
+    loaded = last if kind == "pad" else _until_rupture(against[:last])
     up, force = along[:last], against[:last]
     span, largest = float(np.ptp(up)), float(force.max())
     if last < FEWEST_ROWS:
@@ -99,15 +115,29 @@ def _loading(
         raise InputError(
             name, f"{pair[1]} must have the sign of {pair[0]}", sign * float(force.min()), remedy
         )
-    left_out = along.size - last
-    warnings = (f"{left_out} rows after the largest {pair[0]} are left out",) if left_out else ()
-    return MaterialTest(kind, deformation[:last], load[:last], along.size, warnings)
+    if along.size > last:
+        notes = (*notes, f"{along.size - last} rows after the largest {pair[0]} are left out")
+    if loaded < last:
+        notes = (*notes, f"the last {last - loaded} rows of loading are left out: the bar breaks before them")
+    return MaterialTest(kind, deformation[:loaded], load[:loaded], along.size, notes)
+
+
+def _until_rupture(force: Array) -> int:
+    """The number of rows up to the largest load, if it then falls by more than noise; else of all."""
+    steady = force.copy()
+    steady[1:-1] = np.median([force[:-2], force[1:-1], force[2:]], axis=0)  # a spike of one row is no peak
+    top = int(np.argmax(steady))
+    top += int(np.argmax(force[top : top + 2]))
+    noise = float(np.median(np.abs(np.diff(force, 2)))) if force.size > 2 else 0.0
+    fall = float(steady[top] - force[top:].min())
+    falls = fall > max(MOST_WRONG * float(steady[top]), NOISES * noise)
+    return top + 1 if falls else force.size
 
 
 FEWEST_PRESSES = 5  # rows above the noise; assumption: fewer leave nothing to judge beside zero and modulus
 NOISES = 4.0  # standard deviations; a step to and fro by more is no noise
-OTHER_UNITS = {"force_g": 9.81e-3, "force_gf": 9.81e-3, "force_kg": 9.81, "force_mN": 1e-3}
-OTHER_LENGTHS = {"approach_um": 1e-3, "approach_cm": 10.0, "approach_m": 1e3}
+STEADY_ROWS = 3  # at the end of a press, from which a force that stays is a load cell's full scale
+FULL_SCALE = 0.5  # of the force's error: what stays within it
 
 
 @dataclass(frozen=True)
@@ -115,7 +145,7 @@ class PressCurve:
     """A cast part's press: `approach` `(n,)` mm from about the first touch, `force` `(n,)` N, as read.
 
     `force_error` N and `approach_error` mm are the standard deviations of their readings; that of the
-    approach's zero is `approach_error` too.
+    approach's zero is `approach_error` too. `notes` say how its file was read.
     """
 
     name: str
@@ -123,6 +153,7 @@ class PressCurve:
     force: Array
     force_error: float
     approach_error: float
+    notes: tuple[str, ...] = ()
 
     @property
     def loaded(self) -> NDArray[np.bool_]:
@@ -139,17 +170,12 @@ def press_curve(path: Path | str, force_error: float, approach_error: float) -> 
     name = str(path)
     for option, error, unit in (("force_error", force_error, "N"), ("approach_error", approach_error, "mm")):
         require_number(option, error, lambda value: 0 < value <= 1e3, f"must be above 0 {unit}")
-    columns = read_columns(path, (*PRESSED, "time_s", *OTHER_UNITS, *OTHER_LENGTHS))
-    for column, factor in {**OTHER_UNITS, **OTHER_LENGTHS}.items():
-        if column in columns:
-            to = PRESSED[column in OTHER_UNITS]
-            rule = f"must have the columns {' and '.join(PRESSED)}"
-            raise InputError(name, rule, column, f"multiply {column} by {factor:g} and call it {to}")
-    if not {*PRESSED} <= columns.keys():
-        raise InputError(name, f"must have the columns {' and '.join(PRESSED)}", ", ".join(columns))
-    curve = PressCurve(name, columns["approach_mm"], columns["force_N"], force_error, approach_error)
-    rows = int(np.count_nonzero(curve.loaded))
+    columns = read_columns(path, PRESSED)
+    approach, force = (columns[column] for column in PRESSED)
+    curve = PressCurve(name, approach, force, force_error, approach_error, columns.notes)
     _refuse_falling(curve)
+    curve = _below_full_scale(curve)
+    rows = int(np.count_nonzero(curve.loaded))
     if rows < FEWEST_PRESSES:
         rule = (
             f"must have at least {FEWEST_PRESSES} rows with a force above twice its error, {force_error:g} N"
@@ -158,9 +184,33 @@ def press_curve(path: Path | str, force_error: float, approach_error: float) -> 
     return curve
 
 
+def _below_full_scale(curve: PressCurve) -> PressCurve:
+    """The rows less the last ones if their force stays while the approach grows: a load cell at its end."""
+    stays = curve.force >= curve.force.max() - FULL_SCALE * curve.force_error
+    last = int(np.argmin(stays[::-1])) if not stays.all() else 0
+    before = curve.force.size - last
+    rows = slice(max(0, before - STEADY_ROWS), before)
+    gone = curve.approach[rows][-1] - curve.approach[rows][0]
+    if last < STEADY_ROWS or gone <= 0:
+        return curve
+    slope = (curve.force[rows][-1] - curve.force[rows][0]) / gone
+    if slope * (curve.approach[-1] - curve.approach[before]) < NOISES * curve.force_error:
+        return curve
+    told = (
+        f"the last {last} rows are left out: the force stays at {curve.force.max():.4g} N, as at the end of a"
+    )
+    notes = (*curve.notes, f"{told} scale")
+    return replace(curve, approach=curve.approach[:before], force=curve.force[:before], notes=notes)
+
+
 def _refuse_falling(curve: PressCurve) -> None:
-    """Raise InputError for the first row whose approach or force falls by more than noise."""
+    """Raise InputError for the first row whose approach or force falls by more than noise, and for rows that
+    do not grow at all."""
     span = float(np.ptp(curve.approach))
+    for column, values in zip(PRESSED, (curve.approach, curve.force), strict=True):
+        if not np.ptp(values):
+            rule = f"{column} must grow from row to row"
+            raise InputError(curve.name, rule, float(values[0]), "give one loading, a row for each approach")
     slope = 2 * float(np.ptp(curve.force)) / span if span else 0.0  # near the end of a bent curve
     noise = math.hypot(curve.force_error, slope * curve.approach_error)
     checks = (
@@ -262,9 +312,6 @@ def _filled(path: Path, columns: tuple[str, ...]) -> tuple[Array, ...] | None:
     name = str(path)
     _check_filled(name, text_of(path, name, LARGEST_FILE, "CSV"), columns)
     table = read_columns(path, columns)
-    for column in columns:
-        if column not in table:
-            raise InputError(name, f"must have the columns {', '.join(columns)}", remedy="print a new form")
     rows = table["drawn_mm"].size
     if rows < FEWEST:
         raise InputError(name, f"must have at least {FEWEST} rows", rows)

@@ -49,6 +49,18 @@ def _in_mpa(modulus: NumberWithRange) -> NumberWithRange:
 
 
 Modulus = Annotated[NumberWithRange, AfterValidator(_in_mpa)]
+LIGHTEST = 100.0  # kg/m3; assumption: foams have more
+
+
+def _in_kg_per_m3(density: float) -> float:
+    """Raise InputError for a density that no silicone has, with that which it is in g/cm3."""
+    if density < LIGHTEST:
+        remedy = f"{density:g} g/cm3 are {1000 * density:g} kg/m3"
+        raise InputError("", f"must be at least {LIGHTEST:g} kg/m3", density, remedy)
+    return density
+
+
+Density = Annotated[float, AfterValidator(_in_kg_per_m3)]
 
 
 def _law(table: Any) -> Any:
@@ -107,7 +119,7 @@ class Silicone(SparseTable):
         default=None, description="at large strain: its kind and constants; neo-Hooke's if not given"
     )
     poisson_ratio: float = quantity("1", "nearly incompressible", ge=0.0, le=0.4999999, default=0.499)
-    density: float = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=1070.0)
+    density: Density = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=1070.0)
     mix: list[Annotated[float, Field(gt=0.0, le=1000.0)]] | None = Field(
         default=None,
         description="parts A and B by mass; by its data sheet if not given",

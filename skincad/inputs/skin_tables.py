@@ -12,7 +12,7 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
-from skincad.inputs.silicone import Law, Modulus
+from skincad.inputs.silicone import Density, Law, Modulus
 
 
 def _a_length(schema: dict[str, Any]) -> None:
@@ -158,7 +158,7 @@ class Material(Table):
     poisson_ratio: float | None = quantity(
         "1", "nearly incompressible; the named silicone's if not given", ge=0.0, le=0.4999999, default=None
     )
-    density: float | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
+    density: Density | None = quantity("kg/m3", "of the cured silicone", gt=0.0, le=20000.0, default=None)
     law: Law | None = Field(
         default=None,
         description="at large strain: its kind and constants (docs/howto/silicone.md)",

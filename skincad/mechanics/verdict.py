@@ -13,6 +13,8 @@ from skincad.base.result import Record, Result, estimate_columns, item, record, 
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, SelfContact, Yield
 
+FAR = 2.0  # times the force that all ridges need
+
 Verdict = Literal["passes", "fails", "undecided"]
 
 
@@ -237,6 +239,12 @@ def is_decided(check: ContactCheck) -> bool:
     if force.value is None or force.error is None:
         return True
     return force.value + force.error <= check.force or force.value - force.error > check.force
+
+
+def fails_by_far(check: ContactCheck) -> bool:
+    """Whether the verdict is that the force is too little, and it is less than half of what is needed."""
+    needed = check.all_touch_force.value
+    return check.verdict == "fails" and needed is not None and needed >= FAR * check.force
 
 
 def is_undecidable(check: ContactCheck, stays: float) -> bool:

@@ -58,6 +58,7 @@ class Presentation:
     html: Callable[[Any], str] = words_and_figure
     figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
     manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
+    replaces: Callable[[Any, Path], None] = lambda *_: None  # raises InputError for what must be kept
 
 
 def write(
@@ -72,6 +73,7 @@ def write(
     presenter, target, files = result.presenter(), Path(folder), result.files()
     chosen = {name: files[name] for name in of_formats(files, formats)}
     ready(target, presenter.COMMAND, chosen)
+    presenter.replaces(result, target)
     strict_json(result.as_json())  # before anything is written
     watch = Stopwatch(progress)
     with replaced(target, presenter.COMMAND, presenter.manifest(result)) as staging:

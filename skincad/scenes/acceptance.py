@@ -227,6 +227,7 @@ def _check_units(fit: RecordingFit, strips: Sequence[Strip]) -> None:
 
 def _warnings(fit: RecordingFit, recording: FilmRecording) -> Iterator[str]:
     """What to know of a recording."""
+    yield from recording.notes
     if int((recording.time - recording.time[0] < fit.alignment.delay).sum()) < FINEST_QUIET:
         yield "there is no rest before the press, so noise and offset are guessed: record a moment of it"
     if fit.alignment.speed in (SPEEDS[0], SPEEDS[-1]) or not SLOWEST < fit.alignment.speed < 1 / SLOWEST:

@@ -15,15 +15,16 @@ from skincad.shape.skin import skin_of
 MOST_SHIFT = 0.02
 
 
-def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
-    """Return by how much each crest of a measured part lies lower than designed, mm, ridge 1 first.
+def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Return by how much each crest of a measured part lies lower than designed, mm, ridge 1 first, and how
+    the file was read.
 
     Columns `ridge` and `crest_mm`: the summit's height over the flat back, every ridge once.
     """
     columns = read_columns(path, ("ridge", "crest_mm"))
     skin = skin_of(design)
-    count, ridges = skin.count, columns.get("ridge", np.array([]))
-    if sorted(ridges.tolist()) != list(range(1, count + 1)) or "crest_mm" not in columns:
+    count, ridges = skin.count, columns["ridge"]
+    if sorted(ridges.tolist()) != list(range(1, count + 1)):
         raise InputError(str(path), f"must give crest_mm of each ridge from 1 to {count} once")
     measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
     designed = skin.crests
@@ -37,7 +38,7 @@ def crest_drops(path: Path | str, design: Design) -> tuple[float, ...]:
             f"{designed[worst]:.4g} mm over the back",
             measured[worst + 1],
         )
-    return drops
+    return drops, columns.notes
 
 
 def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:

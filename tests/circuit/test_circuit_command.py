@@ -307,7 +307,7 @@ def test_the_sweeps_defaults_are_the_papers_and_it_may_be_as_slow_as_one_likes()
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("frequency_Hz,gain\n1,2\n", "m.csv, column 'gain': unknown"),
+        ("frequency_Hz,level\n1,2\n", "m.csv: must have the columns frequency_Hz and gain_dB, got"),
         ("frequency_Hz\n1\n", "m.csv: must have the columns frequency_Hz and gain_dB"),
         ("frequency_Hz,gain_dB\n10,2\n20,4\n", "m.csv: must give at least 20"),
         ("frequency_Hz,gain_dB\n" + "10,2\n" * 30, "m.csv, column 'frequency_Hz': must be above 0 Hz"),

@@ -105,8 +105,8 @@ def test_a_file_is_found_beside_its_scene_and_means_its_table(tmp_path: Path) ->
     [
         ("x_mm,out_mm\n0,0\n0,1\n", "file: needs x that rise"),
         ("x_mm,out_mm\n0,0\n1,11\n", "file: must come out by at most 10 mm, got 11"),
-        ("x_mm\n0\n1\n", "has no column out_mm"),
-        ("a,b\n0,0\n", "column 'a': unknown"),
+        ("x_mm\n0\n1\n", "must have the columns x_mm and out_mm"),
+        ("a,b\n0,0\n", "has no row that names its columns"),
     ],
 )
 def test_a_file_that_is_no_profile_is_one_line(text: str, line: str, tmp_path: Path) -> None:

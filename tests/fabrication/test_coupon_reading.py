@@ -337,8 +337,8 @@ def added(rows: Rows, draw: random.Random) -> str:
 def renamed(rows: Rows, draw: random.Random) -> str:
     """Give a column another name."""
     i = draw.randrange(len(rows[0]))
-    rows[0][i] = draw.choice(["width", "drawn", rows[0][i].upper(), rows[0][i] + "s"])
-    return "unknown"
+    rows[0][i] = draw.choice(["width", "breadth", rows[0][i] + "s"])
+    return "must have the columns"
 
 
 @pytest.mark.parametrize("change", [resized, removed, doubled, added, renamed])

