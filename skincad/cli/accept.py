@@ -152,6 +152,8 @@ def _by_press(
     if update is not None and written is None:
         more = [f"  not written    {update}: another cause than the modulus fits best"]
     typed = as_typed(source, settings, silicones=silicones)
-    words = "\n".join(report(result, typed, verbose=verbose, more=more))
+    if written:
+        more.append(f"Next: `skincad check {written}` says whether a part of this silicone will do.")
+    words = "\n".join(report(result, typed, verbose=verbose, more=more, last=not written))
     show({**result.as_json(), "file": str(written) if written else None}, as_json, words)
     leave(result)

@@ -23,7 +23,8 @@ import numpy as np
 from scipy import linalg, special, stats
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError, did_you_mean, require_number
+from skincad.base.columns import UNITS
+from skincad.base.errors import InputError, RefusedError, did_you_mean, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
@@ -31,13 +32,11 @@ from skincad.base.tables import NumberWithRange
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.measurements import (
-    OTHER_LENGTHS,
-    OTHER_UNITS,
     MaterialTest,
     PressCurve,
     press_curve,
 )
-from skincad.material.pad import PadCurve, fit_curve, small_strain_curve
+from skincad.material.pad import PadCurve, fit_curve, small_strain_curve, tare
 from skincad.material.press_model import SCALE_ERROR, PressModel, good_curve, press_model, refuse_design
 
 FORCE_ERROR, APPROACH_ERROR = 0.05, 0.02  # N and mm, of a kitchen scale and a screw
@@ -61,6 +60,7 @@ SOFT_BACK = (0.1, 2.0)  # of the good part's approach at the largest force
 STICKING = (0.2, 1.0)  # of the change by a plate on which nothing slips
 MODULI, SIZES = 25, 16
 WRONG_UNIT = 6.0  # a modulus so many times off is another unit's, or another silicone's
+MOST_OFF = 0.1  # of the largest force: rows that are less off a curve are of its form
 FIRST_TOUCH = 0.2  # of the largest approach; a later first touch is no noise of the zero
 CONFIDENCE = 1.96  # standard deviations of a 95 % interval
 
@@ -173,28 +173,45 @@ def accept(
     with clock.stage("read"):
         curve = press if isinstance(press, PressCurve) else press_curve(press, force_error, approach_error)
         refuse_design(design)
-    model = model_for(design, curve, clock)
+    curve, model = model_for(design, curve, clock)
     with clock.stage("judge"):
         result = judge(design.name, [(model, curve)], {*ruled_out, *known}, good_share)
     more = (LAYERED,) if design.shot else ()
     return replace(result, warnings=(*result.warnings, *more), seconds=clock.seconds())
 
 
-def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> PressModel:
-    """Return the curves of good and faulty parts, as far as the rows go.
+def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> tuple[PressCurve, PressModel]:
+    """Return a press less its tare, and the curves of good and faulty parts, as far as the rows go.
 
     Raises InputError for forces beyond the model's range, and rows in other units.
     """
     first = small_strain_curve(_flat(design), silicone(design).young_modulus.value, clock)
+    curve = usable(curve, first)
     largest = float(curve.force.max())
-    _refuse_units(curve, first)
     if largest > first.force[-1]:
         rule = f"the model ends at {float(first.force[-1]):.3g} N: a ridge is strained by 0.3 or buckles"
         raise InputError(f"{curve.name}, force_N", rule, largest, "leave out the rows beyond")
     reach = float(first.force_at(np.array([curve.approach.max()]))[0])
     good = good_curve(design, 1.2 * max(largest, reach), clock)
     tilted = design.contact.plate if design.contact.plate.shape == "tilted" else None
-    return press_model(design, good, clock, tilted)
+    return curve, press_model(design, good, clock, tilted)
+
+
+def _rows(curve: PressCurve) -> MaterialTest:
+    return MaterialTest("pad", curve.approach, curve.force, curve.force.size, ())
+
+
+def usable(curve: PressCurve, good: PadCurve) -> PressCurve:
+    """Return the press without what the scale read before the plate touched, if that is more than noise.
+
+    Raises InputError where the rows are far from the `good` curve: in another unit, or from another zero.
+    """
+    level = tare(good, _rows(curve))
+    if abs(level) > 2 * curve.force_error:
+        note = f"the scale read {level:.3g} N before the plate touched: this is subtracted; tare it"
+        curve = replace(curve, force=curve.force - level, notes=(*curve.notes, note))
+    _refuse_units(curve, good)
+    return curve
 
 
 def _flat(design: Design) -> Design:
@@ -208,19 +225,24 @@ def _refuse_units(curve: PressCurve, good: PadCurve) -> None:
     largest, deepest = float(curve.force.max()), float(curve.approach.max())
     usual = float(good.force_at(np.array([max(deepest, 1e-9)]))[0])
     ratio = largest / max(usual, 1e-12)
-    if WRONG_UNIT**-2 < ratio < WRONG_UNIT**2:
-        rows = MaterialTest("pad", curve.approach, curve.force, curve.force.size, ())
-        scale, touch = fit_curve(good, rows).values
+    try:
+        fit = fit_curve(good, _rows(curve))
+    except RefusedError:  # it follows the rows nowhere
+        scale, touch, of_its_form = ratio, 0.0, False
+    else:
+        scale, touch = map(float, fit.values)
+        of_its_form = fit.rms <= MOST_OFF * largest and 1 / WRONG_UNIT < scale < WRONG_UNIT
+    if of_its_form or WRONG_UNIT**-2 < ratio < WRONG_UNIT**2:
         if touch > FIRST_TOUCH * deepest + 5 * curve.approach_error:
             rule = f"must count from the first touch, which is at about {touch:.3g} mm"
             raise InputError(
                 f"{curve.name}, approach_mm", rule, remedy=f"subtract {touch:.3g} mm from all rows"
             )
-        ratio = float(scale)
+        ratio = scale
     if 1 / WRONG_UNIT < ratio < WRONG_UNIT:
         return
-    forces = {f"are forces in {key.split('_')[1]}": (by, 1.0) for key, by in OTHER_UNITS.items()}
-    lengths = {f"are approaches in {key.split('_')[1]}": (1.0, by) for key, by in OTHER_LENGTHS.items()}
+    forces = {f"are forces in {unit}": (UNITS["N"][unit], 1.0) for unit in ("g", "kg", "mN", "lbf")}
+    lengths = {f"are approaches in {unit}": (1.0, UNITS["mm"][unit]) for unit in ("um", "cm", "m", "inch")}
     off = {
         question: abs(np.log(largest * by / max(float(good.force_at(np.array([deepest * along]))[0]), 1e-12)))
         for question, (by, along) in {**forces, **lengths}.items()
@@ -410,7 +432,7 @@ def judge(
         force_error=first.force_error,
         approach_error=first.approach_error,
         seconds={},
-        warnings=_warnings(models[0], first),
+        warnings=(*first.notes, *_warnings(models[0], first)),
         curve=(first.approach, first.force),
         band=_band(models[0], largest),
     )

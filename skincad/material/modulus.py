@@ -78,8 +78,10 @@ def _lag_one(residuals: Array) -> float:
     return float(np.clip((biased + 1 / n) / (1 - 3 / n), 0.0, MOST_CORRELATED))
 
 
+MOST_MISSED = 0.1  # of the largest load, beyond the rows that a law was fitted to
 LARGEST_RMS = 0.05  # of the largest load; assumption: a curve that fits worse is not this model's
 LARGEST_ERROR = 0.5  # of the modulus; a wider interval says nothing of use
+RANDOM = 0.5  # correlation of successive residuals; assumption: less is scatter, more a curve of another form
 LOADED_SHARE = 0.05  # of the largest load, from which a row counts as one under load
 
 Fit = Callable[[MaterialTest], Regression]
@@ -113,6 +115,9 @@ class MaterialFit(Result):
     misfit: float = item("MPa", "the error's part by the change over the test's parts")
     parts: tuple[PartModulus, ...]
     offset: Estimate | None
+    zero: Estimate | None = item(
+        meaning="strain at which a bar begins to bear, null where it is the file's zero", key="zero_strain"
+    )
     rms: float
     largest_load: float
     correlation: float = item(meaning="of neighbouring residuals", key="residual_correlation")
@@ -161,24 +166,32 @@ class MaterialFit(Result):
 
     @property
     def ranged(self) -> NumberWithRange:
-        """The modulus as a design's `[material]` takes it: a law's own value where there is one."""
-        alone = self._by_slope
-        if self.law is None:
-            return alone
-        value = float(f"{self.law.young_modulus(Silicone().poisson_ratio):.4g}")
-        return NumberWithRange(value=value, low=min(value, alone.low), high=max(value, alone.high))
-
-    @property
-    def _by_slope(self) -> NumberWithRange:
-        """Neo-Hooke's, low and high rounded outwards."""
+        """The modulus as a design's `[material]` takes it, low and high rounded outwards."""
         value, error = self.young_modulus.value or 0.0, self.young_modulus.error or 0.0
         digits = min(10, max(1 - int(np.floor(np.log10(max(error, 1e-4 * value)))), 0))
         tenth = 10.0**-digits
         low = np.floor((value - error) / tenth * (1 + 1e-12)) * tenth
         high = np.ceil((value + error) / tenth * (1 - 1e-12)) * tenth
-        return NumberWithRange(
-            value=round(value, digits), low=round(float(low), digits), high=round(float(high), digits)
+        said = float(f"{value:.4g}") if self.law else round(value, digits)  # a law's goes with its constants
+        return NumberWithRange(value=said, low=round(float(low), digits), high=round(float(high), digits))
+
+
+def with_laws(fit: MaterialFit, laws: tuple[FittedLaw, ...], note: str) -> MaterialFit:
+    """Return a bar's fit with its laws and what is said of them. The modulus is that of the best one, which a
+    design gets: what it differs by from the slope's is misfit."""
+    notes = [note] if note else []
+    if laws and laws[0].rms_judged > MOST_MISSED:
+        notes.append(
+            f"no law follows these rows: the best misses {laws[0].rms_judged:.0%} of the largest stress "
+            "beyond the strains that it was fitted to; take a smaller up_to"
         )
+    fit = replace(fit, laws=laws, warnings=(*fit.warnings, *notes))
+    if fit.law is None:
+        return fit
+    own = fit.law.young_modulus(Silicone().poisson_ratio)
+    off = abs(own - (fit.young_modulus.value or 0.0))
+    error = (fit.young_modulus.error or 0.0) + off
+    return replace(fit, young_modulus=Estimate(own, error, "MPa"), misfit=fit.misfit + off)
 
 
 def material_fit(
@@ -189,16 +202,17 @@ def material_fit(
     fit: Fit,
     per_value: float,
     misfit: float | None = None,
+    touch: float = 0.0,
 ) -> MaterialFit:
     """Return the result with the parts of its error; `fit(rows).values[0] * per_value` is E, MPa, of a part.
-    The misfit is that of the parts unless given.
+    The misfit is that of the parts unless given. `touch` is the deformation from which the sample bears.
 
     Raises RefusedError for a residual, an interval or a modulus that is no good.
     """
     modulus, largest = float(modulus), float(np.abs(test.load).max())
     refuse_misfit(test, whole)
     scatter = float(whole.half_width[0]) * per_value
-    parts = tuple(_halves(test, whole, fit, per_value))
+    parts = tuple(_halves(test, touch, fit, per_value))
     misfit = _misfit(parts, modulus) if misfit is None else float(misfit)
     error = scatter + model + misfit
     if not error <= LARGEST_ERROR * modulus:
@@ -217,6 +231,7 @@ def material_fit(
         misfit=misfit,
         parts=parts,
         offset=None,
+        zero=None,
         rms=whole.rms,
         largest_load=largest,
         correlation=whole.correlation,
@@ -227,14 +242,22 @@ def material_fit(
 
 
 def refuse_misfit(test: MaterialTest, fit: Regression) -> None:
-    """Raise RefusedError where a fit leaves too much of the loads."""
+    """Raise RefusedError where a fit leaves too much of the loads, and that is no scatter of rows."""
     unit, largest = "N" if test.kind == "pad" else "MPa", float(np.abs(test.load).max())
-    if fit.rms > LARGEST_RMS * largest:
+    if fit.rms > LARGEST_RMS * largest and fit.correlation >= RANDOM:
         share = f"{fit.rms / largest:.0%} of the largest load ({LARGEST_RMS:.0%} is the most)"
         raise RefusedError(
             f"the {test.kind} test does not follow the model: the residual is {fit.rms:.3g} {unit} rms, "
-            f"{share}; try a smaller up_to"
+            f"{share}; {_cause(fit)}"
         )
+
+
+def _cause(fit: Regression) -> str:
+    """What to do about a misfit, by where it is."""
+    size, third = np.abs(fit.residual), max(1, fit.residual.size // 3)
+    if size[-third:].mean() >= size[:third].mean():
+        return "try a smaller up_to"
+    return "it is in the first rows: tare the load cell, and leave out rows before the sample bears"
 
 
 def _misfit(parts: tuple[PartModulus, ...], modulus: float) -> float:
@@ -247,9 +270,8 @@ def _misfit(parts: tuple[PartModulus, ...], modulus: float) -> float:
     )
 
 
-def _halves(test: MaterialTest, whole: Regression, fit: Fit, per_value: float) -> list[PartModulus]:
+def _halves(test: MaterialTest, touch: float, fit: Fit, per_value: float) -> list[PartModulus]:
     """The modulus over the first and the second half of the deformation under load."""
-    touch = float(whole.values[1]) if whole.values.size > 1 else 0.0
     end = float(test.deformation[np.argmax(np.abs(test.deformation))])
     middle = (touch + end) / 2
     first = np.abs(test.deformation - touch) <= abs(middle - touch)

@@ -20,7 +20,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.measurements import MaterialTest
+from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.material.modulus import MaterialFit, Regression, material_fit, regression
 from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, press
@@ -32,6 +32,8 @@ from skincad.mechanics.validity import limits
 
 STRIP_SENSITIVITY = 0.1  # relative change of E that changes the curve of a pad with strips by 1e-3 (measured)
 PASSES = 4
+TARE_ROWS = 5  # before the first touch, from which what the load cell reads there is known
+TARED = 0.7  # of the residual, at most, is left by a tare that is there
 MARGIN = 1.25  # of the force that small strain asks for; finite strain asks for up to 15 % more
 STARTS = (
     61  # first touches tried before the fit, for it has more than one valley where rows precede the touch
@@ -73,10 +75,11 @@ def fit_to_curve(curve: PadCurve, test: MaterialTest) -> MaterialFit:
     others = curve.varied(1 + APPROACH_ERROR, 1.0), curve.varied(1.0, 1 - STRAINED_ERROR)
     moved = [float(fit_curve(other, test).values[0] - whole.values[0]) for other in others]
     model = per_value * sum(map(abs, moved))
+    value, touch = map(float, whole.values)
     result = material_fit(
-        test, whole, float(whole.values[0]) * per_value, model, lambda rows: fit_curve(curve, rows), per_value
+        test, whole, value * per_value, model, lambda rows: fit_curve(curve, rows), per_value, touch=touch
     )
-    return replace(result, offset=Estimate(float(whole.values[1]), float(whole.half_width[1]), "mm"))
+    return replace(result, offset=Estimate(touch, float(whole.half_width[1]), "mm"))
 
 
 def fit_curve(curve: PadCurve, test: MaterialTest) -> Regression:
@@ -92,6 +95,24 @@ def fit_curve(curve: PadCurve, test: MaterialTest) -> Regression:
     return regression(
         lambda p: p[0] * curve.force_at(approach - p[1]), np.array([scales[best], starts[best]]), force
     )
+
+
+def tare(curve: PadCurve, test: MaterialTest) -> float:
+    """Return what the load cell reads before the plate touches, N: the mean of the rows before the first
+    touch, if there are TARE_ROWS of them and the rows lie on a curve with it far better than without; else 0.
+    """
+    approach, force = test.deformation, test.load
+    try:
+        best = TARED * fit_curve(curve, test).rms, 0.0
+    except RefusedError:  # rows of another unit
+        return 0.0
+    for touch in approach[TARE_ROWS:-FEWEST_ROWS]:
+        law = curve.force_at(approach - touch)
+        columns = np.column_stack([law, np.ones(law.size)])
+        solved = np.linalg.lstsq(columns, force, rcond=None)[0]
+        rms = float(np.sqrt(np.mean((columns @ solved - force) ** 2)))
+        best = min(best, (rms, float(force[approach <= touch].mean())))
+    return best[1]
 
 
 def _curve(test: MaterialTest, design: Design, modulus: float, clock: Stopwatch) -> PadCurve:

@@ -31,6 +31,7 @@ def lines(fit: MaterialFit) -> list[str]:
         f"  error          scatter {fit.scatter:.2g}, model {fit.model:.2g}, misfit {fit.misfit:.2g} MPa",
         *([f"  by halves      {halves}"] if halves else []),
         *([f"  first touch    at {fit.offset} of approach"] if fit.offset else []),
+        *([f"  zero           at a strain of {fit.zero}"] if fit.zero else []),
         f"  residual       {fit.rms:.2g} {unit} rms, {fit.rms / fit.largest_load:.1%} of the largest load",
         *(f"  note           {warning}" for warning in fit.warnings),
         *law_lines(fit),

@@ -17,7 +17,7 @@ import skincad
 from skincad.base import Array, Stopwatch
 from skincad.inputs import Design, PressCurve, press_curve
 from skincad.material import PadCurve, PressModel, accept, acceptance, judge, small_strain_curve
-from skincad.material.acceptance import model_for
+from skincad.material.acceptance import model_for, usable
 from skincad.mechanics import pad_of, plane_piece, press
 from skincad.mechanics.models.linear import level
 from tests.conftest import run_skincad
@@ -87,7 +87,7 @@ PRESSED = pytest.mark.evidence(subject="plain-ridges pressed")
 
 @cache
 def model_of(part: Press) -> PressModel:
-    return model_for(part.design, part.rows(), Stopwatch(None))
+    return model_for(part.design, part.rows(), Stopwatch(None))[1]
 
 
 @pytest.fixture(
@@ -221,6 +221,8 @@ def small_curve(design: Design, modulus: float) -> PadCurve:
         (lambda a, f: (1000 * a, f), "are approaches in um"),
         (lambda a, f: (a + 1.0, f), "must count from the first touch, which is at about 1"),
         (lambda a, f: (2 * a, 6 * f), "the model ends at"),
+        (lambda a, f: (a, 0 * f + 1.0), "force_N must grow from row to row, got 1"),
+        (lambda a, f: (0 * a + 1.0, f), "approach_mm must grow from row to row, got 1"),
     ],
 )
 def test_rows_that_cannot_be_meant_are_refused(
@@ -230,6 +232,49 @@ def test_rows_that_cannot_be_meant_are_refused(
     monkeypatch.setattr(acceptance, "small_strain_curve", lambda d, modulus, _: small_curve(d, modulus))
     with refused(words):
         accept(SMALL.design, SMALL.write(tmp_path, change))
+
+
+MISTAKES = ("none", "tare", "full scale", "position", "unit")
+UNITS_OF_FORCE = {"g": 9.80665e-3, "kg": 9.80665, "mN": 1e-3}
+UNITS_OF_LENGTH = {"um": 1e-3, "cm": 10.0, "inch": 25.4}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_press_with_a_zero_a_plateau_or_another_unit_is_told(seed: int, tmp_path: Path) -> None:
+    """A dense press of a good part, with rows before the touch, as a test machine writes it: what is wrong
+    with it is subtracted, left out or refused, and what is left is the press without it."""
+    dice, mistake = np.random.default_rng(seed), MISTAKES[seed % 5]
+    errors = (float(dice.choice([0.005, 0.02])), 0.002)
+    travel = np.linspace(-float(dice.uniform(0.05, 0.2)), 0.28, int(dice.integers(80, 300)))
+    good = small_curve(SMALL.design, float(dice.uniform(0.7, 0.9)))
+    true = good.force_at(travel)
+    force = true + errors[0] * dice.standard_normal(travel.size)
+    approach = travel + 0.0
+    if mistake == "tare":
+        force = force + float(dice.uniform(0.1, 0.6)) * float(dice.choice([-1.0, 1.0]))
+    if mistake == "full scale":
+        force = np.minimum(force, float(dice.uniform(0.4, 0.8)) * true.max())
+    if mistake == "position":
+        approach = approach + float(dice.uniform(2.0, 50.0))
+    unit = ""
+    if mistake == "unit":
+        unit = str(dice.choice([*UNITS_OF_FORCE, *UNITS_OF_LENGTH]))
+        force, approach = force / UNITS_OF_FORCE.get(unit, 1.0), approach / UNITS_OF_LENGTH.get(unit, 1.0)
+    path = tmp_path / "press.csv"
+    rows = "".join(f"{a:.7g},{f:.7g}\n" for a, f in zip(approach, force, strict=True))
+    path.write_text(f"approach_mm,force_N\n{rows}")
+    scale = (errors[0] / UNITS_OF_FORCE.get(unit, 1.0), errors[1] / UNITS_OF_LENGTH.get(unit, 1.0))
+    if mistake in ("position", "unit"):
+        with refused("must count from the first touch" if mistake == "position" else f"in {unit}?"):
+            usable(press_curve(path, *scale), small_curve(SMALL.design, 0.8))
+        return
+    press = usable(press_curve(path, *scale), small_curve(SMALL.design, 0.8))
+    told = " ".join(press.notes)
+    assert ("before the plate touched: this is subtracted" in told) == (mistake == "tare")
+    assert ("the force stays at" in told) == (mistake == "full scale")
+    kept = press.force.size
+    assert kept == travel.size or (mistake == "full scale" and kept > travel.size // 3)
+    assert np.abs(press.force - true[:kept]).max() < 6 * errors[0]
 
 
 @pytest.mark.parametrize(
@@ -323,7 +368,7 @@ def test_a_modulus_that_is_not_the_silicones_is_not_written(tmp_path: Path) -> N
 
 
 def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path) -> None:
-    WHOLE.write(tmp_path, head="approach_um,force_g")
+    WHOLE.write(tmp_path, head="approach_furlong,force_N")
     assert refused_command(*UPDATE, cwd=tmp_path).startswith(
         "press.csv: must have the columns approach_mm and"
     )

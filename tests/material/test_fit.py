@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -622,3 +623,65 @@ def test_the_written_design_has_the_law(tmp_path: Path) -> None:
     )
     assert again.returncode == 0, again.stderr
     assert skincad.load(tmp_path / "less.toml").material.law is None
+
+
+class Drawn(NamedTuple):
+    """A bar drawn by a seed: its rows, its modulus, and what is wrong with it."""
+
+    strain: np.ndarray
+    stress: np.ndarray
+    modulus: float
+    fault: str
+    size: float
+
+
+FAULTS = ("slack", "tare", "spike", "rupture", "none")
+
+
+def drawn_bar(seed: int) -> Drawn:
+    """A pulled bar of a random law, scatter of 0.2 % of the largest stress, and one fault of a machine."""
+    dice = np.random.default_rng(seed)
+    laws = [
+        NeoHooke(mu=0.1),
+        Ogden(mu=(0.05,), alpha=(3.0,)),
+        Yeoh(c10=0.06, c20=0.004),
+        Gent(mu=0.08, j_m=9.0),
+    ]
+    law, fault = laws[int(dice.integers(4))].scaled(float(dice.uniform(0.5, 5.0))), FAULTS[seed % 5]
+    strain = np.linspace(0.0, float(dice.uniform(0.8, 1.5)), int(dice.integers(80, 200)))
+    zero = float(dice.uniform(0.01, 0.05)) if fault == "slack" else 0.0
+    stress = law.stress(1 + np.maximum(strain - zero, 0.0))
+    stress = stress + 0.002 * float(law.stress(np.array([1.3]))[0]) * dice.standard_normal(strain.size)
+    size = zero
+    if fault == "tare":
+        size = float(dice.uniform(0.05, 0.3) * law.stress(np.array([1.3]))[0])
+        stress = stress + size
+    if fault == "spike":
+        size = float(dice.uniform(0.2, 0.6) * law.stress(np.array([1.3]))[0])
+        stress[0] += size
+    if fault == "rupture":
+        rows = int(dice.integers(1, 12))
+        more = strain[-1] + (strain[1] - strain[0]) * np.arange(1, rows + 1)
+        strain, stress = np.append(strain, more), np.append(stress, np.abs(stress[:rows]) * 0.1)
+        size = rows
+    return Drawn(strain, stress, 3 * law.shear, fault, size)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_bar_with_slack_a_tare_a_spike_or_a_rupture_gives_its_modulus(seed: int, tmp_path: Path) -> None:
+    """1.5 times the interval of 95 % holds each of 30 moduli, and the fault alone is told."""
+    bar = drawn_bar(seed)
+    fit = fit_material(csv(tmp_path, "strain,stress_MPa", bar.strain, bar.stress))
+    off = abs((fit.young_modulus.value or 0.0) - bar.modulus)
+    assert off <= 1.5 * fit.young_modulus.error, (bar.fault, bar.size)
+    words = {
+        "slack": "the grips had slack",
+        "tare": "the load cell reads",
+        "spike": "row 1 is left out",
+        "rupture": f"the last {bar.size:g} rows of loading are left out: the bar breaks",
+    }
+    told = " ".join(fit.warnings)
+    for fault, text in words.items():
+        assert (text in told) == (fault == bar.fault), (bar.fault, bar.size, told)
+    if bar.fault == "slack":
+        assert fit.zero.value == pytest.approx(bar.size, abs=2 * fit.zero.error + 1e-3)
