@@ -80,6 +80,8 @@ def make(
     solids = not preview or "step" in formats
     files = of_formats(makes.names(design, solids, preview), formats)
     target = out_folder(folder, design.name, makes.COMMAND, files)
+    if preview:
+        makes.keep_whole(target)
     if scenes and preview:
         raise InputError("scenes", "are for the report, which --preview leaves out", remedy="leave one out")
     simulations = []

@@ -158,6 +158,9 @@ def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
     return EDGE_DEVIATIONS * GAUGE_SIGMA / math.sqrt(READINGS) * math.hypot(*slopes)
 
 
+UNDECIDED = "**These limits don't decide.**"  # how the remark on limits that keep no failing part out begins
+
+
 def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
     """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
     each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
@@ -186,7 +189,7 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
             "these limits pass it."
         )
     return (
-        f"**These limits don't decide.** The verdict allows {one}, and {job.design.mold.process} alone may "
+        f"{UNDECIDED} The verdict allows {one}, and {job.design.mold.process} alone may "
         f"take {scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good "
         f"ones pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
         f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "

@@ -65,6 +65,7 @@ from skincad.mechanics.verdict import (
     ModelRun,
     NextModel,
     before_refusal,
+    fails_by_far,
     is_decided,
     is_undecidable,
     relative_error,
@@ -100,12 +101,13 @@ def check(
 
     `model` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
     relative error of the all-touch force is `tol`; without `tol` until the verdict is clear and the error
-    that a better model removes is 3 %, if that ends within 15 s; with a `budget` in seconds, no further than
-    it may last. If a model refuses, the verdict of the one before stands. With a
-    model named, `tol` and `budget` are asked of its mesh. `measured` is a CSV of a cast part's crest heights
-    (columns ridge, crest_mm), to judge that part. `on_verdict` is called with each model's verdict as soon as
-    it is known. Passed means: all touch, and the all-touch force with its error still lies at or below the
-    force. Raises InputError for a force, tolerance, budget or model out of range.
+    that a better model removes is 3 %, if that ends within 15 s, but no further where the force is less than
+    half of what is needed; with a `budget` in seconds, no further than it may last. If a model refuses, the
+    verdict of the one before stands. With a model named, `tol` and `budget` are asked of its mesh. `measured`
+    is a CSV of a cast part's crest heights (columns ridge, crest_mm), to judge that part. `on_verdict` is
+    called with each model's verdict as soon as it is known. Passed means: all touch, and the all-touch force
+    with its error still lies at or below the force. Raises InputError for a force, tolerance, budget or model
+    out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -114,9 +116,14 @@ def check(
     require_goals(tol, budget, "0.05")
     if measured is not None and design.skin.curvature_radius_y is not None:
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
-    crest_offsets = () if measured is None else crest_drops(measured, design)
-    notes = (*slope_warnings(design), *shift_warnings(crest_offsets, design), *material_warnings(design))
-    notes = (*notes, *bone_warnings(design))
+    crest_offsets, notes = ((), ()) if measured is None else crest_drops(measured, design)
+    notes = (
+        *notes,
+        *slope_warnings(design),
+        *shift_warnings(crest_offsets, design),
+        *material_warnings(design),
+    )
+    notes = (*notes, *bone_warnings(design), *_scatter_warnings(design))
     selection = ModelSelection(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
         return selection.auto(tol, budget)
@@ -232,6 +239,8 @@ class ModelSelection:
             satisfied, until = budget is None and self._is_settled(check), limit
             if tol is not None:
                 satisfied = self._meets_tolerance(check, tol)
+            elif fails_by_far(check):
+                break
             elif satisfied and is_decided(check) and self._may_be_sharper(check):
                 satisfied, until = False, SHARP_SECONDS
             if check.next_model is None:
@@ -481,6 +490,15 @@ def mesh_tolerance(name: str, tol: float | None) -> float:
     share = MESH_SHARE if MODELS[name].leaves_out else FULL_MODEL_MESH_SHARE
     finest = SOLID_TOLERANCE if name == "solid" else FINEST_TOLERANCE
     return finest if tol is None else min(finest, share * tol)
+
+
+def _scatter_warnings(design: Design) -> tuple[str, ...]:
+    """Say of pins and rings, which have no yield, that their crests are taken as drawn."""
+    skin, spread = skin_of(design), spread_of(design)
+    if skin.family not in ("pin", "ring") or skin.count == 1 or not spread.crest_sigma:
+        return ()
+    each = f"crests are taken as drawn; by {spread.process} they scatter by {spread.crest_sigma:g} mm"
+    return (f"{each}, and then {skin.family}s touch later than said",)
 
 
 def spread_of(design: Design) -> Spread:

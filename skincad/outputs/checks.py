@@ -192,7 +192,7 @@ def _margin_lines(check: ContactCheck) -> list[str]:
 def _error_parts(check: ContactCheck) -> list[str]:
     """Return the parts of the all-touch force's error, N, the largest first."""
     value, error = check.all_touch_force.value or 0.0, check.all_touch_force.error or 0.0
-    parts = {"from mesh and method": error - check.model_error}
+    parts = {f"from mesh and method of the {check.model} model": error - check.model_error}
     open_friction = check.friction is None and check.model != "winkler"
     for part in check.left_out:
         why = "not knowing" if part.effect == FRICTION and open_friction else "leaving out"

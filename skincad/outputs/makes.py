@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from skincad.base.errors import InputError
+from skincad.base.outfolder import listed, manifest_name
 from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.assembly_drawing import assembly_drawing
+from skincad.fabrication.crests import UNDECIDED, crest_limits, verdict_remark
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.job import Job
 from skincad.fabrication.making import Build, MakeResult, passes
@@ -47,6 +51,7 @@ from skincad.solids.plan import PartRole
 T = TypeVar("T")
 
 COMMAND = "make"
+TELLING = ("strip place",)  # notes that decide whether slip can be heard
 PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
 SHEETS: dict[str, Callable[[Sheet, Path], object]] = {
     "pdf": write_sheet_pdf,
@@ -68,20 +73,35 @@ def lines(result: MakeResult) -> list[str]:
         *(checks.answer_lines(check) if check else [unchecked]),
         f"  mold           {counted(result.findings)}{more}",
         *map(str, shown),
+        *_undecided(result),
         *(checks.notes(check) if check else []),
     ]
 
 
+def _undecided(result: MakeResult) -> list[str]:
+    """That no limit on a single crest tells good parts from others, as the casting sheet says at its end."""
+    if result.build is None or result.check is None:
+        return []
+    job = result.build.job
+    if not verdict_remark(job, crest_limits(job), *checks.allowance(result.check)).startswith(UNDECIDED):
+        return []
+    process = job.design.mold.process
+    which = f"the limits on its crests don't decide which parts pass: {process} scatters by more"
+    return [f"  parts          {which}. Judge each part by `skincad check --measured`."]
+
+
 def _shown_findings(result: MakeResult) -> list[Finding]:
-    """All errors, else the first warning: findings come with the gravest first."""
+    """All errors, else the first warning, else the notes that say what the skin can't feel: findings come
+    with the gravest first."""
     errors = [finding for finding in result.findings if finding.severity == "error"]
-    return errors or [finding for finding in result.findings if finding.severity == "warning"][:1]
+    warnings = [finding for finding in result.findings if finding.severity == "warning"][:1]
+    return errors or warnings or [finding for finding in result.findings if finding.rule in TELLING]
 
 
 def next_step(result: MakeResult) -> str:
     """Return what to do next: mend what fails, check what was not checked, or cast."""
     gravest = next(iter(_shown_findings(result)), None)
-    if gravest and (result.strict or gravest.severity == "error"):
+    if gravest and gravest.severity != "note" and (result.strict or gravest.severity == "error"):
         return f"{gravest.remedy}."
     if result.preview:
         return "`skincad make {design}` checks it and writes all files."
@@ -115,10 +135,21 @@ def names(design: Design, solids: bool = True, preview: bool = False) -> list[st
     return list(writers(design, mold(design), solids, preview))
 
 
+def keep_whole(folder: Path) -> None:
+    """Raise InputError for a folder whose files a preview must not replace: those of a make that is none."""
+    path = folder / manifest_name(COMMAND)
+    if listed(folder, COMMAND) is not None and not json.loads(path.read_text("utf-8")).get("preview", False):
+        remedy = f"name another one: -o {folder}-preview"
+        raise InputError(
+            "folder", f"{folder} holds what a whole make wrote, and a preview keeps that", None, remedy
+        )
+
+
 def manifest(result: MakeResult) -> dict[str, Any]:
     """Return what the manifest says of the result: without times, so that it is the same again."""
     return {
         "name": result.name,
+        "preview": result.preview,
         "passed": result.passed,
         "summary": result.summary,
         "all_touch_force_N": result.check and result.check.all_touch_force.as_json(),
@@ -182,10 +213,14 @@ def writers(
         ),
         "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
         **{name: _text(partial(_order, order)) for name, order in orders(job, solids).items()},
-        "view.html": _text(lambda build: view_page(build.job, build.meshes, build.check, _verdict(build))),
+        "view.html": _text(_view),
         **({} if preview else {"report.html": _text(_report)}),
         "picture.png": _picture,
     }
+
+
+def _view(build: Build) -> str:
+    return view_page(build.job, build.meshes, build.check, _verdict(build), _png(build))
 
 
 def _text(of: Callable[[Build], str]) -> BuildWriter:
@@ -319,4 +354,5 @@ MAKE = Presentation(
     files=files,
     figures=figures,
     manifest=manifest,
+    replaces=lambda result, folder: keep_whole(folder) if result.preview else None,
 )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
@@ -48,6 +48,7 @@ ADDING = {  # how to add an effect, where one setting won't do
     "inertia": "add [effects.inertia] and plate.mass to the scene",
     "finite_strain": f"`skincad simulate {{scene}} --tol {DEFAULT_TOLERANCE:g}` includes finite strain",
 }
+HEARD = 6.0  # dB of signal over noise; assumption: a signal less than twice the noise is not told from it
 MAX_RIDGE_LINES = 3  # ridges that have lines of their own
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 STRIPS, MANY_STRIPS = "strips.png", 4  # and of how many monitored ridges on it is drawn
@@ -71,7 +72,8 @@ def lines(simulation: Simulation) -> list[str]:
         f"  error          {_how_sure(simulation)}",
         f"  run            {_run(simulation)}",
         *_plate(simulation),
-        *(_warning_lines(simulation)[-1:] or _no_warning(simulation)),
+        *_warned(simulation),
+        *_signal(simulation),
         *(f"  note           {warning}" for warning in simulation.warnings if warning not in left_out),
     ]
 
@@ -129,10 +131,31 @@ def _answer(simulation: Simulation) -> str:
     return f"{begin}{count} slip until the end; {who} first, from step {step} on"
 
 
-def _no_warning(simulation: Simulation) -> list[str]:
-    """That a detector which listens gave no alarm before gross slip."""
-    missed = simulation.gross_slip_step is not None and "lead_time_s" in simulation.read
-    return ["  warned         no alarm comes before gross slip"] * missed
+def _warned(simulation: Simulation) -> list[str]:
+    """Whether a detector which listens to all monitored ridges warns before gross slip, in how many runs."""
+    if simulation.gross_slip_step is None or not (leads := simulation.read.get("lead_time_s")):
+        return []
+    who = "all" if "all" in leads else next(iter(leads))
+    if leads[who] is not None:
+        return [_warning_line(simulation, who)]
+    spread = _spreads(simulation).get(who)
+    if spread is None:
+        return ["  warned         no alarm comes before gross slip"]
+    runs, warned = spread["seeds"], spread["warned"]
+    others = f"; {_milliseconds(spread)} before it in the others" if warned else ""
+    return [f"  warned         no warning in {runs - warned} of {runs} runs with other noise{others}"]
+
+
+def _signal(simulation: Simulation) -> list[str]:
+    """The least signal over the amplifier's noise, and whether it is too weak to hear slip."""
+    ratios = {
+        r: level for r, level in simulation.read.get("signal_to_noise_dB", {}).items() if level is not None
+    }
+    if not ratios:
+        return []
+    least = min(ratios, key=lambda ridge: ratios[ridge])
+    weak = f": too weak, slip is heard from about {HEARD:g} dB on" if ratios[least] < HEARD else ""
+    return [f"  signal         {ratios[least]:.0f} dB over the noise in {ridge_name(least)}{weak}"]
 
 
 def _how_sure(simulation: Simulation) -> str:
@@ -240,7 +263,12 @@ def _detector_lines(simulation: Simulation) -> list[str]:
         who = f"{ridge_name(event['ridge'])}: " if event["ridge"] else ""
         why = f" (no true warning: {event['reason']})" if event["reason"] else ""
         rows.append(f"  felt           {who}{event['kind']} at step {event['step']}{why}")
-    rows += _warning_lines(simulation)[:-1]
+    spreads = _spreads(simulation)
+    rows += [
+        _warning_line(simulation, ridge)
+        for ridge, ahead in simulation.read.get("lead_time_s", {}).items()
+        if ridge != "all" and (ahead is not None or spreads.get(ridge, {}).get("warned"))
+    ]
     if (score := simulation.read.get("warning_score")) and (false := score["false"]):
         warnings = score["true"] + false
         rows.append(f"  false alarms   {false} of {warnings} warnings: no ridge slips on until gross slip")
@@ -254,22 +282,25 @@ def _detector_lines(simulation: Simulation) -> list[str]:
     return rows
 
 
-def _warning_lines(simulation: Simulation) -> list[str]:
-    """By how much the detector warns, by ridge, and the spread where that depends on the noise."""
-    rows = list[str]()
-    spreads = {spread["ridge"]: spread for spread in simulation.read.get("lead_time_by_noise", ())}
-    for ridge, ahead in simulation.read.get("lead_time_s", {}).items():
-        spread = spreads.get(ridge, {"warned": 0})
-        who = ridge_name(ridge)
-        if ahead is None and not spread["warned"]:
-            continue
-        words = f"not by {who}" if ahead is None else f"{1e3 * ahead:.3g} ms before gross slip by {who}"
-        if spread["warned"]:
-            low, high = (f"{1e3 * spread[end]:.3g}" for end in ("smallest_s", "largest_s"))
-            ends = "" if low == high else f"{low} to {high} ms "
-            words += f" ({ends}with {spread['warned']} of {spread['seeds']} noise seeds)"
-        rows.append(f"  warned         {words}")
-    return rows
+def _spreads(simulation: Simulation) -> dict[str, dict[str, Any]]:
+    """By ridge, what the leads are with other noise."""
+    return {spread["ridge"]: spread for spread in simulation.read.get("lead_time_by_noise", ())}
+
+
+def _warning_line(simulation: Simulation, ridge: str) -> str:
+    """By how much the detector warns by a ridge, and the spread where that depends on the noise."""
+    ahead, spread = simulation.read["lead_time_s"][ridge], _spreads(simulation).get(ridge, {"warned": 0})
+    who = ridge_name(ridge)
+    words = f"not by {who}" if ahead is None else f"{1e3 * ahead:.3g} ms before gross slip by {who}"
+    if spread["warned"]:
+        ends = f"{span} " if " to " in (span := _milliseconds(spread)) else ""
+        words += f" ({ends}with {spread['warned']} of {spread['seeds']} noise seeds)"
+    return f"  warned         {words}"
+
+
+def _milliseconds(spread: Mapping[str, float]) -> str:
+    low, high = (f"{1e3 * spread[end]:.3g}" for end in ("smallest_s", "largest_s"))
+    return f"{low} ms" if low == high else f"{low} to {high} ms"
 
 
 def _lead_lines(simulation: Simulation) -> list[str]:

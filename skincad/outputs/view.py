@@ -36,9 +36,11 @@ def view_page(
     meshes: Mapping[str, trimesh.Trimesh],
     check: ContactCheck | None,
     words: str,
+    picture: bytes = b"",
 ) -> str:
     """Return an HTML document that needs nothing else. `meshes` by part name in the mold's frame, mm; `words`
-    say how the design was judged, `check` gives the skin under its load."""
+    say how the design was judged, `check` gives the skin under its load. The `picture`, PNG, is shown where
+    a browser draws nothing in three dimensions."""
     design, closed = job.design, job.closed
     data = {
         "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
@@ -58,11 +60,12 @@ def view_page(
     style, script = ((HERE / name).read_text("utf-8") for name in ("view.css", "view.js"))
     body = (HERE / "view_body.html").read_text("utf-8")
     title = escape(display_name(design))
+    drawn = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta name="viewport" content="width=device-width">\n<title>{title}</title>\n'
         f"<style>\n{style}</style>\n</head>\n<body>\n"
-        + body.replace("$NAME", title).replace("$WORDS", escape(words))
+        + body.replace("$NAME", title).replace("$WORDS", escape(words)).replace("$PICTURE", drawn)
         + f'<script type="application/octet-stream" id="data">{payload}</script>\n'
         f"<script>{three_js()}</script>\n<script>\n{script}</script>\n</body>\n</html>\n"
     )

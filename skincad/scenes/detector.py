@@ -279,8 +279,9 @@ def report(
     even: Index | None = None,
     noises: Iterable[Array] = (),
 ) -> dict[str, Any]:
-    """Return the keys `events`, `lead_time_s`, the longest of these and the warning's, `event_score`, which
-    counts slips and alarms of slips, and, of outputs, `warning_score`, which counts warnings of gross slip,
+    """Return the keys `events`, `lead_time_s`, the longest of these and the warning's, `warned_share` of the
+    runs with this and other noise in which all monitored ridges warn, `event_score`, which counts
+    slips and alarms of slips, and, of outputs, `warning_score`, which counts warnings of gross slip,
     and `detector`, of a march's outputs by ridge, S1 and S2.
 
     `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
@@ -290,7 +291,7 @@ def report(
     names, point = list(outputs), POINTS[alarms]
     at = np.arange(time.size) if even is None else even[even < time.size]
     if not names or at.size < 2:
-        nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "event_score"))
+        nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "warned_share", "event_score"))
         return {"events": [], "lead_time_s": {}, **nothing}
     d = detector(1 / float(time[at[1]] - time[at[0]]), bandwidth, math.sqrt(2) * noise, alarms=alarms)
     values = np.stack([np.stack([outputs[r]["S1"], outputs[r]["S2"]], axis=1) for r in names], axis=1)
@@ -312,6 +313,7 @@ def report(
 
     events, scores = scored(values)
     others = [leads(scored(values + more)[1]) for more in noises]
+    in_time = [run["all"] is not None for run in (leads(scores), *others)]
     warned = [not reason for event, reason in zip(events, scores.reasons, strict=True) if event.ridge is None]
     return {
         "events": [
@@ -329,6 +331,7 @@ def report(
         **({"lead_time_by_noise": _spreads([leads(scores), *others])} if others else {}),
         "longest_lead_time_s": max((s for s in leads(scores).values() if s is not None), default=None),
         "warning_lead_time_s": scores.gross_lead,
+        "warned_share": None if gross is None else sum(in_time) / len(in_time),
         "warning_score": {"true": sum(warned), "false": len(warned) - sum(warned)},
         "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {

@@ -34,13 +34,18 @@ from skincad.scenes.march import March
 from skincad.scenes.models import COARSE_STEP_FACTOR, BySource, ComparisonRuns
 
 
+def shown_band(time: Array, bandwidth: float) -> float:
+    """Return up to which frequency, Hz, the steps of a march show what happens: at most `bandwidth`."""
+    return bandwidth if time.size < 2 else min(bandwidth, 0.5 / longest_step(time))
+
+
 def unresolved(time: Array, bandwidth: float) -> list[str]:
     """Return a warning where the march's steps do not reach up to `bandwidth` Hz, else nothing."""
-    if time.size < 2 or bandwidth <= 0.5 / (step := longest_step(time)):
+    if (shown := shown_band(time, bandwidth)) == bandwidth:
         return []
     return [
-        f"steps of {step:.3g} s show what happens up to {0.5 / step:.4g} Hz: from there up to "
-        f"readout.bandwidth_Hz ({bandwidth:g} Hz) rate and jerk are artefacts of the steps"
+        f"steps of {longest_step(time):.3g} s show what happens up to {shown:.4g} Hz, not up to "
+        f"readout.bandwidth_Hz ({bandwidth:g} Hz): the jerk is each step's mean"
     ]
 
 

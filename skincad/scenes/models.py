@@ -275,9 +275,10 @@ def _with_masses(pad: MarchedPad, on: MarchSetup, mesh: object, level: Level, fi
 
     assert isinstance(pad, CondensedPad | ChosenPad)
     assert on.piece is not None
+    step = longest_step(on.scene.history.times)
     if not on.modes:
-        on.modes.append(slow_modes(on.piece, mesh, level.order, films, pad.x, pad.ridge))
-    modes, step = at_points(on.modes[0], pad.x, pad.ridge), longest_step(on.scene.history.times)
+        on.modes.append(slow_modes(on.piece, mesh, level.order, films, pad.x, pad.ridge, step))
+    modes = at_points(on.modes[0], pad.x, pad.ridge)
     slow = resolved(modes, pad.compliance, step)
     first = (
         level == LEVELS[0] and not on.model

@@ -27,6 +27,7 @@ from skincad.scenes.errors import (
     Slips,
     in_steps,
     lead,
+    shown_band,
     slip_errors,
     slip_step,
     slips_of,
@@ -61,12 +62,14 @@ from skincad.shape.skin import skin_of
 
 
 def energy(march: March) -> dict[str, float]:
-    """Return the plate's work, what is stored and lost, mJ, and what is missing, relative to the work."""
+    """Return the plate's work, what is stored and lost, mJ, and what is missing, relative to the largest work
+    done or energy stored on the way."""
     normal, tangential = march.column("normal"), march.column("tangential")
     down, along = np.diff(march.column("approach")), np.diff(march.column("travel"))
     by_forces = (normal[1:] + normal[:-1]) / 2 * down + (tangential[1:] + tangential[:-1]) / 2 * along
     works = [reading.work for reading in march.readings[1:]]
-    pushed = sum(force if work is None else work for force, work in zip(by_forces, works, strict=True))
+    by_step = [force if work is None else work for force, work in zip(by_forces, works, strict=True)]
+    pushed, largest = sum(by_step), float(np.abs(np.cumsum(by_step)).max(initial=0.0))
     stored = float(march.readings[-1].elastic)
     lost = float(march.column("dissipated").sum())
     kinetic = float(march.readings[-1].kinetic)
@@ -78,7 +81,7 @@ def energy(march: March) -> dict[str, float]:
         "kinetic_mJ": kinetic,
         "dissipated_mJ": lost,
         "viscous_mJ": viscous,
-        "imbalance": float(missing) / max(abs(float(pushed)), stored, 1e-300),
+        "imbalance": float(missing) / max(largest, float(march.column("elastic").max()), 1e-300),
     }
 
 
@@ -471,6 +474,15 @@ def _change(left_out: list[LeftOutEffect]) -> float:
     return math.fsum(entry.change for entry in left_out)
 
 
+def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
+    """Return a stress in a band of `width` Hz. Where the steps don't show that band a corner between two of
+    them has rung out by the second: the jerk is each step's mean then."""
+    signal = band_limited(time, values, width)
+    if shown_band(time, width) == width:
+        return signal
+    return replace(signal, jerk=np.append(0.0, np.diff(signal.rate) / np.diff(time)))
+
+
 def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) -> Simulation:
     """The result of the last march that counts."""
     began = perf_counter()
@@ -502,7 +514,7 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
         scene=scene,
         march=march,
         raw=raw,
-        signals={r: band_limited(march.time, values, width) for r, values in raw.items()},
+        signals={r: shown_signal(march.time, values, width) for r, values in raw.items()},
         error=refined_run.error,
         stress_errors=stressed,
         slipping=slips.slipping,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
-from skincad.base.result import Result, data_frame, item, record, reported
+from skincad.base.result import Result, bare_key, data_frame, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
@@ -127,7 +127,11 @@ def model_error(evaluation: Evaluation, key: str) -> float:
 
 
 MOST_ROWS = 100_000
-DEFAULT: dict[str, dict[str, Goal]] = {"check": {"all_touch_force": "min"}}  # if no ranking is asked
+# if no ranking is asked, as far as rows have these results
+DEFAULT: dict[str, dict[str, Goal]] = {
+    "check": {"all_touch_force": "min"},
+    "simulate": {"warned_share": "max", "warning_lead_time_s": "max"},
+}
 # the first that takes the design: ranks mean something by one model
 RANKED_BY = "linear", "winkler", "reduced"
 INPUTS = ("passed", "ridges")  # said of a row elsewhere, or by its values
@@ -293,14 +297,15 @@ def sweep(
     if isinstance(subject, Design) and model is None:
         question = replace(question, model=first_able(RANKED_BY, subject))
     run = Run(subject, question, log_in(folder, fresh=fresh))
-    wanted: dict[str, Goal] = dict(rank) if rank else dict(DEFAULT.get(question.kind, {}))
+    asked: dict[str, Goal] = dict(rank or {})
+    wanted = asked or DEFAULT.get(question.kind, {})
     for goal in wanted.values():
         require_goal(goal)
     evaluations: list[Evaluation] = []
 
     def told(evaluation: Evaluation, count: int, _: int) -> None:
         if evaluation.results and not any(row.results for row in evaluations):
-            for key in wanted:
+            for key in asked:
                 resolved(key, evaluation.results, what="rank")  # a misspelt one costs one row, not all
         evaluations.append(evaluation)
         if tick is not None:
@@ -310,6 +315,8 @@ def sweep(
         rows = run.at(points, who, told)
     if run.log is not None:
         run.log.close()
+    there = {key for row in rows for key in named(row.results)}
+    wanted = {key: goal for key, goal in wanted.items() if asked or key in there}
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
     seconds = perf_counter() - began
     of_row = seconds * workers / max(run.evaluated, 1)
@@ -327,15 +334,20 @@ def sweep(
     )
 
 
+def named(results: Iterable[str]) -> set[str]:
+    """Return results' keys, and these without their units."""
+    return {name for key in results for name in (key, bare_key(key))}
+
+
 def _best(rows: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
     """What the bar says: the best of the first ranking so far."""
     for key, goal in wanted.items():
         results_of_rows = [row.results for row in rows if not row.refused]
-        known = [resolved(key, results) for results in results_of_rows[:1]]
+        known = [resolved(key, results) for results in results_of_rows[:1] if key in named(results)]
         values = [
             estimate.value
             for results in results_of_rows
-            if (estimate := results.get(known[0])) and estimate.value is not None
+            if known and (estimate := results.get(known[0])) and estimate.value is not None
         ]
         if values:
             return f"best {worded(known[0], min(values) if goal == 'min' else max(values))}"

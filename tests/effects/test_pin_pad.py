@@ -152,7 +152,8 @@ def test_a_map_of_pins_is_drawn() -> None:
     drawings = result.figures()
     assert list(drawings) == ["signals.png"]
     figure = drawings["signals.png"]
-    assert [axes.get_xlabel() for axes in figure.axes[:2]] == ["step", "x, mm; the plate is pulled to +x"]
+    labels = [axes.get_xlabel() for axes in figure.axes[:2]]
+    assert labels == ["time (a step is 100 ms), ms", "x, mm; the plate is pulled to +x"]
 
 
 PRESS, STEPS = 0.25, 200  # N, of friction's limit where it is 1

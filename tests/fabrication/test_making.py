@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import skincad
-from skincad.base import InputError
+from skincad.base import InputError, files_below
 from skincad.fabrication import (
     Finding,
     Job,
@@ -34,7 +34,7 @@ from skincad.solids.mold import mold
 from tests.conftest import run_skincad
 from tests.designs import template, three_ridges
 from tests.processes import lines_until, started
-from tests.refusals import refused_command
+from tests.refusals import refused, refused_command
 
 
 @pytest.fixture(scope="module")
@@ -152,6 +152,22 @@ def test_a_preview_writes_all_but_exact_solids(preview: MakeResult, unchecked: M
     kept = {"solids/skin.stl", "solids/mold.3mf", "drawings/section.dxf", "picture.png", "casting-sheet.md"}
     assert kept <= preview.files().keys()
     assert preview.files().keys() <= unchecked.files().keys()
+
+
+def test_a_preview_keeps_what_a_whole_make_wrote(
+    preview: MakeResult, unchecked: MakeResult, tmp_path: Path
+) -> None:
+    folder, formats = tmp_path / "out", ("toml", "svg")
+    skincad.write(preview, folder, formats=formats)
+    skincad.write(unchecked, folder, formats=formats)  # a whole make replaces a preview, and itself
+    skincad.write(unchecked, folder, formats=formats)
+    before = {name: path.read_bytes() for name, path in files_below(folder).items()}
+    with refused("holds what a whole make wrote, and a preview keeps that; name another one: -o"):
+        skincad.write(preview, folder, formats=formats)
+    words = ("make", "plain-ridges", "--preview", "-o", "out")
+    assert "holds what a whole make wrote" in refused_command(*words, cwd=tmp_path)
+    assert {name: path.read_bytes() for name, path in files_below(folder).items()} == before
+    skincad.write(preview, tmp_path / "out-preview", formats=formats)
 
 
 @pytest.mark.slow

@@ -67,11 +67,14 @@ class Seen:
 
 
 @contextmanager
-def shown(file: Path, size: tuple[int, int] = (900, 700), *, touch: bool = False) -> Iterator[Seen]:
-    """Open a file in Chromium, in a window of `size` pixels."""
+def shown(
+    file: Path, size: tuple[int, int] = (900, 700), *, touch: bool = False, flat: bool = False
+) -> Iterator[Seen]:
+    """Open a file in Chromium, in a window of `size` pixels; `flat` without WebGL."""
+    arguments = ["--no-sandbox", "--disable-3d-apis"] if flat else ARGUMENTS
     with (
         sync_playwright() as driver,
-        driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
+        driver.chromium.launch(executable_path=CHROMIUM, args=arguments) as browser,
     ):
         window: dict[str, Any] = {"viewport": {"width": size[0], "height": size[1]}, "has_touch": touch}
         page = browser.new_context(offline=True, **window).new_page()

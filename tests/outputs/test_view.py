@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
 import re
 import zlib
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import skincad
 from skincad.base import RefusedError
@@ -136,6 +138,20 @@ BROWSED = [
         )
     ),
 ]
+
+
+@pytest.mark.slow
+def test_without_webgl_the_picture_is_shown(tmp_path: Path) -> None:
+    job = Job(skincad.load(*DESIGNS["three ridges"]))
+    meshes = {part.name: mesh(part, print_chord(job.design)) for part in job.closed.parts}
+    dot = io.BytesIO()
+    Image.new("RGB", (40, 20), "red").save(dot, "png")
+    page = view.view_page(job, meshes, None, "Passes.", dot.getvalue())
+    (tmp_path / "view.html").write_text(page, "utf-8")
+    with shown(tmp_path / "view.html", flat=True) as seen:
+        seen.page.wait_for_selector("#picture:not(.hidden)")
+        assert np.median(seen.picture("#picture"), axis=(0, 1)).tolist() == [255.0, 0.0, 0.0]
+        assert "draws nothing in three dimensions" in seen.page.inner_text("#stage")
 
 
 @pytest.mark.parametrize("name", BROWSED)

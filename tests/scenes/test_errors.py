@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from skincad.base import Array, plain
+from skincad.circuit import band_limited
 from skincad.effects import LeftOutEffect, Observables
 from skincad.mechanics import Drift, FrictionCoefficients
 from skincad.scenes import (
@@ -25,7 +26,8 @@ from skincad.scenes import (
     slip_errors,
     slips_of,
 )
-from skincad.scenes.errors import in_steps, slip_step, stress_errors
+from skincad.scenes.errors import in_steps, shown_band, slip_step, stress_errors
+from skincad.scenes.simulation import shown_signal
 from tests.small_scene import THIRD, small_scene
 
 COULOMB = FrictionCoefficients(1.0, 1.0)
@@ -61,6 +63,18 @@ def test_without_a_source_there_is_no_sum() -> None:
     assert BySource(0.1, 0.2, 0.3, 0.4).total == pytest.approx(1.0)
     data = {"mesh": 0.1, "time_step": 0.2, "left_out": 0.3, "drift": 0.4}
     assert plain(BySource(0.1, 0.2, 0.3, 0.4)) == data
+
+
+def test_the_jerk_of_slow_steps_is_each_steps_mean() -> None:
+    """A stress whose rate jumps by 0.02 MPa/s at a step of 4 ms; a band of 5 kHz has rung out by the next."""
+    time = 4e-3 * np.arange(100)
+    stress = 0.02 * np.maximum(time - 0.2, 0.0)
+    assert shown_band(time, 5000.0) == 125.0
+    assert shown_band(time, 100.0) == 100.0
+    signal = shown_signal(time, stress, 5000.0)
+    assert signal.jerk.max() == pytest.approx(0.02 / 4e-3, rel=1e-6)
+    assert signal.jerk @ np.full(100, 4e-3) == pytest.approx(0.02, rel=1e-6)
+    assert np.array_equal(shown_signal(time, stress, 100.0).jerk, band_limited(time, stress, 100.0).jerk)
 
 
 def test_runs_of_slip() -> None:

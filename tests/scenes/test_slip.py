@@ -330,7 +330,7 @@ def test_the_papers_scene_is_reported_by_ridge() -> None:
 
 
 def test_nothing_is_reported_of_one_sample_without_films() -> None:
-    nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "event_score"))
+    nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "warned_share", "event_score"))
     empty = report(TIME[:1], {}, NOISE, WIDTH, [[], *RUNS], None)
     assert empty == {"events": [], "lead_time_s": {}, **nothing}
 

@@ -74,15 +74,19 @@ class Modes:
         )
 
 
-def slow_modes(piece: PadPiece, mesh: object, order: int, films: bool, x: Array, ridge: Index) -> Modes:
-    """Return the modes of a meshed piece up to HIGHEST, the slowest first; `x` mm and `ridge` `(m,)`
-    are those of its contact points.
+def slow_modes(
+    piece: PadPiece, mesh: object, order: int, films: bool, x: Array, ridge: Index, dt: float = 0.0
+) -> Modes:
+    """Return the modes of a meshed piece up to HIGHEST that a step of `dt` s can advance, the slowest first;
+    `x` mm and `ridge` `(m,)` are those of its contact points.
 
-    Raises SizeError as `linear` does.
+    Points that are held make no mode slower, so what is faster than STABLE a step is not looked for. Raises
+    SizeError as `linear` does.
     """
     equations = linear(piece, mesh, order, films)
     with one_blas_thread():
-        found = [_of_half(equations, half) for half in equations.halves]
+        highest = min(HIGHEST, STABLE / dt) if dt else HIGHEST
+        found = [_of_half(equations, half, highest) for half in equations.halves]
     frequency = np.concatenate([f for f, _ in found])
     order_ = np.argsort(frequency, kind="stable")
     points = np.hstack(
@@ -106,8 +110,8 @@ def slow_modes(piece: PadPiece, mesh: object, order: int, films: bool, x: Array,
     )
 
 
-def _of_half(equations: PadEquations, half: Half) -> tuple[Array, Array]:
-    """Frequencies `(r,)` and shapes `(n, r)` of a part, of unit mass in the whole pad."""
+def _of_half(equations: PadEquations, half: Half, highest: float) -> tuple[Array, Array]:
+    """Frequencies `(r,)` up to `highest` rad/s and shapes `(n, r)` of a part, of unit mass in the pad."""
     free = np.sort(np.concatenate([half.inner, half.contact]))
     stiff, mass = (sparse.csc_matrix(matrix[free][:, free]) for matrix in (equations.stiff, equations.mass))
     factors = splu(stiff, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
@@ -117,11 +121,11 @@ def _of_half(equations: PadEquations, half: Half) -> tuple[Array, Array]:
     while True:
         squares, shapes = eigsh(stiff, count, mass, sigma=0.0, OPinv=inverse, v0=start)
         most = min(MOST, free.size // 2)
-        if squares.max() >= HIGHEST**2 or count >= most:
+        if squares.max() >= highest**2 or count >= most:
             break
         # of a plane body about as many modes lie below a frequency as its square says (Weyl), rather fewer
-        count = min(most, math.ceil(count * HIGHEST**2 / float(squares.max())))
-    slow = squares <= HIGHEST**2
+        count = min(most, math.ceil(count * highest**2 / float(squares.max())))
+    slow = squares <= highest**2
     whole = np.zeros((equations.stiff.shape[0], int(slow.sum())))
     whole[free] = shapes[:, slow] * np.sqrt(equations.share)
     return np.sqrt(squares[slow]), whole

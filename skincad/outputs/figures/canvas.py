@@ -52,7 +52,7 @@ from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [
@@ -93,6 +93,7 @@ __all__ = [
     "Axes",
     "EllipseCollection",
     "Figure",
+    "FixedLocator",
     "Line2D",
     "ListedColormap",
     "LogLocator",

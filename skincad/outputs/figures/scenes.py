@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -17,18 +19,21 @@ from skincad.outputs.figures.canvas import (
     BLACK,
     BLUE,
     GREY,
+    LABEL,
     MAP,
     NOTE,
     OPEN,
     PALE,
     PHASE_A,
     PHASE_B,
+    SIGNED_MAP,
     SMALL,
     STICK,
     THIN,
     VERMILION,
     Axes,
     EllipseCollection,
+    FixedLocator,
     Line2D,
     ListedColormap,
     MaxNLocator,
@@ -60,7 +65,7 @@ UNITS = {"V": 1.0, "mV": 1e3, "uV": 1e6}
 
 
 def scene_figure(simulation: Simulation) -> Picture:
-    """Return a figure: forces by step (Fig 11), differential stress, its rate and jerk (Figs 12, 13) of each
+    """Return a figure: forces by time (Fig 11), differential stress, its rate and jerk (Figs 12, 13) of each
     monitored ridge in its own panel, slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
@@ -73,9 +78,9 @@ def scene_figure(simulation: Simulation) -> Picture:
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
         grid = figure.add_gridspec(rows, max(1, len(groups)))
         forces = figure.add_subplot(grid[0, :])
-        forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
-        forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
-        forces.set_ylabel("force, N")
+        _forces(forces, simulation)
+        ticks = np.asarray(MaxNLocator(nbins=8).tick_values(0.0, milliseconds(simulation)[-1]))
+        fewer = ticks[:: -(-ticks.size // (2 if len(groups) > MAX_PANELS // 2 else 4))]  # of narrow panels
         firsts = [forces]
         for row, (name, label) in enumerate(SIGNALS if groups else (), 1):
             places = [figure.add_subplot(grid[row, 0])]
@@ -88,18 +93,39 @@ def scene_figure(simulation: Simulation) -> Picture:
                 axes.set_title(_panel_name(group, list(simulation.signals)), fontsize=SMALL)
             for axes in places if row == len(SIGNALS) else ():
                 axes.tick_params(labelbottom=True)
-                axes.set_xlabel("step")
+                axes.set_xlabel("time, ms")
         legend(forces, 3, handles=[*forces.lines, *_marks(simulation, groups)])
         slip = figure.add_subplot(grid[-1, :])
         _slip_map(slip, simulation)
-        for axes in (forces, slip):
-            axes.set_xlim(-0.5, simulation.march.time.size - 0.5)
-        slip.set_xlabel("step")
+        for axes in figure.axes:
+            axes.set_xlim(0.0, milliseconds(simulation)[-1])
+            axes.xaxis.set_major_locator(FixedLocator((ticks if axes in (forces, slip) else fewer).tolist()))
+        slip.set_xlabel(_time_label(simulation))
         figure.align_ylabels([*firsts, slip])
         width = simulation.scene.readout.bandwidth_Hz
         late = f"signals band-limited to {width:g} Hz, {1e3 * simulation.delay:.3g} ms late"
         figure.suptitle(f"{simulation.scene.name}" + (f": {late}" if simulation.signals else ""))
     return figure
+
+
+def milliseconds(simulation: Simulation) -> Array:
+    """Return the time of each step `(steps + 1,)`, ms."""
+    return np.asarray(1e3 * simulation.march.time)
+
+
+def _forces(axes: Axes, simulation: Simulation) -> None:
+    """The plate's forces by time."""
+    time = milliseconds(simulation)
+    axes.plot(time, simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
+    axes.plot(time, simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
+    axes.set(ylabel="force, N", xlim=(0.0, time[-1]))
+
+
+def _time_label(simulation: Simulation) -> str:
+    """What the time is in, and how long a step is: words name steps."""
+    time = milliseconds(simulation)
+    equal = time.size > 1 and evenly_spaced(time)
+    return f"time (a step is {time[1] - time[0]:.3g} ms), ms" if equal else "time, ms"
 
 
 def strips_figure(simulation: Simulation) -> Picture:
@@ -116,7 +142,9 @@ def strips_figure(simulation: Simulation) -> Picture:
     with sheet((WIDTH, 2 * PANEL + 1.2), 255) as figure:
         places = figure.subplots(2, 1, sharex=True)
         for axes, (name, values) in zip(places, parts.items(), strict=True):
-            image = axes.pcolormesh(edges, np.arange(len(ridges) + 1) - 0.5, values, cmap=colormaps[MAP])
+            most = float(np.abs(values).max()) or 1.0  # rest is the map's middle
+            rows = np.arange(len(ridges) + 1) - 0.5
+            image = axes.pcolormesh(edges, rows, values, cmap=colormaps[SIGNED_MAP], vmin=-most, vmax=most)
             axes.set_yticks(range(len(ridges)), [str(r) for r in ridges])
             axes.set(ylabel="ridge")
             axes.grid(visible=False)
@@ -127,7 +155,7 @@ def strips_figure(simulation: Simulation) -> Picture:
 
 
 def _pin_figure(simulation: Simulation) -> Picture:
-    """A figure of pins: forces by step, and a map of the tips from above, coloured by the step from
+    """A figure of pins: forces by time, and a map of the tips from above, coloured by the step from
     which each slips for good; those that never do are left white."""
     skin = skin_of(simulation.scene.design)
     tips = np.array([placed.tip for placed in skin.placed])
@@ -135,9 +163,8 @@ def _pin_figure(simulation: Simulation) -> Picture:
     with sheet((WIDTH, PANEL + WIDTH / 2), 255) as figure:
         grid = figure.add_gridspec(2, 1, height_ratios=(PANEL, WIDTH / 2))
         forces, plan = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
-        forces.plot(simulation.march.column("normal"), color=NORMAL, label="normal force $F_n$")
-        forces.plot(simulation.march.column("tangential"), color=TANGENTIAL, label="tangential force $F_t$")
-        forces.set(xlabel="step", ylabel="force, N", xlim=(-0.5, simulation.march.time.size - 0.5))
+        _forces(forces, simulation)
+        forces.set_xlabel(_time_label(simulation))
         legend(forces, 2)
         circles = EllipseCollection(
             *(np.full(skin.count, size) for size in (skin.profile.tip_width, skin.profile.tip_width, 0.0)),
@@ -178,19 +205,16 @@ def _signals(axes: Axes, simulation: Simulation, group: list[int], name: str, *,
     """One signal of the ridges of one panel, with the error of the ridge that is read."""
     read = read_ridge(list(simulation.signals))
     shades = [BLUE] if len(group) == 1 else colormaps[MAP](np.linspace(1.0, 0.25, len(group)))
+    time = milliseconds(simulation)
     for ridge, colour in zip(group, shades, strict=True):
         values, error = getattr(simulation.signals[ridge], name), _errors(simulation).get(ridge)
-        axes.plot(values, color=colour, linewidth=1.0, label=f"ridge {ridge}")
+        axes.plot(time, values, color=colour, linewidth=1.0, label=f"ridge {ridge}")
         if name == "value" and error and ridge == read:
-            steps = np.arange(values.size)
-            axes.fill_between(steps, values - error, values + error, color=PALE, alpha=0.7, linewidth=0)
+            axes.fill_between(time, values - error, values + error, color=PALE, alpha=0.7, linewidth=0)
         step = simulation.slip_steps[ridge - 1]
         if step is not None:
-            axes.axvline(step, color=GREY if len(group) == 1 else colour, zorder=0.9, **SLIPS)
-    axes.set_xlim(-0.5, simulation.march.time.size - 0.5)
+            axes.axvline(time[step], color=GREY if len(group) == 1 else colour, zorder=0.9, **SLIPS)
     axes.tick_params(labelbottom=False, labelleft=first)
-    room = 2 if len(simulation.signals) > MAX_PANELS // 2 else 4  # so that numbers of neighbours do not meet
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=room))
 
 
 def _panel_name(group: list[int], ridges: list[int]) -> str:
@@ -228,7 +252,8 @@ def _slip_map(axes: Axes, simulation: Simulation) -> None:
         [touches[:, simulation.march.ridge == r].any(axis=1) for r in range(1, count + 1)], axis=1
     )
     state = touching.astype(int) + (touching & simulation.slipping)
-    edges = np.arange(state.shape[0] + 1) - 0.5, np.arange(count + 1) + 0.5
+    time = milliseconds(simulation)
+    edges = np.append(time - np.diff(time, prepend=0.0) / 2, time[-1]), np.arange(count + 1) + 0.5
     axes.pcolormesh(*edges, state.T, cmap=ListedColormap([OPEN, STICK, SLIP]), vmin=0, vmax=2)
     axes.set_ylabel("ridge")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=9))
@@ -240,23 +265,24 @@ def _slip_map(axes: Axes, simulation: Simulation) -> None:
 
 @dataclass(frozen=True)
 class RidgeRecording:
-    """Both strips' outputs and their difference at the recorder's rate, V."""
+    """Both strips' outputs and their difference, V, at a recorder's rate or else at the run's steps."""
 
     ridge: int
     s1: Recording
     s2: Recording
     pair: Recording
+    sampled: bool = True
 
 
 def recording(simulation: Simulation) -> RidgeRecording | None:
-    """Return what is recorded of ridge 3, or of the last monitored one.
+    """Return what is recorded of ridge 3, or of the last monitored one; None without outputs.
 
-    None without a sampling, where the run's steps are coarser or in no ratio of small numbers to it, and
-    for fewer than 50 samples.
+    Without a sampling, where the run's steps are coarser or in no ratio of small numbers to it, and for fewer
+    than MIN_SAMPLES, these are the outputs at the run's equal steps.
     """
     outputs, wanted = simulation.read.get("output_V"), simulation.read.get("sampling_Hz")
     time = simulation.march.time
-    if not outputs or wanted is None or time.size < 2 or wanted * float(time[-1]) < MIN_SAMPLES:
+    if not outputs or time.size < 2:
         return None
     ridge = read_ridge([int(name) for name in outputs])
     even = np.arange(time.size)
@@ -266,41 +292,60 @@ def recording(simulation: Simulation) -> RidgeRecording | None:
     if even.size < 2:
         return None
     rate = 1 / float(time[even[1]] - time[even[0]])
-    try:
-        parts = [recorded(np.array(outputs[str(ridge)][k])[even], rate, wanted) for k in ("S1", "S2", "pair")]
-    except InputError:  # the rates of recorder and run have no ratio of small numbers: no picture
-        return None
-    return RidgeRecording(ridge, *parts)
+    values = [np.array(outputs[str(ridge)][k])[even] for k in ("S1", "S2", "pair")]
+    if wanted is not None and wanted * float(time[-1]) >= MIN_SAMPLES:
+        with suppress(InputError):  # the rates of recorder and run have no ratio of small numbers
+            s1, s2, pair = (recorded(of, rate, wanted) for of in values)
+            return RidgeRecording(ridge, s1, s2, pair)
+    s1, s2, pair = (Recording(of, rate, rate / 2, 0.0, ()) for of in values)
+    return RidgeRecording(ridge, s1, s2, pair, sampled=False)
 
 
 def recording_figure(simulation: Simulation, record: RidgeRecording) -> Picture:
-    """Return a figure: S1 and S2, their difference vd with the phases P_A and P_B, and what is not seen.
+    """Return a figure: S1 and S2, their difference vd with the phases P_A and P_B, the noise, the alarms, and
+    what is not seen.
 
     P_A is from the start of the pull to the ridge's slip, P_B from there to gross slip.
     """
     with sheet((9.0, 6.4)) as figure:
-        rate = record.pair.rate
+        time = 1e3 * np.arange(record.pair.values.size) / record.pair.rate
         strips, pair = figure.subplots(2, 1, sharex=True)
         largest = max(float(np.abs(part.values).max()) for part in (record.s1, record.s2, record.pair))
         unit, factor = next(((u, f) for u, f in UNITS.items() if largest * f >= 1), ("uV", 1e6))
         for part, name, colour in ((record.s1, "S1", BLUE), (record.s2, "S2", VERMILION)):
-            strips.plot(
-                factor * part.values, color=colour, linewidth=1.0, label=f"ridge {record.ridge} {name}"
-            )
-        pair.plot(factor * record.pair.values, color=BLACK, linewidth=1.0, label="$v_d$ = S1 - S2")
+            label = f"ridge {record.ridge} {name}"
+            strips.plot(time, factor * part.values, color=colour, linewidth=1.0, label=label)
+        pair.plot(time, factor * record.pair.values, color=BLACK, linewidth=1.0, label="$v_d$ = S1 - S2")
+        if noise := simulation.read.get("output_noise_V_rms"):
+            for axes, rms in ((strips, noise), (pair, math.sqrt(2) * noise)):
+                band = f"noise, ± {factor * rms:.2g} {unit} rms"
+                axes.axhspan(-factor * rms, factor * rms, color=GREY, alpha=0.4, linewidth=0, label=band)
+        _name_alarms(pair, simulation, record.ridge)
         _make_room(strips, 0.0)
         _make_room(pair, ROOM_BELOW)
         for axes in (strips, pair):
             for name, (start, end) in phases(simulation, record.ridge).items():
-                axes.axvspan(start * rate, end * rate, color=PHASES[name], zorder=0)
-                middle = (start + end) / 2 * rate
+                axes.axvspan(1e3 * start, 1e3 * end, color=PHASES[name], zorder=0)
+                middle = 1e3 * (start + end) / 2
                 axes.annotate(name, (middle, 0.9), xycoords=("data", "axes fraction"), ha="center")
             axes.set_ylabel(f"output, {unit}")
             legend(axes)
         _name_slips(pair, simulation, record)
-        pair.set_xlabel(f"sample at {rate:g} Hz\n\n{caption(simulation, record)}")
-        figure.suptitle(f"{simulation.scene.name}: {simulation.read['circuit']} as recorded at {rate:g} Hz")
+        pair.set_xlabel("time, ms")
+        figure.supxlabel(caption(simulation, record), fontsize=LABEL)
+        seen = f"as recorded at {record.pair.rate:g} Hz" if record.sampled else "at the run's steps"
+        figure.suptitle(f"{simulation.scene.name}: {simulation.read['circuit']} {seen}")
     return figure
+
+
+def _name_alarms(axes: Axes, simulation: Simulation, ridge: int) -> None:
+    """The alarms of all monitored ridges together, and those of this one."""
+    for who, colour in ((None, VERMILION), (ridge, BLUE)):
+        whose = "alarm" if who is None else f"alarm of ridge {ridge}"
+        at = [1e3 * event["time_s"] for event in simulation.read.get("events", ()) if event["ridge"] == who]
+        if at:
+            foot: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+            axes.plot(at, [0.0] * len(at), "^", color=colour, markersize=7, label=whose, **foot)
 
 
 def _make_room(axes: Axes, under: float) -> None:
@@ -315,13 +360,15 @@ def caption(simulation: Simulation, record: RidgeRecording) -> str:
     seen_to = min(record.pair.passband, simulation.scene.readout.bandwidth_Hz)
     unseen = ": neither the cut-off at 1.2 kHz nor the stress-jerk above it is seen"
     ratio = simulation.read["signal_to_noise_dB"][str(record.ridge)]
+    what = "Samples" if record.sampled else "Steps"
     lines = [
         f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
-        f"Samples are {step:.3g} ms apart: no shorter lead time is claimed.",
+        f"{what} are {step:.3g} ms apart: no shorter lead time is claimed.",
     ]
     if ratio is not None:
+        drawn = "with" if "lead_time_by_noise" in simulation.read else "without"
         lines.append(
-            f"Drawn without noise; film and amplifier leave a signal-to-noise ratio of {ratio:.3g} dB."
+            f"Drawn {drawn} noise; film and amplifier leave a signal-to-noise ratio of {ratio:.3g} dB."
         )
     if rate and record.pair.warnings:
         lines += list(record.pair.warnings)
@@ -343,12 +390,12 @@ def phases(simulation: Simulation, ridge: int) -> dict[str, tuple[float, float]]
 
 def _name_slips(axes: Axes, simulation: Simulation, record: RidgeRecording) -> None:
     """The slips of the ridge and of its neighbours, and gross slip."""
-    time, rate = simulation.march.time, record.pair.rate
+    time = milliseconds(simulation)
     marks = {f"ridge {r}": simulation.slip_steps[r - 1] for r in (record.ridge - 1, record.ridge) if r >= 1}
     for name, step in {**marks, "all": simulation.gross_slip_step}.items():
         if step is not None:
-            axes.axvline(time[step] * rate, color=GREY, linewidth=0.8, linestyle="--")
-            where = (time[step] * rate, 0.02)
+            axes.axvline(time[step], color=GREY, linewidth=0.8, linestyle="--")
+            where = (time[step], 0.02)
             axes.annotate(
                 f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=NOTE, rotation=90
             )

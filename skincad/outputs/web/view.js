@@ -354,6 +354,9 @@ function start(told) {
 }
 
 data().then(start).catch((failure) => {
-  get("stage").textContent = `Nothing can be drawn here: ${failure.message}`;
+  const told = document.createElement("p");
+  told.textContent = `This browser draws nothing in three dimensions (${failure.message}). Here is a picture instead.`;
+  get("picture").classList.remove("hidden");
+  get("stage").replaceChildren(told, get("picture"));
   throw failure;
 });

@@ -77,6 +77,14 @@ def test_long_steps_resolve_fewer() -> None:
     assert counts[-1] == 0
 
 
+def test_what_a_step_cannot_advance_is_not_looked_for() -> None:
+    piece, mesh, pad = parts()
+    fewer = mech.slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge, 3e-4)
+    assert 0 < fewer.frequency.size < modes().frequency.size
+    some, every = (mech.resolved(of, pad.compliance, 3e-4) for of in (fewer, modes()))
+    assert some.frequency == pytest.approx(every.frequency, rel=1e-6)  # the eigenvalues' tolerance
+
+
 @pytest.mark.parametrize("dt", [1e-6, 1e-4, 3e-3])
 def test_a_step_is_exact_for_a_force_straight_in_time(dt: float) -> None:
     """Of one mode from rest under a rising force; the closed form of a damped oscillator, d below 2 w."""

@@ -33,7 +33,23 @@ from tests.designs import RIDGED
 from tests.small_scene import THIRD, small_scene
 
 UNITS = (
-    *("mm", "N", "MPa", "MPa/s", "MPa/s$^2$", "mm/mm", "Hz", "dB", "dB re 1 V/N", "s", "V", "mV", "uV", "um"),
+    *(
+        "mm",
+        "ms",
+        "N",
+        "MPa",
+        "MPa/s",
+        "MPa/s$^2$",
+        "mm/mm",
+        "Hz",
+        "dB",
+        "dB re 1 V/N",
+        "s",
+        "V",
+        "mV",
+        "uV",
+        "um",
+    ),
     *("mm3", "pC/N", "rad", "deg", "%", "ohm", "F", "1"),
 )
 NUMBERED = ("ridge", "step", "sample at")  # what is counted has none
@@ -323,13 +339,14 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
 def test_a_panel_for_each_ridge_has_its_differential_stress_slip_and_error(folder: Path) -> None:
     """A dashed line marks each ridge's slip; only the ridge that is read, 3 of 1, 2, 3, has an error band."""
     figure = scenes.scene_figure(pulled(folder))
-    panels, signals = figure.axes[1:-1], pulled(folder).signals
+    panels, signals, time = figure.axes[1:-1], pulled(folder).signals, pulled(folder).march.time
     assert len(panels) == 3 * len(signals)
     assert "differential stress" in panels[0].get_ylabel()
     for axes, signal in zip(panels, signals.values(), strict=False):
         assert np.array_equal(axes.lines[0].get_ydata(), signal.value)
     lines = [(line, axes) for axes in panels[:3] for line in axes.lines]
-    assert [x.get_xdata()[0] for x, axes in lines if x.get_transform() != axes.transData] == [2, 4, 6]
+    slips = [x.get_xdata()[0] for x, axes in lines if x.get_transform() != axes.transData]
+    assert slips == pytest.approx(1e3 * time[[2, 4, 6]])  # ms
     assert_only_ridge_3_has_a_band(figure)
 
 

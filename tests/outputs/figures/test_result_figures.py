@@ -277,11 +277,18 @@ def test_it_is_ridge_3_at_the_recorders_rate_without_what_would_fold_back() -> N
         scene(rate=500.0),  # the march's steps are coarser than the recorder's
         scene(sampling=40.0),  # a second has 40 samples
         scene(sampling=649.99999),
-        scene(read={}),
     ],
 )
-def test_where_there_is_nothing_to_record_nothing_is_drawn(simulation: Any) -> None:
-    assert scenes.recording(simulation) is None
+def test_what_no_recorder_samples_is_drawn_at_the_runs_steps(simulation: Any) -> None:
+    seen = scenes.recording(simulation)
+    assert seen is not None
+    assert not seen.sampled
+    assert np.array_equal(seen.pair.values, simulation.read["output_V"]["3"]["pair"])
+    assert "Steps are" in scenes.caption(simulation, seen)
+
+
+def test_without_outputs_nothing_is_drawn() -> None:
+    assert scenes.recording(scene(read={})) is None
 
 
 def test_the_phases_are_the_papers() -> None:

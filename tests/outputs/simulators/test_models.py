@@ -116,6 +116,42 @@ def test_a_strict_reader_takes_the_urdf(simulated: PackageFolder) -> None:
     assert high[0] - low[0] == pytest.approx(simulated.package.surfaces["carrier"].extents[0], rel=0.2)
 
 
+ROBOT = """<mujoco><compiler angle="radian"/>{include}<worldbody><body name="finger" pos="0 0 0.2">
+<joint name="bend" type="hinge" axis="0 1 0"/><geom name="bone" type="sphere" size="0.01" density="2000"/>
+<site name="tip" pos="0 0 0.01"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("way", ["include", "attach"])
+def test_a_robot_with_the_skin_keeps_its_own_bodies(simulated: PackageFolder, way: str) -> None:
+    """A body whose mass is its geometry's has it still, and the skin its own."""
+    folder = simulated.folder
+    if way == "include":
+        (folder / "robot.xml").write_text(ROBOT.format(include='<include file="skin.xml"/>'))
+        model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+        (folder / "robot.xml").unlink()
+    else:
+        robot = mujoco.MjSpec.from_string(ROBOT.format(include=""))
+        robot.attach(
+            mujoco.MjSpec.from_file(str(folder / "skin.xml")), site=robot.site("tip"), prefix="skin-"
+        )
+        model = robot.compile()
+    ball = 2000 * 4 / 3 * np.pi * 0.01**3
+    assert model.body("finger").mass[0] == pytest.approx(ball, rel=1e-9)
+    skin = model.body_mass.sum() - model.body("finger").mass[0]
+    assert skin == pytest.approx(simulated.package.weighs.mass * 1e-3, rel=1e-9)
+
+
+def test_meshes_of_a_urdf_are_where_it_is_told(tmp_path: Path) -> None:
+    design = skincad.load_design("steep-fingertip")
+    of = weights.Links(LOPSIDED, LOPSIDED, (), None)
+    bare, prefixed = (models.skin_urdf(design, of, prefix) for prefix in ("", "package://my&robot/meshes/"))
+    assert prefixed.replace("package://my&amp;robot/meshes/", "") == bare
+    (tmp_path / "a.urdf").write_text(prefixed)
+    robot = yourdfpy.URDF.load(str(tmp_path / "a.urdf"), load_meshes=False, build_scene_graph=False)
+    names = [visual.geometry.mesh.filename for link in robot.robot.links for visual in link.visuals]
+    assert names == ["package://my&robot/meshes/carrier.stl", "package://my&robot/meshes/skin.stl"]
+
+
 LOPSIDED = weights.Weight(
     2.0, np.array([1.0, -2.0, 3.0]), np.array([[9.0, 1.0, -2.0], [1.0, 8.0, 0.5], [-2.0, 0.5, 7.0]])
 )
