@@ -36,7 +36,8 @@ def solve(
         typer.Option(
             "--target",
             metavar="KEY=VALUE",
-            help="What a result is to be, by its key in --json: all_touch_force=3; repeat for several.",
+            help="What a result is to be, by its key in --json: all_touch_force=3, or a limit as "
+            "all_touch_force<=3; repeat for several.",
         ),
     ],
     vary: Annotated[
@@ -90,7 +91,13 @@ def solve(
     for path, suffix, key in ((copy, ".toml", "copy"), (picture, ".png", "picture")):
         if path is not None:
             checked_fresh(path, suffix, key)
-    wishes = {key: _number(key, text) for key, text in texts(target, "target").items()}
+    wishes = dict[str, float | str]()
+    for typed_key, text in texts(target, "target").items():
+        key = typed_key.rstrip("<> ")
+        if key in wishes:
+            raise InputError("target", f"names {key} twice", remedy="give one; check the other afterwards")
+        sides = typed_key.removeprefix(key).strip()
+        wishes[key] = f"{sides}={text}" if sides else _number(key, text)
     varied = texts(vary, "vary")
     subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):

@@ -23,7 +23,7 @@ from skincad.base.reading import csv_text
 from skincad.base.result import Writer
 from skincad.outputs.delivery import Presentation, picture, text
 from skincad.outputs.tomls import write_copy
-from skincad.studies.query import Evaluation, short, worded
+from skincad.studies.query import Evaluation, short, slack, worded
 from skincad.studies.searches import combinations
 from skincad.studies.solving import Solution, SolutionPoint
 from skincad.studies.study import Member, Optimisation
@@ -44,6 +44,7 @@ MAX_SHOWN = 5  # solutions, in words
 PAGE = "study.html"
 MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
 NUMBER = re.compile(r"\d[\d.e+-]*")
+MOST_KEYS = 12  # of a result, that are named
 MAX_TIED_ROWS = 12  # rows of a tie that are listed by number
 FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
 SHOWN = 6  # members of the front, in words and as designs
@@ -142,12 +143,22 @@ def _none(solution: Solution) -> str:
         sentence = f"none found in {many} of {ranges} that gives {_targets(solution)}"
     if solution.closest is None:
         return sentence
-    reached = ", ".join(worded(key, value) for key, value in solution.closest.reached.items())
-    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}"
+    near = solution.closest.reached
+    reached = ", ".join(worded(key, value) for key, value in near.items())
+    within = all(
+        abs(float(near[key]) - wanted) <= slack(near[key]) for key, wanted in solution.target.items()
+    )
+    may = "; the target lies within its error" if within else ""
+    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}{may}"
 
 
 def _targets(solution: Solution) -> str:
-    return ", ".join(worded(key, wanted) for key, wanted in solution.target.items())
+    sides = {"<=": " at most ", ">=": " at least "}
+    bounds = solution.bounds or {}
+    words = (
+        (worded(key, wanted), sides.get(bounds.get(key, ""), " ")) for key, wanted in solution.target.items()
+    )
+    return ", ".join(side.join(text.split(" ", 1)) for text, side in words)
 
 
 def _range(knob: DesignVariable) -> str:
@@ -240,7 +251,11 @@ def _tie(ranking: Ranking) -> str:
 def sweep_step(sweep: SweepResult) -> str:
     """Return what to do next: ask a better model that tells the first rows apart, or check the best row."""
     if not _ranked(sweep):
-        return "change the ranges of --vary: no row has an answer."
+        answered = [row for row in sweep.rows if not row.refused]
+        if not answered:
+            return "change the ranges of --vary: no row has an answer."
+        keys = [key for key in answered[0].results if answered[0].results[key].value is not None]
+        return f"rank the rows: --rank KEY=max, KEY one of {', '.join(keys[:MOST_KEYS])}; `--json` has all."
     if sweep.next_model:
         name, seconds = sweep.next_model.model, sweep.next_model.seconds
         count = len(sweep.rankings[0].ties[0])

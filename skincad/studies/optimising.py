@@ -75,10 +75,8 @@ def optimise(
     closest = None if best_members else next(iter(hunt.weighing.ordered(members)), None)
     rows, count = hunt.rows(), combinations(varied)
     untried = None if count is None else count - len(hunt.known["search"])
-    evaluated, reused = (
-        sum(run.evaluated for run in hunt.runs.values()),
-        sum(run.reused for run in hunt.runs.values()),
-    )
+    asked = [run for question, run in hunt.runs.items() if not hunt.is_guide(question)]
+    evaluated, reused = sum(run.evaluated for run in asked), sum(run.reused for run in asked)
     seconds = perf_counter() - began
     return Optimisation(
         study=study,
@@ -326,9 +324,12 @@ class _Hunt:
         if question not in self.runs:
             same_kind = question.kind == self.question.kind or not isinstance(self.subject, Scene)
             subject = self.subject if same_kind else self.subject.design  # type: ignore[union-attr]
-            cheap = question.model == GUIDE and GUIDE not in (self.study.model, self.study.judge)
-            self.runs[question] = Run(subject, question, None if cheap else self.log)
+            self.runs[question] = Run(subject, question, None if self.is_guide(question) else self.log)
         return self.runs[question]
+
+    def is_guide(self, question: Query) -> bool:
+        """Whether a question is the closed form's, by which a search starts: it costs next to nothing."""
+        return question.model == GUIDE and GUIDE not in (self.study.model, self.study.judge)
 
     def _of_design(self, values: Values) -> Values:
         """What is varied of the skin, by the design's own keys."""

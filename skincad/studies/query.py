@@ -206,13 +206,15 @@ GUIDE = "winkler"  # the closed form: a thousandth of the time, and the right sl
 class Evaluator:
     """A question of a subject, its evaluations so far by key, and the numbers `wished` of them.
 
-    `target` is what is wished by the result's own keys, empty until the first answer tells them.
+    `target` is what is wished by the result's own keys, empty until the first answer tells them. `bounds`
+    says of which wishes the number is a limit, "<=" or ">=", by the same keys; one that is kept is met.
     """
 
     subject: Subject
     question: Query
     wished: Mapping[str, float]
     progress: Progress | None = None
+    bounds: dict[str, str] = field(default_factory=dict)
     target: dict[str, float] = field(default_factory=dict)
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
     unlike: bool = False  # whether the closed form's result lacks a number that is wished
@@ -232,7 +234,9 @@ class Evaluator:
     def name(self, evaluation: Evaluation) -> None:
         """Take the wishes' keys from a first answer."""
         if evaluation.results and not self.target:
-            self.target = {resolved(key, evaluation.results): value for key, value in self.wished.items()}
+            names = {key: resolved(key, evaluation.results) for key in self.wished}
+            self.target = {names[key]: value for key, value in self.wished.items()}
+            self.bounds = {names[key]: side for key, side in self.bounds.items()}
 
     def told(self, evaluation: Evaluation) -> list[float] | None:
         """Return the wished results' values; None where one has none or the design is refused."""
@@ -240,6 +244,15 @@ class Evaluator:
             return None
         values = [evaluation.results[key].value for key in self.target]
         return [value for value in values if value is not None] if None not in values else None
+
+    def missed(self, evaluation: Evaluation) -> list[float] | None:
+        """Return by how much each wish is missed, value less what is wished: 0 where a bound is kept."""
+        values = self.told(evaluation)
+        if values is None:
+            return None
+        off = {key: value - self.target[key] for key, value in zip(self.target, values, strict=True)}
+        kept = {"<=": max, ">=": min}
+        return [kept[self.bounds[key]](d, 0.0) if key in self.bounds else d for key, d in off.items()]
 
     def guide(self, values: Mapping[str, Value]) -> list[float] | None:
         """Return what the closed form says, without counting it as an evaluation; None where it does not."""
@@ -254,11 +267,10 @@ class Evaluator:
 
     def off(self, evaluation: Evaluation) -> float:
         """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""
-        values = self.told(evaluation)
-        if values is None:
+        missed = self.missed(evaluation)
+        if missed is None:
             return math.inf
-        wanted = self.target.values()
-        return max(abs(x - y) / (abs(y) or 1.0) for x, y in zip(values, wanted, strict=True))
+        return max(abs(d) / (abs(y) or 1.0) for d, y in zip(missed, self.target.values(), strict=True))
 
 
 def short(value: Value) -> str:

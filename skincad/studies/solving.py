@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -87,6 +88,9 @@ class Solution(Result):
     evaluations: tuple[Evaluation, ...]
     notes: tuple[str, ...] = item(meaning="what else is to be known of the search")
     seconds: float  # wall time
+    bounds: Mapping[str, str] | None = item(
+        meaning="<= or >= by the keys of targets that are limits; null without one", default=None
+    )
     complete: bool = False
 
     @reported(meaning="of the subject")
@@ -280,11 +284,12 @@ MOST_CHOICES = 256  # combinations of choices, each solved by itself
 # the first that takes the design: one for all its evaluations
 MODELS = "corrected", "linear", "winkler", "reduced"
 Values = dict[str, Value]
+BOUND = re.compile(r"\s*([<>]=)?\s*(.*)", re.DOTALL)
 
 
 def solve(
     subject: Subject,
-    target: Mapping[str, float],
+    target: Mapping[str, float | str],
     vary: Mapping[str, RangeText],
     *,
     model: str | None = None,
@@ -295,6 +300,7 @@ def solve(
 ) -> Solution:
     """Return the values of the `vary` keys for which a result's numbers are the `target`, by its JSON keys.
 
+    A target is a number, or a limit as text: "<=0.25" or ">=0.25", which the start may keep as it is.
     `subject` is a design (its check is asked), a scene (its simulation) or a circuit (its gain); keys of
     `vary` have dots, as `skin.curvature_radius`, and a range (low, high), a list of choices or "all". One
     number: the values in its range that the search meets, or none after a search of the whole range. Several:
@@ -304,14 +310,15 @@ def solve(
     that can't be used.
     """
     began = perf_counter()
-    varied = _varied(subject, target, vary, tol, evaluations)
+    wished, bounds = _wished(target)
+    varied = _varied(subject, wished, bounds, vary, tol, evaluations)
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = tuple(knob for knob in varied if knob not in stepped)
     lists = [knob.values() for knob in stepped]
     question = question_of(subject, model=model, force=force)
     if isinstance(subject, Design) and model in (None, "auto"):
         question = replace(question, model=first_able(MODELS, subject))
-    evaluator = Evaluator(subject, question, target, progress)
+    evaluator = Evaluator(subject, question, wished, progress, bounds)
     if evaluator.guided:
         try:
             evaluator.guide({})
@@ -328,7 +335,7 @@ def solve(
         fixed = {knob.key: value for knob, value in zip(stepped, combination, strict=True)}
         if not smooth:
             solved += _chosen(evaluator, fixed, tol)
-        elif len(smooth) == 1:
+        elif len(smooth) == 1 == len(wished):
             roots, whole = _crossings(evaluator, fixed, smooth[0], tol, most, notes, step)
             solved, complete = solved + roots, complete and whole
         else:
@@ -337,9 +344,27 @@ def solve(
     return _told(evaluator, varied, solved, complete, notes, perf_counter() - began)
 
 
+def _wished(target: Mapping[str, float | str]) -> tuple[dict[str, float], dict[str, str]]:
+    """What is wanted, and which of it are limits; raises InputError for a text that is neither."""
+    wished, bounds = dict[str, float](), dict[str, str]()
+    for key, wanted in target.items():
+        if isinstance(wanted, str):
+            side, number = BOUND.fullmatch(wanted).groups()  # type: ignore[union-attr]  # it matches any text
+            try:
+                wished[key] = float(number)
+            except ValueError:
+                rule = "must be a number, or a limit as <=0.25"
+                raise InputError(f"target {key}", rule, wanted) from None
+            bounds |= {key: side} if side else {}
+        else:
+            wished[key] = wanted
+    return wished, bounds
+
+
 def _varied(
     subject: Subject,
     target: Mapping[str, float],
+    bounds: Mapping[str, str],
     vary: Mapping[str, RangeText],
     tol: float,
     evaluations: int | None,
@@ -355,9 +380,10 @@ def _varied(
     varied = knobs(subject, vary)
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = len(varied) - len(stepped)
-    if smooth and len(target) > smooth:
+    if smooth and (exact := len(target) - len(bounds)) > smooth:
         rule = f"must name at most as many numbers as keys are varied ({smooth})"
-        raise InputError("target", rule, len(target), "vary another key, or drop a target")
+        remedy = "vary another key, drop a target, or make one a limit as KEY<=VALUE"
+        raise InputError("target", rule, exact, remedy)
     if len(varied) == 1 and len(varied[0].choices) == 1:
         rule, remedy = "names one value", "write LOW:HIGH, or several choices"
         raise InputError(varied[0].key, rule, varied[0].choices[0], remedy)
@@ -399,6 +425,7 @@ def _told(
         subject=evaluator.subject,
         question=evaluator.question,
         target=evaluator.target or dict(evaluator.wished),
+        bounds=evaluator.bounds or None,
         knobs=varied,
         solutions=tuple(sorted(solved, key=lambda evaluation: _order(evaluator, varied, evaluation))),
         closest=near,
@@ -413,10 +440,8 @@ def _order(evaluator: Evaluator, varied: tuple[DesignVariable, ...], solved: Sol
     """The least change first; of choices alone the one that comes nearest."""
     if not all(knob.choices or knob.whole for knob in varied):
         return _change(varied, solved.values)
-    return max(
-        abs(float(estimate) - wanted) / (abs(wanted) or 1.0)
-        for estimate, wanted in zip(solved.reached.values(), evaluator.target.values(), strict=True)
-    )
+    evaluation = evaluator.ask(dict(solved.values))
+    return evaluator.off(evaluation)
 
 
 def _change(varied: tuple[DesignVariable, ...], values: Mapping[str, Value]) -> float:
@@ -466,10 +491,10 @@ def _uncast(subject: Subject, key: str, value: Value) -> str:
 def _chosen(evaluator: Evaluator, fixed: Values, tol: float) -> Iterator[SolutionPoint]:
     """What choices alone give: a solution where the wish lies within the result's error."""
     evaluation = evaluator.ask(fixed)
-    values = evaluator.told(evaluation)
-    if values is not None and all(
-        abs(x - y) <= max(tol * abs(y), slack(evaluation.results[key]))
-        for x, (key, y) in zip(values, evaluator.target.items(), strict=True)
+    missed = evaluator.missed(evaluation)
+    if missed is not None and all(
+        abs(d) <= max(tol * abs(y), slack(evaluation.results[key]))
+        for d, (key, y) in zip(missed, evaluator.target.items(), strict=True)
     ):
         yield _solved(evaluator, evaluation, {})
 
@@ -503,6 +528,8 @@ def _crossings(
         return function
 
     function, guide = first(lambda each: evaluator.told(evaluator.ask(each))), first(evaluator.guide)
+    if evaluator.bounds and evaluator.off(evaluation := evaluator.ask(values(_start(knob)))) == 0:
+        return [_solved(evaluator, evaluation, {})], False
     (wanted,) = evaluator.wished.values()
     allowed = tol * (abs(wanted) or 1.0)
     zeros = search(
@@ -522,7 +549,11 @@ def _crossings(
     for share in zeros.roots:
         answer = evaluator.ask(values(share))
         roots.append(_solved(evaluator, answer, _interval(evaluator, knob, share, zeros, answer)))
-    return roots, zeros.complete
+    if evaluator.bounds and not roots:  # it is kept beyond a jump, or beyond what is refused
+        of_these = [e for e in evaluator.evaluations.values() if fixed.items() <= e.values.items()]
+        kept = [_solved(evaluator, e, {}) for e in of_these if evaluator.off(e) == 0]
+        roots = sorted(kept, key=lambda solved: _change((knob,), solved.values))[:1]
+    return roots, zeros.complete and not evaluator.bounds
 
 
 def _interval(
@@ -551,8 +582,8 @@ def _least_changed(
         return {**fixed, **{knob.key: knob.at(float(x)) for knob, x in zip(smooth, place, strict=True)}}
 
     def function(place: Array) -> Array | None:
-        reached = evaluator.told(evaluator.ask(values(place)))
-        return None if reached is None else scaled(np.array(reached), wanted)
+        missed = evaluator.missed(evaluator.ask(values(place)))
+        return None if missed is None else scaled(wanted + missed, wanted)
 
     tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
     path = least_change(function, np.array([_start(k) for k in smooth]), scaled(wanted, wanted), tols, most)

@@ -195,6 +195,10 @@ def field_of(subject: Subject, key: str) -> FieldInfo:
             if _at(_tables(subject), key) is None:
                 raise no_entry(key, len(_at(_tables(subject), key.rpartition(".")[0]) or ()))
             return field
+        if inner is not None and part.isdecimal():
+            table = ".".join(parts[:number])
+            rule = f"is a key of [[{table}]], a list of tables, which can't be varied"
+            raise InputError(key, rule, remedy="write the number into the file")
         if part not in model.model_fields:
             raise InputError(key, "unknown key", remedy=did_you_mean(part, model.model_fields))
         field, inner = model.model_fields[part], table_of(model, part)

@@ -296,6 +296,37 @@ def test_choices_and_whole_numbers_are_tried_one_by_one() -> None:
     assert [one.values for one in counted.solutions] == [{"ridge.count": 7}]
 
 
+def test_a_limit_is_kept_with_the_least_change() -> None:
+    """Where the design keeps it nothing changes; else it is met as a number is, and one key may have two."""
+    kept = quick({"all_touch_force": "<= 3"}, {"ridge.levelling": (0, 1)})
+    assert kept.solutions[0].values == {"ridge.levelling": 0.0}
+    assert len(kept.evaluations) == 1
+    assert "all_touch_force at most 3 N" in str(kept)
+    assert kept.as_json()["target"] == {"all_touch_force_N": 3.0}
+    assert kept.as_json()["bounds"] == {"all_touch_force_N": "<="}
+    met = quick({"all_touch_force": "<=1.5"}, {"ridge.levelling": (0, 1)})
+    exact = quick({"all_touch_force": 1.5}, {"ridge.levelling": (0, 1)})
+    assert met.solutions[0].values == exact.solutions[0].values
+    assert exact.as_json()["bounds"] is None
+    both = quick({"all_touch_force": "<=1.5", "approach": ">=0.05"}, {"ridge.levelling": (0, 1)})
+    reached = both.solutions[0].reached
+    assert float(reached["all_touch_force_N"]) <= 1.5 * (1 + TOL)
+    assert float(reached["approach_mm"]) >= 0.05 * (1 - TOL)
+    stiffer = quick({"all_touch_force": ">=3"}, {"material.name": "all"})
+    assert stiffer.solutions
+    assert all(float(one.reached["all_touch_force_N"].upper) >= 3 for one in stiffer.solutions)
+
+
+def test_the_nearest_says_whether_the_target_is_within_its_error() -> None:
+    """0.25 N is beyond the flattest skin's value; by the closed form's error it may be that."""
+    far = quick({"all_touch_force": 1e-4}, {"skin.curvature_radius": (40, 60)})
+    assert "lies within its error" not in str(far)
+    nearest = float(far.closest.reached["all_touch_force_N"])
+    near = quick({"all_touch_force": 0.97 * nearest}, {"skin.curvature_radius": (40, 60)})
+    assert not near.feasible
+    assert str(near).splitlines()[0].endswith("; the target lies within its error.")
+
+
 @pytest.mark.slow
 def test_a_number_is_solved_for_each_choice() -> None:
     vary = {"material.name": "dragon-skin-20,dragon-skin-30", "skin.curvature_radius": (20, 200)}
@@ -465,6 +496,8 @@ def test_a_scenes_skin_is_written_with_it(tmp_path: Path, capsys: pytest.Capture
         (f"--target all_touch_force {RADIUS}", "target: must be KEY=VALUE"),
         (f"--target all_touch_force=a {RADIUS}", "must be a number"),
         (f"--target all_touch_force=nan {RADIUS}", "must be finite"),
+        (f"--target all_touch_force<=a {RADIUS}", "must be a number"),
+        (f"--target approach<=1 --target approach>=0.5 {RADIUS}", "target: names approach twice"),
         ("--target approach=1 --vary skin.length", "vary: must be KEY=LOW:HIGH"),
         ("--target approach=1 --vary skin.lenth=8:12", "did you mean 'length'"),
         ("--target approach=1 --vary material.name=all --picture x.png", "one key with a range"),

@@ -72,7 +72,8 @@ def solution_figure(solution: Solution) -> Picture:
     name, _, unit = _axis_label(key, solution.evaluations).partition(", ")
     with sheet(SIZE, 255) as figure:
         axes = figure.add_subplot()
-        words = f"wanted: {wanted:g}" + f" {unit}" * (unit != "1")
+        side = {"<=": "at most ", ">=": "at least "}.get((solution.bounds or {}).get(key, ""), "")
+        words = f"wanted: {side}{wanted:g}" + f" {unit}" * (unit != "1")
         axes.axhline(wanted, color=TARGET, linestyle="--", label=words)
         if points:
             at, value, error = np.array(points).T
