@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, did_you_mean
+from skincad.base.interrupt import at_once
 from skincad.base.progress import stage_bar
 from skincad.cli.options import (
     GrippersOption,
@@ -79,6 +80,9 @@ def new(
     family: Annotated[
         str | None, _wish("--family", "NAME", "What stands on the skin: ridge, pin, ring or flat.")
     ] = None,
+    thickness: Annotated[
+        str | None, _wish("--thickness", "MM", "Thickness of the skin under its features: 8, in mm, or 8mm.")
+    ] = None,
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
@@ -87,9 +91,10 @@ def new(
 ) -> None:
     """Write a TOML file to edit, and its JSON schema: from a wish, or after a template.
 
-    With any of --size, --touch, --silicone, --process, --gripper and --film it chooses a castable pad that
-    meets them, checks it, and says what it chose and why. What is not given is chosen too. That takes about
-    30 s. In a terminal without options it asks. --family alone copies a template of that family.
+    With any of --size, --touch, --silicone, --process, --gripper, --film and --thickness it chooses a
+    castable pad that meets them, checks it, and says what it chose and why. What is not given is chosen too.
+    That takes about 30 s. In a terminal without options it asks. --family alone copies a template of that
+    family.
 
     An editor that knows the schema completes and checks the file.
     """
@@ -103,8 +108,9 @@ def new(
         "process": process,
         "gripper": gripper,
         "film": film,
+        "thickness": thickness,
     }
-    given = {key: value for key, value in wish.items() if value is not None}
+    given: dict[str, Any] = {key: value for key, value in wish.items() if value is not None}
     own = {"printer": printer, "silicones": silicones, "grippers": grippers}
     if family is not None and template is not None:
         raise InputError("family", "does not go with a template", family, "leave one of them out")
@@ -148,15 +154,26 @@ def _asked() -> dict[str, str]:
     """Ask for each part of the wish; an answer that is none is asked again."""
     from skincad.studies.wish import USUAL_FILM, USUAL_PROCESS, USUAL_TOUCH, film_of, force_of, size_of
 
-    def one_of(table: str, others: str) -> Callable[[str], str]:
-        known = [*_listed(table)(), others]
+    def ask(words: str, usual: str, check: Callable[[str], str]) -> str:
+        with at_once():
+            try:
+                return str(typer.prompt(words, usual, value_proc=check))
+            except typer.Abort as end:
+                if isinstance(end.__context__, KeyboardInterrupt):
+                    raise KeyboardInterrupt from None
+                remedy = "give the rest as options: skincad new --help"
+                raise InputError("FILE", "needs an answer to each question", remedy=remedy) from None
+
+    def choose(words: str, table: str, usual: str) -> str:
+        known = dict.fromkeys([*_listed(table)(), usual])
 
         def named(text: str) -> str:
             if text not in known:
-                raise typer.BadParameter(f"one of {', '.join(known)}")
+                raise typer.BadParameter(f"unknown; {did_you_mean(text, known)}")
             return text
 
-        return named
+        say(f"{words}: {', '.join(known)}")
+        return ask(words, usual, named)
 
     def valid(check: Callable[[str], object]) -> Callable[[str], str]:
         def checked(text: str) -> str:
@@ -169,15 +186,15 @@ def _asked() -> dict[str, str]:
         return checked
 
     say("A pad with ridges. Enter takes the value in brackets.")
-    given = {"gripper": typer.prompt("Gripper", "none", value_proc=one_of("grippers", "none"))}
+    given = {"gripper": choose("Gripper", "grippers", "none")}
     usual = "its face" if given["gripper"] != "none" else "24x30"
     sized = valid(lambda text: None if text == usual else size_of(text))
-    given["size"] = typer.prompt("Size in mm, across x along the ridges", usual, value_proc=sized)
+    given["size"] = ask("Size in mm, across x along the ridges", usual, sized)
     touch = f"{USUAL_TOUCH:g}N"
-    given["touch"] = typer.prompt("Force at which all ridges touch", touch, value_proc=valid(force_of))
-    given["process"] = typer.prompt("Mold by", USUAL_PROCESS, value_proc=one_of("processes", USUAL_PROCESS))
+    given["touch"] = ask("Force at which all ridges touch", touch, valid(force_of))
+    given["process"] = choose("Mold by", "processes", USUAL_PROCESS)
     chosen = "the hardest that feels it"
-    given["silicone"] = typer.prompt("Silicone", chosen, value_proc=one_of("silicones", chosen))
-    given["film"] = typer.prompt("Film", USUAL_FILM, value_proc=valid(film_of))
+    given["silicone"] = choose("Silicone", "silicones", chosen)
+    given["film"] = ask("Film", USUAL_FILM, valid(film_of))
     unsaid = {"gripper": "none", "silicone": chosen, "size": usual}
     return {key: value for key, value in given.items() if unsaid.get(key) != value or value == "24x30"}

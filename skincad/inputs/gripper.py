@@ -23,6 +23,9 @@ class Gripper(HolePattern, SparseTable):
 
     width: float = quantity("mm", "of the finger's face, across the ridges", gt=0.0, le=1000.0, default=30.0)
     length: float = quantity("mm", "of the finger's face, along the ridges", gt=0.0, le=1000.0, default=30.0)
+    stroke: float | None = quantity(
+        "mm", "of the opening between two fingers, without pads", gt=0.0, le=1000.0, default=None
+    )
     measured: bool = Field(
         default=True, description="whether the holes are somebody's measurement; false: an assumption"
     )

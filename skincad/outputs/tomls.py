@@ -410,7 +410,12 @@ def _about(kind: str) -> dict[str, str]:
 
 def _gripper_words(gripper: Gripper) -> str:
     guess = "" if gripper.measured else ", holes assumed"
-    return f"{gripper.width:g} x {gripper.length:g} mm, {gripper.thread}{guess}"
+    if gripper.pattern == "circle":
+        holes = f"{gripper.count or 4} {gripper.thread} on {gripper.diameter:g} mm"
+    else:
+        apart = " x ".join(f"{pitch:g}" for pitch in (gripper.pitch_x, gripper.pitch_y) if pitch)
+        holes = f"{gripper.thread} {apart} mm apart"
+    return f"{gripper.width:g} x {gripper.length:g} mm, {holes}{guess}"
 
 
 def _grippers() -> tuple[dict[str, Any], list[str]]:

@@ -22,7 +22,21 @@ def lines(wish: WishResult) -> list[str]:
         *_parts_lines(wish),
         *(_row(b.wish, f"asked {b.asked}, got {b.given}: {b.why}") for b in wish.broken),
         *(_row(c.key, f"{c.value}: {c.why}") for c in wish.choices),
+        *(_row("trade", words) for words in _trade(wish)),
+        *(_row("note", warning) for warning in wish.warnings),
     ]
+
+
+def _trade(wish: WishResult) -> list[str]:
+    """A line each for the thin, the usual and the thick skin."""
+    family, rows = wish.design.features.family, []
+    for row in wish.trade:
+        share = row.passing.value if row.passing else None
+        parts = "" if share is None else f", {100 * share:.0f} % of parts pass"
+        rows.append(
+            f"{row.thickness:g} mm thick: all {family}s need {row.all_touch_force.span(rough=1.0)}{parts}"
+        )
+    return rows
 
 
 def answer(wish: WishResult) -> str:
@@ -65,7 +79,8 @@ def _head(wish: WishResult) -> list[str]:
     skin, design = wish.design.skin, wish.design
     touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
     size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
-    return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}"]
+    broken = [f"# NOT MET: {b.wish}: asked {b.asked}, got {b.given}: {b.why}" for b in wish.broken]
+    return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}", *broken]
 
 
 def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:

@@ -17,8 +17,8 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Pin
-from skincad.inputs.guards import shoulder
+from skincad.inputs.feature_tables import Pin, Pocket
+from skincad.inputs.guards import LEAST_POCKET_WALL, shoulder
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
@@ -26,6 +26,7 @@ from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
 
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
+POCKET_POINTS = 48  # round a pocket, and along it, at which its wall in a pin is measured
 VISIBLE = 10 * GUARD_TOLERANCE  # mm; less is the chords' own error
 
 
@@ -169,15 +170,15 @@ class Skin:
         return Narrowest(f"groove of {which}'s tip", self.profile.tip_width, deepest)
 
     def tooth(self) -> Narrowest | None:
-        """Return the narrowest tooth of what casts the skin, between two neighbours' roots; None of a lone
-        feature.
+        """Return the narrowest tooth of what casts the skin, between two neighbours' roots; None of features
+        without neighbours.
 
         The width is that of its free end, before fillets, and the height that over the shallower groove:
         below its bottom the tooth is backed.
         """
-        if self.count == 1:
-            return None
         pairs = [(p.number, n) for p in self.placed for n in p.neighbours if n > p.number]
+        if not pairs:
+            return None
         free = [min(self.heights[a - 1], self.heights[b - 1]) for a, b in pairs]
         first, second = pairs[free.index(max(free))]
         name = self.family
@@ -214,6 +215,8 @@ def section(design: Design) -> Section:
     slots = tuple(place for placed in skin.placed for place in placed.sensors)
     result = Section(tuple(_outline(skin)), slots)
     _guard(result, skin)
+    if isinstance(design.features, Pin) and design.features.pocket:
+        _guard_pockets(skin, design.features, design.features.pocket)
     return result
 
 
@@ -376,6 +379,45 @@ def _guard(result: Section, skin: Skin) -> None:
                 skin.slot.offset,
                 "move, turn or shorten the slots",
             )
+
+
+def _guard_pockets(skin: Skin, pin: Pin, pocket: Pocket) -> None:
+    """Raise InputError where an upright pocket comes too near to the flank of a pin that leans."""
+    turn = np.linspace(0.0, 2 * math.pi, POCKET_POINTS, endpoint=False)
+    height = np.linspace(0.0, pocket.depth, POCKET_POINTS)[:, None]
+    walls = dict[int, float]()
+    for placed in skin.placed:
+        (x, y, _), axis = placed.tip, np.array(placed.axis)
+        rim = np.broadcast_arrays(
+            x + pocket.offset + pocket.diameter / 2 * np.cos(turn),
+            y + pocket.diameter / 2 * np.sin(turn),
+            height,
+        )
+        out = np.stack(rim, axis=-1) - np.array(placed.foot)
+        along = out @ axis
+        beside = np.linalg.norm(out - along[..., None] * axis, axis=-1)
+        radius = _radius_at(pin, placed.feature.height, along)
+        walls[placed.number] = float(np.where(along > 0, radius - beside, math.inf).min())
+    number = min(walls, key=lambda number: walls[number])
+    if walls[number] < LEAST_POCKET_WALL - GUARD_TOLERANCE:
+        lean = math.degrees(math.acos(min(1.0, skin.placed[number - 1].axis[2])))
+        wall = max(walls[number], 0.0)
+        rule = f"leaves {wall:.2g} mm of silicone in pin {number}, which leans by {lean:.2g} degrees"
+        rule += f"; {LEAST_POCKET_WALL:g} mm are needed"
+        remedy = "make it narrower, end it below the pin, or curve the skin less"
+        raise InputError("pin.pocket.depth", rule, pocket.depth, remedy)
+
+
+def _radius_at(pin: Pin, height: float, along: Array) -> Array:
+    """A pin's radius at places `along` its axis, mm from its foot, without the fillet there."""
+    root, tip = pin.root_diameter / 2, pin.tip_diameter / 2
+    edge = height - pin.crown
+    flank = root + (tip - root) * np.clip(along / edge, 0.0, 1.0) if edge > 0 else np.full(along.shape, tip)
+    if pin.crown == 0.0:
+        return np.where(along <= height, flank, 0.0)
+    ball = (tip**2 + pin.crown**2) / (2 * pin.crown)
+    cap = np.sqrt(np.maximum(ball**2 - (along - height + ball) ** 2, 0.0))
+    return np.where(along <= edge, flank, cap)
 
 
 def _undercut(outline: Loop) -> Undercut:

@@ -98,15 +98,18 @@ def _inside(design: Design, place: Layout, hole: Bore) -> None:
     rule = f"leaves less than {EDGE:g} mm between {_name(hole)} and the carrier's edge"
     if (most := math.floor(1000 * min(share) * size) / 1000) > 0:
         rule = f"must be at most {most:g} mm, for {EDGE:g} mm between {_name(hole)} and the carrier's edge"
-    raise _of_mount(design, key, rule, "take a smaller pattern or a larger skin")
+    short = (2 * max(0.0, abs(v) - most) for most, v in zip(room, at, strict=True))
+    sizes = zip(("width", "length"), (design.skin.width, design.skin.length), short, strict=True)
+    larger = (f"skin.{side} {math.ceil(10 * (size + s)) / 10:g} mm" for side, size, s in sizes if s > 0)
+    raise _of_mount(design, key, rule, "a smaller pattern", f"a larger skin ({', '.join(larger)})")
 
 
-def _of_mount(design: Design, key: str, rule: str, remedy: str) -> InputError:
+def _of_mount(design: Design, key: str, rule: str, other: str, larger: str = "a larger skin") -> InputError:
     """The error of a hole: of [mount]'s key, or of the gripper that the mold names."""
     if design.mold.mount is not None:
-        remedy = "take another gripper, a larger skin, or [mount] with holes of your own"
+        remedy = f"take another gripper, {larger}, or [mount] with holes of your own"
         return InputError("mold.mount", f"its {key} {rule}", design.mold.mount, remedy)
-    return InputError(f"mount.{key}", rule, getattr(design.mount, key), remedy)
+    return InputError(f"mount.{key}", rule, getattr(design.mount, key), f"take {other} or {larger}")
 
 
 def _near(design: Design, hole: Bore, web: float, least: float, other: str) -> InputError:
@@ -117,7 +120,7 @@ def _near(design: Design, hole: Bore, web: float, least: float, other: str) -> I
         f"puts {_name(hole)} at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from {other}, needed are {least:g}"
     )
     turn = " (mount.angle)" if mount.pattern == "circle" else ""
-    return _of_mount(design, key, rule, f"take another pattern{turn} or thread")
+    return _of_mount(design, key, rule, f"another pattern{turn} or thread")
 
 
 def _name(hole: Bore) -> str:

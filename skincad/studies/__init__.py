@@ -25,6 +25,7 @@ __getattr__, __dir__ = face(
         texts value_of
     sweeping: Ranking SweepResult model_error points_of sweep
     wish: USUAL_FILM USUAL_PROCESS USUAL_TOUCH WishResult design_for film_of force_of meets room size_of
+        thickness_of
     wish_shapes: FILM_ROOM LEAST_RIDGES SLOT SLOT_SHARE WIRE_SLIT
     """,
 )

@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.base.errors import InputError, require_number
+from skincad.base.errors import InputError, RefusedError, require_number
+from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import Own
 from skincad.inputs.design import Design
@@ -25,7 +26,6 @@ from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.silicone import silicones as listed_silicones
 from skincad.mechanics.check import check, mesh_tolerance
 from skincad.mechanics.models.pin_cell import crown_radius, hertz
-from skincad.mechanics.models.table import AUTO
 from skincad.mechanics.validity import LARGEST_STRAIN, limits, plane_modulus, ridge_strain, tipping
 from skincad.mechanics.verdict import ContactCheck
 from skincad.shape.skin import skin_of
@@ -43,14 +43,18 @@ from skincad.studies.wish_shapes import (
     design_of,
     radius_for,
     relaxed,
+    rounded,
     shapes,
+    usual_thickness,
 )
 
 WISHED = "ridge", "pin"  # families
+ROUGH = "linear", "reduced", "winkler"  # the first that takes a design says what another thickness gives
 USUAL = "usual"
 USUAL_SIZE, USUAL_TOUCH = (24.0, 30.0), 1.0  # mm, N
 USUAL_PROCESS, USUAL_FILM = "sla", "pvdf-28um"  # a desktop printer; a gauge that is sold
 SMALLEST, LARGEST = 5.0, 200.0  # mm
+THINNEST_SKIN, THICKEST_SKIN = 1.0, 50.0  # mm
 LIGHTEST, HEAVIEST = 0.02, 500.0  # N
 TOUGH = 3.0  # least elongation at break of a silicone that is chosen: it is pulled out of a mold
 PASSING = 0.9  # of all parts
@@ -59,6 +63,8 @@ AIM = 0.95  # the same, by the search's model
 # 8013 of bench/table_wishes.py so that AIM of the parts pass
 CREST_SPREADS = 4.5
 SEARCH_CHECKS, FORCE_CHECKS = 3, 3
+LEANING = 0.75  # of the narrower side, assumption: a higher pad bends more than it shears
+STROKE_SHARE = 1 / 3  # of a gripper's opening, assumption: more is missed at the next object
 ENOUGH = 1.3  # room that a flat design is to have: the closed form may be off by as much
 EDGE_SHARE = 1.25  # an outer ridge's force on a flat skin by the closed form's, about
 LARGEST_DROP = 0.6  # of the way that the plate comes down
@@ -69,6 +75,7 @@ LEAST_SECONDS = 6.0  # of the last check
 _UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "um": 1e-3, "µm": 1e-3, "N": 1.0, "mN": 1e-3}
 _NUMBER = r"(\d+(?:\.\d*)?|\.\d+)\s*"
 _SIZE = re.compile(rf"\s*{_NUMBER}(mm|cm|in)?\s*[x*\u00d7]\s*{_NUMBER}(mm|cm|in)?\s*")
+_LENGTH = re.compile(rf"\s*{_NUMBER}(mm|cm|in)?\s*")
 _FORCE = re.compile(rf"\s*{_NUMBER}(N|mN)?\s*")
 _FILM = re.compile(rf"\s*(?:pvdf-?)?{_NUMBER}(um|µm|mm)?\s*", re.IGNORECASE)
 
@@ -81,6 +88,8 @@ class WishResult(Result):
     design: Design
     check: ContactCheck = item(meaning="of the design, at its force")
     choices: tuple[Choice, ...] = item(meaning="what was chosen, and why")
+    trade: tuple[Trade, ...] = item(meaning="what a thinner and a thicker skin would give")
+    warnings: tuple[str, ...] = item(meaning="what else is to be known of the pad")
     broken: tuple[BrokenWish, ...] = item(meaning="wishes that are not met; none if all are")
     seconds: dict[str, float] = item(meaning="wall time, s")
 
@@ -100,6 +109,48 @@ class WishResult(Result):
         return 0 if self.passed else 1
 
 
+@record()
+class Trade(Record):
+    """The chosen design with another thickness."""
+
+    thickness: float = item("mm", "of the skin under its features")
+    all_touch_force: Estimate = item("N", "that all features need")
+    passing: Estimate | None = item("1", "share of the parts that pass; null where nobody knows it")
+
+
+def trade(design: Design, known: ContactCheck) -> tuple[Trade, ...]:
+    """Return what half of the usual thickness, the usual one and twice it give, by the model that is quick
+    and knows the yield; what is `known` of the design itself is not asked again. Of a thickness that can't
+    be, nothing."""
+    pitch, rows = design.spacing, []
+    for share in (0.5, 1.0, 2.0):
+        try:
+            other = design.with_(skin={"thickness": rounded(share * usual_thickness(pitch))})
+            model = first_able(ROUGH, other)
+            again = other != design or known.model != model
+            verdict = check(other, model=model, tol=mesh_tolerance(model, None)) if again else known
+        except (InputError, RefusedError):
+            continue
+        parts = verdict.manufacture.passing if verdict.manufacture else None
+        thick, needed = other.skin.thickness, verdict.all_touch_force
+        rows.append(Trade(thickness=thick, all_touch_force=needed, passing=parts))
+    return tuple(rows)
+
+
+def thick_warnings(design: Design, face: Gripper | None) -> tuple[str, ...]:
+    """Return warnings of a pad that leans under a pull, or leaves its gripper little room to open."""
+    skin, notes = design.skin, []
+    high, narrow = skin.thickness + max(design.heights), min(skin.width, skin.length)
+    if high > LEANING * narrow:
+        notes.append(f"the pad is {high:.2g} mm high on a base of {narrow:g} mm: it leans under a pull")
+    if face and face.stroke and 2 * high > STROKE_SHARE * face.stroke:
+        takes = (
+            f"two such pads take {2 * high:.2g} mm of the {face.stroke:g} mm that {design.mold.mount} opens"
+        )
+        notes.append(takes)
+    return tuple(notes)
+
+
 def meets(verdict: ContactCheck, share: float = PASSING) -> bool:
     """Return whether all ridges surely touch, and in at least this share of parts as they come out."""
     parts = verdict.manufacture.passing.value if verdict.manufacture else None
@@ -115,6 +166,7 @@ def design_for(
     gripper: str | None = None,
     film: str | float | None = USUAL,
     family: str = "ridge",
+    thickness: str | float | None = None,
     name: str = "pad",
     printer: Own | None = None,
     silicones: Own | None = None,
@@ -126,9 +178,10 @@ def design_for(
     `size` is width by length, as (24, 30) in mm or "24x30" or "2.4x3cm"; if None that of the gripper's face.
     `touch` is the force in N (or "500mN") at which all features are to touch. `silicone` is a name; if None
     the hardest that feels the force. `film` is a strip's thickness, as "pvdf-28um" or 0.028 mm, or "none";
-    the usual one is pvdf-28um in ridges, and pins have none. `family` is "ridge" or "pin". Where a wish can't
-    be met the nearest design is returned, and `broken` says which wish that is. It takes about 30 s. Raises
-    InputError for a wish that is none, RefusedError where no model can judge any design for it.
+    the usual one is pvdf-28um in ridges, and pins have none. `family` is "ridge" or "pin". `thickness` is the
+    skin's under its features, mm; if None the usual one, or thicker where only that is soft enough. Where a
+    wish can't be met the nearest design is returned, and `broken` says which wish that is. It takes about
+    30 s. Raises InputError for a wish that is none, RefusedError where no model can judge any design for it.
     """
     began = perf_counter()
     if family not in WISHED:
@@ -147,6 +200,7 @@ def design_for(
         film=film_of(film),
         name=name,
         family=family,
+        thickness=None if thickness is None else thickness_of(thickness),
         own=own,
     )
     base = wish.design({})  # raises InputError for names that nobody knows
@@ -160,6 +214,8 @@ def design_for(
         design=design,
         check=verdict,
         choices=choices(design, asked_size=size is not None, asked_silicone=silicone is not None),
+        trade=trade(design, verdict),
+        warnings=thick_warnings(design, face),
         broken=broken_wishes(wish, design, search.given_up, meets(verdict)),
         seconds={"total": perf_counter() - began},
     )
@@ -195,6 +251,18 @@ def force_of(touch: str | float) -> float:
     return float(touch)
 
 
+def thickness_of(thickness: str | float) -> float:
+    """Return a skin's thickness, mm."""
+    if isinstance(thickness, str):
+        match = _LENGTH.fullmatch(thickness)
+        if match is None:
+            raise InputError("thickness", "must be a length", thickness, "as in 8 or 8mm")
+        thickness = float(match[1]) * _UNITS[match[2] or ""]
+    rule = f"must be {THINNEST_SKIN:g} to {THICKEST_SKIN:g} mm"
+    require_number("thickness", thickness, lambda value: THINNEST_SKIN <= value <= THICKEST_SKIN, rule)
+    return float(thickness)
+
+
 def film_of(film: str | float | None) -> float:
     """Return a film's thickness, mm; 0 for none."""
     if film is None or film == "none":
@@ -217,10 +285,11 @@ def _tough(design: Design) -> list[str]:
 
 @dataclass(frozen=True)
 class _Option:
-    """A flat design, and its `room`."""
+    """A flat design, its `room`, and its skin's thickness by the usual one."""
 
     design: Design
     room: float | None
+    thick: float
 
 
 @dataclass
@@ -233,10 +302,19 @@ class _Search:
     progress: Progress | None
     began: float
     given_up: dict[str, str] = field(default_factory=dict)
+    thickest: float = 1.0  # of the usual thickness: the usual one first
+    seen: dict[tuple[Design, str], ContactCheck] = field(default_factory=dict)
     verdict: ContactCheck = field(init=False)  # the search's last
 
     def result(self) -> tuple[Design, ContactCheck]:
-        """Return the design and its check."""
+        """Return the design and its check: of the usual thickness where that passes, else thicker."""
+        asked = self.asked
+        flat = self._flat_design()
+        if room(flat) is not None:
+            design, enough = self._curved(flat, PASSING)
+            if enough:
+                return design, self.verdict
+        self.asked, self.thickest, self.given_up = asked, math.inf, {}
         flat = self._flat_design()
         design, enough = self._curved(flat) if room(flat) is not None else (flat, False)
         if not enough and (softer := self._softer(flat)):
@@ -274,17 +352,18 @@ class _Search:
                 if less is None or min(less.width, less.length) < SMALLEST:
                     words, asked = f"has no castable pad ({obstacle.by})", f"{wish.width:g}x{wish.length:g}"
                     raise InputError("size", words, asked, "take a larger one") from None
-                for what in ("width", "length", "gripper", "film"):
+                for what in ("width", "length", "gripper", "film", "process"):
                     if getattr(less, what) != getattr(wish, what):
-                        self.given_up[what] = obstacle.by
+                        self.given_up[what] = obstacle.remedy if what == "gripper" else obstacle.by
                 wish = less
 
     def _best(self, wish: Wish) -> Design:
         """The first castable design that is soft enough; where none is, the softest. Raises ObstacleError
         where none of those that are tried is castable."""
         last, tried = ObstacleError("size"), 0
-        options = list(self._options(wish))
+        options = [option for option in self._options(wish) if option.thick <= self.thickest]
         enough = [option for option in options if (option.room or 0.0) >= ENOUGH]
+        enough.sort(key=lambda option: option.thick)
         others = sorted((o for o in options if o not in enough), key=lambda option: -(option.room or 0.0))
         for option in [*enough, *others]:
             try:
@@ -305,19 +384,20 @@ class _Search:
                 except ObstacleError:
                     continue
                 alike = [design.with_(material={"name": name}) for name in self.names]
-                options = [_Option(other, room(other)) for other in alike]
+                thick = shape.thickness if shape.family == "ridge" else 1.0  # pins are soft by being few
+                options = [_Option(other, room(other), thick) for other in alike]
                 bearing = [option for option in options if option.room is not None] or options[:1]
                 yield next((option for option in bearing if (option.room or 0.0) >= ENOUGH), bearing[-1])
 
-    def _curved(self, flat: Design) -> tuple[Design, bool]:
-        """The design with as much of the paper's curvature as its force bears, and whether enough of its
-        parts pass."""
+    def _curved(self, flat: Design, share: float = AIM) -> tuple[Design, bool]:
+        """The design with as much of the paper's curvature as its force bears, and whether a `share` of its
+        parts pass: of the usual thickness as `check` judges it, which is the last word then."""
         high = flat.heights[0]
         drop = min(DROP * high, max(_free_drop(flat), FLAT * high))
         for left in reversed(range(SEARCH_CHECKS)):
             design = bent(flat, drop)
             verdict = self._check(design)
-            if meets(verdict, AIM) and _is_castable(design):
+            if meets(verdict, share) and _is_castable(design):
                 return design, True
             if drop <= FLAT * high or verdict.out_of_range:
                 break
@@ -341,18 +421,23 @@ class _Search:
         return design
 
     def _check(self, design: Design) -> ContactCheck:
-        model = first_able(MODELS, design)
-        self._report(f"radius {design.skin.curvature_radius:g} at {design.contact.force:g} N")
-        self.verdict = check(design, model=model, tol=mesh_tolerance(model, None))
+        """The verdict of the search's model; while the usual thickness is looked at, that of `check`."""
+        model = "auto" if self.thickest == 1.0 else first_able(MODELS, design)
+        if (design, model) not in self.seen:
+            self._report(f"radius {design.skin.curvature_radius:g} at {design.contact.force:g} N")
+            tol = None if model == "auto" else mesh_tolerance(model, None)
+            self.seen[design, model] = check(design, model=model, tol=tol)
+        self.verdict = self.seen[design, model]
         return self.verdict
 
     def _last_check(self, design: Design) -> ContactCheck:
-        """The verdict of the best model for which there is time: of the search's last one at least."""
-        left = SECONDS - (perf_counter() - self.began)
-        if left < LEAST_SECONDS:
+        """The verdict that `check` gives of the design, where there is time, or else the search's last."""
+        if SECONDS - (perf_counter() - self.began) < LEAST_SECONDS:
             return self.verdict
-        self._report("last check")
-        return max(check(design, budget=left), self.verdict, key=lambda verdict: AUTO.index(verdict.model))
+        if (design, "auto") not in self.seen:
+            self._report("last check")
+            self.seen[design, "auto"] = check(design)
+        return self.seen[design, "auto"]
 
 
 def room(design: Design) -> float | None:

@@ -20,6 +20,7 @@ from skincad.studies.wish_shapes import (
     THINNEST,
     Wish,
     usual_pitch,
+    usual_thickness,
 )
 
 
@@ -36,7 +37,7 @@ class Choice(Record):
 class BrokenWish(Record):
     """A wish that could not be met."""
 
-    wish: str = item(meaning="size, touch, gripper or film")
+    wish: str = item(meaning="size, touch, gripper, film or process")
     asked: str = item(meaning="as it was wished")
     given: str = item(meaning="as the design has it instead")
     why: str = item(meaning="the obstacle, and what may help")
@@ -83,7 +84,7 @@ def _ridges(design: Design) -> Iterator[Choice]:
     tall = height > (share + 0.1) * pitch
     why = f"more than {share:g} of the pitch{softer}" if tall else f"{share:g} of the pitch, as the paper's"
     yield Choice(key="ridge.height", value=f"{height:g} mm", why=why)
-    thick = min(max(4 * pitch, THINNEST), THICKEST)
+    thick = usual_thickness(pitch)
     why = f"four pitches, {THINNEST:g} mm at least and {THICKEST:g} mm at most"
     if skin.thickness > 1.1 * thick:
         why = f"{skin.thickness / thick:.2g} times the usual{softer}"
@@ -135,12 +136,16 @@ def _broken(wish: Wish, design: Design, given_up: Mapping[str, str], met: bool) 
         asked, given = _size(wish.width, wish.length), _size(skin.width, skin.length)
         yield BrokenWish(wish="size", asked=asked, given=given, why=why)
     if "gripper" in given_up:
-        why = "its holes have no room in a carrier of this size; take a larger one, or give [mount] holes"
+        why = f"its holes have no room in a carrier of this size; {given_up['gripper']}"
         yield BrokenWish(wish="gripper", asked=str(wish.gripper), given="no holes", why=why)
     if "film" in given_up:
         why = f"no slots for it were found that keep all rules ({given_up['film']} is the last broken); "
         why += "take a thinner film, a larger size or a finer process"
         yield BrokenWish(wish="film", asked=f"{wish.film:g} mm", given="no film", why=why)
+    if "process" in given_up:
+        why = f"no {design.features.family}s for it were found that keep all rules ({given_up['process']} is "
+        why += "the last broken); take a larger size or another process"
+        yield BrokenWish(wish="process", asked=wish.process, given=str(design.mold.process), why=why)
     if force != wish.touch or not met:
         yield BrokenWish(
             wish="touch",

@@ -33,6 +33,8 @@ DROP, FLAT = 0.25, 0.001
 # of the pitch: a pin's root, crown and fillet, and its foot's distance from the skin's edge; assumptions
 PIN = {"root_diameter": 0.6, "crown": 0.06, "root_fillet": 0.05, "margin": 0.15}
 MOST_PINS, LEAST_PINS = 100, 4  # that a pad gets; assumption: each is one place to feel
+PIN_PITCHES = (*PITCHES, 10.0, 12.0, 15.0, 20.0, 25.0)  # mm; the last ones for as few pins on the largest pad
+SURE_PROCESS = "sla"  # by which a pad is made that the wished process can't make
 SMALLEST_RADIUS = 5.5  # by the width, as yamada-2002's: a fan of 10 degrees
 SHIMS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)  # mm, precision sheet as it is sold
 FILM_ROOM, SLOT_SHARE = 0.02, 0.05  # mm beside a film; slot by pitch, at least
@@ -45,8 +47,8 @@ class Wish:
     """A pad of `width` (across the ridges) by `length` mm whose features of a `family` all touch a flat plate
     at `touch` N.
 
-    `silicone`, `process` and `gripper` are names, `film` is a strip's thickness in mm, 0 for none; `own` are
-    the lab's own tables, by the design's key.
+    `silicone`, `process` and `gripper` are names, `film` is a strip's thickness in mm, 0 for none,
+    `thickness` the skin's, mm, None for any; `own` are the lab's own tables, by the design's key.
     """
 
     width: float
@@ -58,6 +60,7 @@ class Wish:
     film: float = 0.028
     name: str = "pad"
     family: str = "ridge"
+    thickness: float | None = None
     own: dict[str, Own | None] = field(default_factory=dict, compare=False)
 
     @cached_property
@@ -67,7 +70,8 @@ class Wish:
 
     def design(self, tables: dict[str, dict[str, Any]]) -> Design:
         """Return a design of these tables, over those that every wish has."""
-        plain = Shape(PITCHES[3], 1, *FORMS[0], self.family).tables(self.width, self.length)
+        first = next(shapes(self), Shape(PITCHES[3], 1, *FORMS[0], self.family))
+        plain = first.tables(self.width, self.length)
         data: dict[str, Any] = {
             **plain,
             "name": self.name,
@@ -77,6 +81,8 @@ class Wish:
         }
         for key, table in tables.items():
             data[key] = {**data.get(key, {}), **table}
+        if self.thickness is not None:
+            data["skin"] = {**data["skin"], "thickness": self.thickness}
         for key in ("printer", "silicones", "grippers"):
             data = with_own(data, key, self.own.get(key))  # type: ignore[arg-type]  # a name of OwnTable
         return Design(**data)
@@ -97,7 +103,7 @@ class Shape:
     def tables(self, width: float, length: float) -> dict[str, dict[str, Any]]:
         """Return the tables of skin and features; the skin is flat."""
         high = rounded(self.height * self.pitch)
-        thick = self.thickness * min(max(4 * self.pitch, THINNEST), THICKEST)
+        thick = self.thickness * usual_thickness(self.pitch)
         pins, tip = self.family == "pin", rounded(self.tip * self.pitch)
         sizes = {key: rounded(share * self.pitch) for key, share in (PIN if pins else RIDGE).items()}
         sizes |= {"pitch": self.pitch, "height": high, "tip_diameter" if pins else "tip_width": tip}
@@ -120,10 +126,11 @@ def radius_for(drop: float, reach: float, width: float) -> float:
 
 
 class ObstacleError(Exception):
-    """No shape is castable: `by` names the finding, or the key, that refused the last one."""
+    """No shape is castable: `by` names the finding, or the key, that refused the last one, `remedy` what may
+    help, and `excess` is by how many mm it is too large."""
 
-    def __init__(self, by: str, excess: float = 0.0) -> None:
-        self.by, self.excess = by, excess
+    def __init__(self, by: str, remedy: str = "", excess: float = 0.0) -> None:
+        self.by, self.remedy, self.excess = by, remedy, excess
         super().__init__(by)
 
 
@@ -133,6 +140,11 @@ WHATEVER_THE_RIDGES = ("build volume", "mold.mount")  # what blocks one shape bl
 def rounded(length: float) -> float:
     """Return a length, mm, of DIGITS digits."""
     return float(f"{length:.{DIGITS}g}")
+
+
+def usual_thickness(pitch: float) -> float:
+    """Return a skin's thickness, mm, with features of a pitch, mm, unless it has to be softer."""
+    return min(max(4 * pitch, THINNEST), THICKEST)
 
 
 def usual_pitch(width: float) -> float:
@@ -145,7 +157,7 @@ def shapes(wish: Wish) -> Iterator[Shape]:
     larger and softer ones, then finer ones. Of pins as many as a pad gets, or larger ones."""
     width = wish.width
     if wish.family == "pin":
-        for pitch in PITCHES:
+        for pitch in PIN_PITCHES:
             many = width * wish.length / (math.sqrt(0.75) * pitch**2)  # of a hexagonal pattern, about
             if LEAST_PINS <= many <= MOST_PINS:
                 yield from (Shape(pitch, 1, *form, "pin") for form in FORMS[:3])
@@ -179,11 +191,11 @@ def check_castable(design: Design) -> None:
     try:
         findings = design_findings(Job(design))
     except InputError as refused:
-        raise ObstacleError(refused.key) from None
+        raise ObstacleError(refused.key, refused.remedy) from None
     grave = [finding for finding in findings if finding.severity != "note"]
     if grave:
         worst = next((f for f in grave if f.rule in WHATEVER_THE_RIDGES), grave[0])
-        raise ObstacleError(worst.rule, worst.measured - worst.limit)
+        raise ObstacleError(worst.rule, worst.remedy, worst.measured - worst.limit)
 
 
 def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
@@ -191,11 +203,12 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
     ObstacleError where no such skin can be."""
     cutter = wish.processes[wish.process]
     tables = shape.tables(wish.width, wish.length)
-    if ridge := tables.get("ridge"):
-        tip = max(ridge["tip_fillet"], cutter.reach)
-        if cutter.groove_ratio:
-            tip = max(tip, rounded(ridge["height"] / (2 * cutter.groove_ratio) + 0.005))
-        ridge["tip_fillet"] = tip
+    feature = tables[wish.family]
+    tip = max(feature.get("tip_fillet", 0.0), cutter.reach)
+    if cutter.groove_ratio:
+        tip = max(tip, rounded(feature["height"] / (2 * cutter.groove_ratio) + 0.005))
+    if tip:
+        feature["tip_fillet"] = tip
     makers = [cutter, *([wish.processes[end_plates]] if wish.film else [])]
     play = max(maker.clearance + 2 * _walls(wish, maker) for maker in makers)
     tables["mold"] = {"clearance": _up(play)}
@@ -213,7 +226,7 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
     try:
         return wish.design(tables)
     except InputError as refused:
-        raise ObstacleError(refused.key) from None
+        raise ObstacleError(refused.key, refused.remedy) from None
 
 
 def _walls(wish: Wish, maker: Process) -> float:
@@ -243,4 +256,6 @@ def relaxed(wish: Wish, obstacle: ObstacleError) -> Wish | None:
         return replace(wish, width=math.floor(width - max(obstacle.excess, 1.0)))
     if obstacle.by.startswith("mold.mount") and wish.gripper is not None:
         return replace(wish, gripper=None)
-    return replace(wish, film=0.0) if wish.film else None
+    if wish.film:
+        return replace(wish, film=0.0)
+    return replace(wish, process=SURE_PROCESS) if wish.process != SURE_PROCESS else None
