@@ -38,6 +38,7 @@ from skincad.solids.plan import (
 FINER = 10.0  # the mesh that a print mesh is measured against has chords this many times finer
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
 _X_IS_THIRD = np.array([2, 0, 1])
+SLIVER = 5e-6  # mm, what single precision keeps of 60 mm: a lower triangle has no area in an STL
 PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
@@ -71,9 +72,23 @@ def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:
     """
     safe_point()
     with resource_guard(f"the mesh of {part.name}"):
-        raw = manifold(part, tolerance).to_mesh64()
-        corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
-        return trimesh.Trimesh(corners, faces, process=False, validate=False)
+        body = manifold(part, tolerance)
+        found = _mesh(body)
+        return _mesh(body.simplify(SLIVER)) if lowest(found) < SLIVER else found
+
+
+def lowest(shape: trimesh.Trimesh) -> float:
+    """Return the least height of a mesh's triangles over their longest edge, mm."""
+    edges = np.diff(np.asarray(shape.vertices)[np.asarray(shape.faces)[:, [0, 1, 2, 0]]], axis=1)
+    longest = np.linalg.norm(edges, axis=2).max(axis=1)
+    doubled = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    return float((doubled / np.maximum(longest, SLIVER)).min())
+
+
+def _mesh(body: Manifold) -> trimesh.Trimesh:
+    raw = body.to_mesh64()
+    corners, faces = np.array(raw.vert_properties)[:, :3], np.array(raw.tri_verts)
+    return trimesh.Trimesh(corners, faces, process=False, validate=False)
 
 
 def upright(shape: trimesh.Trimesh) -> trimesh.Trimesh:

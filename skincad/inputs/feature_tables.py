@@ -16,6 +16,7 @@ from skincad.base.errors import InputError
 from skincad.base.tables import Table, quantity
 from skincad.inputs.skin_tables import Base
 
+LOWEST_CROWN = 1e-9  # mm, of a sphere; a lower one is flat
 HIGHEST = 50.0  # mm, of a feature
 MOST_PINS = 2000
 ONE_HEIGHT: dict[str, Any] = {"oneOf": [{"required": ["height"]}, {"required": ["heights"]}]}
@@ -249,6 +250,9 @@ class Pin(Table):
             if key in wanted and value is None and self.margin is None:
                 remedy = f"give pin.{key}, or pin.margin to fill the skin"
                 raise InputError(key, "is missing", remedy=remedy)
+        if 0.0 < self.crown < LOWEST_CROWN:
+            rule = f"must be 0, or at least {LOWEST_CROWN:g} mm"
+            raise InputError("crown", rule, self.crown, "take 0 for a flat tip")
         _check_heights(self, "pin")
         return self
 

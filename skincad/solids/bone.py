@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
+from stat import S_ISREG
 from typing import Any
 
 import numpy as np
@@ -40,12 +41,14 @@ CHORD = 0.01  # mm, of the mesh that shadows are taken of
 LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and bubbles show in it
 BEHIND = 1e-4  # mm, behind the back: less is on it
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
+LEAST_RIM = 0.1  # mm, assumption: of the bone's back round a hole in which a pin stands
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
 TURN_EDGE = 0.25  # mm, between slices of a triangle that is turned: a chord is 2 um off at 5 mm from the axis
 FLAT = 1e-9  # mm, a triangle's height: it has no slices
 PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
 SAME = 0.01  # mm, to which a hole opens at the back
 KEY = "mold.bone"
+DEEPEST = 100  # parentheses in each other, assumption: CAD programs write up to 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +69,13 @@ class Bone:
 
     @property
     def pin_holes(self) -> list[Bore]:
-        """The two holes along z that open at the back and lie furthest apart, in which pins of the carrier
-        stand; fewer where there are fewer. Silicone fills the others."""
+        """The two holes along z that open at the back, closed all round, and lie furthest apart: pins of the
+        carrier stand in them. Fewer where there are fewer. Silicone fills the others."""
+        back = self.shadow(2, -BEHIND, SAME)
         found = [
             Bore((x, y, 0.0), "z", high, radius, role=CutRole.CORE)
             for radius, (x, y, low), high in self.holes
-            if abs(low) < SAME and high > 0
+            if abs(low) < SAME and high > 0 and _closed(back, x, y, radius)
         ]
         pairs = combinations(found, LEAST_HOLES)
         return list(max(pairs, key=lambda two: math.dist(two[0].start, two[1].start), default=found))
@@ -94,6 +98,13 @@ class Bone:
         """What of it is in front of the back, in the skin's section: polygons of (x, z), of its shadow along
         y or, `turned` about z, of the distance from the axis and z."""
         return _turned_shadow(self) if turned else self.shadow(1, 0.0)
+
+
+def _closed(back: Any, x: float, y: float, radius: float) -> bool:
+    """Whether a hole has the bone's back all round it."""
+    middle = shapely.Point(x, y)
+    ring = middle.buffer(radius + LEAST_RIM).difference(middle.buffer(radius + CHORD))
+    return bool(back.buffer(CHORD / 10).contains(ring))
 
 
 @lru_cache(maxsize=32)
@@ -170,6 +181,8 @@ def bone_of(design: Design) -> Bone | None:
         stamp = path.stat()
     except OSError:
         raise InputError(KEY, "there is no such file", name, "give the path of a STEP file") from None
+    if not S_ISREG(stamp.st_mode):  # a pipe would be waited for
+        raise InputError(KEY, "is not a regular file", name, "give the path of a STEP file")
     at, turn = design.mold.bone_at or (0.0, 0.0, 0.0), design.mold.bone_turn or (0.0, 0.0, 0.0)
     return _bone(str(path), stamp.st_mtime_ns, stamp.st_size, at, turn)
 
@@ -181,10 +194,19 @@ Place = tuple[float, float, float]
 def _bone(path: str, changed: int, size: int, at: Place, turn: Place) -> Bone:
     from skincad.solids.occ import given_solid, holes_of, volume_in_front
 
+    if (depth := _depth(path)) > DEEPEST:
+        raise InputError(KEY, f"must not nest more than {DEEPEST} deep", depth, "export it again")
     body = GivenBody(path, _pose(at, turn), 0.0, (changed, size))
     shape = given_solid(body, KEY)
     whole, inside = float(shape.Volume()), volume_in_front(shape)
     return Bone(replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape))
+
+
+def _depth(path: str) -> int:
+    """How deep a file's parentheses lie in each other: the kernel's reader recurs with them."""
+    letters = np.frombuffer(Path(path).read_bytes(), dtype=np.uint8)
+    steps = (letters == ord("(")).astype(np.int32) - (letters == ord(")"))
+    return int(np.cumsum(steps, dtype=np.int32).max(initial=0))
 
 
 @lru_cache(maxsize=8)
@@ -309,7 +331,9 @@ def check_bone(design: Design) -> Iterator[InputError]:
     yield from _check_pose(design, bone, shape)
     yield from _check_pockets(design, bone)
     if not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
-        rule = f"ends at the back, and has {len(bone.pin_holes)} holes along z that open there"
+        many = len(bone.pin_holes)
+        holes = f"{many} hole{'s' * (many != 1)}"
+        rule = f"ends at the back, and has {holes} along z that open there, closed all round"
         remedy = f"give it {LEAST_HOLES} or more for the carrier's pins, or let it reach behind the back"
         yield InputError(KEY, rule, choice.bone, remedy)
     if bone.printed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 
 import numpy as np
@@ -53,6 +54,20 @@ def hausdorff(one: trimesh.Trimesh, two: trimesh.Trimesh) -> float:
 @pytest.fixture(scope="module")
 def straight() -> Design:
     return skincad.load("yamada-2002", ["ridge.count=3"])
+
+
+@pytest.mark.slow
+def test_no_triangle_loses_its_area_in_single_precision() -> None:
+    """Of this pad of pins two triangles of the cavity were lower than 1 nm as an STL has them."""
+    pin = {"pitch": 5.44, "columns": 4, "rows": 4, "height": 4.48, "heights": None, "root_diameter": 2.474}
+    pin |= {"tip_diameter": 2.348, "crown": 0.117, "tip_fillet": 0.235, "root_fillet": 0.0}
+    pin |= {"pocket": {"diameter": 1.0, "depth": 2.0}}
+    skin = {"curvature_radius": 200.0, "thickness": 5.0, "width": 30.0, "length": 30.0}
+    design = skincad.load("pillars-9").with_(skin=skin, pin=pin, mold={"process": "cnc", "split": "auto"})
+    again = mesh(mold(design).part("cavity"), print_chord(design)).export(file_type="stl")
+    read = trimesh.load(io.BytesIO(again), file_type="stl")
+    assert read.is_watertight
+    assert read.nondegenerate_faces(height=1e-6).all()
 
 
 @pytest.mark.parametrize("name", ["cavity", "end-a-comb", "carrier"])

@@ -137,6 +137,13 @@ def test_few_rules_are_told_and_no_misspelt_key_is_missing(
     assert [e.key for e in (refused.value, *refused.value.others)] == ["ridge.heigth", "skin.length"]
 
 
+def test_a_pins_crown_that_is_next_to_nothing_is_refused() -> None:
+    """The sphere of a crown of 1e-308 mm has no radius that a float holds."""
+    with pytest.raises(InputError, match=r"pin.crown: must be 0, or at least 1e-09 mm, got 1e-308; take 0"):
+        skincad.load("pillars-9").with_(pin={"crown": 1e-308})
+    assert skincad.load("pillars-9").with_(pin={"crown": 0.0}).pin.crown == 0.0
+
+
 def test_a_design_is_frozen_and_with_leaves_it_alone(yamada: Design) -> None:
     higher = yamada.with_(ridge={"height": 0.6})
     assert (yamada.ridge.height, higher.ridge.height) == (0.5, 0.6)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from manifold3d import Manifold
 
 import skincad
 from skincad.fabrication import Job, design_findings, listed_crests, manifold, printed_crests
@@ -80,6 +83,39 @@ def test_pockets_are_blind_holes_from_a_flat_back() -> None:
     at_vent = {"pitch": 15.6, "pocket": {"diameter": 3.0, "depth": 2.0}, "columns": 1}
     with pytest.raises(skincad.InputError, match=r"pocket: puts a core pin at \(0, 7.8"):
         mold(design.with_(flat=at_vent))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_pocket_in_a_pin_that_leans_keeps_its_wall_or_is_refused(seed: int) -> None:
+    """By meshes, another way than the rule: the pocket, wider by its wall, lies in the skin without it."""
+    dice = np.random.default_rng(seed)
+    radius, tip = float(dice.uniform(12.0, 80.0)), float(dice.uniform(2.4, 4.0))
+    skin = {"curvature_radius": radius, "thickness": 4.0, "width": 16.0, "length": 8.0}
+    pocket = {"diameter": float(dice.uniform(0.6, tip - 0.8)), "depth": float(dice.uniform(2.0, 6.5))}
+    pin = {"pitch": 5.5, "columns": 3, "rows": 1, "heights": None, "height": 4.0, "pocket": pocket}
+    pin |= {"root_diameter": tip + 0.3, "tip_diameter": tip, "crown": 0.3}
+    bare = designs.pillars().with_(skin=skin, pin={**pin, "pocket": None})
+    body = manifold(skin_part(bare), 1e-3)
+
+    def inside(wall: float) -> bool:
+        """Whether the pockets, with so much silicone beside and 0.25 mm over them, lie in the skin."""
+        rods = [
+            Manifold.cylinder(
+                pocket["depth"] + 0.25, pocket["diameter"] / 2 + wall, circular_segments=64
+            ).translate((*placed.tip[:2], 0.0))
+            for placed in skin_of(bare).placed
+        ]
+        return all((rod - body).volume() < 1e-6 for rod in rods)
+
+    if inside(0.29):  # less the chords of the meshes
+        with suppress(skincad.InputError):
+            skin_part(bare.with_(pin={"pocket": pocket}))
+            return
+        # a wall is measured square to the pin's axis, and to the pin without the fillet at its root
+        assert not inside(0.3 / math.cos(8.0 / radius) + 0.2)
+    else:
+        with pytest.raises(skincad.InputError, match=r"pin\.pocket"):
+            skin_part(bare.with_(pin={"pocket": pocket}))
 
 
 @DOMES
