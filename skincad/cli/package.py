@@ -34,6 +34,14 @@ def package(
         ),
     ] = [],  # noqa: B006
     model: ModelOption = "auto",
+    mesh_prefix: Annotated[
+        str,
+        typer.Option(
+            "--mesh-prefix",
+            metavar="URI",
+            help="What URDF's meshes begin with, as package://my_robot/meshes/; default: beside the file.",
+        ),
+    ] = "",
     printer: PrinterOption = None,
     silicones: SiliconesOption = None,
     grippers: GrippersOption = None,
@@ -53,6 +61,6 @@ def package(
     design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     target = out_folder(folder, Path(design.name, "package"), "package", ())
     with stage_bar(STAGES) as progress:
-        result = skincad.package(design, kinds, model=model, progress=progress)
+        result = skincad.package(design, kinds, model=model, mesh_prefix=mesh_prefix, progress=progress)
         written = skincad.write(result, target, progress=progress)
     deliver(result, as_json, written)

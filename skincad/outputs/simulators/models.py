@@ -14,6 +14,7 @@ URDF has the same links, all fixed, for it knows no springs. Source: the URDF XM
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def skin_xml(design: Design, links: Links, springs: Springs) -> str:
             f'<mujoco model="{design.name}">',
             "  <!-- m, kg, N, s; frame: x across the ridges, z out of the skin, its back at z = 0.",
             "       What was simplified and where it holds: package.md -->",
-            '  <compiler inertiafromgeom="false"/>',
+            '  <compiler inertiafromgeom="auto"/>',  # other bodies of a robot that includes it keep their own
             '  <option integrator="implicitfast" cone="elliptic" impratio="10" noslip_iterations="3"/>',
             *_defaults(design, springs),
             *_assets(design),
@@ -213,15 +214,17 @@ def _sensors(design: Design) -> Iterator[str]:
     yield "  </sensor>"
 
 
-def skin_urdf(design: Design, links: Links) -> str:
-    """Return the skin on its carrier: root link `carrier`, in the design's frame."""
+def skin_urdf(design: Design, links: Links, prefix: str = "") -> str:
+    """Return the skin on its carrier: root link `carrier`, in the design's frame. Names of meshes begin with
+    `prefix`."""
     lines = ['<?xml version="1.0"?>', f'<robot name="{design.name}">']
-    lines += _urdf_link("carrier", links.carrier, "carrier", "carrier-hull")
-    lines += [*_urdf_link("skin", links.base, "skin", "base-hull"), *_urdf_joint("carrier", "skin")]
+    lines += _urdf_link("carrier", links.carrier, f"{prefix}carrier", f"{prefix}carrier-hull")
+    base = _urdf_link("skin", links.base, f"{prefix}skin", f"{prefix}base-hull")
+    lines += [*base, *_urdf_joint("carrier", "skin")]
     if links.filling:
         lines += [*_urdf_link("filling", links.filling), *_urdf_joint("skin", "filling")]
     for name, weight in zip(feature_bodies(design), links.ridges, strict=False):  # none where none are asked
-        lines += [*_urdf_link(name, weight, None, name), *_urdf_joint("skin", name)]
+        lines += [*_urdf_link(name, weight, None, f"{prefix}{name}"), *_urdf_joint("skin", name)]
     return "\n".join([*lines, "</robot>", ""])
 
 
@@ -241,7 +244,8 @@ def _urdf_link(
         if mesh:
             yield f"    <{kind}>"
             yield '      <origin xyz="0 0 0" rpy="0 0 0"/>'
-            yield f'      <geometry><mesh filename="{mesh}.stl" scale="{M:g} {M:g} {M:g}"/></geometry>'
+            name = f'filename="{escape(mesh)}.stl" scale="{M:g} {M:g} {M:g}"'
+            yield f"      <geometry><mesh {name}/></geometry>"
             yield f"    </{kind}>"
     yield "  </link>"
 

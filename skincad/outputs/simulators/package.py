@@ -94,6 +94,7 @@ class Package(Result):
     heights: HeightMap | None
     notes: tuple[str, ...]
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
+    mesh_prefix: str = item(meaning="what URDF's mesh names begin with", default="")
 
     @reported(meaning="the model card: what was simplified, and what each number rests on", inline=True)
     def _card(self) -> dict[str, Any]:
@@ -110,13 +111,19 @@ class Package(Result):
 
 
 def package(
-    design: Design, kinds: Iterable[str] | str = (), *, model: str = "auto", progress: Progress | None = None
+    design: Design,
+    kinds: Iterable[str] | str = (),
+    *,
+    model: str = "auto",
+    mesh_prefix: str = "",
+    progress: Progress | None = None,
 ) -> Package:
     """Return a design as a package for `kinds` of simulators, all of KINDS if there are none.
 
-    `model` is the model of the check that MuJoCo's springs follow. Raises InputError for an unknown kind, for
-    a plate that is not flat where MuJoCo is asked for, or for a carrier that cannot be made; RefusedError
-    where a check or a response is beyond its model's range.
+    `model` is the model of the check that MuJoCo's springs follow. `mesh_prefix` is what the names of URDF's
+    meshes begin with, as `package://my_robot/meshes/`; without one they lie beside the file. Raises
+    InputError for an unknown kind, for a plate that is not flat where MuJoCo is asked for, or for a carrier
+    that cannot be made; RefusedError where a check or a response is beyond its model's range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -156,6 +163,7 @@ def package(
         mesh=mesh,
         heights=heights,
         notes=tuple(notes),
+        mesh_prefix=mesh_prefix,
         seconds=watch.seconds(),
     )
 
@@ -207,7 +215,7 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
         yield "skin.xml", text(partial(skin_xml, design, package.weighs, package.springs))
         yield "scene.xml", text(partial(scene_xml, design, package.springs))
     if "urdf" in kinds:
-        yield "skin.urdf", text(partial(skin_urdf, design, package.weighs))
+        yield "skin.urdf", text(partial(skin_urdf, design, package.weighs, package.mesh_prefix))
     if package.mesh and package.heights:
         mesh, heights = package.mesh, package.heights
         shapes = {name: package.surfaces[name] for name in ("skin", "carrier")}
