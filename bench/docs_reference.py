@@ -1,6 +1,7 @@
 """The generated pages of docs/reference: commands, Python names, TOML keys and JSON keys.
 
-A hook of mkdocs: the pages exist in the built site only. `python -m bench.docs_reference FOLDER` writes them.
+A hook of mkdocs. The pages exist in the built site; a checkout has a line in the place of each.
+`python -m bench.docs_reference FOLDER` writes them.
 """
 
 from __future__ import annotations
@@ -215,6 +216,8 @@ PAGES: dict[str, Callable[[], str]] = {
 def on_files(files: Any, *, config: Any) -> Any:
     """Add the pages to the site; mkdocs calls this."""
     for path, page in PAGES.items():
+        if stub := files.get_file_from_path(path):  # what a checkout shows in its place
+            files.remove(stub)
         files.append(File.generated(config, path, content=page()))
     return files
 

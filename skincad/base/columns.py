@@ -29,7 +29,7 @@ MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000
 MOST_ABOVE = 200  # rows above the columns' names, assumption: machines write 5 to 60
 LONGEST_NAME = 80  # letters of a column's name
 MOST_TOLD = 5  # columns named in a note
-MOST_NAMED = 3  # columns named as missing together
+MOST_NAMED = 4  # columns that are named together where some are missing
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
 NO_COMMAS = "write decimals with a point, or separate columns by semicolons"
 _NUMBER = re.compile(r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?", re.ASCII)
@@ -251,7 +251,7 @@ def _chosen(name: str, header: _Header, sets: Sequence[Sequence[str]]) -> Sequen
     places = {match.place for match in header.found.values()}
     others = [shown(cell)[:80] for i, cell in enumerate(header.cells) if i not in places and cell]
     if len(nearest) > MOST_NAMED and len(missing) < len(nearest):  # all their names say less
-        raise InputError(f"{name}, column '{missing[0]}'", "is missing", remedy="add it, or ask for less")
+        raise InputError(f"{name}, column '{missing[0]}'", "is missing", remedy="add the column")
     rule = "must have the columns " + ", or ".join(map(" and ".join, sets))
     near = ((other, hint) for other in others if "did you mean" in (hint := did_you_mean(other, missing)))
     if meant := next(near, None):

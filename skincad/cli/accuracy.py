@@ -39,8 +39,7 @@ def accuracy(
 ) -> None:
     """Show what accuracy costs in time on this design.
 
-    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings. What
-    check's models took (ladder contact) is kept in your cache folder: check --budget chooses by it.
+    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
     """
     from skincad.outputs import accuracies
 

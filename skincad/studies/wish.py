@@ -65,6 +65,7 @@ CREST_SPREADS = 4.5
 SEARCH_CHECKS, FORCE_CHECKS = 3, 3
 LEANING = 0.75  # of the narrower side, assumption: a higher pad bends more than it shears
 STROKE_SHARE = 1 / 3  # of a gripper's opening, assumption: more is missed at the next object
+JUST_ENOUGH = 0.9  # the same, of a skin of the usual thickness, which its check judges
 ENOUGH = 1.3  # room that a flat design is to have: the closed form may be off by as much
 EDGE_SHARE = 1.25  # an outer ridge's force on a flat skin by the closed form's, about
 LARGEST_DROP = 0.6  # of the way that the plate comes down
@@ -213,7 +214,12 @@ def design_for(
     return WishResult(
         design=design,
         check=verdict,
-        choices=choices(design, asked_size=size is not None, asked_silicone=silicone is not None),
+        choices=choices(
+            design,
+            asked_size=size is not None,
+            asked_silicone=silicone is not None,
+            asked_thickness=thickness is not None,
+        ),
         trade=trade(design, verdict),
         warnings=thick_warnings(design, face),
         broken=broken_wishes(wish, design, search.given_up, meets(verdict)),
@@ -362,7 +368,8 @@ class _Search:
         where none of those that are tried is castable."""
         last, tried = ObstacleError("size"), 0
         options = [option for option in self._options(wish) if option.thick <= self.thickest]
-        enough = [option for option in options if (option.room or 0.0) >= ENOUGH]
+        least = ENOUGH if self.thickest > 1.0 else JUST_ENOUGH
+        enough = [option for option in options if (option.room or 0.0) >= least]
         enough.sort(key=lambda option: option.thick)
         others = sorted((o for o in options if o not in enough), key=lambda option: -(option.room or 0.0))
         for option in [*enough, *others]:

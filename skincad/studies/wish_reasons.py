@@ -43,9 +43,12 @@ class BrokenWish(Record):
     why: str = item(meaning="the obstacle, and what may help")
 
 
-def choices(design: Design, *, asked_size: bool, asked_silicone: bool) -> tuple[Choice, ...]:
+def choices(
+    design: Design, *, asked_size: bool, asked_silicone: bool, asked_thickness: bool = False
+) -> tuple[Choice, ...]:
     """Return what was chosen, and by which rule."""
-    return tuple(_choices(design, asked_size, asked_silicone))
+    found = _choices(design, asked_size, asked_silicone)
+    return tuple(c for c in found if not (asked_thickness and c.key == "skin.thickness"))
 
 
 def _choices(design: Design, asked_size: bool, asked_silicone: bool) -> Iterator[Choice]:

@@ -56,7 +56,8 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
     assert values["ridge.pitch"].startswith(f"{small.design.ridge.pitch:g} mm, {small.design.ridge.count} ")
     assert {"ridge.height", "ridge.levelling", "skin.thickness", "skin.curvature_radius"} <= set(values)
     assert all(choice.why for choice in small.choices)
-    assert [row.thickness for row in small.trade] == pytest.approx([2.4, 4.8, 9.6])  # 4 pitches are usual
+    thick = small.design.skin.thickness  # the usual one
+    assert [row.thickness for row in small.trade] == pytest.approx([thick / 2, thick, 2 * thick])
     assert [row.all_touch_force.value for row in small.trade] == sorted(
         (row.all_touch_force.value for row in small.trade), reverse=True
     )
