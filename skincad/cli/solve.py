@@ -96,8 +96,8 @@ def solve(
         key = typed_key.rstrip("<> ")
         if key in wishes:
             raise InputError("target", f"names {key} twice", remedy="give one; check the other afterwards")
-        sides = typed_key.removeprefix(key).strip()
-        wishes[key] = f"{sides}={text}" if sides else _number(key, text)
+        side = typed_key.removeprefix(key).strip()
+        wishes[key] = f"{side}={text}" if side else text
     varied = texts(vary, "vary")
     subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
     if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):
@@ -128,10 +128,3 @@ def solve(
     lines = report(solution, typed, verbose=verbose, more=written)
     show({**solution.as_json(), "file": file}, as_json, "\n".join(lines))
     leave(solution)
-
-
-def _number(key: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"target {key}", "must be a number", text) from None

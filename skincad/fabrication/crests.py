@@ -158,7 +158,22 @@ def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
     return EDGE_DEVIATIONS * GAUGE_SIGMA / math.sqrt(READINGS) * math.hypot(*slopes)
 
 
-UNDECIDED = "**These limits don't decide.**"  # how the remark on limits that keep no failing part out begins
+def limits_decide(job: Job, allowed_drops: tuple[float, ...]) -> bool:
+    """Return whether parts within the limits pass the verdict; also where there is none, or one feature."""
+    if job.skin.count == 1 or not allowed_drops:
+        return True
+    _, room, scatter = _tightest(job, crest_limits(job), allowed_drops)
+    return scatter < room
+
+
+def _tightest(job: Job, crests: Crests, allowed_drops: tuple[float, ...]) -> tuple[int, float, float]:
+    """The crest that counts most, from 0, what the verdict allows it and what the process takes, mm."""
+    drops = [meant - out for meant, out in zip(job.skin.crests, crests.heights, strict=True)]
+    which = min(range(len(drops)), key=lambda i: allowed_drops[i] - drops[i])
+    room = allowed_drops[which] - (drops[which] - min(drops))
+    # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
+    share = math.sqrt(2 + 2 * _span(job) ** 2)
+    return which, room, crests.deviations * crests.sigma * share
 
 
 def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
@@ -173,14 +188,9 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
             "The check leaves no margin or was not asked: the limits say what the process does, not whether "
             f"all {skin.family}s touch."
         )
-    drops = [meant - out for meant, out in zip(skin.crests, crests.heights, strict=True)]
-    which = min(range(len(drops)), key=lambda i: allowed_drops[i] - drops[i])
-    room = allowed_drops[which] - (drops[which] - min(drops))
+    which, room, scatter = _tightest(job, crests, allowed_drops)
     if math.isinf(room):
         return "No crest that lies lower does harm to the verdict."
-    # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
-    share = math.sqrt(2 + 2 * _span(job) ** 2)
-    scatter = crests.deviations * crests.sigma * share
     one = f"crest {which + 1}, which counts most, {max(room, 0.0):.3f} mm against the others"
     if scatter < room:
         return (
@@ -189,7 +199,7 @@ def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], m
             "these limits pass it."
         )
     return (
-        f"{UNDECIDED} The verdict allows {one}, and {job.design.mold.process} alone may "
+        f"**These limits don't decide.** The verdict allows {one}, and {job.design.mold.process} alone may "
         f"take {scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good "
         f"ones pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
         f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "

@@ -14,7 +14,7 @@ from skincad.base.outfolder import listed, manifest_name
 from skincad.base.result import Writer
 from skincad.base.version import __version__
 from skincad.fabrication.assembly_drawing import assembly_drawing
-from skincad.fabrication.crests import UNDECIDED, crest_limits, verdict_remark
+from skincad.fabrication.crests import limits_decide
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.job import Job
 from skincad.fabrication.making import Build, MakeResult, passes
@@ -83,7 +83,7 @@ def _undecided(result: MakeResult) -> list[str]:
     if result.build is None or result.check is None:
         return []
     job = result.build.job
-    if not verdict_remark(job, crest_limits(job), *checks.allowance(result.check)).startswith(UNDECIDED):
+    if limits_decide(job, checks.allowed_drops(result.check)):
         return []
     process = job.design.mold.process
     which = f"the limits on its crests don't decide which parts pass: {process} scatters by more"

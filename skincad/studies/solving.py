@@ -436,12 +436,13 @@ def _told(
     )
 
 
-def _order(evaluator: Evaluator, varied: tuple[DesignVariable, ...], solved: SolutionPoint) -> float:
-    """The least change first; of choices alone the one that comes nearest."""
-    if not all(knob.choices or knob.whole for knob in varied):
-        return _change(varied, solved.values)
-    evaluation = evaluator.ask(dict(solved.values))
-    return evaluator.off(evaluation)
+def _order(
+    evaluator: Evaluator, varied: tuple[DesignVariable, ...], solved: SolutionPoint
+) -> tuple[float, float]:
+    """The least change first; of choices alone the one that comes nearest, of those that keep a limit too."""
+    alone = all(knob.choices or knob.whole for knob in varied)
+    off = evaluator.off(evaluator.ask(dict(solved.values))) if alone else 0.0
+    return off, _change(varied, solved.values)
 
 
 def _change(varied: tuple[DesignVariable, ...], values: Mapping[str, Value]) -> float:

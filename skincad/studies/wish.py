@@ -247,26 +247,33 @@ def size_of(size: str | tuple[float, float] | None, face: Gripper | None = None)
 
 def force_of(touch: str | float) -> float:
     """Return a force, N."""
-    if isinstance(touch, str):
-        match = _FORCE.fullmatch(touch)
-        if match is None:
-            raise InputError("touch", "must be a force", touch, "as in 1N or 500mN")
-        touch = float(match[1]) * _UNITS[match[2] or ""]
-    rule = f"must be {LIGHTEST:g} to {HEAVIEST:g} N"
-    require_number("touch", touch, lambda value: LIGHTEST <= value <= HEAVIEST, rule)
-    return float(touch)
+    told = "must be a force", "as in 1N or 500mN"
+    return _amount("touch", touch, _FORCE, told, (LIGHTEST, HEAVIEST), "N")
 
 
 def thickness_of(thickness: str | float) -> float:
     """Return a skin's thickness, mm."""
-    if isinstance(thickness, str):
-        match = _LENGTH.fullmatch(thickness)
+    told = "must be a length", "as in 8 or 8mm"
+    return _amount("thickness", thickness, _LENGTH, told, (THINNEST_SKIN, THICKEST_SKIN), "mm")
+
+
+def _amount(
+    key: str,
+    value: str | float,
+    pattern: re.Pattern[str],
+    told: tuple[str, str],
+    ends: tuple[float, float],
+    unit: str,
+) -> float:
+    """A number, or a text with a unit, between two ends; `told` is the rule of the text, and an example."""
+    if isinstance(value, str):
+        match = pattern.fullmatch(value)
         if match is None:
-            raise InputError("thickness", "must be a length", thickness, "as in 8 or 8mm")
-        thickness = float(match[1]) * _UNITS[match[2] or ""]
-    rule = f"must be {THINNEST_SKIN:g} to {THICKEST_SKIN:g} mm"
-    require_number("thickness", thickness, lambda value: THINNEST_SKIN <= value <= THICKEST_SKIN, rule)
-    return float(thickness)
+            raise InputError(key, told[0], value, told[1])
+        value = float(match[1]) * _UNITS[match[2] or ""]
+    low, high = ends
+    require_number(key, value, lambda number: low <= number <= high, f"must be {low:g} to {high:g} {unit}")
+    return float(value)
 
 
 def film_of(film: str | float | None) -> float:

@@ -20,7 +20,7 @@ from skincad.fabrication import (
     snapped_to_layers,
     uncertain_ridges,
 )
-from skincad.fabrication.crests import undecided_margin
+from skincad.fabrication.crests import crest_limits, limits_decide, undecided_margin, verdict_remark
 from skincad.fabrication.inspection import inspection, inspection_lines
 from skincad.inputs import Design, processes
 from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
@@ -454,3 +454,13 @@ def test_layers_are_told_as_they_fall(name: str) -> None:
     heights = inspection(Job(design, closed)).crests.heights
     # mm: the generator's block is of exact arcs, and of a volume that gives its scale to a few digits
     assert heights == pytest.approx(sliced(design, closed), abs=5e-4)
+
+
+def test_limits_decide_where_the_verdict_allows_more_than_the_process_takes() -> None:
+    """What the sheet says in words: crests of sla scatter by 0.015 mm."""
+    job = Job(skincad.load("plain-ridges", ["mold.process=sla"]))
+    assert limits_decide(job, ())
+    for drop, decides, words in ((0.001, False, "These limits don't decide"), (1.0, True, "pass it")):
+        drops = (drop,) * job.skin.count
+        assert limits_decide(job, drops) == decides
+        assert words in verdict_remark(job, crest_limits(job), drops, 1.0)

@@ -313,6 +313,8 @@ def test_a_limit_is_kept_with_the_least_change() -> None:
     assert float(reached["all_touch_force_N"]) <= 1.5 * (1 + TOL)
     assert float(reached["approach_mm"]) >= 0.05 * (1 - TOL)
     stiffer = quick({"all_touch_force": ">=3"}, {"material.name": "all"})
+    own = quick({"all_touch_force": ">=2"}, {"material.name": "all"}).solutions[0]
+    assert own.values == {"material.name": "dragon-skin-30"}  # the design's, of those that keep it
     assert stiffer.solutions
     assert all(float(one.reached["all_touch_force_N"].upper) >= 3 for one in stiffer.solutions)
 

@@ -284,3 +284,15 @@ def test_a_pressed_pin_tilts_its_neighbour_as_a_pulled_one_presses_it() -> None:
     # 20 %: a root that does not bend takes the mean over it, and stiffens the base
     assert -whole[0, 2 * n + 1] == pytest.approx(aside, rel=0.2)
     assert -whole[2 * n + 1, 0] == pytest.approx(aside, rel=0.2)
+
+
+def test_on_a_base_of_one_root_the_error_is_wider() -> None:
+    """A pin on a base of 2.0 roots, and on one of 2.2."""
+    pin = {"columns": 1, "rows": 1, "heights": None, "height": 4.0, "pocket": None}
+    relative = []
+    for roots in (2.0, 2.2):
+        skin = {"width": 3.4 * roots, "length": 3.4 * roots}
+        answer = skincad.check(skincad.load("pillars-9").with_(pin=pin, skin=skin), model="reduced").approach
+        relative.append(answer.error / answer.value)
+    wider = (reduced.NARROWER - 1) * reduced.PIN_ERRORS.approach
+    assert relative[0] - relative[1] == pytest.approx(wider, rel=0.01)  # what is left out is the same
