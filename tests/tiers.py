@@ -15,7 +15,6 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from statistics import fmean
 from typing import Any
 
 import pytest
@@ -31,10 +30,10 @@ TIERS = {
 SLACK = 1.5  # a test's core-seconds differ by as much from run to run
 TURNS = 10
 LOOP = 0.010  # s, of `loop_seconds` while both cores of the machine are busy for which the limits were set
-BETWEEN_LOOPS, RECENT = 2.0, 5  # core-seconds between two loops; how many count for a test
+BETWEEN_LOOPS = 2.0  # core-seconds between two loops
 
 STARTED, PROCESSES = pytest.StashKey[float](), pytest.StashKey[list[float]]()
-LOOPS, LOOPED = pytest.StashKey[list[float]](), pytest.StashKey[float]()
+LOOPED, SPENT = pytest.StashKey[float](), pytest.StashKey[float]()
 LINES, EVIDENCE = pytest.StashKey[list[str]](), pytest.StashKey[dict[str, str]]()
 
 
@@ -138,16 +137,18 @@ def loop_seconds() -> float:
     return time.process_time() - began
 
 
-def spent_since(config: pytest.Config, began: float) -> float:
-    """Return core-seconds since `began` as that machine would take them, by the mean of the last loops.
+def spent(config: pytest.Config, *, between: float = 0.0) -> float:
+    """Return this process's core-seconds as that machine would take them, brought up to date after `between`.
 
-    A core is up to twice as slow while its other thread is busy, or another guest of its host.
+    A core is up to twice as slow while its other thread is busy, or another guest of its host. So each
+    stretch of a run has a loop of its own.
     """
-    now, loops = core_seconds(), config.stash.setdefault(LOOPS, [])
-    if not loops or now > config.stash.get(LOOPED, 0.0) + BETWEEN_LOOPS:
-        loops.append(loop_seconds())
-        config.stash[LOOPED] = now
-    return (now - began) * LOOP / fmean(loops[-RECENT:] if began else loops)
+    now, looped, sum_so_far = core_seconds(), config.stash.get(LOOPED, 0.0), config.stash.get(SPENT, 0.0)
+    if now - looped <= between:
+        return sum_so_far
+    config.stash[SPENT] = sum_so_far + (now - looped) * LOOP / loop_seconds()
+    config.stash[LOOPED] = core_seconds()
+    return config.stash[SPENT]
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
@@ -162,10 +163,9 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[Any]:
     """Report what a test took, in which tier, and whether it may."""
     report = yield
     if report.when == "teardown":
-        spent = core_seconds() - item.stash[STARTED]
-        report.user_properties.append(
-            ("spent", (tier_of(item), spent, bool(item.get_closest_marker("dear"))))
-        )
+        took = core_seconds() - item.stash[STARTED]
+        report.user_properties.append(("spent", (tier_of(item), took, bool(item.get_closest_marker("dear")))))
+        spent(item.config, between=BETWEEN_LOOPS)
     return report
 
 
@@ -184,14 +184,14 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     """
     config = session.config
     if hasattr(config, "workeroutput"):
-        config.workeroutput["core_seconds"] = spent_since(config, 0.0)
+        config.workeroutput["core_seconds"] = spent(config)
         return
     reports = config.pluginmanager.get_plugin("terminalreporter").getreports("")
     properties = [(report.nodeid, *pair) for report in reports for pair in report.user_properties]
     rows = [(name, *value) for name, key, value in properties if key == "spent"]
     lines = []
     for tier, limit in TIERS.items():
-        tests = {name: round(spent, 2) for name, of, spent, _ in rows if of == tier}
+        tests = {name: round(took, 2) for name, of, took, _ in rows if of == tier}
         if tests:
             lines.append(f"{tier}: {len(tests)} tests, {sum(tests.values()):.0f} core-seconds")
             MEASURED.mkdir(parents=True, exist_ok=True)
@@ -200,12 +200,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
                 tests = json.loads(path.read_text("utf-8")) | tests
             path.write_text(json.dumps(tests, indent=0), encoding="utf-8")
         lines += [
-            f"{name}: {spent:.1f} core-seconds, {limit:g} are allowed (mark it `dear` with the reason)"
-            for name, of, spent, dear in rows
-            if of == tier and spent > SLACK * limit and not dear
+            f"{name}: {took:.1f} core-seconds, {limit:g} are allowed (mark it `dear` with the reason)"
+            for name, of, took, dear in rows
+            if of == tier and took > SLACK * limit and not dear
         ]
     workers, most = config.stash.get(PROCESSES, []), config.option.core_seconds
-    whole = sum(workers) + time.process_time() if workers else spent_since(config, 0.0)
+    whole = sum(workers) + time.process_time() if workers else spent(config)
     lines.append(f"all processes: {whole:.0f} core-seconds")
     if most is not None and whole > most:
         lines.append(f"all processes: {whole:.0f} core-seconds, {most:g} are allowed")
