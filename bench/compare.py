@@ -4,6 +4,10 @@
 every scene and `circuit` on every circuit in both, and prints each difference on a line; exit status 1 if
 there is one. One that is meant is named by `--allow REGEX REASON` and printed all the same, with its reason.
 
+`python -m bench.compare --numbers FILE` checks every design by every model and simulates every scene. If
+there is no such file it writes there all that was printed; else it prints each number that differs from it by
+more than 1e-9 of the largest in its list.
+
 `python -m bench.compare --golden` writes `tests/golden` anew: papers and words of four designs that differ in
 kind. tests/golden/test_golden.py compares them by `text_differences`; git shows what a change changed.
 """
@@ -19,7 +23,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import zip_longest
@@ -28,9 +32,11 @@ from typing import Any
 
 import skincad
 from skincad.inputs import Design
+from skincad.mechanics import MODELS
 
 HERE = Path(__file__).parents[1]
 KINDS = {"circuit": "circuits", "simulate": "scenes", "make": "designs"}  # cheapest first
+SAME = 1e-9  # relative, of a number that only rounding changed
 TIMED = {"seconds", "manifest_sha256", "sha256"}  # a manifest's hashes say again which files differ
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
@@ -155,6 +161,65 @@ def content(a: bytes, b: bytes) -> str:
     return f"line {first + 1}: {x!r:.60} -> {y!r:.60}{relative(numbers) if numbers else ''}"
 
 
+def numbers(names: Sequence[str]) -> Iterator[tuple[str, Any]]:
+    """Yield what each model says of each design, and each scene's simulation; of a refusal its words."""
+    for kind, run_one in (("designs", _checked), ("scenes", _simulated)):
+        for path in sorted((HERE / "templates" / kind).glob("*.toml")):
+            if not names or path.stem in names:
+                yield from run_one(path.stem)
+
+
+def _checked(name: str) -> Iterator[tuple[str, Any]]:
+    for model in MODELS:
+        yield f"check {name} {model}", _said(lambda model=model: skincad.check(name, model=model))
+
+
+def _simulated(name: str) -> Iterator[tuple[str, Any]]:
+    yield f"simulate {name}", _said(lambda: skincad.simulate(skincad.load_scene(name)))
+
+
+def _said(run_one: Callable[[], Any]) -> Any:
+    try:
+        return json.loads(json.dumps(run_one().as_json()))
+    except skincad.InputError as refusal:
+        return str(refusal)
+
+
+def far_apart(a: Any, b: Any, path: str = "$", scale: float = 0.0) -> Iterator[str]:
+    """Yield a line for each leaf that differs by more than SAME, of the largest number in its list."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        for key in [key for key in {**a, **b} if key not in TIMED]:
+            yield from far_apart(a.get(key, "(no key)"), b.get(key, "(no key)"), f"{path}.{key}")
+    elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        largest = max((abs(x) for x in (*a, *b) if isinstance(x, int | float)), default=scale)
+        for i, (x, y) in enumerate(zip(a, b, strict=True)):
+            yield from far_apart(x, y, f"{path}[{i}]", largest)
+    elif isinstance(a, float) and isinstance(b, float):
+        if abs(a - b) > SAME * max(abs(a), abs(b), scale):
+            yield f"{path}: {a!r} -> {b!r} (relative {abs(a - b) / max(abs(a), abs(b), scale):.1e})"
+    elif masked(str(a), timed=True) != masked(str(b), timed=True):
+        yield f"{path}: {a!r:.100} -> {b!r:.100}"
+
+
+def compare_numbers(file: Path, names: Sequence[str]) -> int:
+    """Write a file of all numbers, or print what differs from it; return the exit status."""
+    before = json.loads(file.read_text("utf-8")) if file.exists() else None
+    now, left = dict[str, Any](), 0
+    for name, said in numbers(names):
+        now[name] = said
+        lines = [] if before is None else list(far_apart(before.get(name, "(no key)"), said))
+        left += bool(lines)
+        print(
+            *(f"{name}: {line}" for line in lines or ["written" if before is None else "same"]),
+            sep="\n",
+            flush=True,
+        )
+    if before is None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(now), encoding="utf-8")
+    return 1 if left else 0
+
+
 def golden_design(name: str) -> Design:
     return skincad.load(name).with_(**GOLDEN_DESIGNS[name][1])
 
@@ -253,6 +318,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print every difference; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m bench.compare")
     parser.add_argument("revision", nargs="?", help="a git revision, or the folder of another checkout")
+    parser.add_argument("--numbers", type=Path, metavar="FILE", help="every model's numbers, against a file")
     parser.add_argument("--golden", action="store_true", help="write tests/golden anew")
     parser.add_argument("--only", choices=KINDS, help="only this command")
     parser.add_argument("--name", action="append", default=[], help="only this template; repeatable")
@@ -261,8 +327,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.golden:
         write_golden(options.name)
         return 0
+    if options.numbers:
+        return compare_numbers(options.numbers, options.name)
     if options.revision is None:
-        parser.error("name a revision, or --golden")
+        parser.error("name a revision, --numbers or --golden")
     left = 0
     with tree(options.revision) as other, tempfile.TemporaryDirectory() as out, ThreadPoolExecutor(2) as pool:
         if not (todo := list(jobs((other, HERE), options.only, options.name))):

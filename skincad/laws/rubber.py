@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -22,7 +21,7 @@ from pydantic import Field, model_validator
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.base.result import Figure, with_picture
+from skincad.base.result import Figure, output_named, with_picture
 from skincad.base.tables import Table, unit_of
 
 # Stretches of a bar between which a law must pull the more the longer the bar is. Assumption: a ridge's root
@@ -124,7 +123,7 @@ class Rubber(Table):
 
     def figure(self) -> Figure:
         """Return the matplotlib figure of stress and tangent modulus against stretch."""
-        figure: Figure = import_module("skincad.outputs.figures.results").law_figure(self)
+        figure: Figure = output_named("skincad.outputs.figures.results:law_figure")(self)
         return figure
 
     def _repr_html_(self) -> str:

@@ -243,10 +243,10 @@ WORDS = {"skin": "skin", "contact": "pressing", "contact.plate": "plate that it 
 
 
 class Panel:
-    """The inputs of one GUI, by key; `guarded` wraps what an input calls."""
+    """The inputs in a tab of a GUI, by key; `guarded` wraps what an input calls."""
 
-    def __init__(self, gui: Any, desk: Desk, guarded: Callable[..., Callable[..., None]]) -> None:
-        self._gui, self._desk, self._guarded = gui, desk, guarded
+    def __init__(self, gui: Any, tab: Any, desk: Desk, guarded: Callable[..., Callable[..., None]]) -> None:
+        self._gui, self._tab, self._desk, self._guarded = gui, tab, desk, guarded
         self._folders: dict[str, Any] = {}
         self._shapes: dict[str, tuple[Any, ...]] = {}
         self._inputs: dict[str, Any] = {}
@@ -284,7 +284,8 @@ class Panel:
         name = table.removeprefix("skin.") if table != "skin" else table
         words = WORDS.get(name, name.replace("_", " ").replace("effects.", "effect: "))
         is_open = table.startswith(OPEN) and not (table.startswith("skin.") and table != "skin.ridge")
-        folder = self._gui.add_folder(words, order=float(place), expand_by_default=is_open)
+        with self._tab:
+            folder = self._gui.add_folder(words, order=float(place), expand_by_default=is_open)
         self._folders[table] = folder
         with folder:
             for control in entries:

@@ -58,20 +58,21 @@ class Page:
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
         scene.set_up_direction("+z")
         scene.world_axes.visible = False
-        answers = gui.add_panel()
-        with answers.add_tab("Answers"):
-            self._state = gui.add_html("")
-            self._section = gui.add_html("")
-            self._verdict = gui.add_html("")
-            self._findings = gui.add_html("")
-        answers.dock_left()
-        answers.set_width(LEFT)
-        gui.main_panel.dock_right()
-        gui.main_panel.set_width(RIGHT)
-        self._add_buttons(gui)
-        self._add_view(gui)
-        self._drawn = HistoryBoard(self.server, self.desk, self.guarded)
-        self._panel = Panel(gui, self.desk, self.guarded)
+        self._state = gui.add_html("")  # the main panel: a telephone shows it first, the others folded
+        self._section = gui.add_html("")
+        self._verdict = gui.add_html("")
+        self._findings = gui.add_html("")
+        gui.main_panel.dock_left()
+        gui.main_panel.set_width(LEFT)
+        beside = gui.add_panel()
+        sliders = beside.add_tab("Sliders")
+        beside.dock_right()
+        beside.set_width(RIGHT)
+        with sliders:
+            self._add_buttons(gui)
+            self._add_view(gui)
+            self._drawn = HistoryBoard(self.server, self.desk, self.guarded)
+        self._panel = Panel(gui, sliders, self.desk, self.guarded)
         self._changed("session")
 
     def _add_buttons(self, gui: Any) -> None:

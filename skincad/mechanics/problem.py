@@ -52,11 +52,21 @@ def steepest(plate: Plate, half_width: float) -> float:
 FLAT = Plate()
 NEGLIGIBLE = 0.01  # of the applied force; a smaller all-touch force is negligible
 EQUAL_FORCES = 1e-3  # relative: ridges whose forces differ by less, as a mirrored pair's, touch together
+BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
 PVDF_DENSITY = 1780.0  # kg/m3; source: data sheets
 
 
 class ContactError(RefusedError):
     """A contact or finite element solution that does not hold; words say what and the remedy."""
+
+
+def check_balance(error: float) -> float:
+    """Return by how much, relative to the load, the clamped back's force misses it; ContactError if the
+    factorisation is inaccurate."""
+    if not error <= BALANCE:
+        words = f"the clamped back carries the force to {error:.1e} only"
+        raise ContactError(f"{words}; take a smaller poisson_ratio")
+    return error
 
 
 class SizeError(InputError):

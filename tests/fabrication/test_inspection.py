@@ -303,7 +303,7 @@ def judged(name: str) -> JudgedDesign:
     check = skincad.check(design)
     pad, force = pad_of(design), design.contact.force
     solved = level(plane_piece(pad, 0.5, whole=True), 2, force)
-    model = ridge_model(solved.ridges, force, unit_of(pad), solved.scale)
+    model = ridge_model(*solved.ridges.points, force, unit_of(pad), solved.scale)
     upper = check.all_touch_force.upper
     # what a better model and the error add is taken as a change of stiffness, as the yield takes it
     force_needed = float(all_touch(model, np.zeros((1, design.ridge.count)), force / solved.scale)[0])

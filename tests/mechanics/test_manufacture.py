@@ -31,7 +31,7 @@ def case(request: pytest.FixtureRequest) -> tuple[linear.PlaneSolution, mech.Rid
     solution = linear.level(mech.plane_piece(pad, 0.5, whole=True), 2, force)
     return (
         solution,
-        mech.ridge_model(solution.ridges, force, mech.unit_of(pad), solution.scale),
+        mech.ridge_model(*solution.ridges.points, force, mech.unit_of(pad), solution.scale),
         mech.unit_of(pad),
         force,
     )
@@ -87,7 +87,7 @@ def test_facts_outer_crests_lower_by_25_and_50_um() -> None:
     design = reference()
     pad = mech.pad_of(design)
     solution = linear.level(mech.plane_piece(pad, whole=True), 2, 4.0)
-    model = mech.ridge_model(solution.ridges, 6.0, mech.unit_of(pad), solution.scale)
+    model = mech.ridge_model(*solution.ridges.points, 6.0, mech.unit_of(pad), solution.scale)
     outer = np.zeros((3, 9))
     outer[1, [0, -1]], outer[2, [0, -1]] = 0.025 / mech.unit_of(pad), 0.05 / mech.unit_of(pad)
     force = yields.all_touch(model, outer, 4.0 / solution.scale)
@@ -104,7 +104,7 @@ def test_share_of_failing_reference_parts() -> None:
     pad = mech.pad_of(reference())
     solution = linear.level(mech.plane_piece(pad, 0.5, whole=True), 2, 4.0)
     scaled_force, ridges = 4.0 / solution.scale, solution.ridges
-    model = mech.ridge_model(ridges, 4.0, mech.unit_of(pad), solution.scale)
+    model = mech.ridge_model(*ridges.points, 4.0, mech.unit_of(pad), solution.scale)
     rigid = (0.8, 0.8, 0.8)
     spreads = [mech.problem.Spread("test", sigma, rigid) for sigma in (0.02, 0.03)]
     results = [yields.manufacture(model, 4.0, 3.0265, spread) for spread in spreads]

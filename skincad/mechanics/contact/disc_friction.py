@@ -23,7 +23,6 @@ from skincad.base.interrupt import safe_point
 from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import ContactError
 
-DEBUG = False
 ITERATIONS = 60  # five to eight are usual
 WHOLE_STEPS = 10  # Newton's; four in five are halves after that, as sets that cycle settle by them
 ACCURACY = 1e-8  # of the plate's force: what tangential forces are off, or slips times a point's stiffness

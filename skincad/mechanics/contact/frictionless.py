@@ -2,7 +2,7 @@
 
 Unknown are the nodal forces f >= 0 and the approach d with, for a flexibility C and initial gaps g,
 w = g - d + C f >= 0, f w = 0 and sum f = F: the optimality of a strictly convex quadratic program,
-so the solution is unique. C is a dense array or, of a long pad, a chain of slabs (bodies/chain.py).
+so the solution is unique.
 
 A body that is stable only while its plate holds it has a flexibility that is not definite. The conditions are
 then those of a saddle point, and the solution is the one that sweeps from a nearby set reach.
@@ -28,7 +28,7 @@ from scipy.sparse.linalg import splu
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.interrupt import safe_point
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.chain import SlabChain, condense_by_slabs
+from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.problem import ContactError, Pad, rise
 
@@ -48,21 +48,18 @@ class NodalContact:
     residual: float
 
 
-Flexibility = Array | SlabChain
 # Of one pad: for each set of active points the forces on them that close their gaps and that move them by one
 ActiveSetCache = dict[bytes, tuple[Array, Array]]
 
 
-def seen_by(rows: sparse.csr_matrix, flexibility: Flexibility) -> Flexibility:
+def seen_by(rows: sparse.csr_matrix, flexibility: Array) -> Array:
     """Return the flexibility of points that the unknowns of `flexibility` move by `rows`."""
-    if isinstance(flexibility, SlabChain):
-        return flexibility.seen(rows)
     full = np.asarray(rows @ (rows @ flexibility).T)
     return np.asarray((full + full.T) / 2)
 
 
 def press(
-    flexibility: Flexibility,
+    flexibility: Array,
     gap: Array,
     force: float,
     start: Mask | None = None,
@@ -105,7 +102,7 @@ def press(
     return _descend(flexibility, gap, force, may)
 
 
-def _first_approach(flexibility: Flexibility, gap: Array, force: float) -> float:
+def _first_approach(flexibility: Array, gap: Array, force: float) -> float:
     """A stiff guess of the approach: few points to start from, so that the sweeps mostly add.
 
     A flexibility that is not definite may have a negative mean; the lowest point touches all the same.
@@ -120,7 +117,7 @@ def _length(gap: Array, approach: float) -> float:
 
 
 def _equilibrium(
-    flexibility: Flexibility,
+    flexibility: Array,
     gap: Array,
     force: float,
     active: Mask,
@@ -139,11 +136,9 @@ def _equilibrium(
     return nodal, float(first + approach)
 
 
-def _carried(flexibility: Flexibility, inside: Index, gap: Array, definite: bool) -> tuple[Array, Array]:
+def _carried(flexibility: Array, inside: Index, gap: Array, definite: bool) -> tuple[Array, Array]:
     """Forces that move the points `inside` by their gaps, and all by one, while no other carries any."""
     sides = np.column_stack([gap, np.ones(gap.size)])
-    if isinstance(flexibility, SlabChain):
-        return tuple(flexibility.carried(inside, sides).T)
     block = flexibility[np.ix_(inside, inside)]
     try:
         if definite:
@@ -156,7 +151,7 @@ def _carried(flexibility: Flexibility, inside: Index, gap: Array, definite: bool
     return columns[:, 0], columns[:, 1]
 
 
-def _descend(flexibility: Flexibility, gap: Array, force: float, may: Mask) -> NodalContact:
+def _descend(flexibility: Array, gap: Array, force: float, may: Mask) -> NodalContact:
     """Primal active set: stay feasible, add the most closed point, step back to the first zero force.
 
     Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 16.3.
@@ -205,74 +200,28 @@ def _accepted(
     return NodalContact(nodal, approach, open_gap, active, residual)
 
 
-@dataclass(frozen=True)
-class BothSides:
-    """The flexibility of a whole pad's contact points: `m` at x >= 0 first, then the images of those `off`
-    `(k,)` the cut. As a matrix, `sides @ force` and the blocks of a ridge's points.
+def on_both_sides(
+    symmetric: Ridges, half: ContactStiffness, ridges: tuple[int, ...]
+) -> tuple[Array, Array, Index]:
+    """Return a whole pad's contact: flexibility, gaps and ridges of its points, those at x >= 0 first, then
+    the images of those off the cut.
 
-    `symmetric` and `antisymmetric` are the flexibility of the half's points under loads of either parity.
-    `antisymmetric` has no points on the cut: they do not move.
-    """
-
-    symmetric: Flexibility
-    antisymmetric: Flexibility
-    off: Index
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """As a matrix's."""
-        size = self.symmetric.shape[0] + self.off.size
-        return size, size
-
-    def __matmul__(self, force: Array) -> Array:
-        """Return the movement under forces, both `(m + k,)` or `(m + k, l)`."""
-        m = self.symmetric.shape[0]
-        here, image = force[:m], np.zeros_like(force[:m])
-        image[self.off] = force[m:]
-        symmetric, antisymmetric = (
-            self.symmetric @ ((here + image) / 2),
-            self.antisymmetric @ ((here - image) / 2),
-        )
-        return np.concatenate([symmetric + antisymmetric, (symmetric - antisymmetric)[self.off]])
-
-    def __getitem__(self, where: tuple[Index, ...]) -> Array:
-        """Return the block at `np.ix_(points, points)`, points of one ridge."""
-        points, m = where[0].ravel(), self.symmetric.shape[0]
-        number = np.concatenate([np.arange(m), self.off])[points]
-        side = np.where(points < m, 1.0, -1.0)
-        here, local = np.unique(number, return_inverse=True)
-        at, there = np.ix_(local, local), np.flatnonzero(np.isin(here, self.off))
-        symmetric, antisymmetric = self.symmetric[np.ix_(here, here)], np.zeros((here.size, here.size))
-        antisymmetric[np.ix_(there, there)] = self.antisymmetric[np.ix_(here[there], here[there])]
-        return np.asarray((symmetric[at] + np.outer(side, side) * antisymmetric[at]) / 2)
-
-
-@dataclass(frozen=True)
-class MirroredRidges:
-    """A whole pad's contact points `(m + k,)` seen from its half: their flexibility, gaps and ridges."""
-
-    flexibility: BothSides
-    gap: Array
-    of_point: Index
-
-
-def on_both_sides(symmetric: Ridges, half: ContactStiffness, ridges: tuple[int, ...]) -> MirroredRidges:
-    """Return the contact of a whole pad with these `ridges`, those of its half under symmetric loads at hand.
-
-    `half` is the half's stiffness for loads of either parity, in whose units the whole is too. Costs one
-    condensation of the half.
+    Known are the contact of its half under symmetric loads, the half's stiffness for loads of either parity,
+    in whose units the whole is too, and the pad's `ridges`. Costs one condensation of the half.
     """
     interior, contact = elements.antisymmetric_unknowns(half)
-    antisymmetric = condense_by_slabs(replace(half, interior=interior, contact=contact)).flexibility
     moving = half.nodes.rows[:, np.flatnonzero(np.isin(half.contact, contact))]
     moving.data[np.abs(moving.data) < ROUNDING] = 0.0
     moving.eliminate_zeros()
     off = np.flatnonzero(moving.getnnz(axis=1))  # a point on the cut is its own image
-    image = dict(zip(ridges, reversed(ridges), strict=True))
-    return MirroredRidges(
-        BothSides(symmetric.flexibility, antisymmetric.seen(moving), off),
+    other = seen_by(moving, condense(half.matrix, interior, contact).flexibility)
+    same, image = (symmetric.flexibility + other) / 2, (symmetric.flexibility - other) / 2
+    flexibility = np.block([[same, image[:, off]], [image[off], same[np.ix_(off, off)]]])
+    mirrored = dict(zip(ridges, reversed(ridges), strict=True))
+    return (
+        flexibility,
         np.concatenate([symmetric.gap, symmetric.gap[off]]),
-        np.concatenate([symmetric.of_point, [image[r] for r in symmetric.of_point[off].tolist()]]),
+        np.concatenate([symmetric.of_point, [mirrored[r] for r in symmetric.of_point[off].tolist()]]),
     )
 
 
@@ -290,7 +239,7 @@ class Ridges:
     `definite` says whether the pad is stable without its plate.
     """
 
-    flexibility: Flexibility
+    flexibility: Array
     gap: Array
     of_point: Index
     rows: sparse.csr_matrix
@@ -304,7 +253,7 @@ class Ridges:
     def of(
         cls,
         system: ContactStiffness,
-        flexibility: Flexibility,
+        flexibility: Array,
         top: float,
         rise: Callable[[Array], Array] = np.zeros_like,
     ) -> Ridges:
@@ -337,6 +286,11 @@ class Ridges:
         fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
         later = float((self.fine_gap + fine).min() - self.fine_gap.min())
         return replace(self, gap=self.gap + at_points - later, fine_gap=self.fine_gap + fine - later)
+
+    @property
+    def points(self) -> tuple[Array, Array, Index]:
+        """The contact points' flexibility, gaps and ridges."""
+        return self.flexibility, self.gap, self.of_point
 
     @property
     def numbers(self) -> Index:
@@ -435,7 +389,7 @@ class _Outsider:
         return [r for r in numbers if not carried[r] > 0]
 
 
-def seen_by_plate(pad: Pad, system: ContactStiffness, flexibility: Flexibility, unit: float) -> Ridges:
+def seen_by_plate(pad: Pad, system: ContactStiffness, flexibility: Array, unit: float) -> Ridges:
     """Return the contact points as the pad's plate sees them; `unit` is the pad's, mm."""
     if pad.plate.shape == "flat":
         return Ridges.of(system, flexibility, pad.top / unit)

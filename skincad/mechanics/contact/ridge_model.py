@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.base.arrays import Array
-from skincad.mechanics.contact.frictionless import MirroredRidges, Ridges, press
+from skincad.base.arrays import Array, Index
+from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.problem import ContactError, RidgeModel
 
 TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where the patch is small
@@ -25,31 +25,34 @@ MAX_RIDGES = 320  # ridges; of more the yield would be that of fewer than 40 par
 ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it is rounding
 
 
-def ridge_model(ridges: Ridges | MirroredRidges, largest: float, unit: float, scale: float) -> RidgeModel:
+def ridge_model(
+    flexibility: Array, gap: Array, of_point: Index, largest: float, unit: float, scale: float
+) -> RidgeModel:
     """Return the reduced model of a condensed pad, its tables up to the force `largest` N on one ridge.
 
-    `unit` mm and `scale` N are the pad's units. Raises ContactError for a pad of more than MAX_RIDGES ridges.
+    `flexibility` `(m, m)`, `gap` `(m,)` and the ridge `of_point` `(m,)` are those of its contact points,
+    `unit` mm and `scale` N the pad's units. Raises ContactError for a pad of more than MAX_RIDGES ridges.
     """
-    numbers = np.unique(ridges.of_point)
+    numbers = np.unique(of_point)
     if numbers.size > MAX_RIDGES:
         raise ContactError(f"the ridge model takes at most {MAX_RIDGES} ridges, got {numbers.size}")
-    inside = [np.flatnonzero(ridges.of_point == number) for number in numbers]
-    gap = np.array([ridges.gap[points].min() for points in inside])
+    inside = [np.flatnonzero(of_point == number) for number in numbers]
+    first = np.array([gap[points].min() for points in inside])
     force = np.concatenate([[0.0], TABLE * largest / scale])
-    spread = np.zeros((ridges.gap.size, numbers.size))
+    spread = np.zeros((gap.size, numbers.size))
     table = np.zeros((numbers.size, force.size))
     for i, points in enumerate(inside):
-        block = ridges.flexibility[np.ix_(points, points)]
+        block = flexibility[np.ix_(points, points)]
         start = None
         for column in range(1, force.size):
-            state = press(block, ridges.gap[points], float(force[column]), start)
+            state = press(block, gap[points], float(force[column]), start)
             start = state.active
-            table[i, column] = state.approach - gap[i]
+            table[i, column] = state.approach - first[i]
             if column == force.size // 2:
                 spread[points, i] = state.force / force[column]
-    coupling = spread.T @ (ridges.flexibility @ spread)
+    coupling = spread.T @ (flexibility @ spread)
     np.fill_diagonal(coupling, 0.0)
-    return RidgeModel(gap, coupling, force, table, unit, scale)
+    return RidgeModel(first, coupling, force, table, unit, scale)
 
 
 def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:

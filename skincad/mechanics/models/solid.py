@@ -27,10 +27,10 @@ from skincad.mechanics.models.linear import relative_error, shortfalls
 from skincad.mechanics.problem import (
     Answer,
     Bend,
-    ContactError,
     Pad,
     Request,
     SizeError,
+    check_balance,
     check_pad,
     focused,
     solid_pad_of,
@@ -38,7 +38,6 @@ from skincad.mechanics.problem import (
 
 MOST_UNKNOWNS = 600_000  # about 6 GB of fronts
 MOST_CONTACT = 6000  # dense blocks of 0.3 GB each
-BALANCE = 1e-6  # relative; the clamped back must carry the force, or the factorisation is inaccurate
 
 
 @dataclass(frozen=True)
@@ -138,11 +137,7 @@ def condensed_pad(
                 forms, line, plane=along is None, clamped_end=clamped_end, in_plane=in_plane
             ),
         )
-    if not small.rigid_body_error <= BALANCE:
-        raise ContactError(
-            f"the clamped back carries the force to {small.rigid_body_error:.1e} only; "
-            "take a smaller poisson_ratio"
-        )
+    check_balance(small.rigid_body_error)
     length = 2 * half if along is None else 2.0
     return small, meshed.whole.young_modulus * meshed.unit**2 * length * meshed.sides
 
