@@ -32,8 +32,8 @@ from skincad.mechanics import (
     COARSE_PARTS,
     SOLID_ORDER,
     SOLID_STEPS,
-    CoarseAnswer,
     ContactError,
+    Correction,
     Errors,
     FrontFactors,
     Layers,
@@ -42,7 +42,6 @@ from skincad.mechanics import (
     Ridges,
     body_of,
     coarse_sizes,
-    errors_of,
     factored,
     finite_strain,
     fronts_of,
@@ -50,7 +49,6 @@ from skincad.mechanics import (
     pad_of,
     plain_pad,
     press,
-    relative_changes,
     run,
     solve_solid,
 )
@@ -64,7 +62,6 @@ MOST_BY_FRICTION = 40_000  # unknowns of the coarse solid
 COEFFICIENTS = 0.3, 1.0
 STEPS, NEWTON_STEPS, RESIDUAL = 10, 25, 1e-8
 PARTS = {"all touch": "threshold", "approach": "approach", "share": "share"}
-Pair = tuple[CoarseAnswer, CoarseAnswer]  # before and after a change
 
 
 def flat_design(seed: int) -> Design:
@@ -74,12 +71,12 @@ def flat_design(seed: int) -> Design:
     return design.with_(skin={"curvature_radius_y": None}, contact=flat)
 
 
-def compared(coarse: Pair, fine: Pair, stated: Errors) -> list[tuple[str, float, float, float]]:
-    """Return by quantity the coarse pair's change, by how much it is off the fine one's, and its error."""
-    change, truth = relative_changes(*coarse), relative_changes(*fine)
+def compared(coarse: Correction, fine: Correction) -> list[tuple[str, float, float, float]]:
+    """Return by quantity the coarse change, by how much it is off the fine one's, and its error."""
+    change, truth, stated = coarse.relative, fine.relative, coarse.errors
     one, other = (
-        (after.ridge_force - before.ridge_force) / before.ridge_force.mean()
-        for before, after in (coarse, fine)
+        (each.after.ridge_force - each.before.ridge_force) / each.before.ridge_force.mean()
+        for each in (coarse, fine)
     )
     return [
         ("all touch", change.threshold, abs(change.threshold - truth.threshold), stated.threshold),
@@ -98,12 +95,11 @@ def by_strain(seed: int) -> runner.Row:
     design = flat_design(seed)
     force = design.contact.force
     coarse = solve(plain_pad(design), force, {}, COARSE_LAYERS)
-    if coarse.finite.unknowns > MOST:
-        raise InputError("unknowns", f"must be at most {MOST}", coarse.finite.unknowns)
+    if coarse.after.unknowns > MOST:
+        raise InputError("unknowns", f"must be at most {MOST}", coarse.after.unknowns)
     fine = solve(pad_of(design), force, {}, FINER, fineness=FINENESS)
-    pairs = [(one.small, one.finite) for one in (coarse, fine)]
-    stated = errors_of(relative_changes(*pairs[0]), COARSE_ERRORS, COARSE_PARTS)
-    return {"seed": seed, "at": "", "changes": compared(*pairs, stated)}
+    coarse = replace(coarse, constant=COARSE_ERRORS, by_change=COARSE_PARTS)
+    return {"seed": seed, "at": "", "changes": compared(coarse, fine)}
 
 
 def by_friction(case: str) -> runner.Row:
@@ -112,12 +108,10 @@ def by_friction(case: str) -> runner.Row:
     design = flat_design(seed)
     force = design.contact.force
     coarse = solve_solid(plain_pad(design), mu, force)
-    if coarse.without.unknowns > MOST_BY_FRICTION:
-        raise InputError("unknowns", f"must be at most {MOST_BY_FRICTION}", coarse.without.unknowns)
+    if coarse.before.unknowns > MOST_BY_FRICTION:
+        raise InputError("unknowns", f"must be at most {MOST_BY_FRICTION}", coarse.before.unknowns)
     fine = solve_solid(pad_of(design), mu, force, (), FINER, FINENESS, SOLID_ORDER, 2 * SOLID_STEPS)
-    pairs = [(one.without, one.gripped) for one in (coarse, fine)]
-    stated = errors_of(relative_changes(*pairs[0]), coarse.constant, coarse.by_change)
-    return {"seed": seed, "at": f", {mu:g}", "changes": compared(*pairs, stated)}
+    return {"seed": seed, "at": f", {mu:g}", "changes": compared(coarse, fine)}
 
 
 @dataclass

@@ -111,7 +111,7 @@ def bench_of(name: str) -> Bench:
         rows.append(
             (
                 force,
-                both.solid.approach / both.plane.approach,
+                both.after.approach / both.before.approach,
                 finite / linear.level(meshed, 3, force).approach,
             )
         )
@@ -218,7 +218,7 @@ def dry(template: str, coefficient: float) -> float:
     bench = bench_of(template)
     plain = corrected.plain_pad(bench.design)
     both = friction.solve_solid(plain, coefficient, bench.largest / 2, (), Layers(0.6, 2.0, 4), 1.0, 2, 12)
-    return both.gripped.approach / both.without.approach - 1
+    return both.after.approach / both.before.approach - 1
 
 
 @cache

@@ -37,7 +37,7 @@ from skincad.mechanics.check import spread_of
 from skincad.mechanics.contact.frictionless import Ridges, press
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import plain_pad
-from skincad.mechanics.models.friction import FULL, TwoPresses, solve, solve_solid
+from skincad.mechanics.models.friction import FULL, solve, solve_solid
 from skincad.mechanics.problem import Pad, pad_of
 from skincad.shape.skin import skin_of
 
@@ -234,5 +234,5 @@ def _friction(design: Design, largest: float, coefficient: float) -> float:
     nothing slips."""
     pad, force = plain_pad(design), FRICTION_POINTS * largest
     solver = solve if pad.revolved else solve_solid
-    both: TwoPresses = solver(pad, coefficient, force)
-    return float(both.gripped.approach / both.without.approach - 1)
+    change = solver(pad, coefficient, force)
+    return float(change.after.approach / change.before.approach - 1)

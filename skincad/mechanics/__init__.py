@@ -38,13 +38,14 @@ __getattr__, __dir__ = face(
     left_out: FRICTION LeftOut finite_strain force_changes free_ends friction sway_amplification
         sway_force
     manufacture: KEYS Sensitivity intervals sensitivities
-    models.corrected: CoarseAnswer Errors added_compliance errors_of plain_pad relative_changes
+    models.correction: Correction Errors LevelAnswer
+    models.corrected: added_compliance plain_pad
     models.finite_strain: Levels
-    models.friction: FULL SOLID_ORDER SOLID_STEPS TwoPresses solve_solid
+    models.friction: FULL SOLID_ORDER SOLID_STEPS solve_solid
     models.linear: LevelSolver
     models.pin_cell: crown_radius hertz lone
     models.reduced: pin_model pin_tops pressed
-    models.solid: Layers SolidSolution coarse_sizes condensed_pad forms_of solve_level
+    models.solid: Layers coarse_sizes condensed_pad forms_of solve_level
     models.solid_finite_strain: COARSE_ERRORS COARSE_LAYERS COARSE_PARTS body_of
     models.table: AUTO MODELS expected_seconds load model_named prerequisites run unsupported_reason
         whole_price

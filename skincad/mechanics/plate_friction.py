@@ -28,7 +28,7 @@ from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import Answer, ContactError, focused
 
 if TYPE_CHECKING:
-    from skincad.mechanics.models.friction import TwoPresses
+    from skincad.mechanics.models.correction import Correction
 
 CLOSED_FORM = "winkler"
 
@@ -39,7 +39,7 @@ class PlateFriction:
     def __init__(self, design: Design, force: float, crest_offsets: tuple[float, ...]) -> None:
         self.design, self.force, self.crest_offsets = design, force, crest_offsets
         self.coefficient = design.contact.friction
-        self.solved: dict[bool, TwoPresses] = {}  # with free ends, and without
+        self.solved: dict[bool, Correction] = {}  # with free ends, and without
         self.failed: dict[bool, str] = {}  # of which it could not be computed, and why
         self.unknown: dict[str, tuple[LeftOut, ...]] = {}  # what an unknown coefficient leaves open, by model
         self.seconds = 0.0

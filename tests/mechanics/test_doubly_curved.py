@@ -38,7 +38,7 @@ def bent(design: Design, radius: float) -> Design:
     return design.with_(skin={"curvature_radius_y": radius})
 
 
-def solved(design: Design, radius: float, force: float) -> level.SolidSolution:
+def solved(design: Design, radius: float, force: float) -> level.LevelAnswer:
     """The solid, on a coarse mesh and without friction."""
     pad = solid_pad_of(bent(design, radius))
     meshed = meshed_piece(pad, level.coarse_sizes(pad, 1.0))

@@ -86,7 +86,7 @@ def test_friction_lies_within_its_bound(name: str, coefficient: float) -> None:
     design = load(template).with_(**change)
     force = design.contact.force
     presses = friction.solve(corrected.plain_pad(design), coefficient, force)
-    without, with_it = presses.without, presses.gripped
+    without, with_it = presses.before, presses.after
     bound = grip(design, int((without.ridge_force > 0).sum()))
     assert abs((with_it.all_touch_force or 0.0) / (without.all_touch_force or 1.0) - 1) <= bound.threshold
     assert abs(with_it.approach / without.approach - 1) <= bound.approach

@@ -14,25 +14,23 @@ the mean one; the ends themselves change them by 3 to 31 % and by 2 to 19 %.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
-from typing import Protocol
 
 import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
 from skincad.mechanics.bodies.mesh import PadMesh, half_of, meshed_piece
 from skincad.mechanics.models import linear
+from skincad.mechanics.models.correction import Correction, Errors
 from skincad.mechanics.models.solid import (
     Layers,
-    SolidSolution,
     coarse_sizes,
     condensed_pad,
     forms_of,
@@ -40,27 +38,15 @@ from skincad.mechanics.models.solid import (
     timed,
 )
 from skincad.mechanics.problem import (
-    NEGLIGIBLE,
     Answer,
     ContactError,
     Pad,
     Request,
     focused,
     solid_pad_of,
-    wider_by,
 )
 from skincad.shape.families import without_fillets
 from skincad.shape.skin import skin_of
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of a change: relative for approach and all-touch force, of a share in mean shares."""
-
-    approach: float
-    threshold: float
-    share: float
-
 
 ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)
@@ -71,14 +57,6 @@ MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less 
 # of the all-touch force, within 1 % on 43 of them; 0.6 % of a short pad's approach (test_solid.py).
 # Order 3 here would take 2.6 times as long, for 0.7 % of the force
 ERRORS = Errors(approach=0.008, threshold=0.01, share=0.006)
-
-
-@dataclass(frozen=True)
-class Ends:
-    """The coarse answers in plane strain and with free ends, on the same section mesh."""
-
-    plane: SolidSolution
-    solid: SolidSolution
 
 
 def answer(
@@ -96,8 +74,8 @@ def answer(
         progress("corrected model: coarse solid with free ends")
     spent: dict[str, float] = {}
     pad = focused(plain_pad(design), request.force)
-    ends = free_ends(pad, request.force, spent, crest_offsets=request.crest_offsets)
-    result = apply_change(fine, ends.plane, ends.solid, request.force, ERRORS)
+    change = free_ends(pad, request.force, spent, crest_offsets=request.crest_offsets)
+    result = change.applied(fine, request.force)
     warnings = list(fine.warnings)
     if request.budget is not None and perf_counter() - started > request.budget:
         warnings.append(f"the coarse solid overran the budget of {request.budget:g} s")
@@ -122,110 +100,15 @@ def free_ends(
     seconds: dict[str, float],
     along: Layers = LAYERS,
     crest_offsets: tuple[float, ...] = (),
-) -> Ends:
-    """Return the coarse answers at `force` N in plane strain and with free ends; `crest_offsets` as in
-    Request."""
+) -> Correction:
+    """Return the change at `force` N from plane strain to free ends; `crest_offsets` as in Request."""
     meshed = timed(
         seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(crest_offsets))
     )
     forms = timed(seconds, "assemble", lambda: forms_of(meshed, ORDER))
     plane = solve_level(meshed, forms, None, force, seconds, crest_offsets=crest_offsets)
-    return Ends(plane, solve_level(meshed, forms, along, force, seconds, crest_offsets=crest_offsets))
-
-
-class CoarseAnswer(Protocol):
-    """One side of a change: a coarse answer of the whole pad, in mm and N; `ridge_force` is `(ridges,)`."""
-
-    @property
-    def all_touch_force(self) -> float | None:
-        """In N; None where it is out of range."""
-
-    @property
-    def approach(self) -> float:
-        """In mm."""
-
-    @property
-    def ridge_force(self) -> Array:
-        """Of each ridge, N."""
-
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-
-    @property
-    def residual(self) -> float:
-        """The largest, relative."""
-
-
-def relative_changes(before: CoarseAnswer, after: CoarseAnswer) -> Errors:
-    """Return how much changes from one coarse answer to the other: of approach and all-touch force relative,
-    of the share that changes most in mean shares. 0 without both forces."""
-    by_force = 0.0
-    if before.all_touch_force and after.all_touch_force:
-        by_force = after.all_touch_force / before.all_touch_force - 1
-    by_share = np.abs(after.ridge_force - before.ridge_force).max() / before.ridge_force.mean()
-    return Errors(after.approach / before.approach - 1, by_force, float(by_share))
-
-
-def errors_of(changes: Errors, constant: Errors, part: Errors) -> Errors:
-    """Return the errors of these changes: a constant, and a part of each."""
-    return Errors(
-        constant.approach + part.approach * abs(changes.approach),
-        constant.threshold + part.threshold * abs(changes.threshold),
-        constant.share + part.share * changes.share,
-    )
-
-
-def apply_change(
-    fine: Answer, before: CoarseAnswer, after: CoarseAnswer, force: float, errors: Errors
-) -> Answer:
-    """Return a fine answer with what changes from one coarse level to another on the same mesh.
-
-    Approach and all-touch force change by a factor; shares by a difference, so that they still sum to the
-    force. The mesh's error and the change's come from meshes that know nothing of each other: their squares
-    add up (JCGM 100:2008, 5.1.2).
-    """
-    approach = after.approach / before.approach
-    value, error = fine.approach.value or 0.0, fine.approach.error or 0.0
-    shares = _shares(fine, before, after)
-    share_error = math.hypot(fine.ridge_force[0].error or 0.0, errors.share * force / len(shares))
-    return Answer(
-        touching=int(np.count_nonzero(shares > 0)),
-        all_touch_force=_threshold(fine, before, after, force, errors.threshold),
-        approach=Estimate(value * approach, math.hypot(error, errors.approach * value) * approach, "mm"),
-        ridge_force=tuple(Estimate(float(f), share_error, "N") for f in shares),
-        unknowns=max(fine.unknowns, after.unknowns),
-        residual=max(fine.residual, before.residual, after.residual),
-        seconds={},
-        fault=fine.fault,
-        ridge_model=fine.ridge_model,
-        contact_width=fine.contact_width and wider_by(fine.contact_width, approach),
-    )
-
-
-def _threshold(
-    fine: Answer, before: CoarseAnswer, after: CoarseAnswer, force: float, relative: float
-) -> Estimate:
-    """The all-touch force times its ratio.
-
-    A negligible one is replaced by the level's own, known to NEGLIGIBLE of the force.
-    """
-    value, first, last = fine.all_touch_force.value, before.all_touch_force, after.all_touch_force
-    if value is None or first is None or last is None:
-        return Estimate(None, None, "N")
-    if min(value, first) <= NEGLIGIBLE * force:
-        return Estimate(last, NEGLIGIBLE * force if last else 0.0, "N")
-    ratio = last / first
-    error = math.hypot(fine.all_touch_force.error or 0.0, relative * value)
-    return Estimate(value * ratio, error * ratio, "N")
-
-
-def _shares(fine: Answer, before: CoarseAnswer, after: CoarseAnswer) -> Array:
-    """Changed shares: 0 where the last level's ridge is clear, never negative, summing to the force."""
-    known = np.array([f.value or 0.0 for f in fine.ridge_force])
-    shares = known + after.ridge_force - before.ridge_force
-    shares = np.where(after.ridge_force > 0, np.maximum(shares, 0.0), 0.0)
-    return np.asarray(shares * (known.sum() / shares.sum()))
+    solid = solve_level(meshed, forms, along, force, seconds, crest_offsets=crest_offsets)
+    return Correction(plane, solid, ERRORS)
 
 
 ROUNDING = 1e-9  # relative; a larger negative eigenvalue means ends stiffer than plane strain

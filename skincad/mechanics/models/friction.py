@@ -12,11 +12,10 @@ force at 0.5, 1 and 2).
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, replace
 
 import numpy as np
 
-from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece
@@ -29,7 +28,7 @@ from skincad.mechanics.contact.press_path import (
     sticking_solid_of,
 )
 from skincad.mechanics.left_out import FRICTION, LeftOut
-from skincad.mechanics.models.corrected import Errors, apply_change, errors_of, relative_changes
+from skincad.mechanics.models.correction import Correction, Errors, LevelAnswer
 from skincad.mechanics.models.linear import scale_of
 from skincad.mechanics.models.solid import Layers, coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Answer, Pad, SizeError
@@ -62,29 +61,6 @@ LOST = Errors(approach=0.25, threshold=0.2, share=0.45)
 PLANE_PART = 0.25
 
 
-@dataclass(frozen=True)
-class CoarsePress:
-    """A coarse answer of the whole pad, mm and N; `ridge_force` `(ridges,)`."""
-
-    all_touch_force: float | None
-    approach: float
-    ridge_force: Array
-    unknowns: int
-    residual: float
-
-
-@dataclass(frozen=True)
-class TwoPresses:
-    """The coarse answers without and with friction, on the same mesh; the change has a constant error and one
-    `by_change`. `ends` says whether both are solids with free ends."""
-
-    without: CoarsePress
-    gripped: CoarsePress
-    constant: Errors
-    by_change: Errors
-    ends: bool = False
-
-
 def solve(
     pad: Pad,
     coefficient: float,
@@ -93,8 +69,8 @@ def solve(
     fineness: float = FINENESS,
     order: int = ORDER,
     steps: int = STEPS,
-) -> TwoPresses:
-    """Return the coarse answers at `force` N; raises ContactError where the press with friction fails."""
+) -> Correction:
+    """Return the change at `force` N by friction; raises ContactError where the press with friction fails."""
     with one_blas_thread():
         meshed = meshed_piece(pad, default_sizes(pad, fineness), whole=True)
         unit, scale = meshed.unit, scale_of(meshed)
@@ -106,7 +82,7 @@ def solve(
             raise SizeError("ridge.count", words, points, "take fewer ridges")
         seen = sticking_pad_of(pad, system, unit)
         both = _presses(seen, coefficient, force, crest_offsets, steps, unit, scale, system.unknowns)
-    return TwoPresses(*both, BASE_ERRORS, ERRORS_BY_CHANGE)
+    return Correction(*both, BASE_ERRORS, ERRORS_BY_CHANGE)
 
 
 def solve_solid(
@@ -118,7 +94,7 @@ def solve_solid(
     fineness: float = 1.0,
     order: int = SOLID_ORDER,
     steps: int = SOLID_STEPS,
-) -> TwoPresses:
+) -> Correction:
     """Return the same of a solid pad with free ends, whose points stick and slide along y too."""
     spent: dict[str, float] = {}
     meshed = meshed_piece(pad, coarse_sizes(pad, fineness), whole=bool(crest_offsets))
@@ -127,7 +103,7 @@ def solve_solid(
         seen = sticking_solid_of(meshed.whole, small, meshed.unit, whole=not meshed.mirrored)
         both = _presses(seen, coefficient, force, crest_offsets, steps, meshed.unit, scale, small.unknowns)
     without, gripped = (replace(one, ridge_force=meshed.on_whole(one.ridge_force)) for one in both)
-    return TwoPresses(without, gripped, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
+    return Correction(without, gripped, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
 
 
 def _presses(
@@ -139,7 +115,7 @@ def _presses(
     unit: float,
     scale: float,
     unknowns: int,
-) -> tuple[CoarsePress, CoarsePress]:
+) -> tuple[LevelAnswer, LevelAnswer]:
     """A pad pressed without and with friction at `force` N; its units are `unit` mm and `scale` N."""
     if crest_offsets:
         seen = seen.lowered(np.array(crest_offsets) / unit)
@@ -149,23 +125,22 @@ def _presses(
     shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
     gripped = press_with_friction(seen, coefficient, load, first, steps)
 
-    def coarse(of: PressResult) -> CoarsePress:
+    def coarse(of: PressResult) -> LevelAnswer:
         first = None if of.all_touch_force is None else of.all_touch_force * scale
-        return CoarsePress(first, of.approach * unit, of.ridge_force * scale, unknowns, of.residual)
+        return LevelAnswer(first, of.approach * unit, of.ridge_force * scale, unknowns, of.residual)
 
     return coarse(PressResult(first, smooth.approach, shares, smooth.residual)), coarse(gripped)
 
 
 def with_friction(
-    fine: Answer, friction: TwoPresses, force: float, *, known: bool = True, strain: LeftOut | None = None
+    fine: Answer, friction: Correction, force: float, *, known: bool = True, strain: LeftOut | None = None
 ) -> tuple[Answer, tuple[LeftOut, ...]]:
     """Return a frictionless answer with the change by friction and the error of that change; where the
     coefficient is not `known`, so that `friction` is of FULL, with half the change, and that as left out.
 
     `strain` bounds what small strain leaves out, for an answer at finite strain.
     """
-    before, after = friction.without, friction.gripped
-    changes = relative_changes(before, after)
+    before, after, changes = friction.before, friction.after, friction.relative
     lost = (-LOST.threshold * strain.threshold, LOST.approach * strain.approach) if strain else (None, None)
     forces, approaches = (
         _range(change, part, friction.ends, known)
@@ -176,7 +151,7 @@ def with_friction(
         unknown += LOST.share * strain.share
     elif strain:
         part, unknown = PLANE_PART * part, unknown + changes.share
-    middle = CoarsePress(
+    middle = LevelAnswer(
         before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2),
         before.approach * (1 + sum(approaches) / 2),
         before.ridge_force + part * (after.ridge_force - before.ridge_force),
@@ -184,11 +159,11 @@ def with_friction(
         after.residual,
     )
     half = Errors((approaches[1] - approaches[0]) / 2, (forces[1] - forces[0]) / 2, unknown)
-    errors = errors_of(changes, friction.constant, friction.by_change)
+    errors = friction.errors
     left = LeftOut(effect=FRICTION, threshold=half.threshold, approach=half.approach, share=half.share)
     if known:
         errors = Errors(*(a + b for a, b in zip(astuple(errors), astuple(half), strict=True)))
-    result = apply_change(fine, before, middle, force, errors)
+    result = replace(friction, after=middle).applied(fine, force, errors)
     result = replace(result, warnings=fine.warnings, seconds=fine.seconds)
     return result, () if known else (left,)
 

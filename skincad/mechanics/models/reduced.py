@@ -35,7 +35,8 @@ from skincad.inputs.material import layers, silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
-from skincad.mechanics.models.corrected import Errors, added_compliance
+from skincad.mechanics.models.corrected import added_compliance
+from skincad.mechanics.models.correction import Errors
 from skincad.mechanics.models.pin_cell import PinCell, crown_radius, disc, lone, pin_cell, pin_curve
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
 from skincad.shape.skin import section, skin_of

@@ -23,6 +23,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, prisms
 from skincad.mechanics.bodies.mesh import FOCUS_EDGES, PadMesh, Sizes, height_of, meshed_piece, unit_of
 from skincad.mechanics.contact.frictionless import NodalContact, all_touch_force, press, seen_by_plate
+from skincad.mechanics.models.correction import LevelAnswer
 from skincad.mechanics.models.linear import relative_error, shortfalls
 from skincad.mechanics.problem import (
     Answer,
@@ -48,28 +49,6 @@ class Layers:
     last: float
     growth: float
     order: int
-
-
-@dataclass(frozen=True)
-class SolidSolution:
-    """The verdict's numbers for the whole pad, mm and N; `ridge_force` is `(ridges,)`.
-
-    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the piece that is meshed.
-    """
-
-    all_touch_force: float | None
-    approach: float
-    ridge_force: Array
-    x: Array
-    y: Array
-    pressure: Array
-    unknowns: int
-    residual: float
-
-    @property
-    def touching(self) -> int:
-        """Number of ridges that carry force somewhere along y."""
-        return int(np.count_nonzero(self.ridge_force > 0))
 
 
 def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
@@ -102,14 +81,14 @@ def solve_level(
     *,
     crest_offsets: tuple[float, ...] = (),
     clamped_end: bool = False,
-) -> SolidSolution:
+) -> LevelAnswer:
     """Solve at `force` N on the whole pad; without layers in plane strain, on the same section mesh.
 
     Crests lower than the section's by `crest_offsets` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
     with one_blas_thread():
-        solution: SolidSolution = timed(
+        solution: LevelAnswer = timed(
             seconds, "contact", lambda: _level(meshed, small, force, scale, crest_offsets)
         )
     return solution
@@ -144,7 +123,7 @@ def condensed_pad(
 
 def _level(
     meshed: PadMesh, small: prisms.Solid, force: float, scale: float, crest_offsets: tuple[float, ...]
-) -> SolidSolution:
+) -> LevelAnswer:
     """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the piece, in its units."""
     unit = meshed.unit
     ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
@@ -176,11 +155,11 @@ def level_of(
     scale: float,
     unknowns: int,
     residual: float,
-) -> SolidSolution:
+) -> LevelAnswer:
     """Return the solution in mm and N from the piece's units, for contact `nodes` at y = `along`."""
     unit = meshed.unit
     shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
-    return SolidSolution(
+    return LevelAnswer(
         all_touch_force=None if threshold is None else threshold * scale,
         approach=approach * unit,
         ridge_force=meshed.on_whole(shares),
@@ -303,20 +282,20 @@ def _refine(
     return estimated_answer(best, lower, finer)
 
 
-def estimated_answer(best: SolidSolution, lower: SolidSolution, finer: SolidSolution) -> Answer:
+def estimated_answer(best: LevelAnswer, lower: LevelAnswer, finer: LevelAnswer) -> Answer:
     """Values of the best level and what finer layers change; errors from the order and from the layers.
 
     All ridges share the largest error among them: a single difference may vanish by chance.
     """
 
-    def value(of: Callable[[SolidSolution], Array]) -> Array:
+    def value(of: Callable[[LevelAnswer], Array]) -> Array:
         return of(best) + of(finer) - of(lower)
 
-    def error(of: Callable[[SolidSolution], Array]) -> float:
+    def error(of: Callable[[LevelAnswer], Array]) -> float:
         section = float(np.abs(of(best) - of(lower)).max())
         return SECTION_TAIL * section + LAYERS_TAIL * float(np.abs(of(finer) - of(lower)).max())
 
-    def estimate(of: Callable[[SolidSolution], Array], unit: str) -> Estimate:
+    def estimate(of: Callable[[LevelAnswer], Array], unit: str) -> Estimate:
         return Estimate(float(value(of)[0]), error(of), unit)
 
     threshold = Estimate(None, None, "N")

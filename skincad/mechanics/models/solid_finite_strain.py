@@ -10,7 +10,7 @@ finite-strain model. A force beyond it is refused.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -24,18 +24,11 @@ from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
 from skincad.mechanics.contact.newton import PressedPad, at_rest
 from skincad.mechanics.models import corrected, solid
-from skincad.mechanics.models.corrected import (
-    ORDER,
-    Errors,
-    apply_change,
-    errors_of,
-    plain_pad,
-    relative_changes,
-)
+from skincad.mechanics.models.corrected import ORDER, plain_pad
+from skincad.mechanics.models.correction import Correction, Errors, LevelAnswer
 from skincad.mechanics.models.finite_strain import all_touch, at_force
 from skincad.mechanics.models.solid import (
     Layers,
-    SolidSolution,
     bend_of,
     borders_of,
     coarse_sizes,
@@ -58,16 +51,6 @@ ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
 # 500 to 529): at most 0.46 % of the all-touch force, 0.19 % of the approach, 2.2 % of the mean share
 COARSE_ERRORS = Errors(approach=0.003, threshold=0.003, share=0.005)
 COARSE_PARTS = Errors(approach=0.05, threshold=0.06, share=0.2)
-
-
-@dataclass(frozen=True)
-class Strains:
-    """The coarse answers at small and at finite strain, on the same mesh; `out_of_range` says why the
-    all-touch force is None."""
-
-    small: SolidSolution
-    finite: SolidSolution
-    out_of_range: str
 
 
 def answer(
@@ -100,19 +83,18 @@ def _changed(
     layers = LAYERS if base == "solid" else COARSE_LAYERS
     pad, drops = focused(plain_pad(design), request.force), request.crest_offsets
     try:  # first: it may refuse the force
-        strains = solve(pad, request.force, spent, layers, crest_offsets=drops)
+        change = solve(pad, request.force, spent, layers, crest_offsets=drops)
     except InputError as refusal:
         if refusal.key != "force" or layers == LAYERS:
             raise
         # waves along y that coarse layers overrate may tip a ridge over
-        strains = solve(pad, request.force, spent, LAYERS, crest_offsets=drops)
+        change = solve(pad, request.force, spent, LAYERS, crest_offsets=drops)
     if fine is None:
         fine = (solid if base == "solid" else corrected).answer(design, request, progress)
-    errors = ERRORS
     if base != "solid":
-        errors = errors_of(relative_changes(strains.small, strains.finite), COARSE_ERRORS, COARSE_PARTS)
-    result = apply_change(fine, strains.small, strains.finite, request.force, errors)
-    warnings = [*fine.warnings, *([strains.out_of_range] if strains.out_of_range else [])]
+        change = replace(change, constant=COARSE_ERRORS, by_change=COARSE_PARTS)
+    result, errors = change.applied(fine, request.force), change.errors
+    warnings = [*fine.warnings, *([change.out_of_range] if change.out_of_range else [])]
     reached = max(errors.approach, errors.threshold, errors.share)
     if 0 < (request.tol or 0.0) < reached:
         warnings.append(
@@ -135,15 +117,15 @@ def solve(
     *,
     fineness: float = 1.0,
     crest_offsets: tuple[float, ...] = (),
-) -> Strains:
-    """Return the coarse answers at `force` N; raises InputError as `answer`, and for too large a pad.
-    `crest_offsets` as in Request."""
+) -> Correction:
+    """Return the change at `force` N from small to finite strain; raises InputError as `answer`, and for too
+    large a pad. `crest_offsets` as in Request."""
     check_pad(pad)
     whole = bool(crest_offsets)  # crests of one part are not mirrored
     meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, fineness), whole=whole))
     with one_blas_thread():
         body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
-        return _strains(meshed, body, force, seconds, crest_offsets)
+        return _change(meshed, body, force, seconds, crest_offsets)
 
 
 def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
@@ -162,23 +144,23 @@ def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: 
     return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=laws, bend=bend)
 
 
-def _strains(
+def _change(
     meshed: PadMesh,
     body: SolidBody,
     force: float,
     seconds: dict[str, float],
     crest_offsets: tuple[float, ...],
-) -> Strains:
+) -> Correction:
     drops = np.array(crest_offsets) / meshed.unit if crest_offsets else None
     problem = PressedPad(body, meshed.whole.top / meshed.unit, drops)
     # force on the whole pad, N, for a force of 1 on the piece
     scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
 
-    def solution(state: NodalContact, approach: float, first: float | None, residual: float) -> SolidSolution:
+    def solution(state: NodalContact, approach: float, first: float | None, residual: float) -> LevelAnswer:
         nodes, unknowns = body.rest.nodes, int(body.free.sum())
         return level_of(meshed, nodes, body.along, state, approach, first, scale, unknowns, residual)
 
-    def at_small_strain(ridges: Ridges) -> SolidSolution:
+    def at_small_strain(ridges: Ridges) -> LevelAnswer:
         state = press(ridges.flexibility, ridges.gap, force / scale)
         first = all_touch_force(ridges, force / scale)
         return solution(state, state.approach, first, state.residual)
@@ -190,4 +172,5 @@ def _strains(
     one = state.ridges.numbers.size == 1  # it touches at once
     threshold = touching.force if touching else (0.0 if one else None)
     residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
-    return Strains(small, solution(state.contact, state.approach, threshold, residual), beyond_reason)
+    finite = solution(state.contact, state.approach, threshold, residual)
+    return Correction(small, finite, ERRORS, out_of_range=beyond_reason)

@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import linalg, optimize
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
@@ -26,6 +25,7 @@ from skincad.base.progress import Progress
 from skincad.base.result import Record, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
+from skincad.mechanics.contact.frictionless import press
 from skincad.mechanics.models.winkler import crest_gaps, stiffnesses
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck
@@ -136,25 +136,6 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
     return replace(nominal, elsewhere=tuple(elsewhere), refused=tuple(refused))
 
 
-def plate_response(model: Springs, force: float) -> tuple[float, Array]:
-    """Return the approach, mm, and forces `(n,)` N of the springs under a flat plate's force, N.
-
-    The forces are the least squares solution of the plate's own inequality: none pulls.
-    """
-    root = linalg.cholesky(model.flexibility)
-
-    def forces_at(approach: float) -> Array:
-        return np.asarray(
-            optimize.nnls(root, linalg.solve_triangular(root.T, approach - model.gap, lower=True))[0]
-        )
-
-    high = force * float(model.flexibility.max()) + float(np.ptp(model.gap))
-    while forces_at(high).sum() < force:
-        high *= 2
-    approach = optimize.brentq(lambda d: float(forces_at(d).sum()) - force, 0.0, high, xtol=1e-12)
-    return float(approach), forces_at(float(approach))
-
-
 def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeModel | None:
     """The linear pad reduced to one force a ridge, or None where there is none."""
     from skincad.mechanics.models import linear
@@ -248,12 +229,12 @@ def _secant(model: RidgeModel, forces: Array) -> Array:
 
 
 def _compare_at(design: Design, model: Springs, force: float, progress: Progress | None) -> LoadComparison:
-    approach, shares = plate_response(model, force)
+    pressed = press(model.flexibility, model.gap, force)
     other = check(design, force=force, model=model.verdict.model, progress=progress)
     return LoadComparison(
         force=force,
-        approach=approach,
+        approach=pressed.approach,
         check_approach=float(other.approach),
-        shares=tuple(shares.tolist()),
+        shares=tuple(pressed.force.tolist()),
         check_shares=tuple(_summed(other, model.members).tolist()),
     )

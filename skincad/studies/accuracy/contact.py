@@ -17,8 +17,9 @@ from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
 from skincad.mechanics.models import finite_strain, linear, solid
+from skincad.mechanics.models.correction import LevelAnswer
 from skincad.mechanics.models.linear import LevelSolver
-from skincad.mechanics.models.solid import Layers, SolidSolution, coarse_sizes, forms_of, solve_level
+from skincad.mechanics.models.solid import Layers, coarse_sizes, forms_of, solve_level
 from skincad.mechanics.models.table import (
     MODELS,
     run,
@@ -256,7 +257,7 @@ class _ContactRuns:
             setting = f"order {first_level.order - 1}, {label} layers"
             self._tell(_layers(label))
 
-            def solved(layers: Layers = layers) -> SolidSolution:
+            def solved(layers: Layers = layers) -> LevelAnswer:
                 meshed = meshed_piece(pad, coarse_sizes(pad, first_level.fineness))
                 forms = forms_of(meshed, first_level.order - 1)
                 return solve_level(meshed, forms, layers, self.request.force, {})

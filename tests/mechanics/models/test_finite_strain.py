@@ -350,12 +350,12 @@ def test_strips_stress_is_the_laws() -> None:
 
 
 @cache
-def in_space(law: Rubber | None) -> mech.SolidSolution:
+def in_space(law: Rubber | None) -> mech.LevelAnswer:
     """One ridge of finite length, coarse."""
     one = reference().with_(ridge={"count": 1}, skin={"width": 2.5, "length": 2.5, "thickness": 1.5})
     return solid_finite_strain.solve(
         replace(mech.pad_of(one), law=law), 0.4, {}, mech.Layers(0.9, 2.0, 2), fineness=0.6
-    ).finite
+    ).after
 
 
 @pytest.mark.slow

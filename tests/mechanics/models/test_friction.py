@@ -28,7 +28,7 @@ def rubbed(coefficient: float | None) -> Design:
     return small().with_(contact={"friction": coefficient})
 
 
-def exact(answer: pressing.CoarsePress) -> mech.Answer:
+def exact(answer: mech.LevelAnswer) -> mech.Answer:
     """A coarse answer as a model's that knows it to the last digit."""
     shares = tuple(Estimate(float(f), 0.0, "N") for f in answer.ridge_force)
     first, down = Estimate(answer.all_touch_force, 0.0, "N"), Estimate(answer.approach, 0.0, "mm")
@@ -36,12 +36,12 @@ def exact(answer: pressing.CoarsePress) -> mech.Answer:
 
 
 @cache
-def on_yamada() -> mech.TwoPresses:
+def on_yamada() -> mech.Correction:
     return pressing.solve(mech.plain_pad(load("yamada-2002")), 1.0, 4.0)
 
 
 def test_a_scenes_press_gives_way_less_by_as_much() -> None:
-    smooth = replace(exact(on_yamada().without), approach=Estimate(SMOOTH, 0.0, "mm"))
+    smooth = replace(exact(on_yamada().before), approach=Estimate(SMOOTH, 0.0, "mm"))
     approach = pressing.with_friction(smooth, on_yamada(), 4.0)[0].approach
     assert abs((approach.value or 0.0) - ROUGH) < 0.05 * (SMOOTH - ROUGH)
     assert approach.lower < ROUGH < approach.upper
@@ -61,9 +61,9 @@ def test_the_scene_still_gives_way_so_far() -> None:
 
 def test_friction_raises_f9_and_takes_from_the_approach_on_thin_pads() -> None:
     """An independent linear solver: F9 + 0.8 to + 1.4 %, the approach - 4.6 to - 5.3 % at 0.2 to 1."""
-    answer, _ = pressing.with_friction(exact(on_yamada().without), on_yamada(), 4.0)
-    by_force = (answer.all_touch_force.value or 0.0) / (on_yamada().without.all_touch_force or 1.0) - 1
-    by_approach = (answer.approach.value or 0.0) / on_yamada().without.approach - 1
+    answer, _ = pressing.with_friction(exact(on_yamada().before), on_yamada(), 4.0)
+    by_force = (answer.all_touch_force.value or 0.0) / (on_yamada().before.all_touch_force or 1.0) - 1
+    by_approach = (answer.approach.value or 0.0) / on_yamada().before.approach - 1
     assert by_force == pytest.approx(0.014, abs=0.002)
     assert by_approach == pytest.approx(-0.053, abs=0.002)
     assert sum(f.value or 0.0 for f in answer.ridge_force) == pytest.approx(4.0, rel=1e-9)
@@ -101,8 +101,8 @@ def test_a_finer_solid_changes_less_too(name: str, coefficient: float) -> None:
     assert_same(mech.solve_solid(mech.plain_pad(design), coefficient, force), fine, force)
 
 
-def assert_same(coarse: mech.TwoPresses, fine: mech.TwoPresses, force: float) -> None:
-    (answer, _), truth = pressing.with_friction(exact(fine.without), coarse, force), fine.gripped
+def assert_same(coarse: mech.Correction, fine: mech.Correction, force: float) -> None:
+    (answer, _), truth = pressing.with_friction(exact(fine.before), coarse, force), fine.after
     assert answer.all_touch_force.lower <= (truth.all_touch_force or 0.0) <= answer.all_touch_force.upper
     assert answer.approach.lower <= truth.approach <= answer.approach.upper
     missed = np.abs(np.array([f.value for f in answer.ridge_force]) - truth.ridge_force)
@@ -118,7 +118,7 @@ def assert_same(coarse: mech.TwoPresses, fine: mech.TwoPresses, force: float) ->
     ],
 )
 def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> None:
-    pressed = pressing.solve(mech.pad_of(small().with_(contact={"plate": plate})), 0.5, 0.65).gripped
+    pressed = pressing.solve(mech.pad_of(small().with_(contact={"plate": plate})), 0.5, 0.65).after
     assert pressed.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
     assert pressed.residual < 1e-10
 
@@ -127,7 +127,7 @@ def test_shaped_plates_are_pressed_with_friction(plate: dict[str, object]) -> No
 def test_measured_parts_are_pressed_with_friction() -> None:
     """Equal drops are none; a part that is not symmetric has other forces left than right."""
     level, same, lower = (
-        pressing.solve(mech.pad_of(small()), 0.5, 0.65, drops).gripped
+        pressing.solve(mech.pad_of(small()), 0.5, 0.65, drops).after
         for drops in ((), (0.02, 0.02, 0.02), (0.02, 0.02, 0.03))
     )
     assert same.all_touch_force == pytest.approx(level.all_touch_force, rel=1e-9)
@@ -141,9 +141,9 @@ def test_solids_too() -> None:
     tilted = small().with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}})
     for pad, drops in ((mech.pad_of(tilted), ()), (mech.pad_of(small()), (0.0, 0.0, 0.02))):
         pressed = mech.solve_solid(pad, 0.5, 0.65, drops)
-        assert pressed.gripped.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
-        assert pressed.gripped.ridge_force[0] > 1.05 * pressed.gripped.ridge_force[2]
-        assert pressed.gripped.residual < 1e-7
+        assert pressed.after.ridge_force.sum() == pytest.approx(0.65, rel=1e-9)
+        assert pressed.after.ridge_force[0] > 1.05 * pressed.after.ridge_force[2]
+        assert pressed.after.residual < 1e-7
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +193,7 @@ def test_a_known_coefficient_changes_the_answer_as_computed(smooth: mech.Contact
     verdict, design = linear_check(rubbed(0.5), tol=0.05), rubbed(0.5)
     assert of(verdict) == of(smooth)
     change = pressing.solve(mech.plain_pad(design), 0.5, 0.65)
-    ratio = change.gripped.approach / change.without.approach
+    ratio = change.after.approach / change.before.approach
     assert verdict.approach.value == pytest.approx(ratio * smooth.approach.value, rel=1e-9)
     assert verdict.approach.value < 0.995 * smooth.approach.value
     assert sum(f.value for f in verdict.ridge_force) == pytest.approx(0.65, rel=1e-9)
@@ -334,7 +334,7 @@ def test_friction_holds_the_free_ends_too(corrected: dict[float | None, mech.Con
     """Ends that cannot bulge take less from the all-touch force: more than friction on a section changes."""
     none, much = corrected[0.0].all_touch_force.value, corrected[1.0].all_touch_force.value
     section = pressing.solve(mech.plain_pad(rubbed(1.0)), 1.0, 0.65)
-    in_plane = section.gripped.all_touch_force / section.without.all_touch_force - 1
+    in_plane = section.after.all_touch_force / section.before.all_touch_force - 1
     assert much / none - 1 > in_plane + 0.03
 
 
@@ -348,7 +348,7 @@ def test_at_finite_strain_what_is_lost_of_the_change_is_in_the_error() -> None:
         pressing.solve(mech.plain_pad(design), 1.0, 0.65),
         mech.solve_solid(mech.plain_pad(design), 1.0, 0.65),
     )
-    fine = exact(solid.without)
+    fine = exact(solid.before)
     for presses in (section, solid):
         small_strain, _ = pressing.with_friction(fine, presses, 0.65)
         changed, left = pressing.with_friction(fine, presses, 0.65, strain=large)

@@ -12,9 +12,18 @@ import pytest
 
 from skincad.base import Estimate, adaptivity
 from skincad.inputs import load
-from skincad.mechanics import NEGLIGIBLE, Answer, Errors, LateError, Request, SizeError, SolidSolution, pad_of
+from skincad.mechanics import (
+    NEGLIGIBLE,
+    Answer,
+    Correction,
+    Errors,
+    LateError,
+    LevelAnswer,
+    Request,
+    SizeError,
+    pad_of,
+)
 from skincad.mechanics.models import corrected, linear, solid, solid_finite_strain
-from skincad.mechanics.models.corrected import apply_change
 from skincad.mechanics.models.linear import REFINEMENTS, PlaneSolution, relative_error, shortfalls
 
 NONE = np.empty(0)
@@ -28,7 +37,7 @@ def plane(force: float | None, approach: float, shares: tuple[float, ...], resid
 
 
 def spatial(force: float | None, approach: float, shares: tuple[float, ...], unknowns: int = 10) -> Any:
-    return SolidSolution(force, approach, np.array(shares), NONE, NONE, NONE, unknowns, 1e-12 * unknowns)
+    return LevelAnswer(force, approach, np.array(shares), unknowns, 1e-12 * unknowns)
 
 
 def answer(force: float | None, approach: float, shares: tuple[float, ...], error: float = 0.01) -> Answer:
@@ -298,11 +307,13 @@ def test_the_solid_refinements_where_the_tolerance_asks_it_and_the_budget_lets_i
 ERRORS = Errors(approach=0.01, threshold=0.02, share=0.03)
 
 
+def changed(fine: Answer, before: LevelAnswer, after: LevelAnswer) -> Answer:
+    return Correction(before, after, ERRORS).applied(fine, 4.0)
+
+
 def test_a_change_scales_force_and_approach_and_shifts_shares() -> None:
     fine = answer(3.0, 0.2, (1.0, 2.0, 1.0))
-    result = apply_change(
-        fine, spatial(2.0, 0.1, (1.1, 1.8, 1.1)), spatial(1.5, 0.11, (1.3, 1.4, 1.3)), 4.0, ERRORS
-    )
+    result = changed(fine, spatial(2.0, 0.1, (1.1, 1.8, 1.1)), spatial(1.5, 0.11, (1.3, 1.4, 1.3)))
     assert result.all_touch_force.value == pytest.approx(3.0 * 0.75)
     assert result.all_touch_force.error == pytest.approx(math.hypot(0.01, 0.02 * 3.0) * 0.75)
     assert result.approach.value == pytest.approx(0.2 * 1.1)
@@ -310,17 +321,13 @@ def test_a_change_scales_force_and_approach_and_shifts_shares() -> None:
     assert [f.value for f in result.ridge_force] == pytest.approx([1.2, 1.6, 1.2])
     assert result.ridge_force[0].error == pytest.approx(math.hypot(0.01, 0.03 * 4.0 / 3))
     assert (result.touching, result.unknowns, result.residual) == (3, 20, pytest.approx(1e-9))
-    more = apply_change(
-        fine, spatial(2.0, 0.1, (1, 2, 1), 2000), spatial(2.0, 0.1, (1, 2, 1), 30), 4.0, ERRORS
-    )
+    more = changed(fine, spatial(2.0, 0.1, (1, 2, 1), 2000), spatial(2.0, 0.1, (1, 2, 1), 30))
     assert (more.unknowns, more.residual) == (30, pytest.approx(2e-9))
 
 
 def test_a_ridge_that_the_changed_level_leaves_clear_carries_nothing_and_none_pulls() -> None:
     fine = answer(3.0, 0.2, (0.5, 3.0, 0.5))
-    result = apply_change(
-        fine, spatial(2.0, 0.1, (1.0, 2.0, 0.1)), spatial(2.0, 0.1, (0.1, 2.9, 0.0)), 4.0, ERRORS
-    )
+    result = changed(fine, spatial(2.0, 0.1, (1.0, 2.0, 0.1)), spatial(2.0, 0.1, (0.1, 2.9, 0.0)))
     assert [f.value for f in result.ridge_force] == pytest.approx([0.0, 4.0, 0.0])
     assert result.touching == 1
 
@@ -328,20 +335,18 @@ def test_a_ridge_that_the_changed_level_leaves_clear_carries_nothing_and_none_pu
 @pytest.mark.parametrize(("first", "last"), [(None, 1.0), (1.0, None)])
 def test_no_changed_force_without_both(first: float | None, last: float | None) -> None:
     one, other = spatial(first, 0.1, (2.0, 2.0)), spatial(last, 0.1, (2.0, 2.0))
-    assert apply_change(answer(3.0, 0.2, (2.0, 2.0)), one, other, 4.0, ERRORS).all_touch_force.value is None
+    assert changed(answer(3.0, 0.2, (2.0, 2.0)), one, other).all_touch_force.value is None
 
 
 def test_a_force_next_to_nothing_is_the_changed_levels_own() -> None:
     floor, shares = NEGLIGIBLE * 4.0, (2.0, 2.0)
     after = spatial(0.3, 0.1, shares)
     for value, first in ((3.0, 0.9 * floor), (0.9 * floor, 3.0)):
-        changed = apply_change(answer(value, 0.2, shares), spatial(first, 0.1, shares), after, 4.0, ERRORS)
-        assert (changed.all_touch_force.value, changed.all_touch_force.error) == (0.3, pytest.approx(floor))
-    usual = apply_change(answer(3.0, 0.2, shares), spatial(1.1 * floor, 0.1, shares), after, 4.0, ERRORS)
+        result = changed(answer(value, 0.2, shares), spatial(first, 0.1, shares), after)
+        assert (result.all_touch_force.value, result.all_touch_force.error) == (0.3, pytest.approx(floor))
+    usual = changed(answer(3.0, 0.2, shares), spatial(1.1 * floor, 0.1, shares), after)
     assert usual.all_touch_force.value == pytest.approx(3.0 * 0.3 / (1.1 * floor))
-    one = apply_change(
-        answer(0.0, 0.2, shares), spatial(0.0, 0.1, shares), spatial(0.0, 0.1, shares), 4.0, ERRORS
-    )
+    one = changed(answer(0.0, 0.2, shares), spatial(0.0, 0.1, shares), spatial(0.0, 0.1, shares))
     assert (one.all_touch_force.value, one.all_touch_force.error) == (0.0, 0.0)  # it touches at once
 
 
@@ -352,7 +357,7 @@ def test_a_coarse_solid_that_overruns_the_budget_says_so(monkeypatch: pytest.Mon
     def ends(_: object, __: float, seconds: dict[str, float], *___: object, **____: object) -> Any:
         clock.now += 3.0
         seconds.update(mesh=1.0, contact=2.0)
-        return SimpleNamespace(plane=level, solid=level, small=level, finite=level, out_of_range="")
+        return Correction(level, level, ERRORS)
 
     monkeypatch.setattr(corrected, "free_ends", ends)
     monkeypatch.setattr(solid_finite_strain, "solve", ends)
@@ -373,7 +378,7 @@ def test_a_coarse_solid_that_overruns_the_budget_says_so(monkeypatch: pytest.Mon
 
 def test_a_tolerance_below_what_a_change_is_known_to_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     level = spatial(2.0, 0.1, (2.0, 2.0))
-    strains = SimpleNamespace(small=level, finite=level, out_of_range="F9 is beyond")
+    strains = Correction(level, level, solid_finite_strain.ERRORS, out_of_range="F9 is beyond")
     monkeypatch.setattr(solid_finite_strain, "solve", lambda *_, **__: strains)
     design, fine = load("plain-ridges"), answer(3.0, 0.2, (2.0, 2.0))
     by_model = {
@@ -395,7 +400,7 @@ def test_a_ridge_that_carries_anything_touches() -> None:
         kind(3.0, 0.2, (0.5 + by, 3.0 - 2 * by, 0.5 + by))
         for kind, by in ((answer, 0.0), (spatial, 0.1), (spatial, 0.0))
     )
-    by_ends = apply_change(fine, before, after, 4.0, ERRORS)
+    by_ends = changed(fine, before, after)
     in_solid = solid.estimated_answer(before, before, after)
     for result, outer in ((by_ends, 0.4), (in_solid, 0.5)):
         assert result.ridge_force[0].value == pytest.approx(outer)

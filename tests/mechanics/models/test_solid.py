@@ -28,7 +28,7 @@ FACTS = pytest.mark.evidence(subject="solid: facts")
 
 def coarse(
     pad: mech.Pad, order: int = 2, along: mech.Layers | None = USUAL, force: float = 4.0, **how: Any
-) -> mech.SolidSolution:
+) -> mech.LevelAnswer:
     meshed = mech.meshed_piece(pad, mech.coarse_sizes(pad, 1.0))
     return mech.solve_level(meshed, mech.forms_of(meshed, order), along, force, {}, **how)
 
@@ -38,7 +38,7 @@ def whole_of(pad: mech.Pad, sizes: mech.Sizes) -> mesh.PadMesh:
 
 
 @cache
-def refined() -> mech.SolidSolution:
+def refined() -> mech.LevelAnswer:
     """Three ridges of the reference section: order 3 on a finer mesh and finer layers than any rung's."""
     pad = mech.pad_of(reference().with_(**THREE))
     meshed = mech.meshed_piece(pad, mech.coarse_sizes(pad, 2.0))
@@ -220,7 +220,7 @@ def test_small_fillets_and_finer_layers_leave_the_change_alone() -> None:
     assert approach_ratio(with_fillets) == pytest.approx(approach_ratio(without), rel=error.approach / 2)
     assert threshold_ratio(with_fillets) == pytest.approx(threshold_ratio(without), rel=error.threshold / 2)
     few, many = (
-        corrected.free_ends(mech.pad_of(reference().with_(**THREE)), FORCE, {}, along).solid
+        corrected.free_ends(mech.pad_of(reference().with_(**THREE)), FORCE, {}, along).after
         for along in (corrected.LAYERS, mech.Layers(0.15, 1.8, 4))
     )
     assert few.approach == pytest.approx(many.approach, rel=error.approach / 2)
@@ -249,19 +249,19 @@ def test_the_changes_error_on_variants(name: str) -> None:
     plane, solid = (
         mech.solve_level(meshed, forms, along, FORCE, {}) for along in (None, mech.Layers(0.3, 1.8, 4))
     )
-    fine = corrected.Ends(plane, solid)
+    fine = mech.Correction(plane, solid, corrected.ERRORS)
     assert approach_ratio(coarse) == pytest.approx(approach_ratio(fine), rel=corrected.ERRORS.approach)
     assert threshold_ratio(coarse) == pytest.approx(threshold_ratio(fine), rel=corrected.ERRORS.threshold)
-    change = [e.solid.ridge_force - e.plane.ridge_force for e in (coarse, fine)]
+    change = [e.after.ridge_force - e.before.ridge_force for e in (coarse, fine)]
     assert change[0] == pytest.approx(change[1], abs=corrected.ERRORS.share * FORCE / 3)
 
 
-def approach_ratio(ends: corrected.Ends) -> float:
-    return ends.solid.approach / ends.plane.approach
+def approach_ratio(ends: mech.Correction) -> float:
+    return ends.after.approach / ends.before.approach
 
 
-def threshold_ratio(ends: corrected.Ends) -> float:
-    return (ends.solid.all_touch_force or 0.0) / (ends.plane.all_touch_force or 1.0)
+def threshold_ratio(ends: mech.Correction) -> float:
+    return (ends.after.all_touch_force or 0.0) / (ends.before.all_touch_force or 1.0)
 
 
 @pytest.mark.slow
@@ -269,7 +269,7 @@ def test_a_long_pad_is_hardly_changed() -> None:
     """The ends' share falls as 1 / L: the 28 % of docs/evidence/facts.md at 12 mm is 0.7 % at 480 mm."""
     long = reference().with_(**THREE).with_(skin={"length": 480.0})
     ends = corrected.free_ends(mech.pad_of(long), 40 * FORCE, {})
-    assert 1.0 < ends.solid.approach / ends.plane.approach < 1.01
+    assert 1.0 < ends.after.approach / ends.before.approach < 1.01
 
 
 @pytest.mark.slow

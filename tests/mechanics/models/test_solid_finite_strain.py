@@ -85,7 +85,7 @@ def test_uniaxial_stretch(axis: int, stretch: float) -> None:
 def test_a_block_shortens_as_the_closed_form() -> None:
     """At nu = 0 a clamped block with free ends stays straight: nominal stress G (1/l - l), G = E / 2."""
     pad = block(3.0, 2.0, 0.0)
-    solution = solid_finite_strain.solve(pad, 0.9, {}, FEW).finite
+    solution = solid_finite_strain.solve(pad, 0.9, {}, FEW).after
     ratio = 0.9 / 6.0 / 0.35
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
     assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-8)  # Newton's residual
@@ -149,15 +149,15 @@ def test_half_is_the_whole() -> None:
             lambda pad, sizes, **_: mech.meshed_piece(pad, sizes, whole=True),
         )
         whole = solid_finite_strain.solve(pad, 1.0, {}, FEW, fineness=1.5)
-    assert half.finite.approach == pytest.approx(whole.finite.approach, rel=5e-3)
-    assert half.finite.ridge_force == pytest.approx(whole.finite.ridge_force, abs=5e-3)
+    assert half.after.approach == pytest.approx(whole.after.approach, rel=5e-3)
+    assert half.after.ridge_force == pytest.approx(whole.after.ridge_force, abs=5e-3)
     assert ratios(half) == pytest.approx(ratios(whole), rel=1e-3)
 
 
-def ratios(strains: solid_finite_strain.Strains) -> tuple[float, float]:
+def ratios(strains: mech.Correction) -> tuple[float, float]:
     return (
-        (strains.finite.all_touch_force or 0.0) / (strains.small.all_touch_force or 1.0),
-        strains.finite.approach / strains.small.approach,
+        (strains.after.all_touch_force or 0.0) / (strains.before.all_touch_force or 1.0),
+        strains.after.approach / strains.before.approach,
     )
 
 
@@ -168,15 +168,15 @@ def test_plain_ridges() -> None:
     stiffens coarse elements, by 0.9 % of F9 and 0.3 % of the approach."""
     solution = solid_finite_strain.solve(mech.pad_of(reference()), 4.0, {})
     assert ratios(solution) == pytest.approx((1.029, 0.968), abs=0.002)
-    assert solution.finite.residual <= max(pressing.RESIDUAL, frictionless.COMPLEMENTARITY)
-    assert solution.small.residual <= frictionless.COMPLEMENTARITY
-    assert solution.finite.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
-    assert solution.finite.touching == 9
+    assert solution.after.residual <= max(pressing.RESIDUAL, frictionless.COMPLEMENTARITY)
+    assert solution.before.residual <= frictionless.COMPLEMENTARITY
+    assert solution.after.ridge_force.sum() == pytest.approx(4.0, rel=1e-9)  # equilibrium
+    assert solution.after.touching == 9
     assert not solution.out_of_range
     meshed = meshed_of(mech.pad_of(reference()))
     other = mech.solve_level(meshed, mech.forms_of(meshed, 2), solid_finite_strain.LAYERS, 4.0, {})
-    assert solution.small.approach == pytest.approx(other.approach, rel=0.005)
-    assert solution.small.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
+    assert solution.before.approach == pytest.approx(other.approach, rel=0.005)
+    assert solution.before.all_touch_force == pytest.approx(other.all_touch_force, rel=0.02)
 
 
 @pytest.mark.evidence(subject="solid finite strain: limits")
@@ -184,7 +184,7 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
     """Why a part of the bulk modulus acts on the volume change itself: without it 2 N have no stable
     state."""
     pad = mech.pad_of(reference().with_(**SMALL))
-    assert solid_finite_strain.solve(pad, 2.0, {}, FEW).finite.touching == 3
+    assert solid_finite_strain.solve(pad, 2.0, {}, FEW).after.touching == 3
     monkeypatch.setattr(solid_law, "POINTWISE_BULK", 0.0)
     with pytest.raises(InputError, match=r"tips over, no equilibrium beyond is stable"):
         solid_finite_strain.solve(pad, 2.0, {}, FEW)
@@ -193,7 +193,7 @@ def test_pressures_that_waves_escape(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_single_ridge_touches_at_once() -> None:
     design = reference().with_(ridge={"count": 1}, skin={"width": 5.0, "length": 6.0})
     solution = solid_finite_strain.solve(mech.pad_of(design), 0.3, {}, FEW)
-    assert (solution.finite.all_touch_force, solution.finite.touching) == (0.0, 1)
+    assert (solution.after.all_touch_force, solution.after.touching) == (0.0, 1)
 
 
 @pytest.mark.slow
@@ -244,7 +244,7 @@ def test_a_threshold_out_of_reach_is_said() -> None:
     skin = {"curvature_radius": 4.0, "length": 6.0, "width": 5.5}
     design = reference().with_(skin=skin, ridge={"count": 5})
     solution = solid_finite_strain.solve(mech.pad_of(design), 0.1, {}, FEW)
-    assert solution.finite.all_touch_force is None
+    assert solution.after.all_touch_force is None
     assert "beyond the finite-strain model's range (looked up to" in solution.out_of_range
 
 
@@ -253,7 +253,7 @@ def test_yamada_2002() -> None:
     """Strips of PVDF hold the ends: F9 +3.1 %, approach -3.2 %."""
     solution = solid_finite_strain.solve(mech.pad_of(yamada()), 4.0, {})
     assert ratios(solution) == pytest.approx((1.0315, 0.9673), abs=0.001)
-    assert solution.finite.residual <= pressing.RESIDUAL
+    assert solution.after.residual <= pressing.RESIDUAL
 
 
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -275,7 +275,7 @@ def test_the_changes_error_on_variants(name: str, monkeypatch: pytest.MonkeyPatc
     fine = solid_finite_strain.solve(pad, 4.0, {}, mech.Layers(0.3, 1.8, 3), fineness=1.25)
     assert ratios(coarse)[0] == pytest.approx(ratios(fine)[0], rel=solid_finite_strain.ERRORS.threshold)
     assert ratios(coarse)[1] == pytest.approx(ratios(fine)[1], rel=solid_finite_strain.ERRORS.approach)
-    change = [s.finite.ridge_force - s.small.ridge_force for s in (coarse, fine)]
+    change = [s.after.ridge_force - s.before.ridge_force for s in (coarse, fine)]
     assert change[0] == pytest.approx(change[1], abs=solid_finite_strain.ERRORS.share * 4.0 / 9)
 
 
@@ -313,7 +313,7 @@ def test_crests_that_are_equally_low_change_nothing_but_the_mesh() -> None:
     half = solid_finite_strain.solve(pad, 0.5, {}, FEW)
     whole = solid_finite_strain.solve(pad, 0.5, {}, FEW, crest_offsets=(0.01, 0.01, 0.01))
     for of in ("all_touch_force", "approach"):
-        changes = [getattr(s.finite, of) / getattr(s.small, of) for s in (half, whole)]
+        changes = [getattr(s.after, of) / getattr(s.before, of) for s in (half, whole)]
         assert changes[0] == pytest.approx(changes[1], abs=1e-3)
 
 
@@ -324,7 +324,7 @@ def test_a_lower_crest_asks_for_more_force_in_finite_strain_too() -> None:
         solid_finite_strain.solve(pad, 0.5, {}, FEW, crest_offsets=drops)
         for drops in ((0.0, 0.0, 1e-9), (0.02, 0.0, 0.0))
     )
-    for strains in ("small", "finite"):
+    for strains in ("before", "after"):
         one, other = getattr(as_designed, strains), getattr(lower, strains)
         assert other.all_touch_force > 1.05 * one.all_touch_force
         assert other.ridge_force[0] < one.ridge_force[0]

@@ -12,6 +12,7 @@ import yourdfpy
 
 import skincad
 from skincad.base import InputError
+from skincad.mechanics import press
 from skincad.outputs import links
 from skincad.outputs.simulators import links as weights
 from skincad.outputs.simulators import models
@@ -258,8 +259,9 @@ def plain(gap: list[float], flexibility: np.ndarray) -> room.Springs:
 
 def test_two_springs_of_their_own_close_one_after_the_other() -> None:
     fit = plain([0.0, 0.3], np.diag([0.5, 0.25]))
-    assert room.plate_response(fit, 0.4)[0] == pytest.approx(0.2)
-    approach, forces = room.plate_response(fit, 2.0)  # d / 0.5 + (d - 0.3) / 0.25 = 2
+    assert press(fit.flexibility, fit.gap, 0.4).approach == pytest.approx(0.2)
+    pressed = press(fit.flexibility, fit.gap, 2.0)  # d / 0.5 + (d - 0.3) / 0.25 = 2
+    approach, forces = pressed.approach, pressed.force
     assert approach == pytest.approx(3.2 / 6)
     assert forces == pytest.approx([2 * approach, 4 * (approach - 0.3)])
 
@@ -280,10 +282,10 @@ def test_at_the_checks_load_they_are_the_check(
 ) -> None:
     monkeypatch.setattr(room, "SPANS", ())
     fit = room.springs(skincad.load_design("plain-ridges").with_(**changes), "winkler")
-    approach, forces = room.plate_response(fit, fit.verdict.force)
+    pressed = press(fit.flexibility, fit.gap, fit.verdict.force)
     assert fit.coupled is coupled
-    assert approach == pytest.approx(float(fit.verdict.approach), rel=1e-6)
-    assert forces == pytest.approx([float(share) for share in fit.verdict.ridge_force], abs=1e-6)
+    assert pressed.approach == pytest.approx(float(fit.verdict.approach), rel=1e-6)
+    assert pressed.force == pytest.approx([float(share) for share in fit.verdict.ridge_force], abs=1e-6)
 
 
 @pytest.mark.slow
