@@ -259,7 +259,7 @@ def too_large(contact: int, most: int, model: str) -> SizeError:
         "ridge.count",
         f"the {model} model takes at most {most} contact unknowns",
         contact,
-        "take fewer ridges or the winkler model",
+        "take fewer ridges, or the reduced or winkler model",
     )
 
 
