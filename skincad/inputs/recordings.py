@@ -13,6 +13,8 @@ from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 
 FEWEST_ROWS = 20  # assumption: fewer show no press
+CLIPPED_SHARE = 0.2  # assumption: of the rows at one end, from which on a press is not seen
+REST_ROWS, NOISY = 10, 3  # of the first rows so many values differ where noise is finer than the converter
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +36,8 @@ def column_name(ridge: int, side: str) -> str:
 def film_recording(path: Path | str, strips: Sequence[tuple[int, str]]) -> FilmRecording:
     """Return the recording of a CSV with `time_s` and a column a strip, as `ridge_3_S1_V`.
 
-    `simulate`'s signals.csv does too. Raises InputError for a missing column, time that does not grow, and
-    too few rows.
+    `simulate`'s signals.csv does too. Raises InputError for a missing column, time that does not grow, too
+    few rows, and a voltage that is clipped or at its amplifier's rails.
     """
     name = str(path)
     wanted = [column_name(ridge, side) for ridge, side in strips]
@@ -47,7 +49,31 @@ def film_recording(path: Path | str, strips: Sequence[tuple[int, str]]) -> FilmR
             name, rule, int(time.size), "record the whole press, with a moment of rest before it"
         )
     check_time(time, f"{name}, row {{}}", "time_s")
-    return FilmRecording(tuple(strips), time, np.array([columns[column] for column in wanted]), columns.notes)
+    volts = np.array([columns[column] for column in wanted])
+    for column, row in zip(wanted, volts, strict=True):
+        _check_range(f"{name}, {column}", row, float(np.median(np.abs(volts).max(axis=1))))
+    return FilmRecording(tuple(strips), time, volts, columns.notes)
+
+
+def _check_range(where: str, volts: Array, usual: float) -> None:
+    """Raise InputError for volts `(samples,)` cut at one end: a share of them is its very value, the others
+    and those at rest differ; or at the rails of their amplifier, beyond what strips `usual`ly reach.
+
+    A strip that is dead or coarsely converted is read.
+    """
+    values, rows = np.unique(volts, return_counts=True)
+    if values.size == 2 and np.abs(values).max() > usual:
+        rule = "must be a film's signal; each of its rows is one of two values"
+        remedy = "see to its amplifier, or leave the ridge out of readout.ridges"
+        raise InputError(where, rule, float(values[1]), remedy)
+    at_rest = np.unique(volts[:REST_ROWS]).size
+    for end, word in ((0, "least"), (-1, "largest")):
+        others = volts.size - int(rows[end])
+        cut = rows[end] >= CLIPPED_SHARE * volts.size and values.size - 1 >= (1 - CLIPPED_SHARE) * others
+        if cut and at_rest >= NOISY:
+            rule = f"must not be clipped; {rows[end]} of {volts.size} rows are its {word} value"
+            remedy = "record again with less gain, a wider range or both signs"
+            raise InputError(where, rule, float(values[end]), remedy)
 
 
 def check_time(time: Array, where: str, key: str) -> None:

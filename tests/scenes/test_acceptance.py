@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 
 from bench.table_recordings import judged
 from skincad.base import InputError
-from skincad.inputs import FilmRecording
+from skincad.inputs import FilmRecording, film_recording
 from skincad.scenes import (
     CANT_TELL,
     RecordingAcceptance,
@@ -299,3 +299,45 @@ def test_signals_of_simulate_are_a_recording(folder: Path) -> None:
     done = accept(folder)
     assert done.returncode == 0, done.stderr
     assert "ACCEPTED, 6 of 6 strips work" in done.stdout
+
+
+STRIPS = ((4, "S1"), (4, "S2"), (5, "S1"))
+
+
+def recorded(tmp_path: Path, seed: int, fault: str) -> Path:
+    """300 rows of three strips at rest, then pressed, as a logger leaves them in a CSV."""
+    dice = np.random.default_rng(seed)
+    time = np.arange(300) / 1000.0
+    press = float(dice.choice([-1.0, 1.0])) * np.clip((time - 0.1) / 0.1, 0.0, 1.0)
+    volts = 0.05 * press * dice.uniform(0.7, 1.0, 3)[:, None] + 4e-4 * dice.standard_normal((3, 300))
+    level = float(dice.uniform(0.2, 0.6)) * 0.05
+    if fault == "clipped":
+        volts = np.clip(volts, -level, level)
+    elif fault == "one sign":
+        volts = np.maximum(volts * -press[-1], 0.0)  # the sign that is lost
+    elif fault == "rails":
+        volts[2] = np.where(volts[2] > np.median(volts[2]), 5.0, -5.0)
+    elif fault == "dead":
+        volts[1] = 0.0
+    elif fault == "dead but for its last bit":
+        volts[1] = 1e-4 * (volts[1] > np.median(volts[1]))
+    elif fault == "coarse":
+        volts = 2e-3 * np.round(volts / 2e-3)
+    path = tmp_path / "r.csv"
+    names = ",".join(f"ridge_{ridge}_{side}_V" for ridge, side in STRIPS)
+    np.savetxt(path, np.column_stack([time, *volts]), "%.6f", ",", header=f"time_s,{names}", comments="")
+    return path
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_clipped_recording_is_refused(seed: int, tmp_path: Path) -> None:
+    """Clipped, cut at zero, or at its rails; a dead strip and a coarse converter are read."""
+    for fault, words in (
+        ("clipped", "must not be clipped"),
+        ("one sign", "clipped"),
+        ("rails", "two values"),
+    ):
+        with refused(words):
+            film_recording(recorded(tmp_path, seed, fault), STRIPS)
+    for fault in ("none", "dead", "dead but for its last bit", "coarse"):
+        assert film_recording(recorded(tmp_path, seed, fault), STRIPS).volts.shape == (3, 300)
