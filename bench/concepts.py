@@ -3,7 +3,7 @@
 `python -m bench.concepts` counts classes, pads, states and lines of code of these rooms, the functions and
 modules that one default check of yamada-2002 runs, and the stations of the scene in `simulate` of
 yamada-2002-press: functions that are given it, and how often it comes back to a module that it had left.
-Five minutes.
+A minute.
 """
 
 from __future__ import annotations

@@ -12,10 +12,23 @@ from typing import Any
 
 import pytest
 
+from tests import tiers
 from tests.processes import lines_until, started
 from tests.tiers import EVIDENCE, LEDGER, SECONDS, TURNS, group_of, subject_of, tier_of, turns
 
 MOST_OF_A_TURN = 0.15  # of all seconds: a tenth, and half of that for subjects that can't be split
+
+
+def test_each_stretch_of_a_run_has_a_loop_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first 30 core-seconds on a core half as fast as the limits' machine, the next 10 on one as fast."""
+    config, clock = SimpleNamespace(stash=pytest.Stash()), SimpleNamespace(now=30.0, loop=2 * tiers.LOOP)
+    monkeypatch.setattr(tiers, "core_seconds", lambda: clock.now)
+    monkeypatch.setattr(tiers, "loop_seconds", lambda: clock.loop)
+    assert tiers.spent(config) == pytest.approx(15.0)  # type: ignore[arg-type]
+    clock.now, clock.loop = 31.0, tiers.LOOP
+    assert tiers.spent(config, between=2.0) == pytest.approx(15.0)  # type: ignore[arg-type]
+    clock.now = 40.0
+    assert tiers.spent(config, between=2.0) == pytest.approx(25.0)  # type: ignore[arg-type]
 
 
 def test_every_evidence_test_has_a_subject(request: pytest.FixtureRequest) -> None:

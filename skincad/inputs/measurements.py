@@ -196,10 +196,8 @@ def _below_full_scale(curve: PressCurve) -> PressCurve:
     slope = (curve.force[rows][-1] - curve.force[rows][0]) / gone
     if slope * (curve.approach[-1] - curve.approach[before]) < NOISES * curve.force_error:
         return curve
-    told = (
-        f"the last {last} rows are left out: the force stays at {curve.force.max():.4g} N, as at the end of a"
-    )
-    notes = (*curve.notes, f"{told} scale")
+    stays_at = f"the force stays at {curve.force.max():.4g} N, as at the end of a scale"
+    notes = (*curve.notes, f"the last {last} rows are left out: {stays_at}")
     return replace(curve, approach=curve.approach[:before], force=curve.force[:before], notes=notes)
 
 

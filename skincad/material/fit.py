@@ -35,10 +35,7 @@ from skincad.material.modulus import (
 
 UP_TO_STRAIN = 0.3  # assumption: silicones leave the neo-Hookean law beyond it
 STIFF, FAR_OFF = 10.0, 10.0  # MPa, and times the modulus of the silicone that is named
-PERCENT, PERCENT_COLUMN = (
-    2.0,
-    "strain_%",
-)  # strain: with few rows up to UP_TO_STRAIN it is no part of the length
+PERCENT = 2.0  # strain: with few rows up to UP_TO_STRAIN it is no part of the length
 SOFT = 0.005  # MPa; the softest gels that are cast have 0.01
 LARGEST_UP_TO = 3.0  # strain, assumption: no casting silicone follows the law so far
 SPARE_ROWS = 3  # more than the constants of a bar's fit, at least
@@ -93,7 +90,7 @@ def _within(name: str, test: MaterialTest, up_to: float | None) -> MaterialTest:
             f" up to {limit:g}" if limit < np.inf else ""
         )
         percent = not pad and float(np.abs(test.deformation).max()) > PERCENT
-        remedy = f"are strains in percent? Then call the column {PERCENT_COLUMN}" if percent else ""
+        remedy = "are strains in percent? Then call the column strain_%" if percent else ""
         raise InputError(name, rule, int(np.count_nonzero(firm)) if largest else 0, remedy)
     smallest = float(np.abs(test.load[used]).min())
     if smallest * LEAST_LOAD_RATIO > largest:
@@ -109,10 +106,7 @@ def _within(name: str, test: MaterialTest, up_to: float | None) -> MaterialTest:
 TERMS: tuple[Callable[[Array], Array], ...] = (lambda along: 1 / along - 1, lambda along: (along - 1) ** 2)
 ROUNDED = 1e-5  # of the largest load: a residual below is none
 STARTS = 41  # zeros tried before the fit, over half the strains
-LEAST_ZERO, LEAST_TARE = (
-    0.002,
-    0.01,
-)  # strain, and of the largest load; assumption: less is the machine's play
+LEAST_ZERO, LEAST_TARE = 0.002, 0.01  # strain, of the largest load; assumption: less is the machine's play
 BETTER = 0.5  # of the residual, at most, is left by a zero or a tare that is there
 FIRST_ROWS, OFF_AT_FIRST = 3, 4.0  # a curve with the true zero passes these rows within so many times the rms
 AS_GOOD = 1.5  # times the residual: the other explanation may hold too
