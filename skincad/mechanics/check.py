@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -124,13 +124,14 @@ def check(
         *material_warnings(design),
     )
     notes = (*notes, *bone_warnings(design), *_scatter_warnings(design))
-    selection = ModelSelection(design, load, crest_offsets, notes, progress, on_verdict)
+    solutions = Solutions(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
-        return selection.auto(tol, budget)
+        return _auto(solutions, tol, budget)
     model_named(model)
     if reason := unsupported_reason(model, design, bool(crest_offsets)):
         raise InputError("model", reason, model, "leave it out")
-    verdict = selection.verdict_of(model, selection.request(tol, budget))
+    request = replace(solutions.request, tol=tol, budget=budget)
+    verdict = solutions.with_yield(solutions.verdict(model, request))
     return with_shortfall(verdict, tol, verdict.model_error)
 
 
@@ -150,8 +151,156 @@ YIELD_PRICE, FRICTION_PRICE, SOLID_FRICTION_PRICE = 0.5, 0.03, 2.0
 OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
 
 
-class ModelSelection:
-    """One check: the models solved so far, and the verdict of each."""
+def models_for(design: Design, measured: bool = False) -> list[str]:
+    """Return the models that `auto` may take of a design, or of a `measured` part, the cheapest first."""
+    return [
+        name
+        for name in AUTO
+        if name not in AUTO_IF or AUTO_IF[name](design)
+        if not unsupported_reason(name, design, measured)
+    ]
+
+
+def better_models(name: str, design: Design, models: Sequence[str]) -> list[str]:
+    """Return those of the `models` that come after one, each leaving out no more than the one before."""
+    order, plan = list(MODELS), [name]
+    for other in models:
+        fewer = len(left_out_by(other, design)) <= len(left_out_by(plan[-1], design))
+        if order.index(other) > order.index(name) and (plan[-1] == "winkler" or fewer):
+            plan.append(other)
+    return plan[1:]
+
+
+def _auto(solutions: Solutions, tol: float | None, budget: float | None) -> ContactCheck:
+    """The verdict by a plan of models: solved one after the other until the tolerance is met, the verdict is
+    clear or the budget is used."""
+    design, models, request = solutions.design, solutions.models, solutions.request
+    first, limit = _first_model(solutions, tol), budget if tol or budget else DEFAULT_BUDGET
+    untimed = first == "winkler" or (first == "reduced" and (budget or 0.0) > REDUCED_SECONDS)
+    if timed := budget is not None and not untimed:
+        first = "linear" if "linear" in models else models[0]
+        load(first)  # the library's import is no part of the budget
+        solutions.began, request = perf_counter(), replace(request, must_fit=models[0] == "winkler")
+    plan, check = [first, *better_models(first, design, models)], None
+    while plan:
+        name, *plan = plan
+        if timed and budget is not None:
+            remaining = max(budget - solutions.spent - solutions.yield_seconds, MIN_BUDGET)
+            request = replace(request, budget=remaining)
+        try:
+            check = solutions.verdict(name, replace(request, tol=mesh_tolerance(name, tol)))
+        except LateError as late:
+            return _closed_form(solutions, name, late.seconds, tol, budget)
+        except (InputError, RefusedError) as refusal:
+            check = check or _best_solved(solutions, request, refusal)
+            if check is None:
+                raise
+            later = models[models.index(name) + 1 :]
+            by_force = isinstance(refusal, InputError) and refusal.key == "force"
+            if later and budget is None and by_force and solutions.ends_within(limit, later[0]):
+                # a plane model's limit need not be the solid's
+                plan = [later[0], *better_models(later[0], design, models)]
+                continue
+            check = before_refusal(check, name, refusal)
+            break
+        if _is_enough(solutions, check, tol, limit, sharpen=budget is None):
+            break
+        request = replace(request, must_fit=False)
+    assert check is not None
+    check = without_mesh_tolerance(solutions.with_yield(check))
+    check = replace(check, warnings=(*check.warnings, *overrun("", solutions.spent, budget)))
+    return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
+
+
+def _first_model(solutions: Solutions, tol: float | None) -> str:
+    """The first model that may meet the tolerance, judged by Winkler's strains.
+
+    Without a tolerance it is the linear model, of many features the reduced one, of a doubly curved skin the
+    solid.
+    """
+    models, friction = solutions.models, solutions.friction
+    if tol is None or solutions.crest_offsets or models[0] != "winkler":
+        return next((name for name in ("reduced", "linear", "solid") if name in models), models[0])
+    rough = run("winkler", solutions.design, Request(solutions.force), {}, None)
+    for name in models:
+        bounds = solutions.bounds(name, rough)
+        value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
+        relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
+        if relative - _irreducible(friction, name, bounds, tol) <= tol:
+            return name
+    return models[-1]
+
+
+def _irreducible(friction: PlateFriction, model: str, bounds: tuple[LeftOut, ...], tol: float) -> float:
+    """The relative error that no model removes, if it alone exceeds the tolerance, else 0.
+
+    The rest of the error must then meet the tolerance.
+    """
+    part = friction.lasting_error(model, bounds)
+    return part if part > tol - FINEST_TOLERANCE else 0.0
+
+
+def _is_enough(
+    solutions: Solutions, check: ContactCheck, tol: float | None, limit: float | None, sharpen: bool
+) -> bool:
+    """Whether the check ends with this verdict: it is as good as was asked for, or nothing better ends
+    within `limit` s. `sharpen`: a clear verdict is enough once it is sharp too; else any time is used."""
+    friction, needed, until = solutions.friction, check.all_touch_force.value or 0.0, limit
+    if tol is not None:
+        spared = _irreducible(friction, check.model, check.left_out, tol) * needed
+        enough = relative_error(check, spared) <= tol
+    elif fails_by_far(check):
+        return True
+    else:  # clear, or kept open by an error that no model removes
+        lasting = friction.lasting_error(check.model, check.left_out)
+        enough = sharpen and (is_decided(check) or is_undecidable(check, lasting))
+        if enough and is_decided(check) and _may_be_sharper(solutions, check):
+            enough, until = False, SHARP_SECONDS
+    if check.next_model is None:
+        return True
+    if exceeds_model(solutions.design, check):
+        until = limit
+    elif check.out_of_range or enough:
+        return True
+    return until is not None and solutions.spent + check.next_model.seconds > until
+
+
+def _may_be_sharper(solutions: Solutions, check: ContactCheck) -> bool:
+    """Whether more than SHARP of the all-touch force, of a flat skin of the approach, is an error that the
+    next model does not have."""
+    design, bounds = solutions.design, check.left_out
+    if check.next_model is None:
+        return False
+    if len(left_out_by(check.next_model.model, design)) >= len(left_out_by(check.model, design)):
+        return False
+    if skin_of(design).symmetry == "none":
+        lasting = solutions.friction.lasting_error(check.model, bounds, "approach")
+        return (check.approach.error or 0.0) / (check.approach.value or 1.0) - lasting > SHARP
+    lasting = solutions.friction.lasting_error(check.model, bounds)
+    return relative_error(check, lasting * (check.all_touch_force.value or 0.0)) > SHARP
+
+
+def _closed_form(
+    solutions: Solutions, late: str, seconds: float, tol: float | None, budget: float | None
+) -> ContactCheck:
+    """The closed form's verdict, where the first model is too late for the budget."""
+    check = solutions.verdict("winkler", replace(solutions.request, tol=FINEST_TOLERANCE, budget=budget))
+    words = f"the linear model would take about {about(seconds)} of the budget of {budget:g} s"
+    check = replace(check, warnings=(*check.warnings, words), next_model=NextModel(late, seconds))
+    return with_shortfall(check, tol, 0.0)
+
+
+def _best_solved(solutions: Solutions, request: Request, refusal: Exception) -> ContactCheck | None:
+    """The verdict of the best model solved before one refused; of a pad too large for any mesh the closed
+    form's."""
+    solved = [name for name in solutions.models if name in solutions.answers]
+    if not solved and isinstance(refusal, SizeError) and solutions.models[0] == "winkler":
+        solved = ["winkler"]
+    return solutions.verdict(solved[-1], replace(request, must_fit=False)) if solved else None
+
+
+class Solutions:
+    """What one check has solved: the models' answers, and the verdict of each."""
 
     def __init__(
         self,
@@ -164,239 +313,66 @@ class ModelSelection:
     ) -> None:
         self.design, self.force, self.crest_offsets, self.notes = design, force, crest_offsets, notes
         self.progress, self.on_verdict = progress, on_verdict
-        self.started, self.sampling_seconds = perf_counter(), 0.0
-        self.solved: dict[str, Answer] = {}
+        self.began, self.sampling_seconds = perf_counter(), 0.0
+        self.answers: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        self.models = [
-            name
-            for name in AUTO
-            if name not in AUTO_IF or AUTO_IF[name](design)
-            if not unsupported_reason(name, design, bool(crest_offsets))
-        ]
+        self.models = models_for(design, bool(crest_offsets))
         self.friction = PlateFriction(design, force, crest_offsets)
 
-    def request(self, tol: float | None, budget: float | None) -> Request:
-        """Return what a model is asked."""
+    @property
+    def request(self) -> Request:
+        """What a model is asked, without tolerance and budget."""
         drops, at = self.crest_offsets, areas(self.design)
         limit = limits(self.design).largest * (max(at) / at[0])
-        return Request(self.force, tol, budget, drops, ridge_model=not drops, ridge_limit=limit)
+        return Request(self.force, None, None, drops, ridge_model=not drops, ridge_limit=limit)
 
-    def auto(self, tol: float | None, budget: float | None) -> ContactCheck:
-        """Try better models until the tolerance is met, the verdict is clear or the budget is used."""
-        request = self.request(None, None)
-        name = self.models[self._first_index(tol)]
-        if name == "reduced" and (budget is None or budget > REDUCED_SECONDS):
-            return self._select_from(name, request, tol, budget)
-        if name != "winkler" and budget is not None:
-            return self._within_budget(request, tol, budget)
-        return self._select_from(name, request, tol, budget)
+    @property
+    def spent(self) -> float:
+        """Seconds since the check began."""
+        return perf_counter() - self.began
 
-    def _within_budget(self, request: Request, tol: float | None, limit: float) -> ContactCheck:
-        """Start with the linear model if it fits into the budget, else use the closed form."""
-        least = self.models[0] == "winkler"
-        name = "linear" if "linear" in self.models else self.models[0]
-        load(name)  # the library's import is no part of the budget
-        self.started = perf_counter()
-        try:
-            return self._select_from(name, replace(request, must_fit=least, budget=limit), tol, limit)
-        except LateError as late:
-            check = self._model("winkler", replace(request, tol=FINEST_TOLERANCE))
-            words = f"the linear model would take about {about(late.seconds)} of the budget of {limit:g} s"
-            check = replace(
-                check, warnings=(*check.warnings, words), next_model=NextModel(name, late.seconds)
-            )
-            return with_shortfall(check, tol, 0.0)
+    def seconds_of(self, name: str) -> float:
+        """Expected seconds of a model from here, by the last one's, with the yield."""
+        return expected_seconds(name, self.design, self.answers) + self.yield_seconds
 
-    def _select_from(
-        self, name: str, request: Request, tol: float | None, budget: float | None
-    ) -> ContactCheck:
-        check: ContactCheck | None = None
-        limit = budget if budget is not None or tol is not None else DEFAULT_BUDGET
-        while True:
-            timed = limit is not None and request.budget is not None  # by a budget, or as the pad is large
-            remaining = (
-                max(limit - self._spent() - self._yield_seconds(), MIN_BUDGET) if limit and timed else None
-            )
-            try:
-                check = self._model(name, replace(request, tol=mesh_tolerance(name, tol), budget=remaining))
-            except (InputError, RefusedError) as refusal:
-                check = check or self._best_solved(request, refusal)
-                if check is None:
-                    raise
-                later = self.models[self.models.index(name) + 1 :]
-                by_force = isinstance(refusal, InputError) and refusal.key == "force"
-                if (
-                    later
-                    and budget is None
-                    and by_force
-                    and self._seconds_until_end(later[0]) <= (limit or math.inf)
-                ):
-                    name = later[0]  # a plane model's limit need not be the solid's
-                    continue
-                check = before_refusal(check, name, refusal)
-                break
-            satisfied, until = budget is None and self._is_settled(check), limit
-            if tol is not None:
-                satisfied = self._meets_tolerance(check, tol)
-            elif fails_by_far(check):
-                break
-            elif satisfied and is_decided(check) and self._may_be_sharper(check):
-                satisfied, until = False, SHARP_SECONDS
-            if check.next_model is None:
-                break
-            if exceeds_model(self.design, check):
-                until = limit
-            elif check.out_of_range or satisfied:
-                break
-            if until is not None and self._spent() + check.next_model.seconds > until:
-                break
-            name, request = check.next_model.model, replace(request, must_fit=False)
-        check = without_mesh_tolerance(self._with_yield(check))
-        check = replace(check, warnings=(*check.warnings, *overrun("", self._spent(), budget)))
-        return with_shortfall(check, tol, 0.0) if tol is not None else with_open_friction(check)
+    def ends_within(self, limit: float | None, name: str) -> bool:
+        """Whether a model that is begun now ends within `limit` s of the check, None for any."""
+        return limit is None or self.spent + self.seconds_of(name) <= limit
 
-    def _best_solved(self, request: Request, refusal: Exception) -> ContactCheck | None:
-        """The verdict of the best model solved before one refused.
+    @property
+    def yield_seconds(self) -> float:
+        """Seconds of the yield: measured, or expected by the linear model's."""
+        if self.crest_offsets:
+            return 0.0
+        return self.sampling_seconds or YIELD_PRICE * linear_seconds(self.answers)
 
-        For a pad too large for any mesh it is the closed form's.
-        """
-        solved = [name for name in self.models if name in self.solved]
-        if not solved and isinstance(refusal, SizeError) and self.models[0] == "winkler":
-            solved = ["winkler"]
-        return self._model(solved[-1], replace(request, must_fit=False)) if solved else None
-
-    def _first_index(self, tol: float | None) -> int:
-        """Index of the first model that may meet the tolerance, judged by Winkler's strains.
-
-        Without a tolerance it is the linear model, of many features the reduced one, of a doubly curved skin
-        the solid.
-        """
-        plain = [name for name in ("reduced", "linear", "solid") if name in self.models]
-        first = self.models.index(plain[0]) if plain else 0
-        if tol is None or self.crest_offsets or self.models[0] != "winkler":
-            return first
-        rough = run("winkler", self.design, Request(self.force), {}, None)
-        for i, name in enumerate(self.models):
-            bounds = self._bounds(name, rough)
-            value = rough.all_touch_force if name == "winkler" else Estimate(1.0, 0.0, "1")
-            relative = (value.error or 0.0) / (value.value or 1.0) + math.fsum(b.threshold for b in bounds)
-            if relative - self._irreducible(name, bounds, tol) <= tol:
-                return i
-        return len(self.models) - 1
-
-    def _bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
+    def bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
         effects = (*left_out_by(name, self.design), *self.friction.left_out(name))
         effects += (POCKETS,) if self.design.features.pocket else ()
         bounds = left_out(effects, self.design, answer, self.force)
         return (*bounds, *self.friction.unknown.get(name, ()))
 
-    def _irreducible(self, model: str, bounds: tuple[LeftOut, ...], tol: float) -> float:
-        """The relative error that no model removes, if it alone exceeds the tolerance, else 0.
-
-        The rest of the error must then meet the tolerance.
-        """
-        part = self.friction.lasting_error(model, bounds)
-        return part if part > tol - FINEST_TOLERANCE else 0.0
-
-    def _meets_tolerance(self, check: ContactCheck, tol: float) -> bool:
-        """Whether the tolerance is met, as far as any model can."""
-        spared = self._irreducible(check.model, check.left_out, tol) * (check.all_touch_force.value or 0.0)
-        return relative_error(check, spared) <= tol
-
-    def _is_settled(self, check: ContactCheck) -> bool:
-        """Whether the verdict is clear, or an error that no model removes keeps it open."""
-        return is_decided(check) or is_undecidable(check, self._lasting(check))
-
-    def _may_be_sharper(self, check: ContactCheck) -> bool:
-        """Whether more than SHARP of the all-touch force is an error that the next model does not have."""
-        if check.next_model is None:
-            return False
-        left, later = (left_out_by(name, self.design) for name in (check.model, check.next_model.model))
-        if len(later) >= len(left):
-            return False
-        if skin_of(self.design).symmetry == "none":  # of which the approach is asked
-            lasting = self.friction.lasting_error(check.model, check.left_out, "approach")
-            return (check.approach.error or 0.0) / (check.approach.value or 1.0) - lasting > SHARP
-        return relative_error(check, self._lasting(check) * (check.all_touch_force.value or 0.0)) > SHARP
-
-    def _lasting(self, check: ContactCheck) -> float:
-        """The relative error of the all-touch force that no better model removes."""
-        return self.friction.lasting_error(check.model, check.left_out)
-
-    def _seconds_until_end(self, name: str) -> float:
-        """Seconds from the start of the check to the end of a model started now."""
-        return self._spent() + self._seconds(name)
-
-    def _spent(self) -> float:
-        return perf_counter() - self.started
-
-    def verdict_of(self, name: str, request: Request) -> ContactCheck:
-        """Return the verdict by one model, with its yield."""
-        return self._with_yield(self._model(name, request))
-
-    def _model(self, name: str, request: Request) -> ContactCheck:
-        """The verdict by one model; models solved before are reused."""
-        started = self._spent()
+    def verdict(self, name: str, request: Request) -> ContactCheck:
+        """The verdict by one model, without its yield; models solved before are reused."""
+        started = self.spent
         for model in (*prerequisites(name), name):
-            if self.progress and model not in (*self.solved, "winkler"):
-                self.progress(f"{model} model", self._seconds(name))
-            answer = run(model, self.design, request, self.solved, self.progress)
+            if self.progress and model not in (*self.answers, "winkler"):
+                self.progress(f"{model} model", self.seconds_of(name))
+            answer = run(model, self.design, request, self.answers, self.progress)
         refuse_crushed(self.design, self.force, name, answer.approach.value or 0.0)
-        remaining = None if request.budget is None else request.budget - (self._spent() - started)
-        answer = self.friction.applied_to(name, answer, remaining, self._friction_seconds(name))
-        answer = answer.consistent(self.force)
-        bounds = self._bounds(name, answer)
+        remaining = None if request.budget is None else request.budget - (self.spent - started)
+        section = FRICTION_PRICE * skin_of(self.design).count
+        price = linear_seconds(self.answers) * (SOLID_FRICTION_PRICE if has_ends(name) else section)
+        answer = self.friction.applied_to(name, answer, remaining, price).consistent(self.force)
+        bounds = self.bounds(name, answer)
         self.with_model_errors[name] = known = with_model_error(answer, bounds, self.force)
         verdict = self._verdict(name, known, bounds)
-        self.runs.append(ModelRun(name, verdict.all_touch_force, self._spent() - started, answer.unknowns))
+        self.runs.append(ModelRun(name, verdict.all_touch_force, self.spent - started, answer.unknowns))
         if self.on_verdict:
             self.on_verdict(verdict)
         return verdict
-
-    def _with_yield(self, check: ContactCheck) -> ContactCheck:
-        """The last verdict with its yield. Earlier verdicts get no yield."""
-        known, result, reserved = self.with_model_errors[check.model], None, self._yield_seconds()
-        failed: tuple[str, ...] = ()
-        if not (self.crest_offsets or check.out_of_range or not MODELS[check.model].meshed):
-            try:
-                with resource_guard("the yield"):
-                    result = self._manufacture(known)
-            except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
-                failed = (no_yield(failure),)
-        # the solid's yield solves the plane model, whose fault counts
-        beyond_reason = check.out_of_range or self._fault(check.model, known)
-        following = check.next_model
-        return replace(
-            check,
-            out_of_range=beyond_reason,
-            deformed=self.solved["linear"].deformed if "linear" in self.solved else (),
-            self_contact=self.solved["linear"].self_contact if "linear" in self.solved else None,
-            manufacture=None if beyond_reason else result,
-            seconds={**check.seconds, "total": self._spent(), **self._yield_times(known)},
-            warnings=(*check.warnings, *failed),
-            next_model=following
-            and replace(following, seconds=following.seconds + self._yield_seconds() - reserved),
-        )
-
-    def _manufacture(self, answer: Answer) -> Yield | None:
-        """Yield and sensitivities of the design; the ridge model's force is scaled to the model's."""
-        threshold, parts = answer.all_touch_force.value, answer.ridge_model
-        if threshold is None or skin_of(self.design).count == 1:
-            return None
-        if parts is None and "linear" in self.models:  # its coarsest mesh is enough, as the force is scaled
-            rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)
-            parts = run("linear", self.design, rough, self.solved, self.progress).ridge_model
-        if parts is None:
-            return None
-        from skincad.mechanics.manufacture import manufacture
-
-        started = perf_counter()
-        uncertainty = answer.all_touch_force.error or 0.0
-        result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
-        self.sampling_seconds = perf_counter() - started
-        return result
 
     def _verdict(self, name: str, answer: Answer, bounds: tuple[LeftOut, ...]) -> ContactCheck:
         design, force, small = self.design, self.force, is_small_strain(name)
@@ -405,6 +381,7 @@ class ModelSelection:
         if numbers := unlike(design, model=name):
             words = f"no design on which the {name} model's errors were set is like this one: {numbers}"
             warnings = (*warnings, words)
+        after = better_models(name, design, self.models)
         return ContactCheck(
             name=design.name,
             force=force,
@@ -417,11 +394,11 @@ class ModelSelection:
             model=name,
             unknowns=answer.unknowns,
             residual=answer.residual,
-            seconds={"total": self._spent(), **answer.seconds},
+            seconds={"total": self.spent, **answer.seconds},
             warnings=warnings,
             left_out=bounds,
             models_tried=tuple(self.runs),
-            next_model=self._next(name),
+            next_model=NextModel(after[0], self.seconds_of(after[0])) if after else None,
             plate=design.contact.plate.shape,
             out_of_range=beyond_reason,
             tipping=tipping(design, answer),
@@ -434,50 +411,59 @@ class ModelSelection:
 
         The solid checks the crowns only, so the plane model's finding counts too.
         """
-        plane = self.solved.get("linear", answer)
+        plane = self.answers.get("linear", answer)
         fault = answer.fault or (plane.fault if is_small_strain(name) else "")
         return fault and f"at {self.force:g} N {fault}, which the model does not cover"
 
-    def _yield_seconds(self) -> float:
-        """Seconds of the yield: measured, or expected by the linear model's."""
-        if self.crest_offsets:
-            return 0.0
-        return self.sampling_seconds or YIELD_PRICE * self._linear_seconds()
-
-    def _friction_seconds(self, name: str) -> float:
-        """Expected seconds of the plate's friction on a solid, or on a section."""
-        section = FRICTION_PRICE * skin_of(self.design).count
-        return self._linear_seconds() * (SOLID_FRICTION_PRICE if has_ends(name) else section)
-
-    def _linear_seconds(self) -> float:
-        """Seconds of the linear model; 0 until it is solved."""
-        plane = self.solved.get("linear")
-        return plane.own_seconds if plane else 0.0
-
-    def _yield_times(self, answer: Answer) -> dict[str, float]:
-        """Time of the yield: of its ridge model, which the linear model built, and of the sample of parts."""
-        return (
-            {"yield": answer.seconds.get("yield", 0.0) + self.sampling_seconds}
-            if self.sampling_seconds
-            else {}
+    def with_yield(self, check: ContactCheck) -> ContactCheck:
+        """A verdict with its yield; earlier ones get none."""
+        known, result, reserved = self.with_model_errors[check.model], None, self.yield_seconds
+        warnings, seconds = check.warnings, dict(check.seconds)
+        if not (self.crest_offsets or check.out_of_range or not MODELS[check.model].meshed):
+            try:
+                with resource_guard("the yield"):
+                    result = self._manufacture(known)
+            except (ContactError, ExhaustedError) as failure:  # the verdict does not need the yield
+                warnings = (*warnings, no_yield(failure))
+        # the solid's yield solves the plane model, whose fault counts
+        beyond_reason = check.out_of_range or self._fault(check.model, known)
+        if self.sampling_seconds:  # of the ridge model, which the linear model built, and of the sample
+            seconds["yield"] = known.seconds.get("yield", 0.0) + self.sampling_seconds
+        plane, after = self.answers.get("linear"), check.next_model
+        return replace(
+            check,
+            out_of_range=beyond_reason,
+            deformed=plane.deformed if plane else (),
+            self_contact=plane.self_contact if plane else None,
+            manufacture=None if beyond_reason else result,
+            seconds={**seconds, "total": self.spent},
+            warnings=warnings,
+            next_model=after and replace(after, seconds=after.seconds + self.yield_seconds - reserved),
         )
 
-    def _next(self, name: str) -> NextModel | None:
-        """The next model that neglects less, and its predicted seconds."""
-        current, order = left_out_by(name, self.design), list(MODELS)
-        better = [
-            other
-            for other in self.models
-            if order.index(other) > order.index(name)
-            and (name == "winkler" or len(left_out_by(other, self.design)) <= len(current))
-        ]
-        if not better:
+    def _manufacture(self, answer: Answer) -> Yield | None:
+        """Yield and sensitivities of the design; the ridge model's force is scaled to the model's."""
+        threshold, parts = answer.all_touch_force.value, answer.ridge_model
+        if threshold is None or skin_of(self.design).count == 1:
             return None
-        return NextModel(better[0], self._seconds(better[0]))
+        if parts is None and "linear" in self.models:  # its coarsest mesh is enough, as the force is scaled
+            rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)
+            parts = run("linear", self.design, rough, self.answers, self.progress).ridge_model
+        if parts is None:
+            return None
+        from skincad.mechanics.manufacture import manufacture
 
-    def _seconds(self, name: str) -> float:
-        """Expected seconds of a model from here, by the last one's, with the yield."""
-        return expected_seconds(name, self.design, self.solved) + self._yield_seconds()
+        started = perf_counter()
+        uncertainty = answer.all_touch_force.error or 0.0
+        result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
+        self.sampling_seconds = perf_counter() - started
+        return result
+
+
+def linear_seconds(answers: Mapping[str, Answer]) -> float:
+    """Seconds that the linear model took; 0 until it is solved."""
+    plane = answers.get("linear")
+    return plane.own_seconds if plane else 0.0
 
 
 def exceeds_model(design: Design, check: ContactCheck) -> bool:

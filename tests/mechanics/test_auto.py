@@ -404,7 +404,7 @@ def test_the_yield_is_sampled_once_and_its_time_told_and_expected_again_of_the_n
 ) -> None:
     fake = MadeUp(monkeypatch, 3.9)
     monkeypatch.setattr(adaptivity, "YIELD_PRICE", 1.5)
-    monkeypatch.setattr(adaptivity.ModelSelection, "_linear_seconds", lambda _: 2.0)
+    monkeypatch.setattr(adaptivity, "linear_seconds", lambda _: 2.0)
     answer = fake.answer
 
     def with_parts(*arguments: Any) -> mech.Answer:

@@ -212,7 +212,7 @@ def test_friction_that_fails_stays_left_out_and_says_so() -> None:
 @pytest.mark.usefixtures("made_up")
 def test_friction_that_does_not_fit_a_budget_stays_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pressing, "solve", lambda *_: pytest.fail("pressed"))
-    monkeypatch.setattr(adaptivity.ModelSelection, "_linear_seconds", lambda _: 2.0)
+    monkeypatch.setattr(adaptivity, "linear_seconds", lambda _: 2.0)
     verdict = check(load("yamada-2002").with_(contact={"friction": 0.5}), model="linear", budget=2.1)
     assert "friction" in of(verdict)
     assert any("contact.friction is left out" in w and "would take about" in w for w in verdict.warnings)
