@@ -35,8 +35,8 @@ from skincad.mechanics import (
     triangles,
 )
 from skincad.scenes import (
-    ComparisonRuns,
     March,
+    Runs,
     Scene,
     Slips,
     chosen_steps,
@@ -124,11 +124,11 @@ def strain(rng: np.random.Generator, number: int) -> tuple[list[Lead] | None, st
     clock.append(perf_counter())
     count, cone = scene.design.ridge.count, friction_cone(scene)
     change = next(entry.change for entry in left_out_effects(scene, small) if entry.effect == "finite_strain")
-    refined = ComparisonRuns(before=small, every=small, coarse=coarse)
+    runs = Runs(small, before=fine, every=small, coarse=coarse)
     slips = [slips_of(march, count) for march in (small, few, judge)]
     errors = (
-        slip_errors(small, slips[0], replace(refined, before=fine), change, False, cone).leads,
-        slip_errors(few, slips[1], replace(refined, after=fine), 0.0, False, cone).leads,
+        slip_errors(runs, slips[0], change, False, cone).leads,
+        slip_errors(replace(runs, march=few, before=small, after=fine), slips[1], 0.0, False, cone).leads,
     )
     rows: list[Lead] = []
     for i, values in enumerate(zip(*map(leads, (small, few, judge), slips), strict=True)):
@@ -191,17 +191,17 @@ def masses(rng: np.random.Generator, number: int) -> tuple[list[Lead] | None, st
     judge = marched(judged, judged.law.marched(piece, mesh, ORDERS[0], True, judged.terms), judged.terms)
     clock.append(perf_counter())
     count, halts, cone = skin_of(scene.design).count, halts_of(scene), friction_cone(scene)
-    runs = still, modal, judge
-    slips = [slips_of(run, count, halts) for run in runs]
-    refined = ComparisonRuns(before=rough, every=rough, coarse=coarse)
-    errors = slip_errors(modal, slips[1], refined, 0.0, False, cone, halts).leads
+    marches = still, modal, judge
+    slips = [slips_of(run, count, halts) for run in marches]
+    runs = Runs(modal, before=rough, every=rough, coarse=coarse)
+    errors = slip_errors(runs, slips[1], 0.0, False, cone, halts).leads
     rows = [
         Lead("slow modes", lead, errors[i].total or 0.0, true, 1e3 * scene.history.times[1],
              "" if before is None else f" (without masses {before:.3f})")
-        for i, (before, lead, true) in enumerate(zip(*map(leads, runs, slips), strict=True))
+        for i, (before, lead, true) in enumerate(zip(*map(leads, marches, slips), strict=True))
         if lead is not None and true is not None
     ]  # fmt: skip
-    felt = [path_of(run).felt for run in runs]
+    felt = [path_of(run).felt for run in marches]
     end = min(slips[1].gross or 10**9, slips[2].gross or 10**9, *(len(run) for run in felt))
     off = [float(np.abs(run[:end] - felt[2][:end]).max() / np.abs(felt[2][:end]).max()) for run in felt[:2]]
     spent = np.diff(clock)
@@ -209,7 +209,7 @@ def masses(rng: np.random.Generator, number: int) -> tuple[list[Lead] | None, st
     words += f", plate {scene.plate.mass:.2g} g" if scene.plate.mass else ""
     gross = [
         None if s.gross is None else round(1e3 * float(run.time[s.gross]), 3)
-        for s, run in zip(slips, runs, strict=True)
+        for s, run in zip(slips, marches, strict=True)
     ]
     words += f"; gross slip {gross} ms; signal off by {off[1]:.1%} ({off[0]:.1%} without masses)"
     words += f"; march {spent[1]:.1f} s without masses, {spent[0]:.1f} with modes, {spent[3]:.1f} with all"

@@ -88,7 +88,7 @@ def change(without: Array, named: Array) -> float:
 
 def _graded(scene: Scene) -> March:
     """Return the scene's march on its own coarsest mesh, fine at the strips' ends."""
-    return march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})), {})
+    return march_on(LEVELS[0], MarchSetup(scene, piece_for(scene, {})))
 
 
 def _coarse(scene: Scene) -> March:

@@ -211,7 +211,7 @@ def marched(one: Drawn) -> SceneRun:
     scene = one.scene
     if one.skin.name not in _SKINS:
         _SKINS[one.skin.name] = MarchSetup(scene, piece_for(scene, {}))
-    answer = march_on(LEVELS[0], replace(_SKINS[one.skin.name], scene=scene), {})
+    answer = march_on(LEVELS[0], replace(_SKINS[one.skin.name], scene=scene))
     slips = slips_of(answer, scene.design.ridge.count, halts_of(scene))
     slipping = np.zeros_like(slips.slipping)
     for ridge, runs in enumerate(slips.runs):

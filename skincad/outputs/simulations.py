@@ -14,18 +14,18 @@ from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.effects.kinds import SectionPad
 from skincad.outputs.delivery import Presentation, picture
+from skincad.scenes.errors import BySource
 from skincad.scenes.march import GROSS_SLIP, frames
-from skincad.scenes.models import (
+from skincad.scenes.plan import (
     CORRECTED,
     DEFAULT_TOLERANCE,
     FINITE_STRAIN,
     FREE_ENDS,
     SMALL_STRAIN,
-    BySource,
     chosen_steps,
-    marches_masses,
     model_of,
 )
+from skincad.scenes.runs import marches_masses
 from skincad.scenes.scene import Scene
 from skincad.scenes.simulation import Simulation
 from skincad.shape.skin import skin_of

@@ -8,12 +8,12 @@ __getattr__, __dir__ = face(
     """
     acceptance: CANT_TELL RecordingAcceptance StripState accept_recording judge strip_name
     detector: AHEAD BACK Detector EARLY INCIPIENT NOT_AHEAD POINTS SEEN SURE fed score statistic taken
-    errors: Slips intervals slip_errors slips_of
+    errors: BySource Slips intervals slip_errors slips_of
     film_prediction: FilmPrediction modulus_range predict_films recorded_scene varied with_modulus
     march: GROSS_SLIP LEVELS Level March expected frames
-    models: BySource CORRECTED ComparisonRuns DEFAULT_TOLERANCE FINITE_STRAIN FREE_ENDS MarchSetup
-        SMALL_STRAIN chosen_steps coarse_steps halts_of left_out_effects march_on marches_masses model_of
-        path_of piece_for
+    plan: CORRECTED DEFAULT_TOLERANCE FINITE_STRAIN FREE_ENDS SMALL_STRAIN chosen_steps left_out_effects
+        model_of path_of
+    runs: MarchSetup Runs coarse_steps halts_of march_on marches_masses piece_for
     scene: History LAW PIN_EFFECTS Readout Scene ScenePlate load_scene
     simulation: SceneRun Simulation at_level energy friction_cone marched marching read_out simulate
     strip_assignment: WORKS

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,7 +32,27 @@ from skincad.base.estimate import Estimate
 from skincad.circuit.state import longest_step
 from skincad.mechanics.contact.state import FrictionCoefficients, law_of
 from skincad.scenes.march import March
-from skincad.scenes.models import COARSE_STEP_FACTOR, BySource, ComparisonRuns
+from skincad.scenes.runs import COARSE_STEP_FACTOR, Runs
+
+
+class BySource(NamedTuple):
+    """An error, in the unit of what is wrong by it; a source that nobody asked is None."""
+
+    mesh: float | None
+    time_step: float | None
+    left_out: float
+    drift: float = 0.0
+
+    @property
+    def total(self) -> float | None:
+        """The sum; None where the mesh's or the step's share is unknown."""
+        if self.mesh is None or self.time_step is None:
+            return None
+        return self.mesh + self.time_step + self.left_out + self.drift
+
+    def with_total(self) -> dict[str, float | None]:
+        """Return it under JSON keys, the sum too."""
+        return {**self._asdict(), "total": self.total}
 
 
 def shown_band(time: Array, bandwidth: float) -> float:
@@ -113,30 +134,25 @@ Stress = Mapping[int, Array]  # MPa by monitored ridge, `(steps + 1,)`
 
 
 def stress_errors(
-    raw: Stress,
-    mesh: Mapping[int, float] | None,
-    refined: ComparisonRuns,
-    stress: Callable[[March], Stress],
-    change: float,
-    drift: Mapping[int, float],
+    runs: Runs, stress: Callable[[March], Stress], change: float, drift: Mapping[int, float]
 ) -> dict[int, BySource]:
-    """Return the errors of the stress `raw`, MPa, by monitored ridge: `mesh` is the mesh's,
-    `stress` that of another march, `change` what is left out, `drift` what drifts between chosen steps."""
-    fewer = _by_fewer(refined, stress)
+    """Return the errors of the `stress` of the march that counts, MPa, by monitored ridge: `change` is what
+    is left out, `drift` what drifts between chosen steps."""
+    fewer = _by_fewer(runs, stress)
     return {
         ridge: BySource(
-            None if mesh is None else mesh.get(ridge),
+            None if runs.error is None else runs.error.get(ridge),
             fewer.get(ridge),
             change * float(np.abs(values).max()),
             drift.get(ridge, 0.0),
         )
-        for ridge, values in raw.items()
+        for ridge, values in stress(runs.march).items()
     }
 
 
-def _by_fewer(refined: ComparisonRuns, stress: Callable[[March], Stress]) -> dict[int, float]:
+def _by_fewer(runs: Runs, stress: Callable[[March], Stress]) -> dict[int, float]:
     """The step's share by ridge; nothing where no march has fewer steps, or no step before gross slip."""
-    every, coarse = refined.every, refined.coarse
+    every, coarse = runs.every, runs.coarse
     if every is None or coarse is None:
         return {}
     end = min(_gross(every), _gross(coarse))
@@ -166,9 +182,8 @@ class SlipErrors:
 
 
 def slip_errors(
-    last: March,
+    runs: Runs,
     slips: Slips,
-    refined: ComparisonRuns,
     change: float,
     driven: bool,
     cone: FrictionCoefficients,
@@ -176,10 +191,11 @@ def slip_errors(
 ) -> SlipErrors:
     """Return the errors of slips; `change` is the relative change of loads by what is left out, `driven`
     whether the plate's travel is given: gross slip depends on the skin then; `halts` is as of `slips_of`."""
-    count, time, loads = len(slips.steps), last.time, last.loads
+    last, count = runs.march, len(slips.steps)
+    time, loads = last.time, last.loads
     after, before, every, coarse = (
         None if march is None else _moments(march, count, halts)
-        for march in (refined.after or last, refined.before, refined.every, refined.coarse)
+        for march in (runs.after or last, runs.before, runs.every, runs.coarse)
     )
     whole = loads.sum(axis=2)
     missed = _drift(last)

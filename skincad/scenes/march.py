@@ -60,7 +60,7 @@ class March:
     """The accepted readings, entry 0 the unloaded start, at `time` `(steps + 1,)` s.
 
     `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
-    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` of the march. `loads`
+    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` by stage. `loads`
     `(steps + 1, 3, ridges)` are the normal and tangential force on each ridge, N, and what of it touches,
     mm2. `states` are the pad's own of the steps that were to be kept, and the last; `pad` is what it
     advanced. Neither states nor pad are in a pickle or a copy: they hold the FE library's own objects.
@@ -72,7 +72,7 @@ class March:
     unknowns: int
     stopped: str | None
     failed: bool
-    seconds: float
+    seconds: dict[str, float]
     loads: Array
     states: Mapping[int, Any] = field(default_factory=dict)
     pad: MarchedPad | None = None
@@ -152,7 +152,7 @@ def march(
         unknowns=pad.unknowns,
         stopped=stopped,
         failed=failed,
-        seconds=spent,
+        seconds={"march": spent},
         loads=loads,
         states=states,
         pad=pad,

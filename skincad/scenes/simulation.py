@@ -23,6 +23,7 @@ from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.detector import report
 from skincad.scenes.errors import (
+    BySource,
     SlipErrors,
     Slips,
     in_steps,
@@ -35,26 +36,26 @@ from skincad.scenes.errors import (
     unresolved,
 )
 from skincad.scenes.march import Level, March
-from skincad.scenes.models import (
+from skincad.scenes.plan import (
     FINITE_STRAIN,
     FREE_ENDS,
     MATTERS,
     SMALL_STRAIN,
-    BySource,
-    ComparisonRuns,
-    MarchSetup,
-    RefinedRun,
     chosen_steps,
     cut_short,
+    further,
+    left_out_effects,
+    model_of,
+    refine,
+)
+from skincad.scenes.runs import (
+    MarchSetup,
+    Runs,
     differential,
     drifted,
-    further,
     halts_of,
-    left_out_effects,
     march_on,
-    model_of,
     piece_for,
-    refine,
     spent,
 )
 from skincad.scenes.scene import Scene
@@ -156,13 +157,13 @@ class HeavyPlate(Record):
     lead_change: dict[int, float | None] = item("ms", "of that, by the plate's mass alone")
 
 
-def _heavy_plate(scene: Scene, refined: ComparisonRuns, timed: Sequence[int]) -> HeavyPlate | None:
+def _heavy_plate(scene: Scene, runs: Runs, timed: Sequence[int]) -> HeavyPlate | None:
     """What a plate as heavy as the skin changes; None where nobody marched it."""
-    if refined.heavy is None or refined.every is None:
+    if runs.heavy is None or runs.every is None:
         return None
     count, halts = skin_of(scene.design).count, halts_of(scene)
-    heavy, light = (slips_of(run, count, halts) for run in (refined.heavy, refined.every))
-    time = refined.heavy.time
+    heavy, light = (slips_of(run, count, halts) for run in (runs.heavy, runs.every))
+    time = runs.heavy.time
 
     def leads(slips: Slips) -> dict[int, float | None]:
         return {r: lead(time, slips.gross, slips.steps[r - 1], None).value for r in timed}
@@ -389,7 +390,7 @@ def simulate(
     """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
 
     A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
-    strain in chosen steps next, then in each (scenes/models.py): `model` and `scene` of the result say so.
+    strain in chosen steps next, then in each (scenes/plan.py): `model` and `scene` of the result say so.
     Without `tol` chosen steps are taken where they change more than a tenth and are expected to take at most
     a minute; what free ends change is computed too. With `model="small_strain"` neither is: the effects are
     the scene's own, for many scenes or for a first look.
@@ -412,10 +413,10 @@ def simulate(
 
 @dataclass(frozen=True, eq=False)
 class SceneRun:
-    """What was marched, the march that counts, and the seconds that both took, by stage."""
+    """What was marched, the runs, and the seconds that they took, by stage."""
 
     on: MarchSetup
-    refined_run: RefinedRun
+    runs: Runs
     seconds: dict[str, float]
 
 
@@ -432,11 +433,11 @@ def marched(
     for a model `beyond` the scene's own."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
-    on = MarchSetup(scene, piece_for(scene, seconds), tick, partial)
-    refined_run = refine(on, tol, budget, began, seconds)
+    on = MarchSetup(scene, piece_for(scene, seconds), tick, partial, seconds=seconds)
+    runs = refine(on, tol, budget, began)
     if further_models and on.piece is not None:
-        on, refined_run = further(on, refined_run, tol, budget, began, seconds)
-    return SceneRun(on, refined_run, {"total": perf_counter() - began, **seconds})
+        on, runs = further(on, runs, tol, budget, began)
+    return SceneRun(on, runs, {"total": perf_counter() - began, **seconds})
 
 
 def read_out(scene: Scene, run: SceneRun) -> Simulation:
@@ -445,7 +446,7 @@ def read_out(scene: Scene, run: SceneRun) -> Simulation:
     more = {name: table for name, table in run.on.scene.effects.items() if name in (FINITE_STRAIN, FREE_ENDS)}
     if more:
         scene = scene.with_(effects=more)
-    return _told(replace(run.on, scene=scene), run.refined_run, dict(run.seconds))
+    return _told(replace(run.on, scene=scene), run.runs, dict(run.seconds))
 
 
 def marching(scene: Scene) -> Scene:
@@ -457,9 +458,9 @@ def marching(scene: Scene) -> Scene:
 def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation:
     """March a scene on one mesh alone, whatever its error, which nobody estimates then."""
     began, seconds = perf_counter(), dict[str, float]()
-    on = MarchSetup(scene, piece_for(scene, seconds), tick)
-    refined_run = RefinedRun(march_on(level, on, seconds), None, [])
-    return _told(on, refined_run, {"total": perf_counter() - began, **seconds})
+    on = MarchSetup(scene, piece_for(scene, seconds), tick, seconds=seconds)
+    runs = Runs(march_on(level, on))
+    return _told(on, runs, {"total": perf_counter() - began, **seconds})
 
 
 def friction_cone(scene: Scene) -> FrictionCoefficients:
@@ -483,23 +484,16 @@ def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
     return replace(signal, jerk=np.append(0.0, np.diff(signal.rate) / np.diff(time)))
 
 
-def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) -> Simulation:
-    """The result of the last march that counts."""
+def _told(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simulation:
+    """The result of the march that counts."""
     began = perf_counter()
-    scene, march, notes = on.scene, refined_run.march, [*refined_run.short, *cut_short(refined_run.march)]
+    scene, march, notes = on.scene, runs.march, [*runs.notes, *cut_short(runs.march)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
     left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
     change = _change(left_out)
-    stressed = stress_errors(
-        raw,
-        refined_run.error,
-        refined_run.refined,
-        lambda one: differential(on.piece, scene, one),
-        change,
-        drifted(on, march),
-    )
+    stressed = stress_errors(runs, lambda one: differential(on.piece, scene, one), change, drifted(on, march))
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(march.time, width)] if raw else notes
@@ -515,16 +509,14 @@ def _told(on: MarchSetup, refined_run: RefinedRun, seconds: dict[str, float]) ->
         march=march,
         raw=raw,
         signals={r: shown_signal(march.time, values, width) for r, values in raw.items()},
-        error=refined_run.error,
+        error=runs.error,
         stress_errors=stressed,
         slipping=slips.slipping,
         runs=slips.runs,
         slip_steps=slips.steps,
         gross_slip_step=slips.gross,
-        slip_errors=slip_errors(
-            march, slips, refined_run.refined, change, driven, friction_cone(scene), halts
-        ),
-        heavy_plate=_heavy_plate(scene, refined_run.refined, scene.readout.ridges),
+        slip_errors=slip_errors(runs, slips, change, driven, friction_cone(scene), halts),
+        heavy_plate=_heavy_plate(scene, runs, scene.readout.ridges),
         left_out=left_out,
         read=readings,
         seconds={**seconds, "total": seconds["total"] + perf_counter() - began},

@@ -13,7 +13,7 @@ import pytest
 from skincad.effects import LeftOutEffect, PlatePath, SceneOutline, effect
 from skincad.inputs import Design, template_text
 from skincad.mechanics import FREE_TOP, force_changes, mean_width, skin_mass
-from skincad.scenes import LEVELS, Simulation, at_level, load_scene, models
+from skincad.scenes import LEVELS, Simulation, at_level, load_scene, plan
 from tests.mechanics.designs import yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import small_scene
@@ -163,7 +163,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     name: str, key: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[SceneOutline] = []
-    monkeypatch.setattr(models, "effect", lambda _: SimpleNamespace(left_out=seen.append))
+    monkeypatch.setattr(plan, "effect", lambda _: SimpleNamespace(left_out=seen.append))
     scene = load_scene(name)
     loads = np.array([[[0.1, 0.3], [0.5, 0.2], [9.0, 9.0]], [[0.2, 0.1], [0.6, 0.7], [9.0, 9.0]]])
     readings = {
@@ -175,7 +175,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     }
     ridge = np.array([1, 1, 2, 2])
     march = SimpleNamespace(time=np.array([0.0, 1.0]), column=readings.get, loads=loads, ridge=ridge)
-    assert models.left_out_effects(scene, march) == []  # type: ignore[arg-type]
+    assert plan.left_out_effects(scene, march) == []  # type: ignore[arg-type]
     assert seen
     for judged in seen:
         assert judged.ridge_normal == 0.3

@@ -16,8 +16,8 @@ from skincad.effects import LeftOutEffect, Observables
 from skincad.mechanics import Drift, FrictionCoefficients
 from skincad.scenes import (
     BySource,
-    ComparisonRuns,
     March,
+    Runs,
     Simulation,
     coarse_steps,
     intervals,
@@ -40,7 +40,7 @@ def run_of(touches: Array, slips: Array, ridge: Array, every: float = 1e-4, **ch
         for both in zip(touches, slips, strict=True)
     )
     steps, ridges = len(readings), int(ridge.max())
-    run = March(every * np.arange(steps), readings, ridge, 0, None, False, 0.0, np.ones((steps, 3, ridges)))
+    run = March(every * np.arange(steps), readings, ridge, 0, None, False, {}, np.ones((steps, 3, ridges)))
     return replace(run, **changes)
 
 
@@ -111,7 +111,7 @@ def ridge_error(
     slips = (np.arange(time.size) >= (time.size if step is None else step))[:, None]
     loads = np.stack([normal, pull, area], axis=1)[:, :, None]
     run = run_of(np.ones_like(slips), slips, np.ones(1, dtype=int), time=time, loads=loads)
-    return slip_errors(run, slips_of(run, 1), ComparisonRuns(), change, False, cone).slips[0].left_out
+    return slip_errors(Runs(run), slips_of(run, 1), change, False, cone).slips[0].left_out
 
 
 @pytest.mark.parametrize("change", [0.0, 0.1, 1.0])
@@ -141,7 +141,7 @@ def test_by_a_constant_shear_stress_the_area_counts() -> None:
 
 def test_a_slips_error_is_told_in_steps() -> None:
     """0.1 ms a step; without a slip there is nothing to be wrong."""
-    march = March(np.linspace(0.0, 0.01, 101), (), np.zeros(0, dtype=int), 0, None, False, 0.0, np.zeros(0))
+    march = March(np.linspace(0.0, 0.01, 101), (), np.zeros(0, dtype=int), 0, None, False, {}, np.zeros(0))
     error = in_steps(march, 40, BySource(0.2, 0.1, 1.5))
     assert error is not None
     assert error[:3] == (2, 1, 15)
@@ -158,10 +158,8 @@ def test_a_slips_error_is_told_in_steps() -> None:
 def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
     """The mesh moves slip by 3 steps and gross slip by 1, fewer steps by 20 and 10; a lead by the rest."""
     run = two_ridges(40, 80)
-    refined = ComparisonRuns(
-        before=two_ridges(43, 81), every=two_ridges(30, 70), coarse=two_ridges(50, 80, 5)
-    )
-    errors = slip_errors(run, slips_of(run, 2), refined, 0.0, True, COULOMB)
+    runs = Runs(run, before=two_ridges(43, 81), every=two_ridges(30, 70), coarse=two_ridges(50, 80, 5))
+    errors = slip_errors(runs, slips_of(run, 2), 0.0, True, COULOMB)
     assert errors.slips[0][:3] == pytest.approx((0.3, 0.5, 0.0))  # ms
     assert errors.slips[1][:3] == pytest.approx((0.1, 0.25, 0.0))
     assert errors.gross == errors.slips[1]
@@ -171,8 +169,8 @@ def test_mesh_and_step_move_slips_and_leads_each_by_its_own() -> None:
 
 def test_a_slip_that_one_march_has_not_is_as_far_off_as_its_end() -> None:
     run, never = two_ridges(40, 80), 1000
-    refined = ComparisonRuns(before=two_ridges(never, never))
-    errors = slip_errors(run, slips_of(run, 2), refined, 0.0, True, COULOMB)
+    runs = Runs(run, before=two_ridges(never, never))
+    errors = slip_errors(runs, slips_of(run, 2), 0.0, True, COULOMB)
     assert errors.slips[0].mesh == pytest.approx(6.0)
     assert errors.gross.mesh == pytest.approx(2.0)
     assert errors.leads[0].mesh == pytest.approx(4.0)
@@ -188,7 +186,7 @@ def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
     for drift_case, of_slip in ((drift, 10.0 * (1 - 1 / 1.1)), (Drift(none, drift.films), 0.0)):
         readings = tuple(replace(reading, drift=drift_case) for reading in run.readings)
         drifting_run = replace(run, readings=readings, loads=loads)
-        errors = slip_errors(drifting_run, slips_of(drifting_run, 2), ComparisonRuns(), 0.0, False, COULOMB)
+        errors = slip_errors(Runs(drifting_run), slips_of(drifting_run, 2), 0.0, False, COULOMB)
         assert errors.slips[0].drift == pytest.approx(of_slip, abs=0.11)  # a step of 0.1 ms
         assert errors.slips[1].drift == 0.0
 
@@ -197,46 +195,50 @@ def euler(steps: int, gross: float = np.inf) -> March:
     """A stress that grows by 2 t, which steps forward miss by t times the step; of one point that slides from
     `gross` on."""
     time = np.linspace(0.0, 20.0, steps + 1)
-    stress = np.concatenate([[0.0], np.cumsum(2 * time[:-1] * np.diff(time))])
+    return pressed(time, np.concatenate([[0.0], np.cumsum(2 * time[:-1] * np.diff(time))]), gross)
+
+
+def pressed(time: Array, stress: Array, gross: float = np.inf) -> March:
+    """One point that slides from `gross` on, and a strip of this stress."""
     one = np.ones(1, dtype=bool)
     readings = tuple(
         Observables(1.0, 1.0, 0.0, 0.0, one, one & (at >= gross), np.full((1, 3), value), 0.0, 0.0, 0.0)
         for at, value in zip(time, stress, strict=True)
     )
-    return March(time, readings, np.ones(1, dtype=int), 0, None, False, 0.0, np.zeros((steps + 1, 3, 1)))
+    return March(time, readings, np.ones(1, dtype=int), 0, None, False, {}, np.zeros((time.size, 3, 1)))
 
 
 def stress(march: March) -> dict[int, Array]:
     return {1: march.column("films")[:, 0, 0]}
 
 
-def error(refined: ComparisonRuns, change: float = 0.0, mesh: dict[int, float] | None = None) -> BySource:
-    return stress_errors({1: np.array([0.0, -3.0, 2.0])}, mesh, refined, stress, change, {})[1]
+def error(change: float = 0.0, mesh: dict[int, float] | None = None, **marches: March | None) -> BySource:
+    counts = pressed(np.arange(3.0), np.array([0.0, -3.0, 2.0]))
+    return stress_errors(Runs(counts, error=mesh, **marches), stress, change, {})[1]
 
 
 def test_the_time_steps_share_is_four_errors_of_first_order() -> None:
     every, coarse = euler(20), euler(4)
     exact = np.abs(stress(every)[1] - every.time**2).max()
-    assert error(ComparisonRuns(every=every, coarse=coarse)).time_step == pytest.approx(4 * float(exact))
+    assert error(every=every, coarse=coarse).time_step == pytest.approx(4 * float(exact))
 
 
 @pytest.mark.parametrize(("gross", "coarse_gross"), [(12.0, np.inf), (np.inf, 12.0), (15.0, 12.0)])
 def test_from_gross_slip_on_nothing_is_compared(gross: float, coarse_gross: float) -> None:
     """12 s: the march with steps of 5 s has it at 15 s. At 10 s steps of 1 s miss 10, of 5 s they miss 50."""
-    assert error(
-        ComparisonRuns(every=euler(20, gross), coarse=euler(4, coarse_gross))
-    ).time_step == pytest.approx(40.0)
+    known = error(every=euler(20, gross), coarse=euler(4, coarse_gross))
+    assert known.time_step == pytest.approx(40.0)
 
 
 def test_of_two_marches_without_a_common_step_nothing_is_known() -> None:
-    assert error(ComparisonRuns(every=euler(20, 3.0), coarse=euler(4))).time_step is None
-    assert error(ComparisonRuns(every=euler(20), coarse=None)).time_step is None
+    assert error(every=euler(20, 3.0), coarse=euler(4)).time_step is None
+    assert error(every=euler(20), coarse=None).time_step is None
 
 
 def test_what_is_left_out_is_a_share_of_the_largest() -> None:
-    result = error(ComparisonRuns(), 0.2, {1: 0.1})
+    result = error(0.2, {1: 0.1})
     assert result[:3] == (0.1, None, pytest.approx(0.6))
-    assert error(ComparisonRuns())[:3] == (None, None, 0.0)
+    assert error()[:3] == (None, None, 0.0)
 
 
 def test_ctrl_c_while_the_steps_error_is_found_keeps_the_march(tmp_path: Path) -> None:

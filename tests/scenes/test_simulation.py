@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from skincad.base import ExhaustedError
-from skincad.scenes import LEVELS, Level, Simulation, at_level, load_scene, models, simulate
+from skincad.scenes import LEVELS, Level, Simulation, at_level, load_scene, plan, runs, simulate
 from tests.conftest import run_skincad
 from tests.small_scene import THIRD, small_scene
 
@@ -29,7 +29,7 @@ STILL = "effects.small_strain.masses=false"  # the paper's own scene has no mass
 def on(level: Level, scene: str, *overrides: str) -> Simulation:
     """A scene on one mesh alone."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(models, "LEVELS", (level,))
+        patch.setattr(plan, "LEVELS", (level,))
         return simulate(load_scene(scene, overrides), model="small_strain")
 
 
@@ -319,7 +319,7 @@ def test_ctrl_c_leaves_what_is_done_to_who_asks_for_it(
 ) -> None:
     """In the first mesh's march what it has, later what the first mesh gave; a Python caller gets the
     interrupt."""
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:2])
     stages: set[str] = set()
 
     def tick(stage: str, at: int, left: float | None = None) -> None:
@@ -341,15 +341,15 @@ def test_ctrl_c_leaves_what_is_done_to_who_asks_for_it(
 def test_a_finer_mesh_that_runs_out_of_memory_leaves_the_march_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
-    meshed, most = models.meshed_pad, 1
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:2])
+    meshed, most = runs.meshed_pad, 1
 
     def without(part: Any, level: Any, meshes: Any) -> object:
         if level in LEVELS[most:]:
             raise MemoryError
         return meshed(part, level, meshes)
 
-    monkeypatch.setattr(models, "meshed_pad", without)
+    monkeypatch.setattr(runs, "meshed_pad", without)
     scene = small_scene(tmp_path, "yamada-2002-press", THIRD, "history.steps=5", "readout.ridges=[3]")
     simulation = simulate(scene)
     assert simulation.as_json()["steps"] == 5

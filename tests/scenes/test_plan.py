@@ -24,9 +24,10 @@ from skincad.scenes import (
     expected,
     load_scene,
     marched,
-    models,
     piece_for,
+    plan,
     read_out,
+    runs,
     simulate,
     slips_of,
 )
@@ -57,7 +58,7 @@ def test_sizes_of_meshes_grow_as_their_unknowns(tmp_path: Path, monkeypatch: pyt
     """Within a tenth: sizes were rounded, and a mesh changes with netgen's release."""
     unknowns = []
     for level in LEVELS[:2]:
-        monkeypatch.setattr(models, "LEVELS", (level,))
+        monkeypatch.setattr(plan, "LEVELS", (level,))
         unknowns.append(two_steps(tmp_path).march.unknowns)
     assert unknowns[1] / unknowns[0] == pytest.approx(LEVELS[1].size / LEVELS[0].size, rel=0.1)
 
@@ -65,7 +66,7 @@ def test_sizes_of_meshes_grow_as_their_unknowns(tmp_path: Path, monkeypatch: pyt
 def test_the_time_left_is_told_and_falls_to_what_must_follow(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "LONGER", 1e6)  # so that the march with fewer steps stands out
+    monkeypatch.setattr(runs, "LONGER", 1e6)  # so that the march with fewer steps stands out
     ticks: list[tuple[str, int, float]] = []
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -103,7 +104,7 @@ def test_an_error_comes_with_two_meshes(tmp_path: Path) -> None:
 def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
     limits: dict[str, float], meshes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:3])
     stages: set[str] = set()
 
     def tick(stage: str, step: int, left: float | None = None) -> None:
@@ -118,18 +119,19 @@ def test_a_budget_alone_buys_the_best_and_a_tolerance_the_cheapest(
 def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:3])
-    runs: list[March] = []
-    march_on = models.march_on
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:3])
+    marches: list[March] = []
+    march_on = plan.march_on
 
     def fail_third(*arguments: Any) -> March:
-        runs.append(march_on(*arguments))
-        return replace(runs[-1], failed=True, stopped="step 2") if len(runs) == 3 else runs[-1]
+        marches.append(march_on(*arguments))
+        last = marches[-1]
+        return replace(last, failed=True, stopped="step 2") if len(marches) == 3 else last
 
-    monkeypatch.setattr(models, "march_on", fail_third)
+    monkeypatch.setattr(plan, "march_on", fail_third)
     simulation = two_steps(tmp_path, budget=1e6)
-    assert len(runs) == 3
-    assert simulation.march is runs[1]
+    assert len(marches) == 3
+    assert simulation.march is marches[1]
     assert any("a finer mesh stopped at step 2" in warning for warning in simulation.warnings)
 
 
@@ -228,7 +230,7 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
     assert simulation.as_json()["tier"] == "corrected"
     judge = load_scene("yamada-2002-slip", [*weaker, "history.steps=220", "effects.finite_strain={}"])
     piece, times = piece_for(judge, {}), judge.history.times
-    mesh = models.meshed_pad(piece, LEVELS[3], {})  # as fine at the strips' edges as films ask for
+    mesh = runs.meshed_pad(piece, LEVELS[3], {})  # as fine at the strips' edges as films ask for
     pad = judge.law.marched(piece, mesh, LEVELS[0].order, True, judge.terms)
     true = march(pad, times, judge.history.drives(), judge.terms)
     slips = slips_of(true, judge.design.ridge.count)
@@ -254,18 +256,18 @@ def test_the_papers_slip_holds_against_half_the_step_on_a_mesh_twice_as_fine() -
 @pytest.mark.slow
 def test_without_a_tolerance_or_where_it_is_met_small_strain_stays(folder: Path) -> None:
     run = marched(scene_in(folder), tol=1 - 1e-9, further_models=True)
-    assert models.model_of(run.on.scene) == "small_strain"
+    assert plan.model_of(run.on.scene) == "small_strain"
     light = ("history.normal_force_N=[0.0, 0.02, 0.02]", "history.tangential_force_N=[0.0, 0.0, 0.01]")
     run = marched(scene_in(folder, *light), tol=0.1, further_models=True)
-    assert models.model_of(run.on.scene) == "small_strain"
+    assert plan.model_of(run.on.scene) == "small_strain"
 
 
 @pytest.mark.slow
 def test_a_named_law_stays_and_so_does_a_scene_without_signals(folder: Path) -> None:
     for override in ("effects.small_strain={}", "readout.ridges=[]"):
         run = marched(scene_in(folder, override), tol=0.1, further_models=True)
-        assert models.model_of(run.on.scene) == "small_strain"
-        assert not any("model beyond" in note for note in run.refined_run.short)
+        assert plan.model_of(run.on.scene) == "small_strain"
+        assert not any("model beyond" in note for note in run.runs.notes)
 
 
 @pytest.mark.slow
@@ -282,7 +284,7 @@ def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
 def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(models, "DEAR", math.inf)
+    monkeypatch.setattr(plan, "DEAR", math.inf)
     simulation = simulate(scene_in(folder), tol=0.1, budget=300)
     assert simulation.as_json()["tier"] == "small_strain"
     assert any("more than the budget of 300 s leaves" in note for note in simulation.warnings)
@@ -300,7 +302,7 @@ def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
 @pytest.mark.evidence(subject="finer steps: chosen steps of scenes")
 def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And finite strain in each step is not tried: it would stop there."""
-    monkeypatch.setattr(models, "LEVELS", LEVELS[:2])
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:2])
     seen = iter([None, None, None])
     monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(seen, "the surface folds"))
     simulation = simulate(scene_in(folder), tol=0.01)

@@ -1,0 +1,290 @@
+"""Which runs a scene is given, until its error is as small as wanted.
+
+A scene that names no law is marched in small strain first, on one mesh after the other. Where leaving out
+finite strain changes more than a tenth, or than the tolerance that is asked, it is marched with finite strain
+in chosen steps (effects/chosen_steps.py), with free ends where they matter, on the coarsest mesh: what mesh
+and time step change is known from small strain. If the drift between chosen steps is more than a tolerance
+too, each step is taken at finite strain, unless that had to stop: where no step can be chosen there is no
+smooth state at finite strain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from math import inf
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from skincad.base.adaptivity import overrun, unmet
+from skincad.base.arrays import Array
+from skincad.base.errors import InputError, RefusedError
+from skincad.effects import EFFECTS, effect
+from skincad.effects.kinds import RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline, Step
+from skincad.mechanics.contact.state import Drive
+from skincad.mechanics.fits import unlike
+from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
+from skincad.scenes.runs import (
+    MarchSetup,
+    Runs,
+    differential,
+    drifted,
+    march_coarse_steps,
+    march_on,
+    march_under_heavy_plate,
+    marches_masses,
+    piece_for,
+)
+from skincad.scenes.scene import Scene
+from skincad.shape.skin import skin_of
+
+SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_strain"
+FREE_ENDS = "free_ends"
+CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
+DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
+NO_BETTER = "no model beyond this one was marched: {}"
+# of the largest differential stress; what is left out changes more (docs/evidence/facts.md)
+DEFAULT_TOLERANCE = 0.05
+# s of a march in chosen steps, and of one with free ends, on a mesh of so many unknowns: yamada-2002-slip on
+# two cores of 2026; and each step of finite strain by a chosen one
+DEAR, ENDS_DEAR, OF_UNKNOWNS, DEARER = 25.0, 5.0, 22_676, 1.0
+PROMPT = 60.0  # s
+MATTERS = 0.1  # relative; a larger change is warned of
+ENDS_MATTER = 0.02  # relative; a larger change is computed
+
+
+def refine(on: MarchSetup, tol: float | None, budget: float | None, began: float) -> Runs:
+    """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
+    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges) or on.piece is None
+    runs, relative = _coarsest(on, films, budget is None), inf
+    goal = wanted if tol is not None or budget is None else 0.0  # a budget alone asks for the best it buys
+    for last, level in pairwise(LEVELS):
+        if relative <= goal or runs.march.failed or runs.march.interrupted:
+            break
+        price = expected(level, last, {**runs.march.seconds, "mesh": on.seconds["mesh"]})
+        if budget is not None and perf_counter() - began + price > budget:
+            break
+        try:
+            march = march_on(level, on)
+        except KeyboardInterrupt:
+            if not on.partial:
+                raise
+            runs = _interrupted(runs)
+            break
+        except (InputError, RefusedError) as refusal:
+            runs = noted(runs, f"a finer mesh is refused ({refusal}); {BEFORE}")
+            break
+        if march.interrupted:  # a whole march says more than a part
+            runs = _interrupted(runs)
+            break
+        if march.failed and relative <= wanted:  # what is there is good enough
+            runs = noted(runs, f"a finer mesh stopped at {march.stopped}; {BEFORE}")
+            break
+        error, relative = _errors(on, runs.march, march)
+        runs = replace(runs, march=march, before=runs.march, error=error)
+    if films and on.piece is not None:
+        how = "of unknown error" if runs.error is None else f"within {relative:.1e} of its largest"
+        runs = noted(runs, *unmet(f"the differential stress is {how}", relative, wanted))
+    return noted(runs, *overrun("", perf_counter() - began, budget))
+
+
+BEFORE = "the results are those of the mesh before"
+
+
+def _coarsest(on: MarchSetup, films: bool, two: bool) -> Runs:
+    """The march on the coarsest mesh, and those that are held against it; `two` meshes are the least."""
+    following = LEVELS[1] if two and len(LEVELS) > 1 else None
+    march = march_on(LEVELS[0], on, following, films)
+    if not films or march.failed or march.interrupted:
+        return Runs(march)
+    after = expected(following, LEVELS[0], march.seconds) if following else 0.0
+    coarse = march_coarse_steps(on, march, after)
+    if coarse is not None and coarse.interrupted:  # Ctrl-C ends the refinement, not its march
+        return _interrupted(Runs(march, every=march))
+    return Runs(march, every=march, coarse=coarse, heavy=march_under_heavy_plate(on, march))
+
+
+def noted(runs: Runs, *notes: str) -> Runs:
+    """Return the runs with more notes."""
+    return replace(runs, notes=(*runs.notes, *notes))
+
+
+def _interrupted(runs: Runs) -> Runs:
+    return replace(runs, march=replace(runs.march, stopped=INTERRUPTED))
+
+
+def _errors(on: MarchSetup, before: March, march: March) -> tuple[dict[int, float], float]:
+    """Largest change of each monitored ridge's difference from the mesh before, MPa; largest relative one."""
+    one, other = (differential(on.piece, on.scene, run) for run in (before, march))
+    steps = min(before.time.size, march.time.size)
+    error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
+    largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
+    return error, max(error.values(), default=0.0) / largest if largest else 0.0
+
+
+def further(
+    on: MarchSetup, runs: Runs, tol: float | None, budget: float | None, began: float
+) -> tuple[MarchSetup, Runs]:
+    """Return what is marched, and the runs, by the model that the scene calls for: what was found in small
+    strain, or one beyond it. Without `tol` that is one which is expected to take at most PROMPT s; `budget` s
+    run from `began`."""
+    scene, wanted = on.scene, _missing(on.scene, runs.march, tol)
+    ends = {name: table for name, table in wanted.items() if name == FREE_ENDS}
+    try:
+        for effects in filter(None, [wanted, ends] if ends != wanted else [wanted]):
+            price = _price(effects, runs.every or runs.march)
+            try:
+                if tol is None and price > PROMPT:
+                    words = f"finite strain in chosen steps would take about {price:.2g} s"
+                    raise RefusedError(f"{words}; --tol {DEFAULT_TOLERANCE:g} includes it")
+                on, runs = _by(effects, on, runs, price, budget, began)
+                break
+            except (InputError, RefusedError) as refusal:
+                runs = noted(runs, NO_BETTER.format(refusal))
+        drift = runs.march.readings[-1].drift
+        if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
+            return on, runs
+        notes = runs.notes
+        runs = noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
+        if drift.cut:  # finite strain in each step would stop there
+            return on, runs
+        price = DEARER * on.seconds[CORRECTED] * scene.history.step_count
+        price /= len(chosen_steps(runs.march) or [0])
+        on, runs = _by({**wanted, **EACH}, on, runs, price, budget, began)
+        return on, replace(runs, notes=notes)
+    except KeyboardInterrupt:
+        if not on.partial:
+            raise
+        return on, _interrupted(runs)
+    except (InputError, RefusedError) as refusal:
+        return on, noted(runs, NO_BETTER.format(refusal))
+
+
+def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[str, Any]]:
+    """What a scene that names no law, and tells a signal, is marched with beside small strain: effects whose
+    absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one."""
+    named = any(isinstance(part, Law) for part in scene.parts.values())
+    moving = bool(scene.moving)  # which neither knows: with a tolerance that is said
+    drawn = scene.readout.steps or scene.readout.frames  # of which finite strain tells no section
+    # what finite strain does not know either
+    turns = any(scene.history.rotation_deg or []) or RELIEF in scene.asked
+    if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
+        return {}
+    change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
+    wanted: dict[str, dict[str, Any]] = {}
+    if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
+        wanted |= CHOSEN
+    ends_matter = change.get(FREE_ENDS, 0.0) > min(tol or 1.0, ENDS_MATTER)
+    if ends_matter and not moving and scene.design.skin.curvature_radius_y is None:
+        wanted[FREE_ENDS] = {}
+    return wanted
+
+
+def _price(effects: Mapping[str, Any], coarse: March) -> float:
+    """About how many s a march with these effects takes, by the unknowns of the coarsest mesh and not by the
+    clock: so a scene has the same model on every machine."""
+    size = float((coarse.unknowns / OF_UNKNOWNS) ** EXPONENT)
+    return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * size
+
+
+def _by(
+    law: Mapping[str, Any], on: MarchSetup, runs: Runs, price: float, budget: float | None, began: float
+) -> tuple[MarchSetup, Runs]:
+    """March by another law on the coarsest mesh; RefusedError where that would overrun the budget or stops
+    before what was found already. What mesh and time step change stays as it was found, in small strain."""
+    if budget is not None and perf_counter() - began + price > budget:
+        raise RefusedError(f"it would take about {price:.2g} s, more than the budget of {budget:g} s leaves")
+    scene = on.scene.with_(effects=law)
+    piece = piece_for(scene, on.seconds)
+    better = replace(on, scene=scene, piece=piece, meshes={}, model=model_of(scene), seconds={})
+    march = march_on(LEVELS[0], better)
+    on.seconds[better.model] = sum(march.seconds.values())
+    if march.interrupted:
+        raise KeyboardInterrupt
+    if march.failed and len(march.readings) < len(runs.march.readings):
+        raise RefusedError(f"it stopped at {march.stopped}")
+    return replace(better, seconds=on.seconds), replace(runs, march=march, after=runs.after or runs.march)
+
+
+def _drift(on: MarchSetup, march: March) -> float:
+    """The largest drift of a monitored ridge's differential stress, of the largest stress."""
+    stress = differential(on.piece, on.scene, march)
+    largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
+    return max(drifted(on, march).values(), default=0.0) / largest if largest else 0.0
+
+
+def model_of(scene: Scene) -> str:
+    """Return the model that a scene is marched by."""
+    named = scene.parts.get(FINITE_STRAIN)
+    if named is None:
+        return SMALL_STRAIN
+    return CORRECTED if getattr(named, "steps", None) == "chosen" else FINITE_STRAIN
+
+
+def chosen_steps(march: March) -> list[int] | None:
+    """Return the steps of a march that were chosen for finite strain; None where it does not choose any."""
+    drifts = [reading.drift for reading in march.readings]
+    return None if drifts[-1] is None else [i for i, drift in enumerate(drifts) if drift and drift.chosen]
+
+
+def cut_short(march: March) -> list[str]:
+    """Return what to warn of where no more steps could be chosen."""
+    drift, chosen = march.readings[-1].drift, chosen_steps(march)
+    if drift is None or not chosen or not drift.cut:
+        return []
+    words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"
+    return [f"{words}; the skin stays linear about that step, and what that misses is in the errors"]
+
+
+def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
+    """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
+    constants were fitted to is like this one, an estimate is not calibrated."""
+    history, path = scene.history, path_of(march)
+    if skin_of(scene.design).symmetry == "revolved":
+        from skincad.effects.pin_pad import left_out
+
+        return left_out(scene.design, path)
+    driven = history.tangential_force_N is None
+    pull = (history.displacement_mm if driven else history.tangential_force_N) or []
+    loads = (tuple(history.normal_force_N), tuple(pull))
+    outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, _friction(scene))
+    there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
+    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in there]
+    entries = [
+        replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
+        for name in unnamed
+        if (entry := effect(name).left_out(outline))
+    ]
+    return sorted(entries, key=lambda entry: -entry.change)
+
+
+def path_of(march: March) -> PlatePath:
+    """Return what a march found, as indicators see it."""
+    normal_loads, pulled, _ = np.moveaxis(march.loads, 1, 0)
+    films = march.column("films")[:, :, 0]
+    return PlatePath(
+        time=march.time,
+        approach=march.column("approach"),
+        travel=march.column("travel"),
+        pressed=normal_loads,
+        pulled=pulled,
+        slips=_slipping(march, normal_loads.shape[1]),
+        felt=films[:, ::2] - films[:, 1::2],
+    )
+
+
+def _friction(scene: Scene) -> float:
+    """The coefficient of static friction, at small pressures where it depends on pressure; 0 without any."""
+    still = Drive(0.0)
+    cones = (term.share(Step(0.0, 1.0, still, still)).cone for term in scene.terms)
+    return next((cone.static for cone in cones if cone), 0.0)
+
+
+def _slipping(march: March, ridges: int) -> Array:
+    """The share of each ridge's touching points that slips `(steps + 1, ridges)`."""
+    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
+    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
+    return np.asarray(slips / np.maximum(touches, 1.0))
