@@ -7,7 +7,7 @@ coarse mesh, some five minutes on a core; or with the effects that are named aft
 
 `python -m bench.left_out 2 20 finite_strain`: scenes that pull to 0.95 of friction, in small and in finite
 strain on one mesh, up to a minute each. Besides, Pcr of their ridges, from how much steeper the difference
-rises with the pull, against mechanics/left_out.py.
+rises with the pull, against effects/finite_strain.py.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from threadpoolctl import threadpool_limits
 from bench import runner
 from bench.random_scenes import PULLED_FROM, pulled_scene, random_scene
 from skincad.base import Array, InputError
-from skincad.effects import FiniteStrain, SmallStrain
-from skincad.mechanics import Drive, default_sizes, piece_of, skin_mass, sway_force, triangles
+from skincad.effects import FiniteStrain, SmallStrain, sway_force
+from skincad.mechanics import Drive, default_sizes, piece_of, skin_mass, triangles
 from skincad.scenes import LEVELS, March, MarchSetup, Scene, left_out_effects, march_on, path_of, piece_for
 from skincad.scenes.march import march
 from skincad.shape import skin_of

@@ -50,7 +50,8 @@ __getattr__, __dir__ = face(
     __name__,
     """
     chosen_steps: ChosenPad
-    finite_strain: FiniteStrain
+    finite_strain: FiniteStrain sway_amplification sway_angle sway_force
+    free_ends: end_compliance force_changes
     friction: Friction
     kinds: Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
         ReaderContext RidgePath SceneOutline SectionPad Share Step Term

@@ -7,10 +7,19 @@ one of small strain; with `steps = "chosen"` only a few are taken so (chosen_ste
 meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it
 then lies (mechanics/bodies/film_field.py). Reference: the finite-strain model without friction, simple shear
 with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
+
+P-delta, for what is left out: how much a ridge's normal force increases its bending under a pull. A ridge
+under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both grow by
+1 / (1 - P / Pcr), with Pcr the force at which the ridge sways without any pull: Timoshenko and Gere, Theory
+of Elastic Stability, 2nd ed., chap. 1 (beam-columns). Nothing here is fitted. The ridge is a column that
+bends and shears between two halves of elastic space, which its root and its tip turn in: the plate keeps a
+tip level only as far as silicone does. It is as squat and wide as P has pressed it. bench/left_out.py
+compares it with simulations at finite strain.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -20,8 +29,10 @@ from pydantic import Field
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Law, LeftOutEffect, SceneOutline, Term
-from skincad.mechanics.left_out import sway_amplification, sway_force
-from skincad.mechanics.validity import mean_width, plane_modulus
+from skincad.inputs.design import Design
+from skincad.inputs.material import silicone
+from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.effects.chosen_steps import ChosenPad
@@ -91,7 +102,7 @@ class FiniteStrain(Law):
 
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:
-        """Return by P-delta on the ridge that is pressed hardest (mechanics/left_out.py), of the largest
+        """Return by P-delta on the ridge that is pressed hardest (`sway_force`), of the largest
         differential stress of any ridge.
 
         Nothing is fitted. What is said is 0.54 to 1.3 times what is found in 17 random scenes, 0.44 to 1.8 in
@@ -108,3 +119,57 @@ class FiniteStrain(Law):
         return LeftOutEffect(
             "finite_strain", text, sway_amplification(design, normal, MOST), calibrated=True, within=WITHIN
         )
+
+
+BISECTIONS = 60  # of an angle below pi, to rounding
+LARGEST_SQUEEZE = 0.9  # of the height pressed away, where nothing is left to sway
+
+
+def sway_force(design: Design, normal: float) -> float:
+    """Return the force Pcr, N, at which a ridge, the highest of unlike ones, sways that `normal` N press.
+
+    An end of width b that turns by theta in a half-space has the moment pi E' L b^2 theta / 16, of the
+    pressure E' theta x / (2 sqrt(a^2 - x^2)), a = b / 2, which solves Johnson's integral equation (Contact
+    Mechanics, 1985, sec. 2.7). The column that sways between two such springs bears P_b = phi^2 E' I / h^2
+    in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
+    Res. Rep. 3 (1948) 401.
+    """
+    skin = skin_of(design)
+    modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
+    squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
+    height = max(skin.heights) * (1 - squeeze)
+    width, tip = (
+        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), skin.profile.tip_width)
+    )
+    bending = modulus * length * width**3 / 12
+    root, top = (
+        math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
+    )
+    straight = sway_angle(root, top) ** 2 * bending / height**2
+    shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
+    return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
+
+
+def sway_amplification(design: Design, normal: float, most: float) -> float:
+    """Return the relative increase of a ridge's bending by P-delta under `normal` N: P / (Pcr - P), at most
+    `most`, the value for a ridge that buckles."""
+    critical = sway_force(design, normal)
+    if normal * (1 + most) >= most * critical:
+        return most
+    return normal / (critical - normal)
+
+
+def sway_angle(root: float, top: float) -> float:
+    """Return phi, in which a column that may sway buckles at phi^2 E I / h^2; its ends turn in springs of
+    `root` and `top` times E I / h.
+
+    With G = 6 / spring, (G_a G_b phi^2 - 36) / (6 (G_a + G_b)) = phi cot phi: the alignment chart's equation,
+    Kavanagh, Trans. ASCE 127 II (1962) 81.
+    """
+    one, other = 6 / root, 6 / top
+    low, high = 0.0, math.pi
+    for _ in range(BISECTIONS):
+        phi = (low + high) / 2
+        missing = (one * other * phi**2 - 36) * math.sin(phi) - 6 * (one + other) * phi * math.cos(phi)
+        low, high = (phi, high) if missing < 0 else (low, phi)
+    return low

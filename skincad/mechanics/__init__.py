@@ -35,8 +35,7 @@ __getattr__, __dir__ = face(
     film.stick: PadPiece piece_of
     film.stress: FilmStress FilmStresses check_request filled_pad film_stress film_stresses
     fits: DESIGNS FITS NUMBERS unlike
-    left_out: FRICTION LeftOut finite_strain force_changes free_ends friction sway_amplification
-        sway_force
+    left_out: FRICTION LeftOut finite_strain free_ends friction
     manufacture: KEYS Sensitivity intervals sensitivities
     models.correction: Correction Errors LevelAnswer
     models.corrected: added_compliance plain_pad

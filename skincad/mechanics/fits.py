@@ -217,7 +217,7 @@ FITS = (
         SEEN,
     ),
     Fit(
-        "mechanics.left_out:BONDED_STRIPS NO_BONDED_STRIPS",
+        "effects.free_ends:BONDED_STRIPS NO_BONDED_STRIPS",
         "how far free ends let a ridge sink: reach and fall",
         ("scenes",),
     ),

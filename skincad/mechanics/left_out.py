@@ -1,43 +1,8 @@
-"""Error bounds for effects that a model neglects.
+"""Error bounds for effects that a model neglects: on the relative change, from the design and the answer.
 
-By how much a pad's free ends move normal force from ridge to ridge, in closed form. A pad modelled as endless
-along y carries nu times its stress in that direction. Free ends release it over about the base's thickness T
-from either end. So ridge i sinks by A_ij more per N on ridge j. A_ij scales with nu^2 / E times T over the
-length L, and decays with the distance of the ridges over T:
-
-    A_ij = reach nu^2 T / (E L^2) exp(-fall |x_i - x_j| / T).
-
-Bonded strips run along y and hold the ridges there, so that less than half is left. The four constants were
-read off mechanics/models/corrected.py's solids of six random pads, three and five ridges, T 0.32 to 0.9 of
-the width, 1.2 to 3 times as long as wide: the middle ridge to 15 % with strips, to 25 % without.
-
-P-delta: how much a ridge's normal force increases its bending under a pull. A ridge under a normal force P,
-displaced sideways by a pull, is also bent by P times that displacement. Both grow by 1 / (1 - P / Pcr), with
-Pcr the force at which the ridge sways without any pull: Timoshenko and Gere, Theory of Elastic Stability, 2nd
-ed., chap. 1 (beam-columns). Small strain knows none of it.
-
-Nothing here is fitted. The ridge is a column that bends and shears between two halves of elastic space, which
-its root and its tip turn in: the plate keeps a tip level only as far as silicone does. It is as squat and
-wide as P has pressed it. bench/left_out.py compares it with simulations at finite strain.
-
-Each is a bound on the relative change, computed from the design and the answer. Calibrated on the seven first
-templates and 21 variants of plain-ridges and yamada-2002 (length 6 to 48 mm, thickness 2 to 7, R 40 to 150,
-nu 0.3 to 0.499, 5 to 15 ridges, with and without strips): all lie inside. The median bound on the all-touch
-force F is 1.6 (free ends) and 1.8 (finite strain) times the change, on the approach 2.4 and 1.9, on a share
-3.3 and 1.7; at nu 0.3, where finite strain hardly changes F, 50 times. Over 40 random designs
-(bench/error_bars.py), thick pads among them, free ends change F within the bound in 97 %, the approach in
-all; medians 2.0 and 3.2 times the change.
-
-Friction was calibrated at coefficients 0.2 to 1 on nine templates, 24 variants of plain-ridges and
-yamada-2002 (thickness 2 to 7, R 40 to 150, nu 0 to 0.499, 5 ridges, height 0.25 to 0.9, crown 0 to 0.08) and
-the random designs of seeds 0 to 39 (bench/campaign, at the forces of bench/error_bars.py): all lie inside.
-Judged on seeds 100 to 149 it holds F of 45 in 46, the approach of all 50 and the shares of 46 in 48, at worst
-1.58 times too narrow; in the median it is 4, 5 and 5 times the change. From 0.5 on the slip is negligible, so
-at 2 and 5 the same hold. Along y it was set on plain-ridges, 6 to 30 mm long, 2 mm thick or of nu 0.3,
-pressed in three dimensions with full stick: 0.4 of what the free ends change is taken back. Judged on four
-others (height 0.9, R 40, crown 0.06, thickness 6 mm) it holds, for F by 2 % at the tightest.
-
-tests/mechanics/test_left_out.py holds a part of them against the models that compute the effect.
+Calibrated on templates, variants of them and random designs (docs/evidence/verdicts.md); the constants are
+fits (fits.py). tests/mechanics/test_left_out.py holds a part of them against the models that compute the
+effect.
 """
 
 from __future__ import annotations
@@ -47,97 +12,15 @@ from statistics import median
 
 import numpy as np
 
-from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.base.result import Record, item, record
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import places
 from skincad.inputs.material import silicone
-from skincad.mechanics.models.winkler import confinement, ridge_stiffness
+from skincad.mechanics.models.winkler import confinement
 from skincad.mechanics.problem import Answer, steepest
-from skincad.mechanics.validity import SHEAR_FACTOR, base_softness, mean_width, plane_modulus, ridge_strain
+from skincad.mechanics.validity import ridge_strain
 from skincad.shape.skin import skin_of
-
-BONDED_STRIPS, NO_BONDED_STRIPS = (1.36, 1.2), (3.2, 1.5)  # (reach, fall)
-
-
-def end_compliance(design: Design) -> Array:
-    """Return the extra sinking of ridge i, mm, per N on ridge j `(ridges, ridges)`."""
-    material, skin = silicone(design), design.skin
-    at = np.arange(skin_of(design).count) * skin_of(design).pitch
-    distance = np.abs(at[:, None] - at) / skin.thickness
-    reach, fall = BONDED_STRIPS if design.film_state == "bonded" else NO_BONDED_STRIPS
-    ends = (
-        reach * material.poisson_ratio**2 * skin.thickness * base_softness(design)
-        / (material.young_modulus.value * skin.length**2)
-    )  # fmt: skip
-    return np.asarray(ends * np.exp(-fall * distance))
-
-
-def force_changes(design: Design, forces: Array) -> Array:
-    """Return the changes of normal forces `forces` `(n, ridges)` N by free ends; they sum to 0 at each step.
-
-    Each touching ridge is the Winkler model's spring. It carries less by its stiffness times the extra
-    sinking beyond the mean of the touching ridges."""
-    touching = forces > 0
-    sunk = forces @ end_compliance(design)
-    mean = (sunk * touching).sum(axis=1) / np.maximum(touching.sum(axis=1), 1)
-    return np.asarray(np.where(touching, ridge_stiffness(design) * (mean[:, None] - sunk), 0.0))
-
-
-BISECTIONS = 60  # of an angle below pi, to rounding
-LARGEST_SQUEEZE = 0.9  # of the height pressed away, where nothing is left to sway
-
-
-def sway_force(design: Design, normal: float) -> float:
-    """Return the force Pcr, N, at which a ridge, the highest of unlike ones, sways that `normal` N press.
-
-    An end of width b that turns by theta in a half-space has the moment pi E' L b^2 theta / 16, of the
-    pressure E' theta x / (2 sqrt(a^2 - x^2)), a = b / 2, which solves Johnson's integral equation (Contact
-    Mechanics, 1985, sec. 2.7). The column that sways between two such springs bears P_b = phi^2 E' I / h^2
-    in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
-    Res. Rep. 3 (1948) 401.
-    """
-    skin = skin_of(design)
-    modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
-    squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
-    height = max(skin.heights) * (1 - squeeze)
-    width, tip = (
-        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), skin.profile.tip_width)
-    )
-    bending = modulus * length * width**3 / 12
-    root, top = (
-        math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
-    )
-    straight = sway_angle(root, top) ** 2 * bending / height**2
-    shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
-    return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
-
-
-def sway_amplification(design: Design, normal: float, most: float) -> float:
-    """Return the relative increase of a ridge's bending by P-delta under `normal` N: P / (Pcr - P), at most
-    `most`, the value for a ridge that buckles."""
-    critical = sway_force(design, normal)
-    if normal * (1 + most) >= most * critical:
-        return most
-    return normal / (critical - normal)
-
-
-def sway_angle(root: float, top: float) -> float:
-    """Return phi, in which a column that may sway buckles at phi^2 E I / h^2; its ends turn in springs of
-    `root` and `top` times E I / h.
-
-    With G = 6 / spring, (G_a G_b phi^2 - 36) / (6 (G_a + G_b)) = phi cot phi: the alignment chart's equation,
-    Kavanagh, Trans. ASCE 127 II (1962) 81.
-    """
-    one, other = 6 / root, 6 / top
-    low, high = 0.0, math.pi
-    for _ in range(BISECTIONS):
-        phi = (low + high) / 2
-        missing = (one * other * phi**2 - 36) * math.sin(phi) - 6 * (one + other) * phi * math.cos(phi)
-        low, high = (phi, high) if missing < 0 else (low, phi)
-    return low
-
 
 FREE_ENDS, FINITE_STRAIN = "free ends", "finite strain"
 FRICTION, ALONG, POCKETS = "friction", "friction along y", "pockets"

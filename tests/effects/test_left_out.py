@@ -9,12 +9,23 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import linalg
 
-from skincad.effects import LeftOutEffect, PlatePath, SceneOutline, effect
+from skincad.effects import (
+    LeftOutEffect,
+    PlatePath,
+    SceneOutline,
+    effect,
+    end_compliance,
+    force_changes,
+    sway_amplification,
+    sway_angle,
+    sway_force,
+)
 from skincad.inputs import Design, template_text
-from skincad.mechanics import FREE_TOP, force_changes, mean_width, skin_mass
+from skincad.mechanics import FREE_TOP, added_compliance, mean_width, skin_mass, validity
 from skincad.scenes import LEVELS, Simulation, at_level, load_scene, plan
-from tests.mechanics.designs import yamada
+from tests.mechanics.designs import filleted, yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import small_scene
 
@@ -276,3 +287,106 @@ def test_where_nothing_is_pulled_or_the_plate_is_driven_it_is_less_sure() -> Non
     assert press is not None
     assert driven is not None
     assert (pulled.within, press.within, driven.within) == (4.0, 7.0, 7.0)
+
+
+def five(**changes: dict[str, float]) -> Design:
+    """A pad of none of the shapes that the constants were read off."""
+    return filleted().with_(ridge={"count": 5}, skin={"width": 7.0, **changes.pop("skin", {})}, **changes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("skin", [{"thickness": 4.0, "length": 10.0}, {"thickness": 2.5, "length": 16.0}])
+def test_ends_soften_as_in_three_dimensions(skin: dict[str, float]) -> None:
+    design = five(skin=skin)
+    solid, said = added_compliance(design), end_compliance(design)
+    assert np.diag(said) == pytest.approx(np.diag(solid), rel=0.15)
+    # ridges at opposite sides of a thick pad soften each other less than is said
+    assert said == pytest.approx(solid, abs=0.16 * solid.max())
+
+
+@pytest.mark.evidence(subject="left out: strips")
+def test_strips_hold_ridges_along_y() -> None:
+    design = yamada().with_(ridge={"count": 3}, skin={"width": 5.0, "thickness": 3.0})
+    bonded, bare = (design.with_(contact={"film": film}) for film in ("bonded", "ignored"))
+    middle = end_compliance(bonded)[1, 1], end_compliance(bare)[1, 1]
+    wanted = added_compliance(bonded)[1, 1], added_compliance(bare)[1, 1]
+    assert middle == pytest.approx(wanted, rel=0.25)
+    assert middle[0] < 0.5 * middle[1]
+
+
+def test_force_goes_from_the_middle_outwards_and_none_is_lost() -> None:
+    shift = force_changes(five(), np.array([[1.0, 1.0, 1.0, 1.0, 1.0], [0.0, 1.0, 2.0, 1.0, 0.0], [0.0] * 5]))
+    assert shift.sum(axis=1) == pytest.approx(0, abs=1e-12)
+    assert shift[0, :3] == pytest.approx(shift[0, :1:-1])
+    assert shift[0, 0] > 0 > shift[0, 2]
+    assert not shift[1, [0, 4]].any()  # what does not touch bears nothing
+    assert not shift[2].any()
+
+
+def test_ends_count_by_the_square_of_poissons_ratio_and_of_the_length() -> None:
+    usual = end_compliance(five())
+    assert not end_compliance(five(material={"young_modulus": 0.8, "poisson_ratio": 0.0})).any()
+    assert end_compliance(five(skin={"length": 24.0})) == pytest.approx(usual / 4)
+
+
+STIFF = 1e9  # a spring that is as good as a clamp
+
+
+def beam(root: float, top: float, elements: int = 40) -> float:
+    """phi of the smallest load at which a beam of E I = h = 1 sways, from Hermite elements' stiffness."""
+    size = 2 * (elements + 1)
+    bends, tilts, h = np.zeros((size, size)), np.zeros((size, size)), 1 / elements
+    stiffness = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    stiffness = np.vstack([stiffness, -stiffness[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3
+    tilt = np.array([[36, 3 * h, -36, 3 * h], [3 * h, 4 * h**2, -3 * h, -(h**2)]])
+    tilt = np.vstack([tilt, -tilt[0], [3 * h, -(h**2), -3 * h, 4 * h**2]]) / (30 * h)
+    for i in range(elements):
+        part = slice(2 * i, 2 * i + 4)
+        bends[part, part] += stiffness
+        tilts[part, part] += tilt
+    bends[1, 1] += root
+    bends[-1, -1] += top
+    free = np.arange(1, size)  # the root does not move
+    load = linalg.eigvals(bends[np.ix_(free, free)], tilts[np.ix_(free, free)]).real
+    return math.sqrt(load[load > 0].min())
+
+
+@pytest.mark.parametrize("springs", [(2.7, 1.2), (0.3, 4.0), (50.0, 0.1)])
+def test_the_column_between_springs_is_a_beams(springs: tuple[float, float]) -> None:
+    """1e-6: 40 Hermite elements. Between clamps it is Euler's: 1e-8 is what springs of 1e9 give way."""
+    assert sway_angle(*springs) == pytest.approx(beam(*springs), rel=1e-6)
+    assert sway_angle(STIFF, STIFF) == pytest.approx(math.pi, rel=1e-8)
+    assert sway_angle(STIFF, 1e-9) == pytest.approx(math.pi / 2, rel=1e-8)
+
+
+def test_ends_that_turn_bear_less_than_clamps() -> None:
+    """Unpressed, less than Haringx's column of validity.py, which is clamped and whose tip is level; pressed,
+    a ridge is squatter."""
+    design = yamada()
+    assert 0.3 * validity.buckling_force(design) < sway_force(design, 0.0) < validity.buckling_force(design)
+    assert sway_force(design, 0.6) > 1.1 * sway_force(design, 0.0)
+
+
+def test_similar_ridges_sway_at_similar_forces() -> None:
+    """E times two: twice the force; all of a section and the length times two: four times. To rounding."""
+    design, modulus = yamada(), {"young_modulus": {"value": 1.6, "low": 1.3, "high": 1.9}}
+    one = sway_force(design, 0.5)
+    assert sway_force(design.with_(material=modulus), 1.0) == pytest.approx(2 * one, rel=1e-12)
+    twice = {
+        "height": 2 * design.ridge.height,
+        "root_width": 2 * design.ridge.root_width,
+        "tip_width": 2 * design.ridge.tip_width,
+        "pitch": 2 * design.ridge.pitch,
+    }
+    larger = design.with_(ridge=twice, skin={"length": 2 * design.skin.length, "width": 22.0})
+    assert mean_width(larger) == 2 * mean_width(design)
+    assert sway_force(larger, 2.0) == pytest.approx(4 * one, rel=1e-12)
+
+
+def test_a_ridge_that_does_not_stand_is_told_as_the_most() -> None:
+    design = yamada()
+    assert sway_amplification(design, 0.0, 2.0) == 0.0
+    critical = sway_force(design, 0.5)
+    assert sway_amplification(design, 0.5, 2.0) == pytest.approx(0.5 / (critical - 0.5), rel=1e-12)
+    assert sway_amplification(design, 0.5, 0.1) == 0.1
+    assert sway_amplification(design, 100.0, 2.0) == 2.0
