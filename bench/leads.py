@@ -3,7 +3,7 @@
 `python -m bench.leads 3 20`: 20 random scenes of seed 3, three to seven ridges pulled to gross slip, half of
 them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as
 fine. Errors are those of `simulate --tol`, without what else the scene leaves out. Half a minute to two a
-scene. The one constant, STAYS of frozen_tangent.py, was found on seed 1.
+scene. The one constant, STICKING_FACTOR of effects/chosen_steps.py, was found on seed 1.
 
 `python -m bench.leads 2 40 masses`: slow modes of the skin's mass, and a plate's mass, against all masses: 40
 such scenes of seed 2, in times of 0.5 to 6 of the skin's slowest swing, every second one under a plate of 0.2

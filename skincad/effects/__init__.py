@@ -49,11 +49,11 @@ def effect(name: str) -> type[Effect]:
 __getattr__, __dir__ = face(
     __name__,
     """
-    chosen_steps: ChosenPad
+    chosen_steps: ChosenPad ChosenState UPDATE_INTERVAL
     finite_strain: FiniteStrain sway_amplification sway_angle sway_force
     free_ends: end_compliance force_changes
     friction: Friction
-    kinds: Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
+    kinds: Drift Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
         ReaderContext RidgePath SceneOutline SectionPad Share Step Term
     modal: ModalPad
     piezo: Chain Piezo SIDES fitted strip_charges

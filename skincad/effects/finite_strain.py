@@ -24,6 +24,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from skincad.base.errors import RefusedError
@@ -36,7 +37,6 @@ from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.effects.chosen_steps import ChosenPad
-    from skincad.effects.large_pad import LargePad
     from skincad.mechanics.film.stick import PadPiece
 
 WITHIN = 2.0
@@ -69,9 +69,10 @@ class FiniteStrain(Law):
         order: int,
         films: bool,
         terms: Sequence[Term] = (),
-    ) -> LargePad | ChosenPad:
-        """Return a meshed whole pad to be marched; RefusedError for terms that ask for more than friction."""
-        from skincad.effects.large_pad import LargePad
+    ) -> ChosenPad:
+        """Return a meshed whole pad to be marched, the steps between chosen ones a stride of its narrowest
+        crest apart; RefusedError for terms that ask for more than friction."""
+        from skincad.effects.chosen_steps import UPDATE_INTERVAL, ChosenPad
         from skincad.mechanics.bodies import elements, plane_body
         from skincad.mechanics.bodies.film_field import strip_stress
         from skincad.mechanics.contact.frictional_pad import frictional_pad_of
@@ -93,12 +94,9 @@ class FiniteStrain(Law):
             if films
             else None
         )
-        large = LargePad(whole, strips, pad.young_modulus, self.creases == "stop")
-        if self.steps == "all":
-            return large
-        from skincad.effects.chosen_steps import chosen
-
-        return chosen(large)
+        narrowest = min(np.ptp(whole.x[whole.ridge == number]) for number in np.unique(whole.ridge))
+        interval = 0.0 if self.steps == "all" else UPDATE_INTERVAL * float(narrowest)
+        return ChosenPad(whole, strips, pad.young_modulus, self.creases == "pass", interval)
 
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
-    from skincad.mechanics.contact.frozen_tangent import Drift
     from skincad.mechanics.film.fields import DeformedSection
     from skincad.mechanics.film.stick import PadPiece
 
@@ -166,6 +165,17 @@ class Share:
 def swing_of(shares: Sequence[Share]) -> Swing | None:
     """Return what masses add to a step, or None."""
     return next((share.swing for share in shares if share.swing), None)
+
+
+class Drift(NamedTuple):
+    """Error of a pad that is linear between chosen steps: of each ridge's `forces` `(2, ridges)` N, along x
+    and z, and of the strips' stresses `films` `(strips, 3)` MPa. `chosen` says whether the step is a chosen
+    one, `cut` why no later one could be, or ''."""
+
+    forces: Array
+    films: Array
+    chosen: bool = False
+    cut: str = ""
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,8 @@ __getattr__, __dir__ = face(
     bodies.solid_law: excess_at
     check: exceeds_model mesh_tolerance require_force spread_of
     contact.frictional: halved in_halves joined solve_contact
-    contact.frictional_pad: FrictionalPad FrictionalState Tangential advance_to frictional_pad_of
+    contact.frictional_pad: FrictionalPad FrictionalState Tangential frictional_pad_of
     contact.frictionless: NodalContact Ridges press
-    contact.frozen_tangent: Drift FrozenTangentPad FrozenTangentState UPDATE_INTERVAL
     contact.ridge_model: ridge_forces ridge_model
     contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing
         law_of

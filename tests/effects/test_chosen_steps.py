@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
 from skincad.base import Array, RefusedError
-from skincad.effects import FiniteStrain, Friction, Share, SmallStrain, Step
+from skincad.effects import UPDATE_INTERVAL, FiniteStrain, Friction, Share, SmallStrain, Step, chosen_steps
 from skincad.mechanics import (
-    UPDATE_INTERVAL,
     ContactError,
     Drive,
     FrictionalState,
+    FrictionCoefficients,
     default_sizes,
     filled_pad,
     piece_of,
     triangles,
 )
-from skincad.mechanics.contact import frozen_tangent, press_path
+from skincad.mechanics.contact import press_path
+from skincad.mechanics.contact.frictional_pad import unloaded
 from skincad.scenes import March
 from skincad.scenes.march import march
+from tests.mechanics.contact.travel import advance_to, driven
 from tests.mechanics.designs import yamada
 
 NORMAL, COEFFICIENT = 1.2, 0.5
@@ -105,7 +108,7 @@ def test_what_the_contact_puts_in_is_stored_and_dissipated() -> None:
     state = list(run.states.values())[-1]
     body, pad = state.tangent.state, run.pad
     assert isinstance(body, FrictionalState)
-    stored = pad.held.pad.body.energy(body.values) * pad.held.pad.scale * pad.held.pad.unit
+    stored = pad.pad.body.energy(body.values) * pad.pad.scale * pad.pad.unit
     at = max(i for i, reading in enumerate(run.readings) if reading.drift and reading.drift.chosen)
     assert run.readings[at].elastic == pytest.approx(stored, rel=0.01)
     normal, along = run.column("normal"), run.column("tangential")
@@ -137,7 +140,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
         calls.append(1)
         return "the surface folds"
 
-    monkeypatch.setattr(frozen_tangent, "undetected_contact", folded)
+    monkeypatch.setattr(chosen_steps, "undetected_contact", folded)
     way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.02 * i) for i in range(6)]
     run = march(
         pad_of(FiniteStrain(steps="chosen")), np.arange(float(len(way))), way, [Friction(coefficient=1.0)]
@@ -151,7 +154,7 @@ def test_where_no_step_can_be_chosen_it_goes_on_and_says_so(monkeypatch: pytest.
 @pytest.mark.slow
 def test_a_step_is_looked_for_again_under_smaller_forces(monkeypatch: pytest.MonkeyPatch) -> None:
     faults = iter(["the surface folds", None, None, None])
-    monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(faults))
+    monkeypatch.setattr(chosen_steps, "undetected_contact", lambda *_: next(faults))
     way = [Drive(0.1 * i, 0.0) for i in (0, 2, 4, 3, 1)]
     run = march(pad_of(FiniteStrain(steps="chosen"), False), np.arange(5.0), way, [Friction(coefficient=1.0)])
     cuts = [reading.drift.cut for reading in run.readings if reading.drift]
@@ -234,3 +237,36 @@ def test_shares_of_others_are_refused() -> None:
     pad = pad_of(FiniteStrain(steps="chosen"), False)
     with pytest.raises(RefusedError, match="quasi-static"):
         pad.advanced(pad.start(), Step(0.0, 1.0, Drive(0.0), Drive(0.1)), [Share(more={"mass": 1})])
+
+
+@pytest.mark.evidence(subject="chosen steps: drift")
+def test_each_step_is_that_of_the_plates_travel() -> None:
+    """Of the last four steps of a pull. 1e-6: steps of the travel are other steps of friction."""
+    cone, way = FrictionCoefficients(COEFFICIENT, COEFFICIENT), drives()[: PRESSED + 8]
+    run, pad = marched("all"), pad_of(FiniteStrain()).pad
+    state = unloaded(pad)
+    for i, (start, end) in enumerate(pairwise(way), start=1):
+        by_travel = i >= len(way) - 4
+        state = driven(pad, state, end, cone) if by_travel else advance_to(pad, state, start, end, cone)
+        assert run.readings[i].travel == pytest.approx(state.contact.travel, rel=1e-6, abs=1e-9)
+        assert run.readings[i].approach == pytest.approx(state.contact.approach, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both tries of the second step are made to fail: its halves add up to what it is in one."""
+    newton, tries = chosen_steps.newton, list[float]()
+
+    def failing(pad: Any, before: Any, end: Drive, *more: Any) -> FrictionalState:
+        tries.append(end.normal)
+        if len(tries) in (2, 3):
+            raise ContactError("made to fail")
+        return newton(pad, before, end, *more)
+
+    way = [Drive(0.0, 0.0), Drive(0.2, 0.0), Drive(0.4, 0.0)]
+    wanted = march(silicone_pad(), np.arange(3.0), way, [Friction(coefficient=0.5)])
+    monkeypatch.setattr(chosen_steps, "newton", failing)
+    run = march(silicone_pad(), np.arange(3.0), way, [Friction(coefficient=0.5)])
+    assert tries == [0.2, 0.4, 0.4, pytest.approx(0.3), 0.4]
+    assert run.stopped is None
+    assert run.readings[-1].approach == pytest.approx(wanted.readings[-1].approach, rel=1e-3)

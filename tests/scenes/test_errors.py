@@ -12,8 +12,8 @@ import pytest
 
 from skincad.base import Array, plain
 from skincad.circuit import band_limited
-from skincad.effects import LeftOutEffect, Observables
-from skincad.mechanics import Drift, FrictionCoefficients
+from skincad.effects import Drift, LeftOutEffect, Observables
+from skincad.mechanics import FrictionCoefficients
 from skincad.scenes import (
     BySource,
     March,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.mechanics.contact import frozen_tangent
+from skincad.effects import chosen_steps
 from skincad.outputs.simulations import lines
 from skincad.scenes import (
     LEVELS,
@@ -304,7 +304,7 @@ def test_where_no_more_steps_could_be_chosen_is_said(folder: Path, monkeypatch: 
     """And finite strain in each step is not tried: it would stop there."""
     monkeypatch.setattr(plan, "LEVELS", LEVELS[:2])
     seen = iter([None, None, None])
-    monkeypatch.setattr(frozen_tangent, "undetected_contact", lambda *_: next(seen, "the surface folds"))
+    monkeypatch.setattr(chosen_steps, "undetected_contact", lambda *_: next(seen, "the surface folds"))
     simulation = simulate(scene_in(folder), tol=0.01)
     assert simulation.as_json()["tier"] == "corrected"
     assert any(

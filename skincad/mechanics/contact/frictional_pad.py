@@ -1,4 +1,4 @@
-"""A meshed pad at finite strain under a plate with friction, in steps of the plate's travel.
+"""A meshed pad at finite strain under a plate with friction: one step.
 
 A neo-Hookean pad under a flat plate with Coulomb friction: one step, by Newton. The plate is flat,
 so gaps and slips are linear in the displacements and only the body is linearised. In each iteration the body,
@@ -8,10 +8,6 @@ iteration is newton.py's; a tangent is kept while the residual falls quickly, fr
 
 A state is accepted if it balances to RESIDUAL of the contact forces. A tangent that is not positive definite
 is no reason to stop: the plate may hold a ridge that would buckle if it were free (press_path.py).
-
-A step at finite strain is cut where it does not converge, or driven by the plate's travel. Under a force a
-skin that softens has several equilibria, and Newton jumps between them; under a travel it has one. So a pull
-that does not converge is replaced by steps of the travel until its force is passed.
 """
 
 from __future__ import annotations
@@ -27,7 +23,7 @@ from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import fill_order
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.plane_body import NeoHookeBody, PlaneLinearised
-from skincad.mechanics.contact.frictional import in_halves, joined, solve_contact
+from skincad.mechanics.contact.frictional import solve_contact
 from skincad.mechanics.contact.newton import equilibrium
 from skincad.mechanics.contact.state import (
     Compliance,
@@ -97,17 +93,15 @@ class FrictionalPad:
 
 @dataclass(frozen=True, eq=False)
 class FrictionalState:
-    """An equilibrium: the unknowns `values` `(n,)` in units, which the step changed by `change`, the contact,
-    in mm and N, and what friction dissipated in the step, mJ. `residual` is relative to the contact forces'
-    norm, `iterations` counts Newton's steps, and `moves` is the change of the plate's drive."""
+    """An equilibrium: the unknowns `values` `(n,)` in units, the contact, in mm and N, and what friction
+    dissipated in the step, mJ. `residual` is relative to the contact forces' norm, `iterations` counts
+    Newton's steps."""
 
     values: Array
     contact: ContactState
-    change: Array
     dissipated: float = 0.0
     residual: float = 0.0
     iterations: int = 0
-    moves: tuple[float, ...] = ()
 
 
 def frictional_pad_of(
@@ -149,8 +143,7 @@ def frictional_pad_of(
 def unloaded(pad: FrictionalPad) -> FrictionalState:
     """Return the unloaded state, with no tangent kept: the same steps give the same bits."""
     pad.tangents.clear()
-    zero = np.zeros(pad.body.free.size)
-    return FrictionalState(zero, at_rest(pad.gap.size), zero)
+    return FrictionalState(np.zeros(pad.body.free.size), at_rest(pad.gap.size))
 
 
 def linearised(pad: FrictionalPad, values: Array, residual: Array) -> Tangential:
@@ -185,7 +178,7 @@ def newton(
         lifted = solve_contact(
             Compliance(np.diag(clear), pad.gap, clear, area=pad.area), before.contact, drive, cone
         )
-        return FrictionalState(np.zeros_like(values), lifted, -before.values)
+        return FrictionalState(np.zeros_like(values), lifted)
     if guess is not None and not np.isfinite(body.energy(values)):
         return newton(pad, before, drive, cone, None, swing)
 
@@ -214,7 +207,6 @@ def newton(
     state = FrictionalState(
         values=values,
         contact=replace(found, residual=max(found.residual, size)),
-        change=values - before.values,
         dissipated=dissipated(before.contact, found),
         residual=size,
         iterations=len(balanced.history),
@@ -259,136 +251,3 @@ def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:
     force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
     push[pad.contact] = -(pad.rows.T @ force)
     return push
-
-
-MAX_HALVINGS = 5  # of a step
-TRAVEL_HALVINGS = 3  # of a step of the travel
-TRAVEL_FACTOR = 2.0  # of the travel that the last softness predicts
-MAX_TRAVEL_STEPS = 40  # of the travel in a step of the pull
-MAX_SECANT_STEPS = 30  # of the last step, by the secant; four to six are usual
-SAME_FORCE = 1e-9  # of the normal force
-
-
-def advance_to(
-    pad: FrictionalPad,
-    before: FrictionalState,
-    start: Drive,
-    end: Drive,
-    cone: FrictionCoefficients,
-    deepest: int = MAX_HALVINGS,
-) -> FrictionalState:
-    """Return `newton` at `end`; a step that does not converge is cut in two, `deepest` times at most, a pull
-    that does not is driven by travel. What the parts slipped and dissipated is added up. Raises as `newton`
-    does.
-    """
-
-    def advance(before: FrictionalState, start: Drive, end: Drive, _share: float) -> FrictionalState:
-        return _whole(pad, before, start, end, cone)
-
-    if end.tangential in (None, start.tangential) or not before.contact.touches.any():
-        return in_halves(advance, before, start, end, _joined, deepest)
-    try:
-        return _whole(pad, before, start, end, cone)
-    except GrossSlip:
-        raise
-    except ContactError:
-        return _driven(pad, before, end, cone)
-
-
-def _whole(
-    pad: FrictionalPad, before: FrictionalState, start: Drive, end: Drive, cone: FrictionCoefficients
-) -> FrictionalState:
-    """The state at a step's end; Newton starts where an equal step before leads, then from the step's
-    start."""
-    steady = _moves(start, end)
-    guesses = (before.values + before.change, None) if steady == before.moves else (None,)
-    for guess in guesses:
-        try:
-            return replace(newton(pad, before, end, cone, guess), moves=steady)
-        except GrossSlip:
-            raise
-        except ContactError as refusal:
-            pad.tangents.clear()
-            failure = refusal
-    raise failure
-
-
-def _moves(start: Drive, end: Drive) -> tuple[float, ...]:
-    """The change of a drive in a step, rounded so that equal steps compare equal."""
-
-    def change(a: float | None, b: float | None) -> float:
-        return float("nan") if a is None or b is None else float(f"{b - a:.6g}")
-
-    pairs = ((start.normal, end.normal), (start.tangential, end.tangential), (start.travel, end.travel))
-    return tuple(change(a, b) for a, b in pairs if b is not None)
-
-
-def _driven(
-    pad: FrictionalPad, before: FrictionalState, end: Drive, cone: FrictionCoefficients
-) -> FrictionalState:
-    """Return the state at the end's forces, the plate driven there by its travel; the last step is cut."""
-    wanted, state, total = float(end.tangential or 0.0), before, None
-    here = float(before.contact.tangential.sum())
-    way = 1.0 if wanted > here else -1.0
-    soft = (
-        abs(before.contact.travel) / max(abs(here), 1e-3 * end.normal) or before.contact.approach / end.normal
-    )
-    length = TRAVEL_FACTOR * soft * (wanted - here)
-    for _ in range(MAX_TRAVEL_STEPS):
-        last = _by_travel(pad, state, end.normal, state.contact.travel + length, cone)
-        passed = float(last.contact.tangential.sum())
-        if way * (passed - wanted) >= 0:
-            state_reached = _cut(pad, state, last, end.normal, wanted, cone)
-            return state_reached if total is None else _joined(total, state_reached)
-        if way * (passed - here) < 0:
-            break
-        total = last if total is None else _joined(total, last)
-        state, here = last, passed
-    raise ContactError(
-        f"the pull cannot grow beyond {abs(here):.4g} N at {end.normal:.4g} N: the skin gives way"
-    )
-
-
-def _by_travel(
-    pad: FrictionalPad, before: FrictionalState, normal: float, travel: float, cone: FrictionCoefficients
-) -> FrictionalState:
-    start = Drive(normal, travel=before.contact.travel)
-    return advance_to(pad, before, start, Drive(normal, travel=travel), cone, TRAVEL_HALVINGS)
-
-
-def _cut(
-    pad: FrictionalPad,
-    before: FrictionalState,
-    after: FrictionalState,
-    normal: float,
-    wanted: float,
-    cone: FrictionCoefficients,
-) -> FrictionalState:
-    """Return the state between two at which the tangential force is the wanted one, by the Illinois rule."""
-    ends = [before.contact.travel, after.contact.travel]
-    missing = [float(s.contact.tangential.sum()) - wanted for s in (before, after)]
-    side = 0
-    for _ in range(MAX_SECANT_STEPS):
-        travel = (ends[0] * missing[1] - ends[1] * missing[0]) / (missing[1] - missing[0])
-        state_reached = _by_travel(pad, before, normal, travel, cone)
-        off = float(state_reached.contact.tangential.sum()) - wanted
-        if abs(off) <= SAME_FORCE * normal:
-            return state_reached
-        new = int(off * missing[1] > 0)
-        ends[new], missing[new] = travel, off
-        if new == side:
-            missing[1 - new] /= 2
-        side = new
-    raise ContactError(
-        f"no travel gives the tangential force {wanted:.4g} N: it jumps by {abs(off):.1e} N there"
-    )
-
-
-def _joined(first: FrictionalState, second: FrictionalState) -> FrictionalState:
-    return replace(
-        second,
-        contact=joined(first.contact, second.contact),
-        dissipated=first.dissipated + second.dissipated,
-        residual=max(first.residual, second.residual),
-        iterations=first.iterations + second.iterations,
-    )
