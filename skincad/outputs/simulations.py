@@ -17,10 +17,10 @@ from skincad.outputs.delivery import Presentation, picture
 from skincad.scenes.errors import BySource
 from skincad.scenes.march import GROSS_SLIP, frames
 from skincad.scenes.plan import (
-    CORRECTED,
     DEFAULT_TOLERANCE,
     FINITE_STRAIN,
     FREE_ENDS,
+    IN_CHOSEN_STEPS,
     SMALL_STRAIN,
     chosen_steps,
     model_of,
@@ -38,7 +38,7 @@ COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
 MODELS = {
     SMALL_STRAIN: "Small strain",
-    CORRECTED: "Finite strain in {} chosen steps, linear in between",
+    IN_CHOSEN_STEPS: "Finite strain in {} chosen steps, linear in between",
     FINITE_STRAIN: "Finite strain in each step",
 }
 WORTH_ADDING = 0.05  # relative change of signals from which an effect is worth adding

@@ -11,7 +11,7 @@ __getattr__, __dir__ = face(
     errors: BySource Slips intervals slip_errors slips_of
     film_prediction: FilmPrediction modulus_range predict_films recorded_scene varied with_modulus
     march: GROSS_SLIP LEVELS Level March expected frames
-    plan: CORRECTED DEFAULT_TOLERANCE FINITE_STRAIN FREE_ENDS SMALL_STRAIN chosen_steps left_out_effects
+    plan: IN_CHOSEN_STEPS DEFAULT_TOLERANCE FINITE_STRAIN FREE_ENDS SMALL_STRAIN chosen_steps left_out_effects
         model_of path_of
     runs: MarchSetup Runs coarse_steps halts_of march_on marches_masses piece_for
     scene: History LAW PIN_EFFECTS Readout Scene ScenePlate load_scene

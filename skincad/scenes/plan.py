@@ -41,7 +41,8 @@ from skincad.scenes.runs import (
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
-SMALL_STRAIN, CORRECTED, FINITE_STRAIN = "small_strain", "corrected", "finite_strain"
+SMALL_STRAIN, FINITE_STRAIN = "small_strain", "finite_strain"
+IN_CHOSEN_STEPS = "corrected"  # as the JSON key `tier` has it; a check's `corrected` is another model
 FREE_ENDS = "free_ends"
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
 DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
@@ -151,7 +152,7 @@ def further(
         runs = noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
         if drift.cut:  # finite strain in each step would stop there
             return on, runs
-        price = DEARER * on.seconds[CORRECTED] * scene.history.step_count
+        price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count
         price /= len(chosen_steps(runs.march) or [0])
         on, runs = _by({**wanted, **EACH}, on, runs, price, budget, began)
         return on, replace(runs, notes=notes)
@@ -221,7 +222,7 @@ def model_of(scene: Scene) -> str:
     named = scene.parts.get(FINITE_STRAIN)
     if named is None:
         return SMALL_STRAIN
-    return CORRECTED if getattr(named, "steps", None) == "chosen" else FINITE_STRAIN
+    return IN_CHOSEN_STEPS if getattr(named, "steps", None) == "chosen" else FINITE_STRAIN
 
 
 def chosen_steps(march: March) -> list[int] | None:
