@@ -122,7 +122,7 @@ def march_on(level: Level, on: MarchSetup, following: Level | None = None, again
     fewer = LONGER * _fewer(on.scene).size / count if again else 0.0
     began = perf_counter()
 
-    def told(step: int) -> None:
+    def at_step(step: int) -> None:
         if tick:
             whole = (perf_counter() - began) * count / step
             after = expected(following, level, {**stages, "march": whole}) if following else 0.0
@@ -130,7 +130,7 @@ def march_on(level: Level, on: MarchSetup, following: Level | None = None, again
 
     # to ask for one thread at each step takes longer than the step
     with resource_guard(f"the computation on the mesh of {stage}"):
-        result = _marched(on, pad, told=told, mass=on.scene.plate.mass or 0.0)
+        result = _marched(on, pad, at_step=at_step, mass=on.scene.plate.mass or 0.0)
     on.took("march", result.seconds["march"])
     return replace(result, seconds={**stages, **result.seconds})
 
@@ -160,7 +160,7 @@ def _marched(
     pad: MarchedPad,
     steps: Index | None = None,
     *,
-    told: Callable[[int], None] | None = None,
+    at_step: Callable[[int], None] | None = None,
     mass: float,
 ) -> March:
     """March a pad through the scene's steps, or some of them; of all it keeps the states that are read."""
@@ -173,7 +173,7 @@ def _marched(
             history.times[at],
             [drives[i] for i in at],
             scene.terms,
-            told,
+            at_step,
             keep,
             mass,
             scene.law.limits(scene.design),
@@ -191,12 +191,12 @@ def march_coarse_steps(on: MarchSetup, whole: March, after: float = 0.0) -> Marc
     if tick:
         tick(FEWER_STEPS, 0)
 
-    def told(step: int) -> None:
+    def at_step(step: int) -> None:
         if tick:
             left = (perf_counter() - began) * ((steps.size - 1) / step - 1)
             tick(FEWER_STEPS, int(steps[step]), left + after)
 
-    coarse = _marched(on, whole.pad, steps, told=told, mass=on.scene.plate.mass or 0.0)
+    coarse = _marched(on, whole.pad, steps, at_step=at_step, mass=on.scene.plate.mass or 0.0)
     on.took(FEWER_STEPS, coarse.seconds["march"])
     return None if coarse.failed else coarse
 

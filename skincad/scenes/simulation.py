@@ -446,7 +446,7 @@ def read_out(scene: Scene, run: SceneRun) -> Simulation:
     more = {name: table for name, table in run.on.scene.effects.items() if name in (FINITE_STRAIN, FREE_ENDS)}
     if more:
         scene = scene.with_(effects=more)
-    return _told(replace(run.on, scene=scene), run.runs, dict(run.seconds))
+    return _simulation(replace(run.on, scene=scene), run.runs, dict(run.seconds))
 
 
 def marching(scene: Scene) -> Scene:
@@ -460,7 +460,7 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, seconds=seconds)
     runs = Runs(march_on(level, on))
-    return _told(on, runs, {"total": perf_counter() - began, **seconds})
+    return _simulation(on, runs, {"total": perf_counter() - began, **seconds})
 
 
 def friction_cone(scene: Scene) -> FrictionCoefficients:
@@ -484,7 +484,7 @@ def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
     return replace(signal, jerk=np.append(0.0, np.diff(signal.rate) / np.diff(time)))
 
 
-def _told(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simulation:
+def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simulation:
     """The result of the march that counts."""
     began = perf_counter()
     scene, march, notes = on.scene, runs.march, [*runs.notes, *cut_short(runs.march)]
