@@ -53,6 +53,7 @@ __getattr__, __dir__ = face(
     finite_strain: FiniteStrain sway_amplification sway_angle sway_force
     free_ends: end_compliance force_changes
     friction: Friction
+    inertia: plate_ringing
     kinds: Drift Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
         ReaderContext RidgePath SceneOutline SectionPad Share Step Term
     modal: ModalPad

@@ -24,8 +24,7 @@ __getattr__, __dir__ = face(
     contact.tips: SWAY TipState Tips advance
     dynamics.modes: ModeStep Modes at_points mode_step resolved slow_modes
     dynamics.pad: linear
-    dynamics.ringing: FREE_TOP MasslessRun RETARDATION layer_period plate_ringing shear_frequency
-        skin_mass
+    dynamics.ringing: FREE_TOP RETARDATION layer_period shear_frequency skin_mass
     dynamics.steps: DynamicState Dynamics LENGTH_DIGITS MAX_HALVINGS Matter friction_work plate_inertia
         plate_state plate_work rest_state scheme
     film.fields: DeformedSection RidgeField WholeState collision on_sides

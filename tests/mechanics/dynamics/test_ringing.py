@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad import mechanics as mech
-from skincad.effects import ModalPad, condensed
+from skincad.effects import ModalPad, PlatePath, condensed, plate_ringing
 from skincad.effects.moving import moving
 from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics import ringing
@@ -193,29 +193,37 @@ SIDEWAYS = np.array([0.0, 0.0, 0.0, 0.8, 0.8])
 STILL = np.zeros_like(CORNERS)
 
 
-def springs(normal: np.ndarray = NORMAL, pull: np.ndarray = SIDEWAYS) -> mech.MasslessRun:
-    down, along = np.interp(TIME, CORNERS, normal), np.interp(TIME, CORNERS, pull)
-    return mech.MasslessRun(TIME, down, along, down / DOWN, along / ALONG)
+TONNE = 1e-6  # of a gram
+
+
+def springs(
+    normal: np.ndarray = NORMAL, pull: np.ndarray = SIDEWAYS, corners: np.ndarray = CORNERS, ridges: int = 1
+) -> PlatePath:
+    """A pad of linear springs whose ridges share forces evenly."""
+    down, along = np.interp(TIME, corners, normal), np.interp(TIME, corners, pull)
+    pressed, pulled = (np.tile(of[:, None] / ridges, ridges) for of in (down, along))
+    none = np.zeros_like(pressed)
+    return PlatePath(TIME, down / DOWN, along / ALONG, pressed, pulled, none, none)
 
 
 def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
     """What the skin feels more than the load, N: the plate's own mass times its acceleration."""
-    mass = ringing.TONNE * MASS * (1 + mech.FREE_TOP)
+    mass = TONNE * MASS * (1 + mech.FREE_TOP)
 
     def pushed(t: float, state: np.ndarray) -> list[float]:
         lack = np.interp(t, CORNERS, load) - stiffness * (state[0] + mech.RETARDATION * state[1])
         return [state[1], lack / mass]
 
     motion = solve_ivp(pushed, (0, TIME[-1]), [0, 0], rtol=1e-8, atol=1e-12, max_step=2e-5, dense_output=True)
-    return np.array([-ringing.TONNE * MASS * pushed(t, motion.sol(t))[1] for t in times])
+    return np.array([-TONNE * MASS * pushed(t, motion.sol(t))[1] for t in times])
 
 
 def test_a_plate_rings_as_a_mass_on_both_springs() -> None:
-    swing = mech.plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
+    swing = plate_ringing(springs(), CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     some = slice(None, None, 9)
     assert swing.normal[some] == pytest.approx(felt_by_skin(DOWN, NORMAL, swing.time[some]), abs=1e-5)
     assert swing.pull[some] == pytest.approx(felt_by_skin(ALONG, SIDEWAYS, swing.time[some]), abs=1e-5)
-    slow = 2 * math.pi * math.sqrt(ringing.TONNE * MASS * (1 + mech.FREE_TOP) / ALONG)
+    slow = 2 * math.pi * math.sqrt(TONNE * MASS * (1 + mech.FREE_TOP) / ALONG)
     assert swing.period == pytest.approx(slow, rel=1e-3)  # damped by 5 %
 
 
@@ -230,37 +238,35 @@ def test_the_skins_share_of_mass_is_that_of_a_bonded_layers_slowest_mode() -> No
 def test_a_driven_layer_meets_a_change_of_speed_with_its_impedance() -> None:
     """rho c A is the root of stiffness times mass; 2 / pi of it is the first mode's, half a wave high."""
     moves = SIDEWAYS / ALONG
-    swing = mech.plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
+    swing = plate_ringing(springs(), CORNERS, (STILL, moves), True, MASS)
     assert not swing.normal.any()
-    assert swing.period == pytest.approx(2 * math.sqrt(ringing.TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
+    assert swing.period == pytest.approx(2 * math.sqrt(TONNE * MASS / ALONG), rel=1e-2)  # 2 h / c
     speed = moves[3] / (CORNERS[3] - CORNERS[2])
     first = (swing.time >= CORNERS[2]) & (swing.time <= CORNERS[2] + swing.period / 3)
-    wanted = 2 / math.pi * math.sqrt(ALONG * ringing.TONNE * MASS) * speed
-    damping = math.pi * math.sqrt(ALONG / (ringing.TONNE * MASS)) * mech.RETARDATION / 2
+    wanted = 2 / math.pi * math.sqrt(ALONG * TONNE * MASS) * speed
+    damping = math.pi * math.sqrt(ALONG / (TONNE * MASS)) * mech.RETARDATION / 2
     wanted *= math.exp(-damping * math.pi / 2)  # what is left after a quarter of a period
     # 2 %: looked at 32 times a period, and the peak comes a little early
     assert swing.pull[first].max() == pytest.approx(wanted, rel=0.02)
 
 
 def test_corners_without_a_change_or_that_the_march_did_not_reach_do_not_count() -> None:
-    assert mech.plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
-    short = mech.MasslessRun(*(of[:60] for of in (TIME, *vars(springs()).values())[1:]))
-    swing = mech.plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
+    assert plate_ringing(springs(STILL, STILL), CORNERS, (STILL, STILL), False, MASS) is None
+    short = PlatePath(*(of[:60] for of in vars(springs()).values()))
+    swing = plate_ringing(short, CORNERS, (NORMAL, SIDEWAYS), False, MASS)
     assert swing.time.max() <= short.time[-1]
     assert not swing.pull.any()
 
 
 def test_a_plate_neither_lifts_the_skin_nor_pulls_more_than_friction_holds() -> None:
     quick = CORNERS * [1, 0.1, 1, 1, 1]
-    normal, pull = np.interp(TIME, quick, NORMAL), np.interp(TIME, quick, SIDEWAYS)
-    on = mech.MasslessRun(TIME, normal, pull, normal / DOWN, pull / ALONG)
-    swing = mech.plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
-    ridges = normal[:, None] / 2 * np.ones(2), pull[:, None] / 2 * np.ones(2)
+    on = springs(NORMAL, SIDEWAYS, quick, 2)
+    swing = plate_ringing(on, quick, (3 * NORMAL, SIDEWAYS), False, MASS)
     down, sideways = np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 1.0]])
     lifted, highest = swing.normal.min(), swing.normal.max()
     assert lifted < -2.0  # N, of which the skin bears two: it is left, no more
-    assert swing.signals(*ridges, down, 10.0) == pytest.approx(max(highest, 2.0) / 2, rel=1e-6)
-    loose, sticking = (swing.signals(*ridges, sideways, mu) for mu in (0.41, 100.0))
+    assert swing.signals(on, down, 10.0) == pytest.approx(max(highest, 2.0) / 2, rel=1e-6)
+    loose, sticking = (swing.signals(on, sideways, mu) for mu in (0.41, 100.0))
     assert loose < sticking
     assert sticking == pytest.approx(np.abs(swing.pull).max() / 2, rel=1e-6)
 
