@@ -57,6 +57,7 @@ __getattr__, __dir__ = face(
     kinds: Drift Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
         ReaderContext RidgePath SceneOutline SectionPad Share Step Term
     modal: ModalPad
+    moving: MovingPad
     piezo: Chain Piezo SIDES fitted strip_charges
     pin_pad: SLIDING STICKING left_out
     small_strain: CondensedPad SmallStrain condensed

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,41 +18,29 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.effects.kinds import MarchedPad, Observables, SectionPad, Share, Step
 from skincad.effects.small_strain import CondensedPad
-from skincad.mechanics.contact.frictional import in_halves, joined
 from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip, Swing
 from skincad.mechanics.dynamics.modes import Modes, ModeStep, mode_step
 from skincad.mechanics.dynamics.steps import (
-    LENGTH_DIGITS,
-    MAX_HALVINGS,
-    TONNE,
     Matter,
-    friction_work,
+    PlateMotion,
+    in_parts,
     plate_inertia,
-    plate_state,
-    plate_work,
+    plate_kinetic,
+    remembered,
     scheme,
+    state_after,
 )
 from skincad.mechanics.film.fields import DeformedSection
 
 DAMPED = 0.8  # of the plate's fastest swings, what a step keeps; as effects.inertia does
-LENGTHS = 12  # of steps whose equations are kept
 
 
-@dataclass(frozen=True, eq=False)
-class ModalState:
-    """A state: that of the pad without masses, `still`, and its `contact`; place and speed of each mode,
-    `swings` `(r, 2)`; the `plate`'s approach and travel, their speeds and accelerations `(3, 2)`; the last
-    `drive`. `friction`, `viscous` and `work` mJ are of the step."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalState(PlateMotion):
+    """A state: that of the pad without masses, `still`; place and speed of each mode, `swings` `(r, 2)`."""
 
     still: Any
-    contact: ContactState
     swings: Array
-    plate: Array
-    drive: Drive
-    matter: Matter
-    friction: float = 0.0
-    viscous: float = 0.0
-    work: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +51,7 @@ class ModalPad:
     still: MarchedPad
     modes: Modes
     mass: float = 0.0
-    prepared: dict[float, tuple[ModeStep, Array]] = field(default_factory=dict)
+    prepared: dict[float, ModeStep] = field(default_factory=dict)
 
     @property
     def ridge(self) -> Index:
@@ -81,60 +70,44 @@ class ModalPad:
 
     def start(self) -> ModalState:
         """The unloaded state, at rest."""
-        still, swings = self.still.start(), np.zeros((self.modes.frequency.size, 2))
-        matter = Matter(DAMPED, self.mass)
-        return ModalState(still, self.still.grip(still), swings, np.zeros((3, 2)), Drive(0.0, 0.0), matter)
+        still = self.still.start()
+        return ModalState(
+            contact=self.still.grip(still),
+            plate=np.zeros((3, 2)),
+            drive=Drive(0.0, 0.0),
+            matter=Matter(DAMPED, self.mass),
+            still=still,
+            swings=np.zeros((self.modes.frequency.size, 2)),
+        )
 
     def advanced(self, state: ModalState, step: Step, shares: Sequence[Share]) -> ModalState:
         """Return the converged state at the step's end."""
-        length = float(f"{step.end - step.start:.{LENGTH_DIGITS}g}")
 
-        def advance(before: ModalState, start: Drive, end: Drive, share: float) -> ModalState:
-            return self._one(before, replace(step, before=start, after=end), share * length, shares)
+        def advance(before: ModalState, end: Drive, dt: float) -> ModalState:
+            return self._one(before, replace(step, before=before.drive, after=end), dt, shares)
 
-        return in_halves(
-            advance, replace(state, drive=step.before), step.before, step.after, _joined, MAX_HALVINGS
-        )
+        return in_parts(advance, replace(state, drive=step.before), step.after, step.end - step.start)
 
     def _one(self, state: ModalState, step: Step, dt: float, shares: Sequence[Share]) -> ModalState:
-        method, compliance = self._prepared(dt)
+        method = remembered(self.prepared, dt, partial(mode_step, self.modes, dt))
         points, drive, of_plate = self.modes.points, step.after, scheme(dt, state.matter.damped)
         free = np.einsum("kij,kj->ki", method.stays, state.swings)
         free += method.before * (points.T @ _force(state.contact))[:, None]
         inert, pushing = plate_inertia(state, drive, of_plate)
-        tag = np.float64(dt).tobytes()
-        swing = Swing(compliance, points @ free[:, 0], pushing, inert, tag)
+        swing = Swing(method.compliance, points @ free[:, 0], pushing, inert, np.float64(dt).tobytes())
 
         def after(still: Any) -> ModalState:
             contact = self.still.grip(still)
             swings = free + method.after * (points.T @ _force(contact))[:, None]
             slow, fast = state.swings[:, 1], swings[:, 1]
-            new = replace(
-                state,
-                still=still,
-                contact=contact,
-                swings=swings,
-                plate=plate_state(state, drive, contact, of_plate, (inert, pushing)),
-                drive=drive,
-                friction=friction_work(state.contact, contact),
-                viscous=float(self.modes.damping @ (slow**2 + slow * fast + fast**2)) * dt / 3,
-            )
-            return replace(new, work=plate_work(state, new))
+            viscous = float(self.modes.damping @ (slow**2 + slow * fast + fast**2)) * dt / 3
+            fields = {"still": still, "swings": swings, "viscous": viscous}
+            return state_after(state, drive, contact, of_plate, (inert, pushing), **fields)
 
         try:
             return after(self.still.advanced(state.still, step, [*shares, Share(swing=swing)]))
         except GrossSlip as end:
             raise GrossSlip(after(end.last), str(end)) from None
-
-    def _prepared(self, dt: float) -> tuple[ModeStep, Array]:
-        """The modes' step of this length, and what it adds to the static compliance `(2 m, 2 m)`, mm/N."""
-        if dt not in self.prepared:
-            if len(self.prepared) >= LENGTHS:
-                del self.prepared[next(iter(self.prepared))]
-            method, points = mode_step(self.modes, dt), self.modes.points
-            more = (points * (method.after[:, 0] - self.modes.frequency**-2)) @ points.T
-            self.prepared[dt] = method, (more + more.T) / 2
-        return self.prepared[dt]
 
     def _off(self, state: ModalState) -> Array:
         """How far modes are from where the contact's forces would hold them `(r,)`."""
@@ -162,18 +135,16 @@ class ModalPad:
 
     def reading(self, before: ModalState, state: ModalState) -> Observables:
         """Return the observables of a state."""
-        found, modes = self.still.reading(before.still, state.still), self.modes
+        still, modes = self.still.reading(before.still, state.still), self.modes
         place, speed = state.swings.T
         off = self._off(state)
         held = place - off
-        speeds = state.plate[1, : 1 if state.drive.travel is not None else 2]
-        kinetic = speed @ speed + TONNE * self.mass * speeds @ speeds
         return replace(
-            found,
-            films=found.films + modes.strips @ off,
-            elastic=found.elastic + float(modes.frequency**2 @ (place**2 - held**2)) / 2,
+            still,
+            films=still.films + modes.strips @ off,
+            elastic=still.elastic + float(modes.frequency**2 @ (place**2 - held**2)) / 2,
             dissipated=state.friction,
-            kinetic=float(kinetic) / 2,
+            kinetic=float(speed @ speed) / 2 + plate_kinetic(state),
             viscous=state.viscous,
             work=state.work,
         )
@@ -182,14 +153,3 @@ class ModalPad:
 def _force(contact: ContactState) -> Array:
     """The plate's forces on the points `(2 m,)`, in x, then in z, N."""
     return np.concatenate([contact.tangential, -contact.normal])
-
-
-def _joined(first: ModalState, second: ModalState) -> ModalState:
-    """The state at the end of two steps as that of one."""
-    return replace(
-        second,
-        contact=joined(first.contact, second.contact),
-        friction=first.friction + second.friction,
-        viscous=first.viscous + second.viscous,
-        work=first.work + second.work,
-    )

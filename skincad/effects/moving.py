@@ -12,19 +12,12 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import Observables, Share, Step
 from skincad.mechanics.contact.state import ContactState, FrictionCoefficients
-from skincad.mechanics.dynamics.steps import Dynamics, DynamicState, Matter, rest_state
+from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
 FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
-
-
-def moving(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingPad:
-    """Return a meshed pad to be marched."""
-    from skincad.mechanics.dynamics.pad import linear
-
-    return MovingPad(Dynamics(linear(piece, mesh, order, films)), piece)
 
 
 def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
@@ -39,27 +32,27 @@ def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
 class MovingPad:
     """A pad with masses or a past."""
 
-    dynamics: Dynamics
+    pad: PadEquations
     piece: PadPiece | None = None
 
     @property
     def ridge(self) -> Index:
         """Ridge of each contact point `(m,)`."""
-        return self.dynamics.pad.ridge
+        return self.pad.ridge
 
     @property
     def area(self) -> Array:
         """What each contact point stands for `(m,)`, mm2."""
-        return self.dynamics.pad.area
+        return self.pad.area
 
     @property
     def unknowns(self) -> int:
         """Number of free unknowns."""
-        return self.dynamics.pad.unknowns
+        return self.pad.unknowns
 
     def start(self) -> DynamicState:
         """The unloaded state, at rest."""
-        return rest_state(self.dynamics.pad)
+        return self.pad.start()
 
     def advanced(self, state: DynamicState, step: Step, shares: Sequence[Share]) -> DynamicState:
         """Return the converged state at the step's end."""
@@ -67,7 +60,7 @@ class MovingPad:
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
         cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         start, length = replace(state, drive=step.before), step.end - step.start
-        return self.dynamics.step(start, step.after, length, cone, matter_of(step, shares))
+        return self.pad.step(start, step.after, length, cone, matter_of(step, shares))
 
     def grip(self, state: DynamicState) -> ContactState:
         """Return the contact of a state."""
@@ -76,7 +69,7 @@ class MovingPad:
     def fault(self, state: DynamicState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to."""
-        body = self.dynamics.pad.body
+        body = self.pad.body
         if self.piece is None or body is None:
             return None
         from skincad.mechanics.film.fields import collision, on_sides
@@ -88,13 +81,12 @@ class MovingPad:
 
     def reading(self, before: DynamicState, state: DynamicState) -> Observables:  # noqa: ARG002
         """Return the observables of a state."""
-        dynamics = self.dynamics
         return Observables.of(
             state.contact,
-            dynamics.strips(state),
-            dynamics.elastic(state),
+            self.pad.strips(state),
+            self.pad.elastic(state),
             state.friction,
-            kinetic=dynamics.kinetic(state),
+            kinetic=self.pad.kinetic(state),
             viscous=state.viscous,
             work=state.work,
         )

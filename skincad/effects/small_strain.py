@@ -68,9 +68,10 @@ class SmallStrain(Law):
     ) -> MarchedPad:
         """Return the condensed pad, or where a term asks for masses or a past the pad that has them."""
         if any(term.asks & MOVING for term in terms):
-            from skincad.effects.moving import moving
+            from skincad.effects.moving import MovingPad
+            from skincad.mechanics.dynamics.pad import linear
 
-            return moving(piece, mesh, order, films)
+            return MovingPad(linear(piece, mesh, order, films), piece)
         from skincad.mechanics.film.sliding import sliding
 
         pad, uneven = condensed(sliding(piece, mesh, order, films)), [t for t in terms if RELIEF in t.asks]

@@ -25,8 +25,7 @@ __getattr__, __dir__ = face(
     dynamics.modes: ModeStep Modes at_points mode_step resolved slow_modes
     dynamics.pad: linear
     dynamics.ringing: FREE_TOP RETARDATION layer_period shear_frequency skin_mass
-    dynamics.steps: DynamicState Dynamics LENGTH_DIGITS MAX_HALVINGS Matter friction_work plate_inertia
-        plate_state plate_work rest_state scheme
+    dynamics.steps: DynamicState Matter PadEquations
     film.fields: DeformedSection RidgeField WholeState collision on_sides
     film.response: FilmResponse SPANS film_response
     film.sliding: ContactPad of_ends sliding

@@ -128,7 +128,7 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
     inertia = 0.0
     if isinstance(skin, MovingPad):
         matter = matter_of(now, [term.share(now) for term in terms])
-        ops = skin.dynamics.factorised(DT, matter)
+        ops = skin.pad.factorised(DT, matter)
         compliance = ops.skin.compliance
         if MASS in terms[-1].asks:
             inertia = 1e-6 * matter.plate * ops.scheme.force

@@ -86,27 +86,20 @@ def slow_modes(
     equations = linear(piece, mesh, order, films)
     with one_blas_thread():
         highest = min(HIGHEST, STABLE / dt) if dt else HIGHEST
-        found = [_of_half(equations, half, highest) for half in equations.halves]
-    frequency = np.concatenate([f for f, _ in found])
-    order_ = np.argsort(frequency, kind="stable")
-    points = np.hstack(
-        [half.points @ shape for half, (_, shape) in zip(equations.halves, found, strict=True)]
-    )
-    stress = np.hstack(
-        [half.strips[0] @ shape for half, (_, shape) in zip(equations.halves, found, strict=True)]
-    )
-    place, shapes, first = np.argsort(order_), [], 0
-    for f, shape in found:
-        of = place[first : first + f.size]
-        shapes.append((of, shape))
-        first += f.size
+        by_half = [(half, *_of_half(equations, half, highest)) for half in equations.halves]
+    frequency = np.concatenate([f for _, f, _ in by_half])
+    slowest = np.argsort(frequency, kind="stable")
+    points = np.hstack([half.points @ shape for half, _, shape in by_half])
+    stress = np.hstack([half.strips[0] @ shape for half, _, shape in by_half])
+    ends = np.cumsum([f.size for _, f, _ in by_half])[:-1]
+    places = np.split(np.argsort(slowest), ends)
     return Modes(
-        frequency=frequency[order_],
-        points=points[:, order_],
-        strips=stress[:, order_].reshape(-1, 3, order_.size),
+        frequency=frequency[slowest],
+        points=points[:, slowest],
+        strips=stress[:, slowest].reshape(-1, 3, slowest.size),
         x=x,
         ridge=ridge,
-        shapes=tuple(shapes),
+        shapes=tuple((of, shape) for of, (_, _, shape) in zip(places, by_half, strict=True)),
     )
 
 
@@ -169,11 +162,13 @@ def resolved(modes: Modes, compliance: Array, dt: float) -> Modes:
 @dataclass(frozen=True, eq=False)
 class ModeStep:
     """A step of modes: place and speed `(2,)` after it are `stays` `(r, 2, 2)` times those before, plus
-    `before` and `after` `(r, 2)` times the force at its start and end."""
+    `before` and `after` `(r, 2)` times the force at its start and end. `compliance` `(2 m, 2 m)` mm/N is what
+    the step adds to the points' static one."""
 
     stays: Array
     before: Array
     after: Array
+    compliance: Array
 
 
 def mode_step(modes: Modes, dt: float) -> ModeStep:
@@ -186,9 +181,5 @@ def mode_step(modes: Modes, dt: float) -> ModeStep:
         whole = linalg.expm(a * dt)
         stays[k], rise = whole[:2, :2], whole[:2, 3] / dt
         before[k], after[k] = whole[:2, 2] - rise, rise
-    return ModeStep(stays, before, after)
-
-
-def slowest_period(modes: Modes) -> float:
-    """Return the slowest mode's period, s."""
-    return 2 * math.pi / float(modes.frequency[0])
+    more = (modes.points * (after[:, 0] - modes.frequency**-2)) @ modes.points.T
+    return ModeStep(stays, before, after, (more + more.T) / 2)

@@ -17,11 +17,11 @@ every step is kept to show it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from functools import partial
 from math import exp
-from typing import Protocol
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -107,43 +107,14 @@ class Half:
     strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
 
 
-@dataclass(frozen=True, eq=False)
-class PadEquations:
-    """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
-
-    `stiff`, `soft` and `mass` `(n, n)`; `share` is the share of a force that the part bears, 1 or, of a
-    mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
-    """
-
-    stiff: sparse.csr_matrix
-    soft: sparse.csr_matrix
-    mass: sparse.csr_matrix
-    halves: tuple[Half, ...]
-    share: float
-    gap: Array
-    area: Array
-    ridge: Index
-    unknowns: int
-    body: StripBody | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicState:
-    """A state: `contact` and, by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration
-    `a`, mm and s, `rate`, the velocity of viscous stress, and `elastic_force`, N.
-
-    `memory` has the unrelaxed displacement of each branch. `plate` `(3, 2)` are the plate's approach and
-    travel, their velocities and accelerations. `drive` and `matter` are those of the last step; `friction`,
-    `viscous` and `work` mJ were dissipated and done in the step.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlateMotion:
+    """A plate on a skin that has masses or a memory: their `contact`, and `plate` `(3, 2)`, the plate's
+    approach and travel, mm, their velocities and accelerations. `drive` and `matter` are those of the last
+    step; `friction`, `viscous` and `work` mJ were dissipated and done in it.
     """
 
     contact: ContactState
-    u: Array
-    v: Array
-    a: Array
-    rate: Array
-    elastic_force: Array
-    memory: tuple[Array, ...]
     plate: Array
     drive: Drive
     matter: Matter = AT_REST
@@ -152,53 +123,32 @@ class DynamicState:
     work: float = 0.0
 
 
-def rest_state(pad: PadEquations) -> DynamicState:
-    """Return the unloaded start."""
-    zero = np.zeros((pad.stiff.shape[0], len(pad.halves)))
-    return DynamicState(
-        contact=at_rest(pad.gap.size),
-        u=zero,
-        v=zero,
-        a=zero,
-        rate=zero,
-        elastic_force=zero,
-        memory=(),
-        plate=np.zeros((3, 2)),
-        drive=Drive(0.0, 0.0),
-    )
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+Motion = TypeVar("Motion", bound=PlateMotion)
 
 
-def unrelaxed(state: DynamicState) -> Array:
-    """The part of the stress that has not relaxed yet, as a displacement `(n, halves)`."""
-    return np.asarray(sum_of(state.memory, state.matter.rate * state.rate))
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DynamicState(PlateMotion):
+    """A state: by unknown and half `(n, halves)`, displacement `u`, velocity `v`, acceleration `a`, mm and s,
+    `rate`, the velocity of viscous stress, and `elastic_force`, N. `memory` has the unrelaxed displacement of
+    each branch.
+    """
 
+    u: Array
+    v: Array
+    a: Array
+    rate: Array
+    elastic_force: Array
+    memory: tuple[Array, ...]
 
-def sum_of(parts: Iterable[Array], start: Array | None = None) -> Array:
-    """Return the sum of arrays."""
-    return reduce(np.add, parts) if start is None else reduce(np.add, parts, start)
+    @property
+    def unrelaxed(self) -> Array:
+        """The part of the stress that has not relaxed yet, as a displacement `(n, halves)`."""
+        return np.asarray(sum(self.memory, self.matter.rate * self.rate))
 
 
 TONNE = 1e-6  # of a gram
-
-
-class PlateMotion(Protocol):
-    """What of a state a plate with mass is advanced by, as in `DynamicState`."""
-
-    @property
-    def contact(self) -> ContactState:
-        """The contact."""
-
-    @property
-    def plate(self) -> Array:
-        """Approach and travel, their speeds and accelerations `(3, 2)`."""
-
-    @property
-    def drive(self) -> Drive:
-        """The last drive."""
-
-    @property
-    def matter(self) -> Matter:
-        """The plate's mass, and how its fastest swings are damped."""
 
 
 def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
@@ -216,7 +166,26 @@ def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> tuple[Inert | 
     return Inert(mass * s.force, float(ahead[0]), float(ahead[1])), effective
 
 
-def plate_state(
+def state_after(
+    state: Motion,
+    drive: Drive,
+    contact: ContactState,
+    s: Scheme,
+    pushing: tuple[Inert | None, Drive],
+    **skin: Any,
+) -> Motion:
+    """Return the state after a step to `drive` that ends in this contact, `pushing` as of `plate_inertia`;
+    `skin` are its fields that are no `PlateMotion`'s."""
+    plate = _plate_after(state, drive, contact, s, pushing)
+    # the mean force times the slip of the points on the plate: without damping of high modes that closes the
+    # energy balance to rounding, open points included
+    mean = (state.contact.tangential + contact.tangential) / 2
+    friction = -float(mean @ (contact.anchor - state.contact.anchor))
+    after = replace(state, contact=contact, plate=plate, drive=drive, friction=friction, **skin)
+    return replace(after, work=_plate_work(state, after))
+
+
+def _plate_after(
     state: PlateMotion, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
 ) -> Array:
     """The plate's place, speed and acceleration `(3, 2)` after a step, from its unbalanced force."""
@@ -234,13 +203,7 @@ def plate_state(
     return np.stack([place, speed, rate])
 
 
-def friction_work(before: ContactState, after: ContactState) -> float:
-    """Friction's dissipation in a step, mJ: the mean force times the slip of the points on the plate. Without
-    damping of high modes it closes the energy balance to rounding, open points included."""
-    return -float((before.tangential + after.tangential) / 2 @ (after.anchor - before.anchor))
-
-
-def plate_work(before: PlateMotion, after: PlateMotion) -> float:
+def _plate_work(before: PlateMotion, after: PlateMotion) -> float:
     """Work of the plate's drives in a step, mJ, by the mean force; driven in x, by the skin's force."""
     one, other = before.drive, after.drive
     down, along = after.plate[0] - before.plate[0]
@@ -251,9 +214,46 @@ def plate_work(before: PlateMotion, after: PlateMotion) -> float:
     return (one.normal + other.normal) / 2 * float(down) + pull * float(along)
 
 
+def plate_kinetic(state: PlateMotion) -> float:
+    """Kinetic energy of the plate, mJ; a driven one's in x is its drive's."""
+    speeds = state.plate[1, : 1 if state.drive.travel is not None else 2]
+    return TONNE * state.matter.plate / 2 * float(speeds @ speeds)
+
+
+# From a state to another drive, in so many s
+Advance = Callable[[Motion, Drive, float], Motion]
 MAX_HALVINGS = 4  # of a step that does not converge
 LENGTH_DIGITS = 9  # of a step's length: equal ones share a factorisation
 MOST_LENGTHS = 12  # of steps whose factorisations are in memory: each corner between steps has two of its own
+
+
+def in_parts(advance: Advance[Motion], state: Motion, drive: Drive, dt: float) -> Motion:
+    """Return the state after `dt` s; a step that does not converge is cut in two. Raises as `advance`."""
+    length = float(f"{dt:.{LENGTH_DIGITS}g}")
+
+    def part(before: Motion, _start: Drive, end: Drive, share: float) -> Motion:
+        return advance(before, end, share * length)
+
+    return in_halves(part, state, state.drive, drive, _joined, MAX_HALVINGS)
+
+
+def _joined(first: Motion, second: Motion) -> Motion:
+    """The state at the end of two steps as that of one."""
+    return replace(
+        second,
+        contact=joined(first.contact, second.contact),
+        friction=first.friction + second.friction,
+        viscous=first.viscous + second.viscous,
+        work=first.work + second.work,
+    )
+
+
+def remembered(store: dict[Key, Value], key: Key, value: Callable[[], Value]) -> Value:
+    """Return what is stored under a key, or else `value`, stored: of MOST_LENGTHS the one used last stays."""
+    if key not in store and len(store) >= MOST_LENGTHS:
+        del store[next(iter(store))]  # before the next one takes memory
+    store[key] = store.pop(key) if key in store else value()
+    return store[key]
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,35 +269,63 @@ class Operators:
 
 
 @dataclass(frozen=True, eq=False)
-class Dynamics:
-    """A pad with mass or memory; `operators` remembers factorisations for the lengths of step used last."""
+class PadEquations:
+    """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
-    pad: PadEquations
+    `stiff`, `soft` and `mass` `(n, n)`; `share` is the share of a force that the part bears, 1 or, of a
+    mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
+    `operators` remembers factorisations for the lengths of step used last.
+    """
+
+    stiff: sparse.csr_matrix
+    soft: sparse.csr_matrix
+    mass: sparse.csr_matrix
+    halves: tuple[Half, ...]
+    share: float
+    gap: Array
+    area: Array
+    ridge: Index
+    unknowns: int
+    body: StripBody | None = None
     operators: dict[tuple[float, Matter], Operators] = field(default_factory=dict)
+
+    def start(self) -> DynamicState:
+        """Return the unloaded start."""
+        zero = np.zeros((self.stiff.shape[0], len(self.halves)))
+        return DynamicState(
+            contact=at_rest(self.gap.size),
+            plate=np.zeros((3, 2)),
+            drive=Drive(0.0, 0.0),
+            u=zero,
+            v=zero,
+            a=zero,
+            rate=zero,
+            elastic_force=zero,
+            memory=(),
+        )
 
     def step(
         self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients, matter: Matter
     ) -> DynamicState:
         """Return the state after `dt` s; a step that does not converge is cut in two.
 
-        Raises GrossSlip, whose `last` is a Moved, where the plate has no mass, and ContactError.
+        Raises GrossSlip, whose `last` is a DynamicState, where the plate has no mass, and ContactError.
         """
         if len(state.memory) != len(matter.relaxing):
             state = replace(state, memory=(np.zeros_like(state.u),) * len(matter.relaxing))
         start = replace(state, matter=matter)
-        length = float(f"{dt:.{LENGTH_DIGITS}g}")
 
-        def advance(before: DynamicState, _start: Drive, end: Drive, share: float) -> DynamicState:
-            return self._one(before, end, share * length, cone)
+        def advance(before: DynamicState, end: Drive, part: float) -> DynamicState:
+            return self._one(before, end, part, cone)
 
-        return in_halves(advance, start, start.drive, drive, _joined, MAX_HALVINGS)
+        return in_parts(advance, start, drive, dt)
 
     def _one(self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients) -> DynamicState:
-        pad, ops = self.pad, self.factorised(dt, state.matter)
+        ops = self.factorised(dt, state.matter)
         past, slower = self._history(state, ops)
-        free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(pad.halves))], axis=1)
-        at_points = sum_of(half.points @ free[:, i] for i, half in enumerate(pad.halves))
-        skin = replace(ops.skin, free=at_points)
+        free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(self.halves))], axis=1)
+        at_points = sum(half.points @ free[:, i] for i, half in enumerate(self.halves))
+        skin = replace(ops.skin, free=np.asarray(at_points))
         inert, pushing = plate_inertia(state, drive, ops.scheme)
 
         def after(contact: ContactState) -> DynamicState:
@@ -310,55 +338,47 @@ class Dynamics:
 
     def factorised(self, dt: float, matter: Matter) -> Operators:
         """Factorise for this length of step, once."""
-        if known := self.operators.pop((dt, matter), None):
-            self.operators[dt, matter] = known  # the last one used is the last one dropped
-            return known
-        if len(self.operators) >= MOST_LENGTHS:
-            del self.operators[next(iter(self.operators))]
-        pad, method = self.pad, scheme(dt, matter.damped)
+        return remembered(self.operators, (dt, matter), partial(self._operators, dt, matter))
+
+    def _operators(self, dt: float, matter: Matter) -> Operators:
+        method = scheme(dt, matter.damped)
         left = tuple(exp(-dt / time) for _, time in matter.relaxing)
         fresh = tuple(
             g * (1 - stays) / (dt / time) for (g, time), stays in zip(matter.relaxing, left, strict=True)
         )
-        whole = pad.stiff + (method.speed * matter.rate + sum(fresh)) * pad.soft + method.force * pad.mass
+        whole = self.stiff + (method.speed * matter.rate + sum(fresh)) * self.soft + method.force * self.mass
         matrix = sparse.csr_matrix(whole)
-        small = tuple(condense(matrix, half.inner, half.contact) for half in pad.halves)
-        size = 2 * pad.gap.size
+        small = tuple(condense(matrix, half.inner, half.contact) for half in self.halves)
+        size = 2 * self.gap.size
         compliance = np.zeros((size, size))
-        for half, condensed in zip(pad.halves, small, strict=True):
+        for half, condensed in zip(self.halves, small, strict=True):
             points = half.points[:, condensed.order[-half.contact.size :]]
             half_compliance = points @ np.asarray(points @ condensed.flexibility).T
-            compliance += pad.share * (half_compliance + half_compliance.T) / 2
-        skin = Compliance(compliance, pad.gap, np.zeros(size), area=pad.area)
-        operators = self.operators[dt, matter] = Operators(method, small, skin, fresh, left)
-        return operators
+            compliance += self.share * (half_compliance + half_compliance.T) / 2
+        skin = Compliance(compliance, self.gap, np.zeros(size), area=self.area)
+        return Operators(method, small, skin, fresh, left)
 
     def _history(self, state: DynamicState, ops: Operators) -> tuple[Array, Array]:
         """The forces `(n, halves)` of earlier states, and `speed` times u less the velocity."""
-        pad, s, dt, matter = self.pad, ops.scheme, ops.scheme.dt, state.matter
+        s, dt, matter = ops.scheme, ops.scheme.dt, state.matter
         if s.moves:
             ahead = state.u + dt * state.v + dt**2 * (0.5 - s.beta) * state.a
             slower = s.speed * ahead - state.v - dt * (1 - s.gamma) * state.a
-            force = pad.mass @ (s.force * ahead - s.lag / (1 - s.late) * state.a)
+            force = self.mass @ (s.force * ahead - s.lag / (1 - s.late) * state.a)
             force += s.before * (self.contact_force(state.contact) - state.elastic_force)
         else:
             slower = s.speed * state.u + 0.5 * state.v
             force = np.zeros_like(state.u)
-        past = matter.rate * slower - sum_of(
-            (
-                stays * h - b * state.u
-                for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
-            ),
-            np.zeros_like(state.u),
-        )
         if matter.rate or matter.relaxing:
-            force = force + pad.soft @ (past - s.before * unrelaxed(state))
+            branches = zip(ops.decay, ops.gained, state.memory, strict=True)
+            past = matter.rate * slower - sum(stays * h - b * state.u for stays, b, h in branches)
+            force = force + self.soft @ (past - s.before * state.unrelaxed)
         return force, slower
 
     def contact_force(self, state: ContactState) -> Array:
         """Forces `(n, halves)` on the unknowns of the part, N."""
-        force = self.pad.share * np.concatenate([state.tangential, -state.normal])
-        return np.stack([half.points.T @ force for half in self.pad.halves], axis=1)
+        force = self.share * np.concatenate([state.tangential, -state.normal])
+        return np.stack([half.points.T @ force for half in self.halves], axis=1)
 
     def _after(
         self,
@@ -384,69 +404,50 @@ class Dynamics:
             stays * h + b * (u - state.u)
             for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
         )
-        plate = plate_state(state, drive, contact, s, pushing)
-        new = DynamicState(
-            contact=contact,
+        after = state_after(
+            state,
+            drive,
+            contact,
+            s,
+            pushing,
             u=u,
             v=v,
             a=a,
             rate=rate,
-            elastic_force=self.pad.stiff @ u,
+            elastic_force=self.stiff @ u,
             memory=memory,
-            plate=plate,
-            drive=drive,
-            matter=state.matter,
         )
-        return replace(
-            new,
-            friction=friction_work(state.contact, contact),
-            viscous=self._viscous(state, new, dt),
-            work=plate_work(state, new),
-        )
+        return replace(after, viscous=self._viscous(state, after, dt))
 
     def _viscous(self, before: DynamicState, after: DynamicState, dt: float) -> float:
         """Viscous dissipation in a step, mJ, exact for dashpots and strains straight in time."""
         matter = after.matter
         if not (matter.rate or matter.relaxing):
             return 0.0
-        moved, soft = after.u - before.u, self.pad.soft
+        moved, soft = after.u - before.u, self.soft
         lost = matter.rate / dt * float((moved * (soft @ moved)).sum())
         for (g, time), one, other in zip(matter.relaxing, before.memory, after.memory, strict=True):
             branch_work = time / dt * float(((g * moved - (other - one)) * (soft @ moved)).sum())
             lost += branch_work - float(((other - one) * (soft @ (other + one))).sum()) / (2 * g)
-        return lost / self.pad.share
+        return lost / self.share
 
     def elastic(self, state: DynamicState) -> float:
         """Stored energy of the whole pad, mJ."""
         stored = float((state.u * state.elastic_force).sum())
         for (g, _), h in zip(state.matter.relaxing, state.memory, strict=True):
-            stored += float((h * (self.pad.soft @ h)).sum()) / g
-        return stored / 2 / self.pad.share
+            stored += float((h * (self.soft @ h)).sum()) / g
+        return stored / 2 / self.share
 
     def kinetic(self, state: DynamicState) -> float:
         """Kinetic energy of pad and plate, mJ; a driven plate's in x is its drive's."""
         if state.matter.damped is None:
             return 0.0
-        skin = float((state.v * (self.pad.mass @ state.v)).sum()) / 2 / self.pad.share
-        counted = state.plate[1, : 1 if state.drive.travel is not None else 2]
-        return skin + TONNE * state.matter.plate / 2 * float(counted @ counted)
+        return float((state.v * (self.mass @ state.v)).sum()) / 2 / self.share + plate_kinetic(state)
 
     def strips(self, state: DynamicState) -> Array:
         """Mean stresses `(strips, 3)` MPa across, along and lengthwise."""
-        late = unrelaxed(state)
-        stress = sum_of(
-            half.strips[0] @ state.u[:, i] + half.strips[1] @ late[:, i]
-            for i, half in enumerate(self.pad.halves)
+        late = state.unrelaxed
+        stress = sum(
+            half.strips[0] @ state.u[:, i] + half.strips[1] @ late[:, i] for i, half in enumerate(self.halves)
         )
         return np.asarray(stress).reshape(-1, 3)
-
-
-def _joined(first: DynamicState, second: DynamicState) -> DynamicState:
-    """The state at the end of two steps as that of one."""
-    return replace(
-        second,
-        contact=joined(first.contact, second.contact),
-        friction=first.friction + second.friction,
-        viscous=first.viscous + second.viscous,
-        work=first.work + second.work,
-    )

@@ -10,8 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad import mechanics as mech
-from skincad.effects import ModalPad, PlatePath, condensed, plate_ringing
-from skincad.effects.moving import moving
+from skincad.effects import ModalPad, MovingPad, PlatePath, condensed, plate_ringing
 from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics import ringing
 from skincad.scenes import March, Scene, energy, halts_of, load_scene, piece_for, slips_of
@@ -127,7 +126,9 @@ def test_a_march_is_that_with_all_masses(mass: float) -> None:
     slow = mech.resolved(modes(), pad.compliance, scene().history.times[1])
     assert slow.frequency.size > 5
     modal, slips, felt = run(ModalPad(pad, slow, mass), mass)
-    _, true, known = run(moving(piece, mesh, ORDER, True), mass, "inertia", "viscosity")
+    _, true, known = run(
+        MovingPad(mech.linear(piece, mesh, ORDER, True), piece), mass, "inertia", "viscosity"
+    )
     still = run(pad, 0.0)[2]
     for one, other in zip(slips, true, strict=True):
         assert (one is None) == (other is None)

@@ -18,15 +18,14 @@ from skincad.mechanics import (
     ContactError,
     ContactState,
     Drive,
-    Dynamics,
     DynamicState,
     FrictionCoefficients,
     GrossSlip,
     Matter,
+    PadEquations,
     Sizes,
     linear,
     piece_of,
-    rest_state,
     shear_frequency,
     sliding,
     solve_contact,
@@ -44,7 +43,7 @@ ROUGH, SMOOTH = FrictionCoefficients(0.5, 0.5), FrictionCoefficients(0.0, 0.0)
 GRIPPING = FrictionCoefficients(20.0, 20.0)
 
 
-def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
+def springs(stiff: float, mass: float, link: float | None = None) -> PadEquations:
     """A point on springs in x and, of 10 N/mm, in z; N/mm and g. With a `link` in x the mass is not the
     point's own but the third unknown's, which the spring then holds."""
     points = sparse.csr_matrix(np.eye(2, 3))
@@ -57,18 +56,18 @@ def springs(stiff: float, mass: float, link: float | None = None) -> Dynamics:
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, soft, m))
-    return Dynamics(dynamics.PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3))
+    return PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3)
 
 
-def begun(pad: Dynamics, place: float = 0.0, normal: float = 0.0) -> DynamicState:
+def begun(pad: PadEquations, place: float = 0.0, normal: float = 0.0) -> DynamicState:
     """Pressed by `normal` N, at rest, the point at `place` mm in x."""
-    rest = rest_state(pad.pad)
-    down = normal / pad.pad.stiff[1, 1]
+    rest = pad.start()
+    down = normal / pad.stiff[1, 1]
     u = np.array([[place], [-down], [place]])
     force = ContactState(*np.zeros((3, 1)), np.zeros(1, dtype=np.int8), np.zeros(1), down, 0.0, 0.0)
     contact = replace(force, normal=np.array([normal]), anchor=np.array([place]))
     plate, drive = np.array([[down, 0.0], [0.0, 0.0], [0.0, 0.0]]), Drive(normal, travel=0.0)
-    return replace(rest, u=u, contact=contact, elastic_force=pad.pad.stiff @ u, plate=plate, drive=drive)
+    return replace(rest, u=u, contact=contact, elastic_force=pad.stiff @ u, plate=plate, drive=drive)
 
 
 FINER = pytest.mark.evidence(subject="finer steps: dynamics")
@@ -117,7 +116,7 @@ def test_a_driven_oscillator_sticks_and_slips() -> None:
     assert free.sum() > 1000
 
 
-def ramped(pad: Dynamics, matter: Matter, speed: float, dt: float, steps: int) -> list[float]:
+def ramped(pad: PadEquations, matter: Matter, speed: float, dt: float, steps: int) -> list[float]:
     """Tangential force of a stuck point that the plate moves at `speed` mm/s."""
     state, force = begun(pad, 0.0, 1.0), [0.0]
     for i in range(1, steps + 1):
@@ -202,7 +201,7 @@ def test_order_2_where_all_is_smooth(matter: Matter) -> None:
     assert math.log2(coarse / fine) == pytest.approx(2.0, abs=0.2)
 
 
-def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
+def bar(pieces: int, length: float, stiff: float, mass: float) -> PadEquations:
     """A bar along z, E A = `stiff` N, of `mass` g, clamped below, of linear elements; its top has no mass."""
     n = pieces + 3  # the clamped end, the free ones, and the point's x
     k, m = np.zeros((n, n)), np.zeros((n, n))
@@ -219,12 +218,12 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> Dynamics:
     half = dynamics.Half(points, inner, np.array([n - 1, pieces]), (none, none))
     one = np.ones(1, dtype=np.int64)
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, 0 * k, m))
-    return Dynamics(dynamics.PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n))
+    return PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n)
 
 
-def flying(pad: Dynamics, place: float, speed: float) -> DynamicState:
+def flying(pad: PadEquations, place: float, speed: float) -> DynamicState:
     """An unloaded pad and a plate at `place` mm that comes down at `speed` mm/s."""
-    return replace(rest_state(pad.pad), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
+    return replace(pad.start(), plate=np.array([[place, 0.0], [speed, 0.0], [0.0, 0.0]]))
 
 
 @pytest.mark.parametrize("damped", DAMPED)
@@ -250,21 +249,20 @@ def test_a_plate_strikes_a_bar_as_saint_venant_says(damped: float, steps: int) -
 
 
 @cache
-def pad_in_motion() -> tuple[Dynamics, dynamics.PadEquations]:
+def pad_in_motion() -> PadEquations:
     piece, mesh, _ = meshed()
-    equations = linear(piece, mesh, 3, True)
-    return Dynamics(equations), equations
+    return linear(piece, mesh, 3, True)
 
 
 @pytest.mark.slow
 def test_at_rest_it_is_the_condensed_pad() -> None:
     """Compliance and strips' stresses of the two ways. 1e-8: the rounding of nu 0.499 and stiff strips."""
-    (pad, equations), (piece, mesh, small) = pad_in_motion(), meshed()
-    assert (equations.gap == sliding(piece, mesh, 3, False).gap).all()
-    assert (equations.ridge == small.ridge).all()
+    pad, (piece, mesh, small) = pad_in_motion(), meshed()
+    assert (pad.gap == sliding(piece, mesh, 3, False).gap).all()
+    assert (pad.ridge == small.ridge).all()
     compliance = pad.factorised(1.0, Matter()).skin.compliance
     assert compliance == pytest.approx(small.compliance, abs=1e-8 * np.abs(small.compliance).max())
-    state = pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
+    state = pad.step(pad.start(), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
     force = np.concatenate([state.contact.tangential, -state.contact.normal])
     wanted = small.strips @ force
     assert pad.strips(state) == pytest.approx(wanted, abs=1e-7 * np.abs(wanted).max())
@@ -282,7 +280,7 @@ def test_it_weighs_what_its_section_does() -> None:
     wanted = 1e-12 * piece.pad.length * (skin * piece.pad.density + films * piece.pad.film_density)
     assert lift @ moving.mass @ lift == pytest.approx(wanted, rel=1e-6)
     # what its contact points would bear is spread over the rest
-    spread = pad_in_motion()[1].mass
+    spread = pad_in_motion().mass
     assert lift @ spread @ lift == pytest.approx(wanted, rel=1e-6)
     assert not spread[moving.body.system.contact].count_nonzero()
     assert np.abs(spread - moving.mass).max() > 0
@@ -326,10 +324,10 @@ def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
 def test_a_pad_creeps_as_its_material() -> None:
     """Pulled by a held force, all moves by 1 / (1 + g), then relaxes to 1. 1 %: what volume changes bear,
     which stays elastic, and films, which do not relax."""
-    pad = pad_in_motion()[0]
+    pad = pad_in_motion()
     still, moved, relaxed = (
         pad.step(
-            pad.step(rest_state(pad.pad), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
+            pad.step(pad.start(), Drive(1.2, 0.0), 1.0, GRIPPING, matter),
             Drive(1.2, 0.05),
             1.0,
             GRIPPING,
@@ -341,10 +339,12 @@ def test_a_pad_creeps_as_its_material() -> None:
     assert relaxed.plate[0] == pytest.approx(still.plate[0], rel=1e-5)
 
 
-def marched(matter: Matter, steps: int = 120, dt: float = 1e-5) -> tuple[Dynamics, DynamicState, np.ndarray]:
+def marched(
+    matter: Matter, steps: int = 120, dt: float = 1e-5
+) -> tuple[PadEquations, DynamicState, np.ndarray]:
     """Pressed by 1.2 N, then pulled by more than friction holds; work, friction and viscous losses, mJ."""
-    pad = pad_in_motion()[0]
-    state, sums = rest_state(pad.pad), np.zeros(3)
+    pad = pad_in_motion()
+    state, sums = pad.start(), np.zeros(3)
     for i in range(1, steps + 1):
         drive = Drive(1.2 * min(1.0, 2 * i / steps), 0.9 * max(0.0, 2 * i / steps - 1))
         state = pad.step(state, drive, dt, ROUGH, matter)
