@@ -12,9 +12,7 @@ tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import ngsolve as ng
 import numpy as np
@@ -50,102 +48,59 @@ class MovingBody:
 def moving_matrices(piece: PadPiece, mesh: object, order: int, films: bool) -> MovingBody:
     """Return the matrices of netgen's mesh of a piece; `films` asks for the strips' stresses."""
     pad, unit = piece.pad, piece.unit
-    materials, densities = pad.materials, pad.densities
+    materials = pad.materials
     silicone = "|".join(
         name for name, moduli in materials.items() if name != "film" or moduli == materials["skin"]
     )
     body = film_field.body(elements.curved(mesh, order), order, materials)
-    forms = _forms(body, materials, densities, silicone)
+    curved, (space, pressures) = body.system.mesh, body.system.space.components
+    mixed = fe.as_csr(elements.small_strain(curved, order, materials, condense=False)[0].mat)
+    n = space.ndof
+    divergence = sparse.csr_matrix(mixed[n:, :n])  # tested by the mean stress
+    mean_stress = sparse.csr_matrix(fe.block_inverse(-mixed[n:, n:], curved, pressures) @ divergence)
+    shear, _ = fe.moduli(curved, materials)
+    u, v = space.TnT()
+    strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
+    soft = fe.assembled(deviatoric * ng.dx(definedon=curved.Materials(silicone)), space)
+    mass = fe.assembled(curved.MaterialCF(dict(pad.densities)) * ng.InnerProduct(u, v) * ng.dx, space)
     scale = pad.young_modulus * pad.length
-    strips = (
-        _strip_masses(piece, body, forms, materials, silicone) if films else (sparse.csr_matrix((0, 0)),) * 2
-    )
+    strips = (sparse.csr_matrix((0, 0)),) * 2
+    if films:
+        strips = _strip_stresses(piece, body, mean_stress, "film" in silicone.split("|"))
     return MovingBody(
         body,
-        np.flatnonzero(np.fromiter(forms.space.FreeDofs(), dtype=bool, count=forms.space.ndof)),
-        sparse.csr_matrix(scale * (forms.deviatoric + forms.divergence.T @ forms.pressure)),
-        sparse.csr_matrix(scale * forms.soft),
-        sparse.csr_matrix(1e-12 * pad.length * unit**2 * forms.mass),  # kg/m3 are 1e-12 tonne/mm3
+        np.flatnonzero(np.fromiter(space.FreeDofs(), dtype=bool, count=n)),
+        sparse.csr_matrix(scale * (mixed[:n, :n] + divergence.T @ mean_stress)),
+        sparse.csr_matrix(scale * soft),
+        sparse.csr_matrix(1e-12 * pad.length * unit**2 * mass),  # kg/m3 are 1e-12 tonne/mm3
         (strips[0] * (pad.young_modulus / unit), strips[1] * (pad.young_modulus / unit)),
     )
 
 
-@dataclass(frozen=True)
-class _Forms:
-    """In units and E: `pressure` `(p, n)` gives the mean stress's unknowns, `divergence` `(p, n)` is tested
-    by them."""
-
-    space: Any
-    pressures: Any
-    deviatoric: sparse.csr_matrix
-    soft: sparse.csr_matrix
-    mass: sparse.csr_matrix
-    divergence: sparse.csr_matrix
-    pressure: sparse.csr_matrix
-
-
-def _forms(
-    body: StripBody,
-    materials: Mapping[str, tuple[float, float]],
-    densities: Mapping[str, float],
-    silicone: str,
-) -> _Forms:
-    mesh = body.system.mesh
-    space, pressures = body.system.space.components
-    mixed = fe.as_csr(elements.small_strain(mesh, body.order, materials, condense=False)[0].mat)
-    n = space.ndof
-    divergence = sparse.csr_matrix(mixed[n:, :n])
-    inverse = fe.block_inverse(-mixed[n:, n:], mesh, pressures)
-    shear, _ = fe.moduli(mesh, materials)
-    u, v = space.TnT()
-    strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
-    deviatoric = 2 * shear * (ng.InnerProduct(strain, test) - ng.div(u) * ng.div(v) / 3)
-    return _Forms(
-        space,
-        pressures,
-        sparse.csr_matrix(mixed[:n, :n]),
-        fe.assembled(deviatoric * ng.dx(definedon=mesh.Materials(silicone)), space),
-        fe.assembled(mesh.MaterialCF(dict(densities)) * ng.InnerProduct(u, v) * ng.dx, space),
-        divergence,
-        sparse.csr_matrix(inverse @ divergence),
-    )
-
-
-def _strip_masses(
-    piece: PadPiece,
-    body: StripBody,
-    forms: _Forms,
-    materials: Mapping[str, tuple[float, float]],
-    silicone: str,
+def _strip_stresses(
+    piece: PadPiece, body: StripBody, mean_stress: sparse.csr_matrix, relaxes: bool
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """Mean stresses, in E per unit, as `MovingBody.strips`; of a strip not of silicone nothing relaxes."""
-    mesh = body.system.mesh
-    film = mesh.Materials("film")
+    """Mean stresses, in E per unit, as `MovingBody.strips`; `mean_stress` `(p, n)` gives its unknowns, and
+    `relaxes` says whether strips are of silicone."""
+    mesh, (space, pressures) = body.system.mesh, body.system.space.components
     flat = ng.L2(mesh, order=0)
-    shear, _ = fe.moduli(mesh, materials)
-    u, q, test = forms.space.TrialFunction(), forms.pressures.TrialFunction(), flat.TestFunction()
+    shear, _ = fe.moduli(mesh, piece.pad.materials)
+    u, q, test = space.TrialFunction(), pressures.TrialFunction(), flat.TestFunction()
     h = ng.Grad(u)
     mean = (h[0, 0] + h[1, 1]) / 3
     parts = 2 * (h[0, 0] - mean), h[0, 1] + h[1, 0], 2 * (h[1, 1] - mean), -2 * mean
-    inside = ng.dx(definedon=film)
-    by_element = [fe.assembled(shear * part * test * inside, forms.space, flat) for part in parts]
-    volumetric = fe.assembled(q * test * inside, forms.pressures, flat) @ forms.pressure
-    sums = _by_strip(piece, body, list(film.Elements()), flat)
+    inside = ng.dx(definedon=mesh.Materials("film"))
+    by_element = [fe.assembled(shear * part * test * inside, space, flat) for part in parts]
+    volumetric = fe.assembled(q * test * inside, pressures, flat) @ mean_stress
     count = len(piece.slots)
-    order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
-    relaxing = sparse.vstack([sums @ part for part in by_element]).tocsr()[order]
-    steady = sparse.vstack([sums @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
-    return sparse.csr_matrix(relaxing + steady), relaxing * float("film" in silicone.split("|"))
-
-
-def _by_strip(piece: PadPiece, body: StripBody, elements_: list[Any], flat: Any) -> sparse.csr_matrix:
-    """Matrix `(strips, unknowns of flat)` that averages over each strip what was integrated by element."""
-    centres = fe.centres(body.system.mesh, elements_)
-    strip = film_field.nearest(centres * piece.unit, piece.slots, piece.thickness)
+    numbers, strip = film_field.strips_of(mesh, piece.slots, piece.thickness, piece.unit)
     areas = np.array([slot.depth * piece.thickness for slot in piece.slots]) / piece.unit**2
-    column = np.array([flat.GetDofNrs(e)[0] for e in elements_])
-    shape = len(piece.slots), flat.ndof
-    return sparse.csr_matrix((1 / areas[strip], (strip, column)), shape=shape)
+    averages = sparse.csr_matrix((1 / areas[strip], (strip, numbers)), shape=(count, flat.ndof))
+    order = np.arange(4 * count).reshape(4, count).T.ravel()  # strip by strip, its four stresses together
+    relaxing = sparse.vstack([averages @ part for part in by_element]).tocsr()[order]
+    steady = sparse.vstack([averages @ volumetric * share for share in (1.0, 0.0, 1.0, 1.0)]).tocsr()[order]
+    return sparse.csr_matrix(relaxing + steady), relaxing * float(relaxes)
 
 
 def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquations:
