@@ -83,7 +83,7 @@ class MovingPad:
         """Return the observables of a state."""
         return Observables.of(
             state.contact,
-            self.pad.strips(state),
+            self.pad.stresses(state),
             self.pad.elastic(state),
             state.friction,
             kinetic=self.pad.kinetic(state),

@@ -1,14 +1,12 @@
-"""Stress in the film strips: of a linear state, and of a pad at finite strain.
+"""Stress in the film strips: of a linear state, and of a pad at finite strain; names ngsolve.
 
-Stress in the elements: averages over the film's strips, and the field to draw; names ngsolve. A body is
-assembled once and solved under either mirror condition on a cut at x = 0: what the condition holds are
-unknowns left out of the factorisation, as those of the clamped back are. Lengths are in the pad's unit,
-stresses in E.
+A linear body is assembled once and solved under either mirror condition on a cut at x = 0: what the condition
+holds are unknowns left out of the factorisation, as those of the clamped back are.
 
-The strips' mean stress at finite strain; names ngsolve. Cauchy stress, N per present area, resolved where it
-is on the strip as it now lies: across is normal to the material planes that were parallel to its faces, along
-is the material line along it. What a strip bears does not change when it turns with its ridge. Averaged over
-the present volume. Lengths in units, stresses in E.
+At finite strain it is Cauchy stress, N per present area, resolved where it is on the strip as it now lies:
+across is normal to the material planes that were parallel to its faces, along is the material line along it.
+What a strip bears does not change when it turns with its ridge. Averaged over the present volume. Lengths are
+in the pad's unit, stresses in E.
 """
 
 from __future__ import annotations
@@ -19,6 +17,7 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
+from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
@@ -36,7 +35,8 @@ AREA = 1e-9  # relative; the triangles of a strip make up its area
 class StripBody:
     """A meshed pad at one order; `on_cut` gives the unknowns in x and in z that lie on x = 0.
 
-    `along_x` numbers the contact unknowns in x in the order of `system.contact`, those in z.
+    `along_x` numbers the contact unknowns in x in the order of `system.contact`, those in z. `points`
+    `(2 m, n)` gives displacements of the contact points, in x, then in z, by the unknowns.
     """
 
     system: ContactStiffness
@@ -46,6 +46,12 @@ class StripBody:
     moved: Any
     along_x: Index
     on_cut: tuple[Index, Index]
+    points: sparse.csr_matrix
+
+    @property
+    def contact(self) -> Index:
+        """The contact unknowns, in x, then in z."""
+        return np.concatenate([self.along_x, self.system.contact])
 
 
 def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> StripBody:
@@ -57,6 +63,9 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]
+    rows = sparse.coo_matrix(sparse.block_diag([system.nodes.rows, system.nodes.rows]))
+    column = np.concatenate([along_x, system.contact])[rows.col]
+    shape = rows.shape[0], system.lift.size
     return StripBody(
         system=system,
         order=order,
@@ -65,6 +74,7 @@ def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) ->
         moved=moved,
         along_x=along_x,
         on_cut=fe.held_on_cut(mesh, space),
+        points=sparse.csr_matrix((rows.data, (rows.row, column)), shape),
     )
 
 

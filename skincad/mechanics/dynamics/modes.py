@@ -26,8 +26,8 @@ from skincad.base.arrays import Array, Index
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.ringing import RETARDATION
-from skincad.mechanics.dynamics.steps import Half, PadEquations
-from skincad.mechanics.film.stick import PadPiece
+from skincad.mechanics.dynamics.steps import PadEquations
+from skincad.mechanics.film.stick import Half, PadPiece
 
 FEWEST, MOST = 20, 160  # modes sought of a half
 HIGHEST = 1 / RETARDATION  # rad/s; what swings faster is damped within a swing
@@ -90,7 +90,8 @@ def slow_modes(
     frequency = np.concatenate([f for _, f, _ in by_half])
     slowest = np.argsort(frequency, kind="stable")
     points = np.hstack([half.points @ shape for half, _, shape in by_half])
-    stress = np.hstack([half.strips[0] @ shape for half, _, shape in by_half])
+    strips = zip(equations.strips, by_half, strict=True)
+    stress = np.hstack([slow @ shape for (slow, _), (_, _, shape) in strips])
     ends = np.cumsum([f.size for _, f, _ in by_half])[:-1]
     places = np.split(np.argsort(slowest), ends)
     return Modes(

@@ -12,7 +12,7 @@ tests/mechanics/dynamics/test_steps.py). Khenous, Laborde, Renard, Eur. J. Mech.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import ngsolve as ng
 import numpy as np
@@ -22,8 +22,8 @@ from skincad.base.arrays import Array, Index
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, fe, film_field
 from skincad.mechanics.bodies.film_field import StripBody
-from skincad.mechanics.dynamics.steps import Half, PadEquations
-from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, ON_AXIS, layout, parities, ridges_of
+from skincad.mechanics.dynamics.steps import PadEquations
+from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, halves_of, whole_points
 from skincad.mechanics.film.stick import PadPiece, in_strip_axes, on_whole
 from skincad.mechanics.problem import SizeError
 
@@ -110,38 +110,25 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
     """
     with one_blas_thread():
         moving_body = moving_matrices(piece, mesh, order, films)
-    body, unit = moving_body.body, piece.unit
-    nodes, size = body.system.nodes, moving_body.stiff.shape[0]
-    x, z = (nodes.position * unit).T
-    lay = layout(x, piece.mirrored, ON_AXIS * unit)
-    if 2 * lay.of.size > MOST_CONTACT_UNKNOWNS:
+    body, size = moving_body.body, moving_body.stiff.shape[0]
+    points = whole_points(piece, body)
+    if 2 * points.x.size > MOST_CONTACT_UNKNOWNS:
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-        raise SizeError("ridge.count", limit, 2 * lay.of.size, "take fewer ridges")
-    contact = np.concatenate([body.along_x, body.system.contact])
-    rows = sparse.csr_matrix(sparse.block_diag([nodes.rows, nodes.rows]))
-    at_unknowns = sparse.csr_matrix(
-        (np.ones(contact.size), (np.arange(contact.size), contact)), (contact.size, size)
+        raise SizeError("ridge.count", limit, 2 * points.x.size, "take fewer ridges")
+    halves = tuple(
+        replace(half, points=half.points[:, :size])  # the pressure's unknowns come after the displacements'
+        for half in halves_of(piece, body, points, moving_body.free)
     )
-    halves = []
-    for parity, fixed in parities(piece, body):
-        last = np.setdiff1d(contact, fixed)
-        points = lay.spread(parity).T / lay.share @ rows @ at_unknowns
-        # what is held on the cut does not move, so that no force on it counts
-        points = sparse.csr_matrix(
-            points @ sparse.diags(_marked(np.setdiff1d(moving_body.free, fixed), size))
-        )
-        inner = np.setdiff1d(moving_body.free, np.concatenate([last, fixed]))
-        halves.append(Half(points, inner, last, _strips(piece, moving_body, parity, films)))
-    gap = (piece.whole.top - z)[lay.of]
     return PadEquations(
         stiff=moving_body.stiff,
         soft=moving_body.soft,
-        mass=_spread(moving_body.mass, contact, body.system.lift[:size]),
-        halves=tuple(halves),
-        share=lay.share,
-        gap=gap - gap.min(),
-        area=lay.weight(nodes.weight) * unit * piece.pad.length,
-        ridge=ridges_of(piece, nodes.ridge[lay.of], lay.left),
+        mass=_spread(moving_body.mass, body.contact, body.system.lift[:size]),
+        halves=halves,
+        strips=tuple(_strips(piece, moving_body, half.parity, films) for half in halves),
+        share=points.share,
+        gap=points.gap,
+        area=points.area,
+        ridge=points.ridge,
         unknowns=sum(half.inner.size + half.contact.size for half in halves),
         body=body,
     )
@@ -149,15 +136,11 @@ def linear(piece: PadPiece, mesh: object, order: int, films: bool) -> PadEquatio
 
 def _spread(mass: sparse.csr_matrix, massless: Index, lift: Array) -> sparse.csr_matrix:
     """The mass with none at some unknowns, the rest heavier by as much; `lift` is a rigid motion by 1."""
-    mask = sparse.diags(1.0 - _marked(massless, lift.size))
+    bears = np.ones(lift.size)
+    bears[massless] = 0.0
+    mask = sparse.diags(bears)
     rest = sparse.csr_matrix(mask @ mass @ mask)
     return rest * float((lift @ (mass @ lift)) / (lift @ (rest @ lift)))
-
-
-def _marked(of: Index, size: int) -> Array:
-    mark = np.zeros(size)
-    mark[of] = 1.0
-    return mark
 
 
 def _strips(

@@ -39,6 +39,7 @@ from skincad.mechanics.contact.state import (
     Inert,
     at_rest,
 )
+from skincad.mechanics.film.stick import Half, points_flexibility
 
 
 @dataclass(frozen=True)
@@ -90,21 +91,6 @@ def scheme(dt: float, damped: float | None) -> Scheme:
 
 
 AT_REST = Matter()
-
-
-@dataclass(frozen=True, eq=False)
-class Half:
-    """One of the one or two parts of a pad's equations, split by symmetry.
-
-    `points` `(2 m, n)`: displacements of the pad's contact points, in x, then in z, by the unknowns.
-    `inner` and `contact` number the free unknowns. `strips` are the stresses of all strips, across, along and
-    lengthwise, MPa per mm: of the slow stress, and of what relaxes, `(3 strips, n)` each.
-    """
-
-    points: sparse.csr_matrix
-    inner: Index
-    contact: Index
-    strips: tuple[sparse.csr_matrix, sparse.csr_matrix]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -272,15 +258,18 @@ class Operators:
 class PadEquations:
     """A pad's equations, in mm, N and tonne, over the n unknowns of the part that is meshed.
 
-    `stiff`, `soft` and `mass` `(n, n)`; `share` is the share of a force that the part bears, 1 or, of a
-    mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)` of the contact points; `body` is what was meshed.
-    `operators` remembers factorisations for the lengths of step used last.
+    `stiff`, `soft` and `mass` `(n, n)`; `strips` are by half the stresses of all strips, across, along and
+    lengthwise, MPa per mm: of the slow stress, and of what relaxes, `(3 strips, n)` each; `share` is the
+    share of a force that the part bears, 1 or, of a mirrored pad, 0.5; `gap`, `area` mm2 and `ridge` `(m,)`
+    of the contact points; `body` is what was meshed. `operators` remembers factorisations for the lengths of
+    step used last.
     """
 
     stiff: sparse.csr_matrix
     soft: sparse.csr_matrix
     mass: sparse.csr_matrix
     halves: tuple[Half, ...]
+    strips: tuple[tuple[sparse.csr_matrix, sparse.csr_matrix], ...]
     share: float
     gap: Array
     area: Array
@@ -349,13 +338,9 @@ class PadEquations:
         whole = self.stiff + (method.speed * matter.rate + sum(fresh)) * self.soft + method.force * self.mass
         matrix = sparse.csr_matrix(whole)
         small = tuple(condense(matrix, half.inner, half.contact) for half in self.halves)
-        size = 2 * self.gap.size
-        compliance = np.zeros((size, size))
-        for half, condensed in zip(self.halves, small, strict=True):
-            points = half.points[:, condensed.order[-half.contact.size :]]
-            half_compliance = points @ np.asarray(points @ condensed.flexibility).T
-            compliance += self.share * (half_compliance + half_compliance.T) / 2
-        skin = Compliance(compliance, self.gap, np.zeros(size), area=self.area)
+        parts = (points_flexibility(half.points, one) for half, one in zip(self.halves, small, strict=True))
+        compliance, free = self.share * np.asarray(sum(parts)), np.zeros(2 * self.gap.size)
+        skin = Compliance(compliance, self.gap, free, area=self.area)
         return Operators(method, small, skin, fresh, left)
 
     def _history(self, state: DynamicState, ops: Operators) -> tuple[Array, Array]:
@@ -444,10 +429,8 @@ class PadEquations:
             return 0.0
         return float((state.v * (self.mass @ state.v)).sum()) / 2 / self.share + plate_kinetic(state)
 
-    def strips(self, state: DynamicState) -> Array:
+    def stresses(self, state: DynamicState) -> Array:
         """Mean stresses `(strips, 3)` MPa across, along and lengthwise."""
-        late = state.unrelaxed
-        stress = sum(
-            half.strips[0] @ state.u[:, i] + half.strips[1] @ late[:, i] for i, half in enumerate(self.halves)
-        )
+        parts = zip(self.strips, state.u.T, state.unrelaxed.T, strict=True)
+        stress = sum(slow @ u + relaxing @ late for (slow, relaxing), u, late in parts)
         return np.asarray(stress).reshape(-1, 3)

@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
 from skincad.mechanics.bodies.plane_body import undetected_contact
-from skincad.mechanics.film.stick import LoadState, PadPiece, StickSolution
+from skincad.mechanics.film.stick import Half, LoadState, PadPiece, StickSolution, load_scale
 
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
@@ -118,22 +117,13 @@ class DeformedSection:
 
 
 @dataclass(frozen=True, eq=False)
-class Parity:
-    """A factorisation for even or odd loads: forces `(2 m,)` of the whole pad are put on the piece by
-    `spread` and on its contact unknowns by `rows`."""
-
-    small: Condensation
-    rows: sparse.csr_matrix
-    spread: sparse.csr_matrix
-
-
-@dataclass(frozen=True, eq=False)
 class WholeState:
-    """Computes the whole pad's state from the forces at its contact points."""
+    """Computes the whole pad's state from the forces at its contact points; `factors` are of each half."""
 
     piece: PadPiece
     body: StripBody
-    parities: tuple[Parity, ...]
+    halves: tuple[Half, ...]
+    factors: tuple[Condensation, ...]
 
     def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
@@ -172,13 +162,11 @@ class WholeState:
 
     def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
         """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
-        per_force = 1 / (self.piece.pad.young_modulus * self.piece.pad.length * self.piece.unit)
-        displacements = []
-        for parity in self.parities:
-            small, load = parity.small, np.zeros(self.body.system.lift.size)
-            last = small.order[-small.flexibility.shape[0] :]
-            load[last] = parity.rows.T @ (parity.spread @ force) * per_force
-            displacements.append(small.solve(load))
+        on_piece = force / load_scale(self.piece)[0]
+        displacements = [
+            small.solve(half.points.T @ on_piece)
+            for half, small in zip(self.halves, self.factors, strict=True)
+        ]
         for moved, more in zip(displacements, besides, strict=False):
             moved[: more.size] += more / self.piece.unit
         return on_sides(displacements)

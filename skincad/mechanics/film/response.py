@@ -11,7 +11,6 @@ moment by which a plate that keeps its angle holds a ridge upright. Another load
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,8 +28,6 @@ from skincad.mechanics.bodies.mesh import default_sizes, triangles
 from skincad.mechanics.film.stick import (
     PadPiece,
     condensed_piece,
-    contact_rows,
-    displacements_under,
     level,
     load_scale,
     load_state,
@@ -112,85 +109,66 @@ def _largest_difference(one: FilmResponse, other: FilmResponse) -> Array:
 def _responses(
     piece: PadPiece, mesh: Any, order: int, force: float, spans: tuple[float, ...]
 ) -> FilmResponse:
+    """The responses at a force, N; each ridge takes the first of growing forces under which it touches."""
     body = film_field.body(elements.curved(mesh, order), order, piece.pad.materials)
     small = condensed_piece(body, np.empty(0, np.int64))
-    loads = [_ContactLoad(piece, body, small, force)]
-    while len(loads) < MAX_TRIES and not all(
-        any(load.touches(r) for load in loads) for r in piece.pad.ridges
-    ):
-        loads.append(_ContactLoad(piece, body, small, loads[-1].force * FORCE_GROWTH))
-    response = _of_state(piece, loads, body.system.unknowns)
-    others = (_of_state(piece, [_ContactLoad(piece, body, small, s * force), *loads], 0) for s in spans)
-    return replace(
-        response, at_other_forces=np.array([_largest_difference(response, other) for other in others])
-    )
-
-
-def _of_state(piece: PadPiece, loads: Sequence[_ContactLoad], unknowns: int) -> FilmResponse:
-    """The responses; each ridge takes the first of these loads under which it touches."""
-    normal, tangential, contact = [], [], []
-    for ridge in piece.pad.ridges:
-        first = next((load for load in loads if load.touches(ridge)), None)
-        if first is None:
+    response, grown = _response_at(piece, body, small, force), force
+    for _ in range(MAX_TRIES - 1):
+        if not np.isnan(response.contact).any():
+            break
+        grown *= FORCE_GROWTH
+        response = _completed(response, _response_at(piece, body, small, grown))
+    for ridge, touching in zip(piece.pad.ridges, response.contact, strict=True):
+        if np.isnan(touching):
             raise RefusedError(f"no force brings ridge {ridge} into contact: it has no response")
-        per_push, per_pull = first.responses(ridge)
-        normal.append(per_push)
-        tangential.append(per_pull)
-        contact.append(first.force)
-    alone = loads[0]
-    none = np.zeros((2, len(contact), 3))
-    return FilmResponse(
-        force=alone.force,
-        strips=tuple((s.feature, s.side) for s in piece.whole.section.slots),
-        normal=np.array(normal),
-        tangential=np.array(tangential),
-        error=none,
-        contact=np.array(contact),
-        ridge_force=np.array([alone.ridge_force[r] for r in piece.pad.ridges]),
-        ridge_force_per_pull=np.array(
-            [[alone.normal_per_pull(r), alone.tangential_per_pull(r)] for r in piece.pad.ridges]
-        ).T,
-        at_other_forces=none[None],
-        unknowns=unknowns,
+    others = (_completed(_response_at(piece, body, small, s * force), response) for s in spans)
+    changes = np.array([_largest_difference(response, other) for other in others])
+    return replace(response, at_other_forces=changes)
+
+
+def _completed(response: FilmResponse, other: FilmResponse) -> FilmResponse:
+    """The response, of ridges that do not touch the other one's."""
+    lifted = np.isnan(response.contact)
+    return replace(
+        response,
+        normal=np.where(lifted[:, None, None], other.normal, response.normal),
+        tangential=np.where(lifted[:, None, None], other.tangential, response.tangential),
+        contact=np.where(lifted, other.contact, response.contact),
     )
 
 
-class _ContactLoad:
-    """The distribution of the plate's force over the crowns at one normal force, N."""
+def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: float) -> FilmResponse:
+    """The response by how the plate's force, N, is distributed over the crowns; NaN of ridges that do not
+    touch."""
+    state, bonded, _ = press_state(piece, body, small, force)
+    scale, strips = load_scale(piece)[0], piece.whole.section.slots
+    pull = pull_load(piece, body, small, bonded) * scale
+    shape = len(piece.pad.ridges), len(strips), 3
+    normal, tangential, contact = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[0], np.nan)
+    per_pull = np.zeros((2, shape[0]))
 
-    def __init__(self, piece: PadPiece, body: StripBody, small: Condensation, force: float) -> None:
-        self.piece, self.body, self.small, self.force = piece, body, small, force
-        self.rows, self.ridge = contact_rows(body, small), body.system.nodes.ridge
-        state, bonded, _ = press_state(piece, body, small, force)
-        self.push = state.node
-        self.ridge_force = dict(zip(piece.pad.ridges, state.normal.tolist(), strict=True))
-        self.pull = pull_load(piece, self.rows, small, bonded) * load_scale(piece)[0]
-
-    def touches(self, ridge: int) -> bool:
-        """Whether the plate presses this ridge."""
-        return bool(self.push[self.ridge == ridge].sum() > 0)
-
-    def normal_per_pull(self, ridge: int) -> float:
-        """Normal force that 1 N of pull adds to a ridge."""
-        return -float(self._half(1)[self.ridge == ridge].sum())
-
-    def tangential_per_pull(self, ridge: int) -> float:
-        """Tangential force of 1 N of pull on a ridge."""
-        return float(self._half(0)[self.ridge == ridge].sum())
-
-    def responses(self, ridge: int) -> tuple[Array, Array]:
-        """Stresses `(strips, 3)` of 1 N of normal force on a ridge, and of 1 N of tangential force."""
-        on_ridge: Mask = self.ridge == ridge
-        push = np.where(on_ridge, self.push, 0.0)
-        per_push = self._stress(np.concatenate([np.zeros(push.size), -push / push.sum()]))
-        per_pull = self._stress(np.where(np.tile(on_ridge, 2), self.pull, 0.0))
-        return per_push, (per_pull - self.normal_per_pull(ridge) * per_push) / self.tangential_per_pull(ridge)
-
-    def _half(self, which: int) -> Array:
-        return np.asarray(self.pull.reshape(2, -1)[which])
-
-    def _stress(self, load: Array) -> Array:
+    def stress(load: Array) -> Array:
         """Stresses of the strips under forces `(2 m,)` N."""
-        scaled = load / load_scale(self.piece)[0]
-        moved = displacements_under(self.body, self.small, self.rows, scaled)
-        return load_state(self.piece, self.body, moved, scaled, 1).strips
+        scaled = load / scale
+        return load_state(piece, body, small.solve(body.points.T @ scaled), scaled, 1).strips
+
+    for i, ridge in enumerate(piece.pad.ridges):
+        on_ridge: Mask = body.system.nodes.ridge == ridge
+        push, pulled = np.where(on_ridge, state.node, 0.0), np.where(on_ridge, pull.reshape(2, -1), 0.0)
+        per_pull[:, i] = -pulled[1].sum(), pulled[0].sum()
+        if push.sum() > 0:
+            normal[i] = stress(np.concatenate([np.zeros(push.size), -push / push.sum()]))
+            tangential[i] = (stress(pulled.ravel()) - per_pull[0, i] * normal[i]) / per_pull[1, i]
+            contact[i] = force
+    return FilmResponse(
+        force=force,
+        strips=tuple((s.feature, s.side) for s in strips),
+        normal=normal,
+        tangential=tangential,
+        error=np.zeros((2, shape[0], 3)),
+        contact=contact,
+        ridge_force=state.normal,
+        ridge_force_per_pull=per_pull,
+        at_other_forces=np.zeros((1, 2, shape[0], 3)),
+        unknowns=body.system.unknowns,
+    )

@@ -45,6 +45,21 @@ class PadPiece:
     unit: float
 
 
+@dataclass(frozen=True, eq=False)
+class Half:
+    """One of the one or two parts of a pad's equations, split by symmetry: `parity` is 1 for even loads of a
+    mirrored pad, -1 for odd ones, 0 of a whole one.
+
+    `points` `(2 m, n)`: displacements of the whole pad's contact points, in x, then in z, by the piece's
+    unknowns. `inner` and `contact` number the free unknowns.
+    """
+
+    parity: int
+    points: sparse.csr_matrix
+    inner: Index
+    contact: Index
+
+
 @dataclass(frozen=True)
 class LoadState:
     """The whole pad's state under a load; `displacement` `(n,)` are the piece's condensed unknowns, for
@@ -88,13 +103,9 @@ def piece_of(pad: Pad, thickness: float, halved: bool = True) -> PadPiece:
     return PadPiece(pad, half, True, right, thickness, unit_of(half))
 
 
+@one_blas_thread()
 def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     """Solve one order on netgen's mesh of the piece: pressed by `force` N, and pulled if asked."""
-    with one_blas_thread():
-        return _level(piece, mesh, order, force, pull)
-
-
-def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     clock = [perf_counter()]
     pad = piece.pad
     curved = elements.curved(mesh, order)
@@ -125,26 +136,17 @@ def _level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) 
 def condensed_piece(body: StripBody, fixed: Index) -> Condensation:
     """Factorise with the contact unknowns of both directions last, those in `fixed` left out."""
     system = body.system
-    contact = np.setdiff1d(_contact(body), fixed)
+    contact = np.setdiff1d(body.contact, fixed)
     free = np.concatenate([system.interior, system.contact])
     return condense(system.matrix, np.setdiff1d(free, np.concatenate([contact, fixed])), contact)
 
 
-def _contact(body: StripBody) -> Index:
-    return np.concatenate([body.along_x, body.system.contact])
-
-
-def contact_rows(body: StripBody, small: Condensation) -> sparse.csr_matrix:
-    """Rows `(2 m, k)`: contact points' displacements in x, then in z, of the condensed contact unknowns."""
-    rows = body.system.nodes.rows
-    both = sparse.csr_matrix(sparse.block_diag([rows, rows]))
-    last = small.order[-small.flexibility.shape[0] :]
-    number = np.full(body.system.lift.size, -1)
-    number[last] = np.arange(last.size)
-    local = number[_contact(body)]
-    free = np.flatnonzero(local >= 0)
-    select = (np.ones(free.size), (free, local[free]))
-    return both @ sparse.csr_matrix(select, shape=(local.size, last.size))
+def points_flexibility(points: sparse.csr_matrix, small: Condensation) -> Array:
+    """Return displacements under forces, both at points whose displacements are `points` `(m, n)` times the
+    unknowns', `(m, m)`: symmetric to the last digit."""
+    at = points[:, small.order[-len(small.flexibility) :]]
+    flexibility = at @ np.asarray(at @ small.flexibility).T
+    return np.asarray((flexibility + flexibility.T) / 2)
 
 
 def load_scale(piece: PadPiece) -> tuple[float, float]:
@@ -157,17 +159,14 @@ def press_state(
     piece: PadPiece, body: StripBody, small: Condensation, force: float
 ) -> tuple[LoadState, Mask, float]:
     """Return the state under a frictionless plate's force, N, which points bear load, and the residual."""
-    rows = contact_rows(body, small)
     nodes, unit, plate = body.system.nodes, piece.unit, piece.whole.plate
     m = nodes.weight.size
-    up = rows[m:]
-    flexibility = up @ np.asarray(up @ small.flexibility).T
     x, z = nodes.position.T
     gap = (piece.whole.top / unit - z) + rise(plate, x * unit) / unit
     wanted = force / load_scale(piece)[0]
-    contact = press((flexibility + flexibility.T) / 2, gap - gap.min(), wanted)
+    contact = press(points_flexibility(body.points[m:], small), gap - gap.min(), wanted)
     load = np.concatenate([np.zeros(m), -contact.force])
-    moved = displacements_under(body, small, rows, load)
+    moved = small.solve(body.points.T @ load)
     balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
     state = load_state(piece, body, moved, load, 1)
     return state, contact.force > 0, max(contact.residual, balance)
@@ -175,40 +174,31 @@ def press_state(
 
 def _pull(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> tuple[LoadState, float]:
     """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
-    rows = contact_rows(body, small)
-    load = pull_load(piece, rows, small, bonded)
-    moved = displacements_under(body, small, rows, load)
+    load = pull_load(piece, body, small, bonded)
+    moved = small.solve(body.points.T @ load)
     wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
     balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
     return load_state(piece, body, moved, load, -1), balance
 
 
-def pull_load(piece: PadPiece, rows: sparse.csr_matrix, small: Condensation, bonded: Mask) -> Array:
+def pull_load(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> Array:
     """Return forces `(2 m,)`, in x then in z, that move the bonded points as one until the plate's tangential
     force is 1 N, its normal one unchanged.
 
     C p = M a and M^T p = (force, 0): M has the plate's translations in x and z, of a mirrored pad in x only.
     """
     m = bonded.size
-    flexibility = rows @ np.asarray(rows @ small.flexibility).T
+    flexibility = points_flexibility(body.points, small)
     sticking = np.flatnonzero(np.tile(bonded, 2) & (np.diag(flexibility) > 0))  # z on the cut is not free
     modes = np.column_stack([sticking < m, sticking >= m]).astype(float)[:, : 1 if piece.mirrored else 2]
-    block = flexibility[np.ix_(sticking, sticking)]
     try:
-        by_mode = linalg.solve((block + block.T) / 2, modes, assume_a="pos")
+        by_mode = linalg.solve(flexibility[np.ix_(sticking, sticking)], modes, assume_a="pos")
     except linalg.LinAlgError:
         raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
     wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
     load = np.zeros(2 * m)
     load[sticking] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
     return load
-
-
-def displacements_under(body: StripBody, small: Condensation, rows: sparse.csr_matrix, load: Array) -> Array:
-    """Return displacements `(n,)` under forces `(2 m,)` at the contact points."""
-    whole = np.zeros(body.system.lift.size)
-    whole[small.order[-small.flexibility.shape[0] :]] = rows.T @ load
-    return small.solve(whole)
 
 
 def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> float:
@@ -268,9 +258,6 @@ def on_whole(piece: PadPiece, values: Array, parity: int) -> Array:
             raise ContactError("a strip has no mirror image")
         result[i] = values[j] * (parity if mirrored else 1)
     return result
-
-
-# gone
 
 
 def with_fine_edges(piece: PadPiece, solution: StickSolution) -> PadPiece:

@@ -132,7 +132,7 @@ def test_cattaneo_and_mindlin(share: float) -> None:
     state = pressed_and_pulled(compliance_of(pad), load, mu, share * np.arange(1, 21) / 20)[-1]
     normal = closed_forms.hertz(load / 10.0, 50.0, 0.8, 0.49999)
     stick = closed_forms.stick_half_width(normal, mu, share * mu * load / 10.0)
-    rest = (mu * state.normal - state.tangential) / (10.0 * pad.weight)
+    rest = (mu * state.normal - state.tangential) / pad.area
     fitted = closed_forms.fitted_line_contact(pad.x, np.maximum(rest, 0.0))
     assert fitted.half_width == pytest.approx(stick, rel=0.01)
     # where it slips and where it sticks, to one point on either side
@@ -303,7 +303,7 @@ def test_frictional_patch(travel: float, slips: bool) -> None:
     state = march(layer, drives, coulomb(mu))[-1]
     middle = np.abs(pad.x) < 2.0
     pressure, traction = (
-        force_on[middle] / (5.0 * pad.weight[middle]) for force_on in (state.normal, state.tangential)
+        force_on[middle] / pad.area[middle] for force_on in (state.normal, state.tangential)
     )
     confined = 0.8 * 0.7 / 1.3 / 0.4 * state.approach
     assert pressure == pytest.approx(confined, rel=5e-4)

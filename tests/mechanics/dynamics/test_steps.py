@@ -48,7 +48,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> PadEquation
     point's own but the third unknown's, which the spring then holds."""
     points = sparse.csr_matrix(np.eye(2, 3))
     none = sparse.csr_matrix((0, 3))
-    half = dynamics.Half(points, np.array([2]), np.array([0, 1]), (none, none))
+    half = dynamics.Half(0, points, np.array([2]), np.array([0, 1]))
     k, m = np.diag([stiff, 10.0, 1.0]), 1e-6 * np.diag([mass, 0.0, 1.0])
     if link is not None:
         k, m = np.diag([link, 10.0, stiff + link]), 1e-6 * np.diag([0.0, 0.0, mass])
@@ -56,7 +56,7 @@ def springs(stiff: float, mass: float, link: float | None = None) -> PadEquation
     one = np.ones(1, dtype=np.int64)
     soft = np.diag([stiff, 0.0, 0.0])
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, soft, m))
-    return PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, 3)
+    return PadEquations(*matrices, (half,), ((none, none),), 1.0, np.zeros(1), np.ones(1), one, 3)
 
 
 def begun(pad: PadEquations, place: float = 0.0, normal: float = 0.0) -> DynamicState:
@@ -215,10 +215,10 @@ def bar(pieces: int, length: float, stiff: float, mass: float) -> PadEquations:
     points = sparse.csr_matrix((np.ones(2), ([0, 1], [n - 1, pieces])), shape=(2, n))
     none = sparse.csr_matrix((0, n))
     inner = np.concatenate([np.arange(1, pieces), [n - 2]])
-    half = dynamics.Half(points, inner, np.array([n - 1, pieces]), (none, none))
+    half = dynamics.Half(0, points, inner, np.array([n - 1, pieces]))
     one = np.ones(1, dtype=np.int64)
     matrices = (sparse.csr_matrix(matrix) for matrix in (k, 0 * k, m))
-    return PadEquations(*matrices, (half,), 1.0, np.zeros(1), np.ones(1), one, n)
+    return PadEquations(*matrices, (half,), ((none, none),), 1.0, np.zeros(1), np.ones(1), one, n)
 
 
 def flying(pad: PadEquations, place: float, speed: float) -> DynamicState:
@@ -265,7 +265,7 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
     state = pad.step(pad.start(), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
     force = np.concatenate([state.contact.tangential, -state.contact.normal])
     wanted = small.strips @ force
-    assert pad.strips(state) == pytest.approx(wanted, abs=1e-7 * np.abs(wanted).max())
+    assert pad.stresses(state) == pytest.approx(wanted, abs=1e-7 * np.abs(wanted).max())
     assert pad.elastic(state) == pytest.approx(force @ small.compliance @ force / 2, rel=1e-7)
 
 

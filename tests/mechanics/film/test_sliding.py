@@ -71,9 +71,9 @@ def test_the_half_agrees_with_the_whole() -> None:
     pad = mech.sliding(whole, mech.triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
     for one in (half, pad):
-        load = np.concatenate([one.weight, -0.5 * one.weight]) / one.weight.sum()
+        load = np.concatenate([one.area, -0.5 * one.area]) / one.area.sum()
         moved = (one.compliance @ load).reshape(2, -1)
-        answers += [moved @ one.weight / one.weight.sum(), (one.strips @ load)[:, 0]]
+        answers += [moved @ one.area / one.area.sum(), (one.strips @ load)[:, 0]]
     assert answers[0] == pytest.approx(answers[2], rel=5e-3)
     assert answers[1] == pytest.approx(answers[3], abs=0.02 * np.abs(answers[1]).max())
 
@@ -333,7 +333,7 @@ def test_a_turned_plate_is_a_turned_pull() -> None:
         gap=np.zeros(1),
         x=np.zeros(1),
         ridge=one.ridge[:1],
-        weight=one.weight[:1],
+        area=one.area[:1],
         strips=np.zeros((0, 3, 2)),
     )
     angle = math.radians(5.0)
