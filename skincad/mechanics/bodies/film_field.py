@@ -186,7 +186,7 @@ class Patch:
     film: Mask
 
 
-def field(body: StripBody, centre: tuple[float, float], reach: float, cuts: int = PIECES) -> Patch:
+def field(body: StripBody, centre: Array, reach: float, cuts: int = PIECES) -> Patch:
     """Return the state within `reach` of `centre`, in units; a triangle's edge is drawn in so many `cuts`."""
     mesh = body.system.mesh
     lattice = [(i, j) for j in range(cuts + 1) for i in range(cuts + 1 - j)]

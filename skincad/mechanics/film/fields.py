@@ -7,7 +7,7 @@ takes one solve with the factorisation that condensed the pad, of a mirrored pad
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
 from skincad.mechanics.bodies.plane_body import undetected_contact
-from skincad.mechanics.film.stick import Half, LoadState, PadPiece, StickSolution, load_scale
+from skincad.mechanics.film.stick import Half, PadPiece, StickSolution, load_scale
 
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
@@ -38,66 +38,41 @@ class RidgeField:
     film: Mask
 
 
-def ridge_field(piece: PadPiece, solution: StickSolution, ridge: int, tangential: float) -> RidgeField:
+def ridge_field(solution: StickSolution, ridge: int, tangential: float) -> RidgeField:
     """Return the field around a ridge with both strips, under the normal force and `tangential` N."""
-    push = _around(piece, solution, ridge, solution.normal_state, 1)
-    shift, stress = push.shift, push.stress
-    if solution.pull_state is not None and tangential:
-        pull = _around(piece, solution, ridge, solution.pull_state, -1)
-        shift, stress = shift + tangential * pull.shift, stress + tangential * pull.stress
-    x, z = _across(piece, ridge)
-    xx, xz, zz, _ = stress.T * piece.pad.young_modulus
-    first, second = _middles(piece, ridge)
+    piece, state = solution.piece, solution.under(tangential)
+    first, second = np.array([slot.centre for slot in piece.whole.section.slots if slot.feature == ridge])
+    x, z = (second - first) / np.hypot(*(second - first))
+    middle = (first + second) / 2
+    patches = []
+    for side, displacement in zip((1, -1), state.displacement, strict=False):
+        film_field.set_state(solution.body, displacement)
+        patches.append(film_field.field(solution.body, middle / piece.unit * [side, 1], REACH))
+    patch = joined(patches)
+    xx, xz, zz, _ = patch.stress.T * piece.pad.young_modulus
     return RidgeField(
         ridge=ridge,
-        middle=((first[0] + second[0]) / 2, (first[1] + second[1]) / 2),
-        place=push.place * piece.unit,
-        shift=shift * piece.unit,
+        middle=(float(middle[0]), float(middle[1])),
+        place=patch.place * piece.unit,
+        shift=patch.shift * piece.unit,
         stress=xx * x * x + 2 * xz * x * z + zz * z * z,
-        triangles=push.triangles,
-        film=push.film,
+        triangles=patch.triangles,
+        film=patch.film,
     )
 
 
-def _middles(piece: PadPiece, ridge: int) -> Array:
-    return np.array([slot.centre for slot in piece.whole.section.slots if slot.feature == ridge])
-
-
-def _across(piece: PadPiece, ridge: int) -> Array:
-    """Unit vector from a ridge's first strip to its second."""
-    first, second = _middles(piece, ridge)
-    return np.asarray((second - first) / np.hypot(*(second - first)))
-
-
-def _around(piece: PadPiece, solution: StickSolution, ridge: int, state: LoadState, parity: int) -> Patch:
-    """The field around a ridge, in units; of a half, what lies at x < 0 is the mirror image of x > 0."""
-    film_field.set_state(solution.body, state.displacement)
-    x, z = _middles(piece, ridge).mean(axis=0) / piece.unit
-    here = film_field.field(solution.body, (x, z), REACH)
-    if not piece.mirrored:
-        return here
-    return joined(here, as_image(film_field.field(solution.body, (-x, z), REACH), parity))
-
-
-def joined(one: Patch, other: Patch) -> Patch:
-    """Return both pieces as one."""
+def joined(patches: Sequence[Patch]) -> Patch:
+    """Return a patch as it is, or a piece's with that of its mirror image about x = 0, which is the second,
+    drawn where the piece is."""
+    if len(patches) == 1:
+        return patches[0]
+    here, image = patches
     return Patch(
-        np.concatenate([one.place, other.place]),
-        np.concatenate([one.shift, other.shift]),
-        np.concatenate([one.stress, other.stress]),
-        np.concatenate([one.triangles, other.triangles + len(one.place)]),
-        np.concatenate([one.film, other.film]),
-    )
-
-
-def as_image(patch: Patch, parity: int) -> Patch:
-    """Return the mirror image about x = 0 of a piece, its state even (1) or odd (-1)."""
-    return Patch(
-        patch.place * [-1, 1],
-        parity * patch.shift * [-1, 1],
-        parity * patch.stress * [1, -1, 1, 1],
-        patch.triangles,
-        patch.film,
+        np.concatenate([here.place, image.place * [-1, 1]]),
+        np.concatenate([here.shift, image.shift * [-1, 1]]),
+        np.concatenate([here.stress, image.stress * [1, -1, 1, 1]]),
+        np.concatenate([here.triangles, image.triangles + len(here.place)]),
+        np.concatenate([here.film, image.film]),
     )
 
 
@@ -127,8 +102,11 @@ class WholeState:
 
     def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
-        patches = [self._field(moved) for moved in self._moved(force)]
-        patch = patches[0] if len(patches) == 1 else joined(patches[0], as_image(patches[1], 1))
+        patches = []
+        for moved in self._moved(force):
+            film_field.set_state(self.body, moved)
+            patches.append(film_field.field(self.body, np.zeros(2), math.inf, 1))
+        patch = joined(patches)
         unit, modulus = self.piece.unit, self.piece.pad.young_modulus
         place, shift = patch.place * unit, patch.shift * unit
         return DeformedSection(
@@ -156,10 +134,6 @@ class WholeState:
         """
         return collision(self.piece, self.body, self._moved(force, besides), plate, angle, give)
 
-    def _field(self, moved: Array) -> Patch:
-        film_field.set_state(self.body, moved)
-        return film_field.field(self.body, (0.0, 0.0), math.inf, 1)
-
     def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
         """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
         on_piece = force / load_scale(self.piece)[0]
@@ -184,7 +158,7 @@ def on_sides(displacements: list[Array]) -> list[Array]:
 def collision(
     piece: PadPiece,
     body: StripBody,
-    moved: list[Array],
+    moved: Iterable[Array],
     plate: float,
     angle: float,
     give: tuple[Array, Array] | None = None,

@@ -154,7 +154,7 @@ def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: f
 
     for i, ridge in enumerate(piece.pad.ridges):
         on_ridge: Mask = body.system.nodes.ridge == ridge
-        push, pulled = np.where(on_ridge, state.node, 0.0), np.where(on_ridge, pull.reshape(2, -1), 0.0)
+        push, pulled = np.where(on_ridge, state.node[0], 0.0), np.where(on_ridge, pull.reshape(2, -1), 0.0)
         per_pull[:, i] = -pulled[1].sum(), pulled[0].sum()
         if push.sum() > 0:
             normal[i] = stress(np.concatenate([np.zeros(push.size), -push / push.sum()]))

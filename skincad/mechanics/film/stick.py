@@ -62,12 +62,12 @@ class Half:
 
 @dataclass(frozen=True)
 class LoadState:
-    """The whole pad's state under a load; `displacement` `(n,)` are the piece's condensed unknowns, for
-    drawing.
+    """The whole pad's state under a load.
 
     `strips` `(strips, 3)`: mean stress across a film, along it in the section and along y, in the order
     of the section's slots. `normal` and `tangential` `(ridges,)`: the plate's force on each ridge, positive
-    in compression and to +x. `node` `(m,)`: compressive force at the meshed contact points.
+    in compression and to +x. `node` `(sides, m)`: compressive force at the meshed contact points and, of a
+    mirrored pad, at their images. `displacement` `(sides, n)`: the condensed unknowns, likewise.
     """
 
     strips: Array
@@ -76,12 +76,17 @@ class LoadState:
     node: Array
     displacement: Array
 
+    def plus(self, other: LoadState, factor: float) -> LoadState:
+        """Return the state under this load and `factor` times another's."""
+        return LoadState(**{key: part + factor * getattr(other, key) for key, part in vars(self).items()})
+
 
 @dataclass(frozen=True)
 class StickSolution:
     """`normal_state` at the normal force, in MPa and N; `pull_state` the change by 1 N of tangential force,
     in MPa / N and 1, or None if not requested. `bonded` `(m,)` marks the meshed contact points that stick."""
 
+    piece: PadPiece
     normal_state: LoadState
     pull_state: LoadState | None
     bonded: Mask
@@ -89,6 +94,10 @@ class StickSolution:
     residual: float
     seconds: dict[str, float]
     body: StripBody
+
+    def under(self, tangential: float) -> LoadState:
+        """Return the state under the normal force and `tangential` N."""
+        return self.normal_state.plus(self.pull_state, tangential) if self.pull_state else self.normal_state
 
 
 def piece_of(pad: Pad, thickness: float, halved: bool = True) -> PadPiece:
@@ -123,6 +132,7 @@ def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -
     clock.append(perf_counter())
     stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
     return StickSolution(
+        piece=piece,
         normal_state=push_state,
         pull_state=pull_state,
         bonded=bonded,
@@ -230,7 +240,8 @@ def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, pari
     if piece.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
     strips = on_whole(piece, in_strip_axes(stress, piece.slots), parity)
-    return LoadState(strips, push, pull, -load[m:] * scale * share, moved)
+    sides = np.array([1.0, parity]) if piece.mirrored else np.ones(1)
+    return LoadState(strips, push, pull, np.outer(sides, -load[m:] * scale * share), np.outer(sides, moved))
 
 
 def in_strip_axes(stress: Array, slots: Sequence[SensorPlace]) -> Array:

@@ -25,7 +25,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
 from skincad.mechanics.check import LARGEST_FORCE, require_force
-from skincad.mechanics.film.fields import RidgeField, collision, on_sides, ridge_field
+from skincad.mechanics.film.fields import RidgeField, collision, ridge_field
 from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of, with_fine_edges
 from skincad.mechanics.problem import Pad, SizeError, check_pad, pad_of
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
@@ -153,9 +153,7 @@ REFINEMENTS = (
 )
 
 
-_RefinementSolution = tuple[
-    PadPiece, StickSolution, StickSolution
-]  # both orders of a refinement, the higher first
+_RefinementSolution = tuple[StickSolution, StickSolution]  # both orders of a refinement, the higher first
 
 
 def solve(
@@ -191,7 +189,7 @@ def solve(
     def solve_refinement(
         refinement: FilmRefinement, before: Refinement[FilmRefinement, _RefinementSolution, Any] | None
     ) -> _RefinementSolution:
-        finer = with_fine_edges(plain, first if before is None else before.answer[1])
+        finer = with_fine_edges(plain, first if before is None else before.answer[0])
         with watch.stage("mesh"):
             mesh = triangles(finer.pad, refinement.sizes(finer))
         if (contact := contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
@@ -201,7 +199,7 @@ def solve(
         lower, best = (
             solve_level(finer, mesh, order, pull) for order in (refinement.order - 1, refinement.order)
         )
-        return finer, best, lower
+        return best, lower
 
     def estimate(
         _: FilmRefinement, solution: _RefinementSolution, __: object
@@ -210,26 +208,19 @@ def solve(
         return results, max(relative_error(state) for state in results)
 
     reached = refine(solve_refinement, REFINEMENTS, estimate, tol, began=watch.started, ends=(SizeError,))
-    piece, best, _ = reached.answer
+    best, _ = reached.answer
     full = f": a finer mesh takes more than {MOST_CONTACT_UNKNOWNS} contact unknowns" if reached.ended else ""
     missed = unmet(f"the error is {reached.error:.1e} of the largest stress", reached.error, tol)
     short = tuple(words + full for words in missed)
     faults = [
-        collision(piece, best.body, _displacements(piece, best, t), math.inf, 0.0) or "" for t in tangential
+        collision(best.piece, best.body, best.under(t).displacement, math.inf, 0.0) or "" for t in tangential
     ]
-    shown = [tuple(ridge_field(piece, best, ridge, t) for ridge in show) for t in tangential]
+    shown = [tuple(ridge_field(best, ridge, t) for ridge in show) for t in tangential]
     seconds = {**watch.seconds(), **spent}
     return [
         replace(state, seconds=seconds, warnings=(*short, *state.warnings), fields=fields, fault=wrong)
         for state, fields, wrong in zip(reached.assessment, shown, faults, strict=True)
     ]
-
-
-def _displacements(piece: PadPiece, solution: StickSolution, tangential: float) -> list[Array]:
-    """Displacements of the piece and of its image, in units, under both forces."""
-    by_push = solution.normal_state.displacement
-    by_pull = 0.0 * by_push if solution.pull_state is None else tangential * solution.pull_state.displacement
-    return on_sides([by_push, by_pull]) if piece.mirrored else [by_push + by_pull]
 
 
 def contact_unknowns(mesh: Any, order: int) -> int:
@@ -242,16 +233,11 @@ def _too_large(contact: int) -> SizeError:
     return SizeError("ridge.count", limit, contact, "take fewer ridges")
 
 
-def _values(piece: PadPiece, solution: StickSolution, tangential: float) -> dict[str, Array]:
+def _values(solution: StickSolution, tangential: float) -> dict[str, Array]:
     """The numbers of one level at a tangential force, by field of FilmStress."""
-    state, numbers = solution.normal_state, piece.whole.ridges
-    strips, push, pull = state.strips, state.normal, state.tangential
-    if solution.pull_state is not None:
-        strips = strips + tangential * solution.pull_state.strips
-        push = push + tangential * solution.pull_state.normal
-        pull = pull + tangential * solution.pull_state.tangential
-    place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
-    one, other = (strips[[place[r, side] for r in numbers]] for side in ("S1", "S2"))
+    state, whole = solution.under(tangential), solution.piece.whole
+    place = {(s.feature, s.side): i for i, s in enumerate(whole.section.slots)}
+    one, other = (state.strips[[place[r, side] for r in whole.ridges]] for side in ("S1", "S2"))
     return {
         "s1": one[:, 0],
         "s2": other[:, 0],
@@ -260,8 +246,8 @@ def _values(piece: PadPiece, solution: StickSolution, tangential: float) -> dict
         "along2": other[:, 1],
         "lengthwise1": one[:, 2],
         "lengthwise2": other[:, 2],
-        "ridge_force": push,
-        "ridge_tangential": pull,
+        "ridge_force": state.normal,
+        "ridge_tangential": state.tangential,
     }
 
 
@@ -269,13 +255,13 @@ UNITS = {"ridge_force": "N", "ridge_tangential": "N"}
 
 
 def estimated_stress(
-    piece: PadPiece, best: StickSolution, lower: StickSolution, force: float, tangential: float
+    best: StickSolution, lower: StickSolution, force: float, tangential: float
 ) -> FilmStress:
     """Values of the best level, errors from the next lower order.
 
     All ridges, and both sides, share the largest error among them: a single difference may vanish by chance.
     """
-    here, there = (_values(piece, solution, tangential) for solution in (best, lower))
+    here, there = (_values(solution, tangential) for solution in (best, lower))
     error = {key: TAIL * float(np.abs(here[key] - there[key]).max()) for key in here}
     for kind in ("s", "along", "lengthwise"):
         error[f"{kind}1"] = error[f"{kind}2"] = max(error[f"{kind}1"], error[f"{kind}2"])
@@ -287,14 +273,14 @@ def estimated_stress(
         name="",
         force=force,
         tangential=tangential,
-        ridges=len(piece.whole.ridges),
+        ridges=len(best.piece.whole.ridges),
         film="",
         **fields,
         needed_friction=friction,
         unknowns=best.unknowns,
         residual=max(best.residual, lower.residual),
         seconds={},
-        warnings=tuple(stick_notes(piece, best, friction, tangential)),
+        warnings=tuple(stick_notes(best, friction, tangential)),
     )
 
 
@@ -317,31 +303,24 @@ def relative_error(stress: FilmStress) -> float:
     return max(stress.s1[0].error or 0.0, stress.differential[0].error or 0.0) / max(values)
 
 
-def stick_notes(
-    piece: PadPiece, solution: StickSolution, friction: Sequence[Estimate], tangential: float
-) -> Iterator[str]:
+def stick_notes(solution: StickSolution, friction: Sequence[Estimate], tangential: float) -> Iterator[str]:
     """Warnings about the assumptions of full stick at a tangential force."""
     if solution.pull_state is None or tangential == 0.0:
         return
     yield PATH_NOTE
-    by_ridge = dict(zip(piece.whole.ridges, (e.value for e in friction), strict=True))
+    by_ridge = dict(zip(solution.piece.whole.ridges, (e.value for e in friction), strict=True))
     lifted = [str(r) for r, mu in by_ridge.items() if mu is None]
     if lifted:
         yield f"the pull takes the normal force off ridge {', '.join(lifted)}: no full stick there"
     else:
         worst = max(by_ridge, key=lambda r: by_ridge[r] or 0.0)
         yield f"full stick needs a friction coefficient of {by_ridge[worst]:.2g} (at ridge {worst})"
-    push, lift = (
-        solution.normal_state.node[solution.bonded],
-        tangential * solution.pull_state.node[solution.bonded],
-    )
-    sides = (push + lift, (push - lift)[lift != 0]) if piece.mirrored else (push + lift,)
-    total = np.concatenate(sides)
+    counted = np.tile(solution.bonded, (len(solution.pull_state.node), 1))
+    counted[1:] &= solution.pull_state.node[1:] != 0  # points on the cut, which the pull does not lift, once
+    total = solution.under(tangential).node[counted]
     if (total < 0).any():
-        count, pulling = (
-            np.count_nonzero(total < 0),
-            -total[total < 0].sum() / solution.normal_state.normal.sum(),
-        )
+        pulling = -total[total < 0].sum() / solution.normal_state.normal.sum()
+        count = np.count_nonzero(total < 0)
         yield f"{count} of {total.size} bonded points are in tension, with {pulling:.1%} of the force in all"
 
 

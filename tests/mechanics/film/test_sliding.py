@@ -148,7 +148,7 @@ def test_it_is_pulled_only_where_that_is_asked(pull: bool, halved: bool) -> None
     # balances, to rounding
     assert solution.normal_state.normal.sum() == pytest.approx(FORCE, rel=1e-9)
     assert solution.normal_state.tangential.sum() == pytest.approx(0.0, abs=1e-9)
-    assert solution.normal_state.node.sum() == pytest.approx(FORCE / (2 if halved else 1), rel=1e-9)
+    assert solution.normal_state.node.sum() == pytest.approx(FORCE, rel=1e-9)
     if solution.pull_state:
         assert solution.pull_state.tangential.sum() == pytest.approx(1.0, rel=1e-9)
         assert solution.pull_state.normal.sum() == pytest.approx(0.0, abs=1e-9)

@@ -347,14 +347,20 @@ def test_crushed_ridges_have_no_verdict() -> None:
         mech.film_stresses(one(), 7.0, tol=0.5)
 
 
-def under_load(strips: list[list[float]], force: list[list[float]], node: list[float]) -> stick.LoadState:
+def under_load(
+    strips: list[list[float]], force: list[list[float]], node: list[float], image: int = 0
+) -> stick.LoadState:
+    """`image` is that of a mirrored pad's node forces by the piece's, 0 of a whole one."""
+    nodes = np.outer([1, image] if image else [1], node)
     return stick.LoadState(
-        np.array(strips), np.array(force[0]), np.array(force[1]), np.array(node), np.zeros(1)
+        np.array(strips), np.array(force[0]), np.array(force[1]), nodes, np.zeros((len(nodes), 1))
     )
 
 
-def stuck(push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bool]) -> stick.StickSolution:
-    return stick.StickSolution(push, pulled, np.array(bonded), 10, 1e-9, {}, None)
+def stuck(
+    piece: stick.PadPiece, push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bool]
+) -> stick.StickSolution:
+    return stick.StickSolution(piece, push, pulled, np.array(bonded), 10, 1e-9, {}, None)
 
 
 def two_ridges(mirrored: bool) -> stick.PadPiece:
@@ -366,12 +372,12 @@ def two_ridges(mirrored: bool) -> stick.PadPiece:
 def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: bool) -> None:
     """Of five points one is not bonded and one on the cut, where the pull changes nothing: it counts once."""
     normal, none = [[1.5, 2.5], [0.0, 0.0]], [[0.0] * 3] * 4
-    push = under_load(none, normal, [0.5, 0.25, 1.0, 0.1, 0.8])
-    pulled = under_load(none, [[-0.25, 0.25], [0.5, 0.5]], [0.5, -0.5, -0.5, -9.0, 0.0])
-    piece, solution = two_ridges(mirrored), stuck(push, pulled, [True, True, True, False, True])
+    push = under_load(none, normal, [0.5, 0.25, 1.0, 0.1, 0.8], int(mirrored))
+    pulled = under_load(none, [[-0.25, 0.25], [0.5, 0.5]], [0.5, -0.5, -0.5, -9.0, 0.0], -int(mirrored))
+    solution = stuck(two_ridges(mirrored), push, pulled, [True, True, True, False, True])
 
     def notes(tangential: float) -> list[str]:
-        return list(film_refinements.stick_notes(piece, solution, [Estimate(0.25, 0.0, "1")] * 2, tangential))
+        return list(film_refinements.stick_notes(solution, [Estimate(0.25, 0.0, "1")] * 2, tangential))
 
     assert notes(0.0) == []
     assert not any("tension" in note for note in notes(0.5))  # 0.25 N less 0.25 N is none
@@ -379,13 +385,13 @@ def test_points_in_tension_are_counted_with_their_share_of_the_force(mirrored: b
     count, total, pulling = (2, 7, 1.25) if mirrored else (1, 4, 0.75)
     words = f"{count} of {total} bonded points are in tension, with {pulling / 4:.1%} of the force in all"
     assert notes(2.0)[-1] == words
-    assert list(film_refinements.stick_notes(piece, replace(solution, pull_state=None), [], 2.0)) == []
+    assert list(film_refinements.stick_notes(replace(solution, pull_state=None), [], 2.0)) == []
 
 
 def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lifts() -> None:
     piece, none = two_ridges(False), [[0.0] * 3] * 4
     still = under_load(none, [[2.0, 2.0], [0.0, 0.0]], [1.0])
-    solution = stuck(still, still, [True])
+    solution = stuck(piece, still, still, [True])
     for values_told, words in (
         ((0.2, 0.5), "full stick needs a friction coefficient of 0.5 (at ridge 2)"),
         ((0.7, 0.5), "full stick needs a friction coefficient of 0.7 (at ridge 1)"),
@@ -394,7 +400,7 @@ def test_the_friction_that_stick_needs_is_told_of_the_worst_ridge_or_of_what_lif
         ((None, None), "the pull takes the normal force off ridge 1, 2: no full stick there"),
     ):
         friction = [Estimate(value, None if value is None else 0.0, "1") for value in values_told]
-        assert list(film_refinements.stick_notes(piece, solution, friction, 1.0)) == [
+        assert list(film_refinements.stick_notes(solution, friction, 1.0)) == [
             film_refinements.PATH_NOTE,
             words,
         ]
@@ -430,14 +436,14 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     push = np.empty((4, 3))
     push[order] = rows
     pulled = under_load((10 * push).tolist(), [[-0.5, 0.5], [0.25, 0.75]], [0.0])
-    best = stuck(under_load(push.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
+    best = stuck(piece, under_load(push.tolist(), [[1.5, 2.5], [0.5, -0.5]], [1.0]), pulled, [True])
     other = push.copy()
     other[order[3]] += [0.5, -0.25, 0.125]
     other[order[2], 0] += beside
     lower = replace(
         best, normal_state=under_load(other.tolist(), [[1.4, 2.6], [0.5, -0.25]], [1.0]), residual=1e-8
     )
-    stress = film_refinements.estimated_stress(piece, best, lower, 4.0, 2.0)
+    stress = film_refinements.estimated_stress(best, lower, 4.0, 2.0)
     normal, along, lengthwise = (21 * rows).T
     for estimates, expected, error in (
         (stress.s1, normal[::2], 1.0),
@@ -459,7 +465,7 @@ def test_values_are_the_pressed_ones_and_the_pull_times_its_force_and_errors_twi
     largest = float(normal.max())
     assert film_refinements.relative_error(stress) == pytest.approx(max(1.0, difference) / largest, rel=1e-9)
     alone = film_refinements.estimated_stress(
-        piece, replace(best, pull_state=None), replace(lower, pull_state=None), 4.0, 0.0
+        replace(best, pull_state=None), replace(lower, pull_state=None), 4.0, 0.0
     )
     assert values(alone.s1) == pytest.approx(rows[::2, 0], rel=1e-12)
     assert film_refinements.relative_error(alone) == pytest.approx(max(1.0, difference) / 0.09, rel=1e-9)
