@@ -60,6 +60,6 @@ __getattr__, __dir__ = face(
     moving: MovingPad
     piezo: Chain Piezo SIDES fitted strip_charges
     pin_pad: SLIDING STICKING left_out
-    small_strain: CondensedPad SmallStrain condensed
+    small_strain: CondensedPad SmallStrain
     """,
 )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -74,14 +75,8 @@ class SmallStrain(Law):
             return MovingPad(linear(piece, mesh, order, films), piece)
         from skincad.mechanics.film.sliding import sliding
 
-        pad, uneven = condensed(sliding(piece, mesh, order, films)), [t for t in terms if RELIEF in t.asks]
-        return replace(pad, rise=max(term.rise for term in uneven)) if uneven else pad
-
-
-def condensed(pad: ContactPad) -> CondensedPad:
-    """Return a condensed pad to be marched."""
-    free = np.zeros(2 * pad.gap.size)
-    return CondensedPad(pad, Compliance(pad.compliance, pad.gap, free, area=pad.area))
+        rises = [term.rise for term in terms if RELIEF in term.asks]
+        return CondensedPad(sliding(piece, mesh, order, films), max(rises, default=None))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +85,13 @@ class CondensedPad:
     None of one that is."""
 
     pad: ContactPad
-    skin: Compliance
     rise: float | None = None
+
+    @cached_property
+    def skin(self) -> Compliance:
+        """The pad as a flat plate sees it, with the factorisations of its latest sets."""
+        pad = self.pad
+        return Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size), area=pad.area)
 
     @property
     def ridge(self) -> Index:
@@ -131,16 +131,12 @@ class CondensedPad:
         lower = 0.0 if relief is None else relief(self.pad.x + state.anchor)
 
         def seen(drive: Drive) -> Compliance:
-            skin = self._seen(drive)
+            skin = turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
             return skin if relief is None else replace(skin, gap=skin.gap + lower)
 
         if swing := swing_of(shares):
             return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone, swing.inert)
         return halved(seen, state, step.before, step.after, cone)
-
-    def _seen(self, drive: Drive) -> Compliance:
-        """The pad in the axes of the plate, which may have turned."""
-        return turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
 
     def shown(self, state: ContactState) -> DeformedSection:
         """Return the whole section in a state."""
@@ -191,9 +187,8 @@ class CondensedPad:
         mean += np.where(turned, 0.0, 0.5) * before.tangential
         elastic, dissipated = float(force @ self.pad.compliance @ force) / 2, -float(mean @ state.slipped)
         work = turning.work(self.pad, before, state) if before.angle or state.angle else None
-        if (
-            self.rise is not None
-        ):  # the plate lowers each point by as much as it goes down, not by its approach
+        if self.rise is not None:
+            # the plate lowers each point by as much as it goes down, not by its approach
             m = self.pad.gap.size
             was = np.concatenate([before.tangential, -before.normal])
             down = -self.skin.compliance[m:] @ (along - was)

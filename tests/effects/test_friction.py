@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.effects import Friction, MarchedPad, RidgePath, SmallStrain, Term, condensed
+from skincad.effects import CondensedPad, Friction, MarchedPad, RidgePath, SmallStrain, Term
 from skincad.mechanics import ContactPad, FrictionCoefficients
 from skincad.scenes import load_scene
 from skincad.scenes.march import march
@@ -213,7 +213,7 @@ def springs() -> ContactPad:
 def test_friction_takes_the_mean_force_of_a_step_times_the_slide(
     before: float, after: float, mean: float, way: float
 ) -> None:
-    skin, slid = condensed(springs()), 0.1
+    skin, slid = CondensedPad(springs()), 0.1
     first, last = skin.start(), skin.start()
     first = replace(first, tangential=way * np.array([before, 0.0]) + 0.0, normal=np.array([2.0, 2.0]))
     last = replace(

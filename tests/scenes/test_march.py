@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError, quantity
-from skincad.effects import CondensedPad, Friction, Law, PadChange, Reader, Share, Step, Term, condensed
+from skincad.effects import CondensedPad, Friction, Law, PadChange, Reader, Share, Step, Term
 from skincad.mechanics import ContactError, ContactPad, ContactState, Drive
 from skincad.scenes import LEVELS, History, March, Simulation, at_level, coarse_steps, frames, simulate
 from skincad.scenes.march import march
@@ -26,7 +26,7 @@ def block() -> CondensedPad:
     pad = ContactPad(
         np.diag([0.25, 0.1]), none, none, np.ones(1, dtype=np.int64), one, np.zeros((0, 3, 2)), 1
     )
-    return condensed(pad)
+    return CondensedPad(pad)
 
 
 def marched(pad: Any, drives: list[Drive], **more: Any) -> March:
@@ -57,7 +57,7 @@ def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
     none, two = np.zeros(2), np.ones(2)
     springs = np.diag([0.25, 0.25, 0.1, 0.2])
     pad = ContactPad(springs, none, none, np.array([1, 2]), two, np.zeros((0, 3, 4)), 2)
-    run = marched(condensed(pad), [Drive(force, 0.0) for force in (0.0, 1.0, 3.0, 2.0, 1.0)])
+    run = marched(CondensedPad(pad), [Drive(force, 0.0) for force in (0.0, 1.0, 3.0, 2.0, 1.0)])
     assert run.loads[:, 0].max() == pytest.approx(2.0, rel=1e-9)
 
 
@@ -96,7 +96,7 @@ class Softer(Law):
 
         pad = sliding(part, mesh, order, films)
         # its field is that of the harder pad, and would lie above the plate
-        return condensed(replace(pad, compliance=self.factor * pad.compliance, whole=None))
+        return CondensedPad(replace(pad, compliance=self.factor * pad.compliance, whole=None))
 
 
 class Thicker(PadChange):

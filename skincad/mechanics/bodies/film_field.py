@@ -174,10 +174,10 @@ def nearest(points: Array, slots: Sequence[SensorPlace], thickness: float) -> In
     return np.asarray(np.maximum(*parts).argmin(axis=1))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Patch:
-    """A piece of the mesh to draw: `place`, `shift` `(p, 2)`, `stress` `(p, 4)` at its points,
-    `triangles` `(t, 3)` of them, `film` `(t,)` those of the film."""
+    """A piece of the mesh to draw: `place`, `shift` `(p, 2)`, `stress` `(p, 4)`, xx, xz, zz and yy, at its
+    points, `triangles` `(t, 3)` of them, `film` `(t,)` those of the film."""
 
     place: Array
     shift: Array

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index, Mask
+from skincad.base.arrays import Array
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
@@ -23,19 +23,13 @@ REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and wh
 
 
 @dataclass(frozen=True, eq=False)
-class RidgeField:
-    """A ridge and what is around it: `place` and `shift` `(p, 2)` mm, `stress` `(p,)` MPa across the ridge,
-    from one strip's middle towards the other's, `triangles` `(t, 3)` of the points, `film` `(t,)` the film's.
-    `middle` mm is the place half-way between the two strips.
+class RidgeField(Patch):
+    """A ridge and what is around it, in mm and MPa; `stress` `(p,)` is that across the ridge, from one
+    strip's middle towards the other's. `middle` mm is the place half-way between the two strips.
     """
 
     ridge: int
     middle: tuple[float, float]
-    place: Array
-    shift: Array
-    stress: Array
-    triangles: Index
-    film: Mask
 
 
 def ridge_field(solution: StickSolution, ridge: int, tangential: float) -> RidgeField:
@@ -48,45 +42,32 @@ def ridge_field(solution: StickSolution, ridge: int, tangential: float) -> Ridge
     for side, displacement in zip((1, -1), state.displacement, strict=False):
         film_field.set_state(solution.body, displacement)
         patches.append(film_field.field(solution.body, middle / piece.unit * [side, 1], REACH))
-    patch = joined(patches)
-    xx, xz, zz, _ = patch.stress.T * piece.pad.young_modulus
-    return RidgeField(
-        ridge=ridge,
-        middle=(float(middle[0]), float(middle[1])),
-        place=patch.place * piece.unit,
-        shift=patch.shift * piece.unit,
-        stress=xx * x * x + 2 * xz * x * z + zz * z * z,
-        triangles=patch.triangles,
-        film=patch.film,
-    )
+    patch = _joined(piece, patches)
+    xx, xz, zz, _ = patch.stress.T
+    across = replace(patch, stress=xx * x * x + 2 * xz * x * z + zz * z * z)
+    return RidgeField(**vars(across), ridge=ridge, middle=(float(middle[0]), float(middle[1])))
 
 
-def joined(patches: Sequence[Patch]) -> Patch:
-    """Return a patch as it is, or a piece's with that of its mirror image about x = 0, which is the second,
-    drawn where the piece is."""
-    if len(patches) == 1:
-        return patches[0]
-    here, image = patches
-    return Patch(
-        np.concatenate([here.place, image.place * [-1, 1]]),
-        np.concatenate([here.shift, image.shift * [-1, 1]]),
-        np.concatenate([here.stress, image.stress * [1, -1, 1, 1]]),
-        np.concatenate([here.triangles, image.triangles + len(here.place)]),
-        np.concatenate([here.film, image.film]),
-    )
+def _joined(piece: PadPiece, patches: Sequence[Patch]) -> Patch:
+    """A piece's patch in mm and MPa; of a mirrored pad with that of its image about x = 0, the second, which
+    is drawn where the piece is."""
+    here, unit, modulus = patches[0], piece.unit, piece.pad.young_modulus
+    if len(patches) > 1:
+        image = patches[1]
+        here = Patch(
+            np.concatenate([here.place, image.place * [-1, 1]]),
+            np.concatenate([here.shift, image.shift * [-1, 1]]),
+            np.concatenate([here.stress, image.stress * [1, -1, 1, 1]]),
+            np.concatenate([here.triangles, image.triangles + len(here.place)]),
+            np.concatenate([here.film, image.film]),
+        )
+    return replace(here, place=here.place * unit, shift=here.shift * unit, stress=here.stress * modulus)
 
 
 @dataclass(frozen=True, eq=False)
-class DeformedSection:
-    """The deformed section: `place`, `shift` `(p, 2)` mm, `stress` `(p, 4)` MPa, xx, xz, zz and yy, of its
-    points, `triangles` `(t, 3)` of them, `film` `(t,)` those of the film. The plate is the line through
-    (0, `plate`) mm at `angle` rad."""
+class DeformedSection(Patch):
+    """The deformed section, in mm and MPa. The plate is the line through (0, `plate`) mm at `angle` rad."""
 
-    place: Array
-    shift: Array
-    stress: Array
-    triangles: Index
-    film: Mask
     plate: float
     angle: float
 
@@ -106,18 +87,7 @@ class WholeState:
         for moved in self._moved(force):
             film_field.set_state(self.body, moved)
             patches.append(film_field.field(self.body, np.zeros(2), math.inf, 1))
-        patch = joined(patches)
-        unit, modulus = self.piece.unit, self.piece.pad.young_modulus
-        place, shift = patch.place * unit, patch.shift * unit
-        return DeformedSection(
-            place=place,
-            shift=shift,
-            stress=patch.stress * modulus,
-            triangles=patch.triangles,
-            film=patch.film,
-            plate=plate,
-            angle=angle,
-        )
+        return DeformedSection(**vars(_joined(self.piece, patches)), plate=plate, angle=angle)
 
     def fault(
         self,

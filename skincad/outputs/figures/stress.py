@@ -13,6 +13,7 @@ from PIL import Image
 
 from skincad.base.arrays import Array, Index
 from skincad.base.estimate import Estimate
+from skincad.mechanics.bodies.film_field import Patch
 from skincad.mechanics.film.fields import DeformedSection, RidgeField
 from skincad.mechanics.film.stress import FilmStress
 from skincad.outputs.figures.canvas import (
@@ -116,9 +117,7 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
     )
 
 
-def _draw_silicone(
-    axes: Axes, body: RidgeField | DeformedSection, stress: Array, limit: float, **film: Any
-) -> ScalarMappable:
+def _draw_silicone(axes: Axes, body: Patch, stress: Array, limit: float, **film: Any) -> ScalarMappable:
     """Draw a deformed body in the colours of its stress, with its films; `film` is their edges' look."""
     points = body.place + body.shift
     silicone = Triangulation(points[:, 0], points[:, 1], body.triangles[~body.film])

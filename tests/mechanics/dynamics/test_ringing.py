@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skincad import mechanics as mech
-from skincad.effects import ModalPad, MovingPad, PlatePath, condensed, plate_ringing
+from skincad.effects import CondensedPad, ModalPad, MovingPad, PlatePath, plate_ringing
 from skincad.inputs.material import silicone
 from skincad.mechanics.dynamics import ringing
 from skincad.scenes import March, Scene, energy, halts_of, load_scene, piece_for, slips_of
@@ -40,7 +40,7 @@ def scene() -> Scene:
 def parts(order: int = ORDER) -> tuple:  # type: ignore[type-arg]
     piece = piece_for(scene(), {})
     mesh = mech.triangles(piece.pad, mech.default_sizes(piece.pad, FINENESS))
-    pad = condensed(mech.sliding(piece, mesh, order, True))
+    pad = CondensedPad(mech.sliding(piece, mesh, order, True))
     return piece, mesh, pad
 
 

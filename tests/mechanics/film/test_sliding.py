@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from skincad import mechanics as mech
-from skincad.effects import CondensedPad, Share, Step, condensed
+from skincad.effects import CondensedPad, Share, Step
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.film import sliding as sliding_pad
@@ -271,7 +271,7 @@ def stiff_circle() -> CondensedPad:
     x, gap = RADIUS * np.sin(angle), 2 * RADIUS * np.sin(angle / 2) ** 2
     none = np.zeros((0, 3, 2 * x.size))
     ridge = np.ones(x.size, dtype=np.int64)
-    return condensed(mech.ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
+    return CondensedPad(mech.ContactPad(1e-9 * np.eye(2 * x.size), gap, x, ridge, np.ones(x.size), none, 1))
 
 
 def marched(
@@ -338,7 +338,7 @@ def test_a_turned_plate_is_a_turned_pull() -> None:
     )
     angle = math.radians(5.0)
     drives = [mech.Drive(0.0, 0.0), mech.Drive(0.0, 0.0, angle=angle), mech.Drive(2.0, 0.5, angle=angle)]
-    state = marched(condensed(point), drives, mech.FrictionCoefficients(1.0, 1.0))[-1]
+    state = marched(CondensedPad(point), drives, mech.FrictionCoefficients(1.0, 1.0))[-1]
     x = 2.0 * math.sin(angle) + 0.5 * math.cos(angle)
     z = -2.0 * math.cos(angle) + 0.5 * math.sin(angle)
     by_hand = np.array([0.3 * x, 0.1 * z])
@@ -353,7 +353,7 @@ def test_work_is_what_is_stored_and_lost() -> None:
         pad = meshed()[2]
         drives = [mech.Drive(1.2 * i / steps, 0.0) for i in range(steps + 1)]
         drives += [mech.Drive(1.2, 0.0, angle=math.radians(2.0) * i / steps) for i in range(1, steps + 1)]
-        model = condensed(pad)
+        model = CondensedPad(pad)
         states = marched(model, drives, mech.FrictionCoefficients(0.0, 0.0))
         readings = [model.reading(a, b) for a, b in pairwise([states[0], *states])]
         press_work = 0.5 * sum(
