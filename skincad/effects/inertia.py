@@ -6,10 +6,9 @@ periods 2 pi / w that are to be seen, which they lengthen by about (w dt)^2 / 12
 mass, so that they neither bounce nor chatter, and impacts leave order 2. Points that slide on and on flutter
 where nothing viscous damps them, the more the smaller the steps; as Coulomb sliding of an elastic body is ill
 posed (Renardy, J. Elasticity 27 (1992) 281), that is no surprise, but no other method was tried. So name
-[effects.viscosity] too. With it a pad of three ridges that is
-dragged at 0.8 m/s keeps its energy to 3e-4 of the work at 2e-5 s and to 1e-5 at 2e-6 s; without it to 5e-3 at
-1e-5 s and 2e-2 at 5e-6 s. Chung and Hulbert, J. Appl. Mech. 60 (1993) 371. Reference cases: a clamped layer's
-frequency, an oscillator with friction, a plate that strikes a bar (tests/mechanics/dynamics/test_steps.py).
+[effects.viscosity] too (docs/evidence/scenes.md#masses). Chung and Hulbert, J. Appl. Mech. 60 (1993) 371.
+Reference cases: a clamped layer's frequency, an oscillator with friction, a plate that strikes a bar
+(tests/mechanics/dynamics/test_steps.py).
 
 What leaving them out changes is told from a march without masses. The skin is a spring along x and one
 downwards. The first is the march's largest pull over the plate's travel. The second is a tenth of the largest
@@ -34,9 +33,7 @@ from skincad.base.tables import quantity
 from skincad.effects.kinds import MASS, RATE, LeftOutEffect, PlatePath, SceneOutline, Share, Step, Term
 from skincad.mechanics.dynamics.ringing import FREE_TOP, Ringer, ringer, skin_mass
 
-CALIBRATED = (
-    1.4  # of a plate that forces move; fitted to 46 random scenes: ridges also slip and share the load again
-)
+CALIBRATED = 1.4  # of a plate that forces move; fitted: ridges also slip and share the load again
 WITHIN, ROUGHLY = 4.0, 7.0  # the second where nothing is pulled, or the plate is driven
 TONNE = 1e-6  # of a gram
 FIRST_MODE = 2 / math.pi  # of a sawtooth from 1 to -1

@@ -3,8 +3,7 @@
 Just before the first ridge slips most of the contact sticks, so that what each ridge bears hangs little on
 the law: by Coulomb the ridge with the largest tangential by normal force is next, by a constant shear stress
 the one with the largest by contact area. An estimate: parts of ridges slip already by
-then. Of six scenes marched by both laws (`python -m bench.table_friction_laws`) the first ridge changed in
-four: it said so of three, and of no other; in two of these it named the ridge that slips second.
+then (docs/evidence/scenes.md#laws-of-friction).
 """
 
 from __future__ import annotations
