@@ -27,7 +27,6 @@ from skincad.mechanics.bodies.plane_body import NO_LAWS, NeoHookeBody, dilatatio
 from skincad.mechanics.problem import ContactError
 from skincad.shape.feature import SensorPlace
 
-PIECES = 2  # a triangle's edge is drawn in so many
 AREA = 1e-9  # relative; the triangles of a strip make up its area
 
 
@@ -161,17 +160,11 @@ def strips_of(mesh: Any, slots: Sequence[SensorPlace], thickness: float, unit: f
     """Return the elements of domain `film` and the number of the strip that each lies in, both `(e,)`."""
     inside = list(mesh.Materials("film").Elements())
     numbers = np.array([e.nr for e in inside], dtype=np.int64)
-    return numbers, nearest(fe.centres(mesh, inside) * unit, slots, thickness)
-
-
-def nearest(points: Array, slots: Sequence[SensorPlace], thickness: float) -> Index:
-    """Number of the strip that each point, mm, lies in."""
-    centre = np.array([s.centre for s in slots])
+    away = (fe.centres(mesh, inside) * unit)[:, None] - np.array([s.centre for s in slots])
     along, normal = np.array([s.direction for s in slots]), np.array([s.normal for s in slots])
-    away = points[:, None] - centre
     depth = np.array([s.depth for s in slots])
     parts = np.abs((away * along).sum(2)) / depth, np.abs((away * normal).sum(2)) / thickness
-    return np.asarray(np.maximum(*parts).argmin(axis=1))
+    return numbers, np.maximum(*parts).argmin(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +179,7 @@ class Patch:
     film: Mask
 
 
-def field(body: StripBody, centre: Array, reach: float, cuts: int = PIECES) -> Patch:
+def field(body: StripBody, centre: Array, reach: float, cuts: int) -> Patch:
     """Return the state within `reach` of `centre`, in units; a triangle's edge is drawn in so many `cuts`."""
     mesh = body.system.mesh
     lattice = [(i, j) for j in range(cuts + 1) for i in range(cuts + 1 - j)]
@@ -240,7 +233,9 @@ class StripStress:
         size, *sums = total[strip].T
         whole = body.form.mat.CreateColVector()
         load = whole.FV().NumPy()
-        volume, *parts = (self._assembled(slope)[inside] for slope in self.slopes)
+        for slope in self.slopes:
+            slope.Assemble()
+        volume, *parts = (slope.vec.FV().NumPy()[inside] for slope in self.slopes)
         rows = np.zeros((len(total), len(parts), values.size))
         for j, part in enumerate(parts):
             load[:] = 0.0
@@ -261,11 +256,6 @@ class StripStress:
         total = np.zeros((self.strip.max(initial=-1) + 1, len(sums)))
         np.add.at(total, self.strip, np.array(sums).T[self.elements])
         return total
-
-    @staticmethod
-    def _assembled(slope: Any) -> Array:
-        slope.Assemble()
-        return np.array(slope.vec.FV().NumPy())
 
 
 def strip_stress(

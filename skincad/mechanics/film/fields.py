@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from skincad.mechanics.bodies.film_field import Patch, StripBody
 from skincad.mechanics.bodies.plane_body import undetected_contact
 from skincad.mechanics.film.stick import Half, PadPiece, StickSolution, load_scale
 
+PIECES = 2  # a triangle's edge around a ridge is drawn in so many
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
 
 
@@ -38,22 +40,24 @@ def ridge_field(solution: StickSolution, ridge: int, tangential: float) -> Ridge
     first, second = np.array([slot.centre for slot in piece.whole.section.slots if slot.feature == ridge])
     x, z = (second - first) / np.hypot(*(second - first))
     middle = (first + second) / 2
-    patches = []
-    for side, displacement in zip((1, -1), state.displacement, strict=False):
-        film_field.set_state(solution.body, displacement)
-        patches.append(film_field.field(solution.body, middle / piece.unit * [side, 1], REACH))
-    patch = _joined(piece, patches)
+    patch = _patch(piece, solution.body, state.displacement, middle / piece.unit, REACH, PIECES)
     xx, xz, zz, _ = patch.stress.T
     across = replace(patch, stress=xx * x * x + 2 * xz * x * z + zz * z * z)
     return RidgeField(**vars(across), ridge=ridge, middle=(float(middle[0]), float(middle[1])))
 
 
-def _joined(piece: PadPiece, patches: Sequence[Patch]) -> Patch:
-    """A piece's patch in mm and MPa; of a mirrored pad with that of its image about x = 0, the second, which
-    is drawn where the piece is."""
-    here, unit, modulus = patches[0], piece.unit, piece.pad.young_modulus
+def _patch(
+    piece: PadPiece, body: StripBody, moved: Iterable[Array], centre: Array, reach: float, cuts: int
+) -> Patch:
+    """The state within `reach` of `centre`, both in units, in mm and MPa; `moved` as in `collision`, `cuts`
+    as in `film_field.field`."""
+    patches, unit, modulus = [], piece.unit, piece.pad.young_modulus
+    for way, displacement in zip((1, -1), moved, strict=False):
+        film_field.set_state(body, displacement)
+        patches.append(film_field.field(body, centre * [way, 1], reach, cuts))
+    here = patches[0]
     if len(patches) > 1:
-        image = patches[1]
+        image = patches[1]  # about x = 0, drawn where the piece is
         here = Patch(
             np.concatenate([here.place, image.place * [-1, 1]]),
             np.concatenate([here.shift, image.shift * [-1, 1]]),
@@ -83,11 +87,8 @@ class WholeState:
 
     def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
-        patches = []
-        for moved in self._moved(force):
-            film_field.set_state(self.body, moved)
-            patches.append(film_field.field(self.body, np.zeros(2), math.inf, 1))
-        return DeformedSection(**vars(_joined(self.piece, patches)), plate=plate, angle=angle)
+        patch = _patch(self.piece, self.body, self._moved(force), np.zeros(2), math.inf, 1)
+        return DeformedSection(**vars(patch), plate=plate, angle=angle)
 
     def fault(
         self,
@@ -139,15 +140,12 @@ def collision(
     is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
     """
 
-    def over(x: Array) -> Array:
-        more = 0.0 if give is None else np.interp(x * piece.unit, *give) / piece.unit
-        return np.asarray(plate / piece.unit + math.tan(angle) * x + more)
+    def over(way: int, x: Array) -> Array:
+        """The plate over the piece, or, `way` being -1, over its image."""
+        more = 0.0 if give is None else np.interp(way * x * piece.unit, *give) / piece.unit
+        return np.asarray(plate / piece.unit + math.tan(angle) * (way * x) + more)
 
-    def over_image(x: Array) -> Array:
-        return over(-x)
-
-    outlines = [elements.outlines(body.system, side) for side in moved]
-    collisions = (
-        undetected_contact(loops, height) for loops, height in zip(outlines, (over, over_image), strict=False)
-    )
-    return next((words for words in collisions if words), None)
+    for side, way in zip(moved, (1, -1), strict=False):
+        if words := undetected_contact(elements.outlines(body.system, side), partial(over, way)):
+            return words
+    return None
