@@ -51,8 +51,7 @@ class LeftOutEffect(Record):
     @property
     def warning(self) -> str:
         """What a scene that leaves it out is warned of."""
-        how = f", {self.certainty}"
-        may = f"leaving it out may change signals by {self.change:.0%}{how}"
+        may = f"leaving it out may change signals by {self.change:.0%}, {self.certainty}"
         return f"{self.effect} is left out: {self.indicator}; {may}"
 
     @property
@@ -112,11 +111,6 @@ class SceneOutline:
     friction: float = 0.0
 
     @property
-    def end(self) -> float:
-        """How far the march got, s."""
-        return float(self.path.time[-1])
-
-    @property
     def pulls(self) -> bool:
         """Whether the history moves or pulls the plate along."""
         return any(self.loads[1])
@@ -160,6 +154,11 @@ class Share:
     swing: Swing | None = None
     relief: Callable[[Array], Array] | None = None
     more: Mapping[str, Any] | None = None
+
+
+def friction_of(shares: Sequence[Share]) -> FrictionCoefficients:
+    """Return what friction bears in a step, nothing where no term says."""
+    return next((share.cone for share in shares if share.cone), FrictionCoefficients(0.0, 0.0))
 
 
 def swing_of(shares: Sequence[Share]) -> Swing | None:

@@ -10,14 +10,12 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import Observables, Share, Step
-from skincad.mechanics.contact.state import ContactState, FrictionCoefficients
+from skincad.effects.kinds import Observables, Share, Step, friction_of
+from skincad.mechanics.contact.state import ContactState
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
-
-FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
@@ -58,9 +56,8 @@ class MovingPad:
         """Return the converged state at the step's end."""
         if any(share.more for share in shares):
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
-        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
         start, length = replace(state, drive=step.before), step.end - step.start
-        return self.pad.step(start, step.after, length, cone, matter_of(step, shares))
+        return self.pad.step(start, step.after, length, friction_of(shares), matter_of(step, shares))
 
     def grip(self, state: DynamicState) -> ContactState:
         """Return the contact of a state."""

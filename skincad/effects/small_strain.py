@@ -28,11 +28,12 @@ from skincad.effects.kinds import (
     Share,
     Step,
     Term,
+    friction_of,
     swing_of,
 )
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.frictional import halved, solve_contact
-from skincad.mechanics.contact.state import Compliance, ContactState, Drive, FrictionCoefficients, at_rest
+from skincad.mechanics.contact.state import Compliance, ContactState, Drive, at_rest
 from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.fields import DeformedSection, WholeState
     from skincad.mechanics.film.sliding import ContactPad
     from skincad.mechanics.film.stick import PadPiece
-
-FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 class SmallStrain(Law):
@@ -126,7 +125,7 @@ class CondensedPad:
         """Return the converged state at the step's end."""
         if any(share.more for share in shares):
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
-        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        cone = friction_of(shares)
         relief = next((share.relief for share in shares if share.relief), None)
         lower = 0.0 if relief is None else relief(self.pad.x + state.anchor)
 

@@ -190,7 +190,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     assert seen
     for judged in seen:
         assert judged.ridge_normal == 0.3
-        assert judged.end == 1.0
+        assert judged.path.time[-1] == 1.0
         assert judged.pulls
         assert judged.driven == (key == "displacement_mm")
         assert judged.friction == scene.effects["friction"]["coefficient"]

@@ -6,7 +6,7 @@ Jansen, Whiting, Hulbert, CMAME 190 (2000) 305, whose method damps the highest m
 equal steps it is BDF2. Both are of order 2 where velocities are smooth.
 
 At a step's end K u + D e + M a = r, with K the elastic stiffness, D its relaxing part, e what of the strain
-has not relaxed yet, M the mass and r the contact forces; steps.py says where within a step it is met.
+has not relaxed yet, M the mass and r the contact forces; `Scheme` says where within a step it is met.
 Branches that relax are integrated exactly for strains straight in time: Taylor, Pister, Goudreau, IJNME 2
 (1970) 45; Simo and Hughes, Computational Inelasticity, 1998, sec. 10.3.
 
