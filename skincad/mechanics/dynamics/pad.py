@@ -153,6 +153,6 @@ def _strips(
     count = len(piece.slots)
     turned = []
     for one in np.eye(4 * count):
-        turned.append(on_whole(piece, in_strip_axes(one.reshape(count, 4), piece.slots), parity or 1).ravel())
+        turned.append(on_whole(piece, in_strip_axes(one.reshape(count, 4), piece.slots), parity).ravel())
     turn = sparse.csr_matrix(np.array(turned).T)
     return sparse.csr_matrix(turn @ moving.strips[0]), sparse.csr_matrix(turn @ moving.strips[1])

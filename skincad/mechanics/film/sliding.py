@@ -18,7 +18,14 @@ from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
 from skincad.mechanics.film.fields import WholeState
-from skincad.mechanics.film.stick import Half, PadPiece, in_strip_axes, on_whole, points_flexibility
+from skincad.mechanics.film.stick import (
+    Half,
+    PadPiece,
+    in_strip_axes,
+    load_scale,
+    on_whole,
+    points_flexibility,
+)
 from skincad.mechanics.problem import Pad, SizeError
 
 MOST_CONTACT_UNKNOWNS = 4000  # both components; dense blocks of 0.1 GB each
@@ -139,7 +146,7 @@ def whole_points(piece: PadPiece, body: StripBody) -> WholePoints:
     return WholePoints(
         of=of,
         left=left,
-        share=0.5 if piece.mirrored else 1.0,
+        share=load_scale(piece)[1],
         x=np.where(left, -x[of], x[of]),
         gap=gap - gap.min(),
         area=weight[of] * piece.unit * piece.pad.length,
@@ -167,5 +174,5 @@ def _stress_rows(piece: PadPiece, functionals: Array, half: Half, small: Condens
     force at the points brings."""
     sides = in_strip_axes(functionals, piece.slots).reshape(-1, functionals.shape[2]).T
     per_force = np.asarray(half.points @ small.solve(sides)).T
-    whole = on_whole(piece, per_force.reshape(functionals.shape[0], -1), half.parity or 1)
+    whole = on_whole(piece, per_force.reshape(functionals.shape[0], -1), half.parity)
     return whole.reshape(len(whole), 3, -1)
