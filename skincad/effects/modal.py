@@ -92,13 +92,13 @@ class ModalPad:
         method = remembered(self.prepared, dt, partial(mode_step, self.modes, dt))
         points, drive, of_plate = self.modes.points, step.after, scheme(dt, state.matter.damped)
         free = np.einsum("kij,kj->ki", method.stays, state.swings)
-        free += method.before * (points.T @ _force(state.contact))[:, None]
+        free += method.before * (points.T @ state.contact.force)[:, None]
         inert, pushing = plate_inertia(state, drive, of_plate)
         swing = Swing(method.compliance, points @ free[:, 0], pushing, inert, np.float64(dt).tobytes())
 
         def after(still: Any) -> ModalState:
             contact = self.still.grip(still)
-            swings = free + method.after * (points.T @ _force(contact))[:, None]
+            swings = free + method.after * (points.T @ contact.force)[:, None]
             slow, fast = state.swings[:, 1], swings[:, 1]
             viscous = float(self.modes.damping @ (slow**2 + slow * fast + fast**2)) * dt / 3
             fields = {"still": still, "swings": swings, "viscous": viscous}
@@ -111,7 +111,7 @@ class ModalPad:
 
     def _off(self, state: ModalState) -> Array:
         """How far modes are from where the contact's forces would hold them `(r,)`."""
-        held = self.modes.points.T @ _force(state.contact) / self.modes.frequency**2
+        held = self.modes.points.T @ state.contact.force / self.modes.frequency**2
         return np.asarray(state.swings[:, 0] - held)
 
     def grip(self, state: ModalState) -> ContactState:
@@ -148,8 +148,3 @@ class ModalPad:
             viscous=state.viscous,
             work=state.work,
         )
-
-
-def _force(contact: ContactState) -> Array:
-    """The plate's forces on the points `(2 m,)`, in x, then in z, N."""
-    return np.concatenate([contact.tangential, -contact.normal])

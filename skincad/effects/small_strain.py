@@ -171,15 +171,14 @@ class CondensedPad:
 
     def _placed(self, state: ContactState) -> tuple[Array, float, float]:
         """Forces on the skin, and the plate: its height over x = 0, mm, and its angle."""
-        force = turning.in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
+        force = turning.in_skin_axes(state.force, state.angle)
         height = self._whole.piece.whole.top - turning.depth(self.pad, state) / math.cos(state.angle)
         height += self.rise or 0.0  # what is looked for lies behind the foremost level by no more
         return force, height, state.angle
 
     def reading(self, before: ContactState, state: ContactState) -> Observables:
         """Return the observables of a state."""
-        along = np.concatenate([state.tangential, -state.normal])
-        force = turning.in_skin_axes(along, state.angle) if state.angle else along
+        force = turning.in_skin_axes(state.force, state.angle) if state.angle else state.force
         # a force that turned round within the step had done so before its point slipped
         turned = before.tangential * state.tangential < 0
         mean = np.where(turned, 1.0, 0.5) * state.tangential
@@ -189,8 +188,7 @@ class CondensedPad:
         if self.rise is not None:
             # the plate lowers each point by as much as it goes down, not by its approach
             m = self.pad.gap.size
-            was = np.concatenate([before.tangential, -before.normal])
-            down = -self.skin.compliance[m:] @ (along - was)
+            down = -self.skin.compliance[m:] @ (state.force - before.force)
             pull = float((before.tangential + state.tangential).sum()) / 2
             work = float((before.normal + state.normal) / 2 @ down) + pull * (state.travel - before.travel)
         return Observables.of(state, self.pad.strips @ force, elastic, dissipated, work=work)

@@ -153,6 +153,11 @@ class ContactState:
         return np.asarray((self.status >= RIGHT) & (np.abs(self.slipped) > least))
 
     @property
+    def force(self) -> Array:
+        """Forces on the skin `(2 m,)` N, in x, then in z."""
+        return np.concatenate([self.tangential, -self.normal])
+
+    @property
     def touches(self) -> Mask:
         """Points `(m,)` that touch the plate."""
         return np.asarray(self.status != OPEN)

@@ -362,7 +362,7 @@ class PadEquations:
 
     def contact_force(self, state: ContactState) -> Array:
         """Forces `(n, halves)` on the unknowns of the part, N."""
-        force = self.share * np.concatenate([state.tangential, -state.normal])
+        force = self.share * state.force
         return np.stack([half.points.T @ force for half in self.halves], axis=1)
 
     def _after(

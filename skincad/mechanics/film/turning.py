@@ -66,7 +66,7 @@ def depth(pad: ContactPad, state: ContactState) -> float:
 
 def _moment(pad: ContactPad, state: ContactState) -> float:
     """What the plate does, N mm, when it turns: forces at their places along it and at its height."""
-    force = in_skin_axes(np.concatenate([state.tangential, -state.normal]), state.angle)
+    force = in_skin_axes(state.force, state.angle)
     moved_x, moved_z = np.split(pad.compliance @ force, 2)
     place = _along(pad, state.angle) + math.cos(state.angle) * moved_x + math.sin(state.angle) * moved_z
     return float(-state.normal @ place + depth(pad, state) * state.tangential.sum())
