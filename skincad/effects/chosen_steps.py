@@ -24,7 +24,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import Drift, Observables, Share, Step, swing_of
+from skincad.effects.kinds import Drift, Observables, Share, Step, friction_of, swing_of
 from skincad.mechanics.bodies.film_field import StripStress
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
 from skincad.mechanics.contact.frictional_pad import (
@@ -57,7 +57,6 @@ UPDATE_INTERVAL = 1 / 12
 STICKING_FACTOR = 2.0
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
 MAX_HALVINGS = 5  # of a step, where each is a chosen one
-FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +148,7 @@ class ChosenPad:
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         if step.after.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
-        cone = next((share.cone for share in shares if share.cone), FRICTIONLESS)
+        cone = friction_of(shares)
         if self.interval == 0.0:
             with one_blas_thread():
                 return self._equilibrium(state, step.before, step.after, cone)
@@ -177,7 +176,7 @@ class ChosenPad:
         missed, cut, grown = state.tangent.drift, state.tangent.cut, max(1.0, state.distance**2)
         if not state.tangent.state.values.any():
             part = UPDATE_INTERVAL * state.distance
-            borne = np.abs(self._of_ridges(_on_skin(state.contact)))
+            borne = np.abs(self._of_ridges(state.contact.force))
             return Drift(part * borne, part * np.abs(state.films), state.chosen, cut)
         return Drift(missed.forces * grown, missed.films * grown, state.chosen, cut)
 
@@ -241,7 +240,7 @@ class ChosenPad:
             return after
         try:
             state = self._newton(replace(after, contact=before.contact), end, cone, self._guess(after), swing)
-            sunk = None if swing is None else swing.sunk(_on_skin(state.contact))
+            sunk = None if swing is None else swing.sunk(state.contact.force)
             if wrong := undetected_contact(self.pad, state, not self.folds, sunk):
                 raise ContactError(wrong)
             return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
@@ -272,12 +271,12 @@ class ChosenPad:
         skin = replace(tangent.skin, free=tangent.skin.free + share * tangent.correction)
 
         def of(contact: ContactState) -> ChosenState:
-            force = _on_skin(contact)
+            force = contact.force
             place = skin.compliance @ force + skin.free
             films = (
                 tangent.films + tangent.per_force @ (force - tangent.force) + share * tangent.film_correction
             )
-            stored = before.elastic + float((force + _on_skin(before.contact)) @ (place - before.place)) / 2
+            stored = before.elastic + float((force + before.contact.force) @ (place - before.place)) / 2
             moved = np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0)
             distance = max(before.distance, float(moved) / self.interval if self.interval else 0.0)
             spent = dissipated(before.contact, contact)
@@ -295,7 +294,7 @@ class ChosenPad:
         """The pad's latest tangent, kept from an equilibrium on; `after` is where the one before led, and
         what it missed is corrected from here on."""
         pad, linear = self.pad, self.pad.tangents[0]  # of a state that is off by the drift, or nearer
-        force = _on_skin(state.contact)
+        force = state.contact.force
         place = pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ force
         skin = Compliance(
             linear.compliance, pad.gap, place - linear.compliance @ force, linear.solved, pad.area
@@ -304,7 +303,7 @@ class ChosenPad:
         correction, film_correction = np.zeros_like(place), np.zeros_like(films)
         drift = Drift(np.zeros((2, pad.ridge.max(initial=0))), np.zeros_like(films))
         if after is not None:
-            led = _on_skin(after.contact)
+            led = after.contact.force
             film_correction = after.films - films - per_force @ (led - force)
             correction = after.place - (linear.compliance @ led + skin.free)
             forces = STICKING_FACTOR * np.abs(self._of_ridges(led - force))
@@ -345,11 +344,6 @@ class ChosenPad:
     def _of_ridges(self, force: Array) -> Array:
         """The sums of both forces on each ridge `(2, ridges)`."""
         return np.array([np.bincount(self.pad.ridge, part)[1:] for part in force.reshape(2, -1)])
-
-
-def _on_skin(contact: ContactState) -> Array:
-    """The contact's forces on the skin `(2 m,)`, N, in x, then in z."""
-    return np.concatenate([contact.tangential, -contact.normal])
 
 
 def _joined(first: ChosenState, second: ChosenState) -> ChosenState:

@@ -29,7 +29,7 @@ from skincad.scenes import (
     load_scene,
     marched,
     marching,
-    models,
+    plan,
     read_out,
     simulate,
 )
@@ -264,7 +264,7 @@ def march() -> SceneRun:
     """Three ridges, pressed: the skin is its own mirror image."""
     settings = ("effects.piezo.circuit=transimpedance", "history.steps=12", "readout.bandwidth_Hz=50.0")
     with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
-        patch.setattr(models, "LEVELS", LEVELS[:1])
+        patch.setattr(plan, "LEVELS", LEVELS[:1])
         scene = small_scene(Path(folder), "yamada-2002-press", THIRD, *settings, "readout.ridges=[1, 2, 3]")
         return marched(scene.with_(skin=scene.design))
 
@@ -365,7 +365,7 @@ def test_a_march_read_by_another_circuit_is_as_if_marched_anew() -> None:
     )
     assert marching(other) == marching(pressed().scene)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(models, "LEVELS", LEVELS[:1])
+        patch.setattr(plan, "LEVELS", LEVELS[:1])
         anew = simulate(other, model="small_strain").as_json()
     data = read_out(other, march()).as_json()
     assert {k: v for k, v in data.items() if k != "seconds"} == {

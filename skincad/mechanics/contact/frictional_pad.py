@@ -248,6 +248,5 @@ def _compliance(pad: FrictionalPad, linear: Tangential, ahead: Array) -> Complia
 def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:
     """Return what the contact adds to the residual `(n,)`, in units."""
     push = np.zeros(pad.body.free.size)
-    force = np.concatenate([contact.tangential, -contact.normal]) / pad.scale
-    push[pad.contact] = -(pad.rows.T @ force)
+    push[pad.contact] = -(pad.rows.T @ (contact.force / pad.scale))
     return push
