@@ -129,10 +129,12 @@ def test_a_finer_mesh_that_fails_does_not_cost_what_was_good_enough(
         return replace(last, failed=True, stopped="step 2") if len(marches) == 3 else last
 
     monkeypatch.setattr(plan, "march_on", fail_third)
-    simulation = two_steps(tmp_path, budget=1e6)
+    press = small_scene(tmp_path, "yamada-2002-press", "history.steps=2", "readout.ridges=[1]", THIRD)
+    runs_made = marched(press, budget=1e6).runs
     assert len(marches) == 3
-    assert simulation.march is marches[1]
-    assert any("a finer mesh stopped at step 2" in warning for warning in simulation.warnings)
+    assert runs_made.march is marches[1]
+    assert runs_made.before is marches[0]  # not the march itself, which would tell no error
+    assert any("a finer mesh stopped at step 2" in note for note in runs_made.notes)
 
 
 PULLED = (
