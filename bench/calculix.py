@@ -346,7 +346,7 @@ def own(pad: Pad, model: str, fineness: float, order: int) -> PressedPad:
     """Return skincad's level of a model; its time is the median of a few runs, the first left out."""
     seconds, more = [], []
     for _ in range(REPEATS):
-        solver = linear.level if model == "linear" else finite_strain.Levels()
+        solver = linear.level if model == "linear" else finite_strain.level
         started, clock = process_time(), perf_counter()
         answer = solver(plane_piece(pad, fineness), order, FORCE, ())
         seconds.append(process_time() - started)

@@ -38,8 +38,8 @@ from skincad.material import (
 )
 from skincad.material.acceptance import APPROACH_ERROR
 from skincad.material.press_model import press_model
-from skincad.mechanics import Layers, Levels, Pad, PadLayer, pad_of, plane_piece, press, spread_of
-from skincad.mechanics.models import corrected, friction, linear
+from skincad.mechanics import Layers, Pad, PadLayer, pad_of, plane_piece, press, spread_of
+from skincad.mechanics.models import corrected, finite_strain, friction, linear
 from skincad.shape import Point, Segment, skin_of
 
 TEMPLATES = ("yamada-2002", "lab-bench", "fingertip-soft", "plain-ridges", "steep-fingertip", "home-printer")
@@ -97,14 +97,14 @@ class Bench:
 @cache
 def bench_of(name: str) -> Bench:
     design = skincad.load_design(name)
-    pad, plain, levels = pad_of(design), corrected.plain_pad(design), Levels()
+    pad, plain, finite = pad_of(design), corrected.plain_pad(design), None
     first = small_strain_curve(design, silicone(design).young_modulus.value, Stopwatch(None))
     largest = min(PRESS * design.contact.force, RANGE * float(first.force[-1]))
     meshed, rows = plane_piece(pad, 0.5), [(0.0, math.nan, 1.0)]
     for share in STRAINED_AT:
         force = share * largest
         try:
-            finite = levels(meshed, 3, force).approach
+            finite = finite_strain.level(meshed, 3, force, before=finite)
         except (InputError, RefusedError):
             break
         both = corrected.free_ends(plain, force, {}, FINE_ENDS)
@@ -112,7 +112,7 @@ def bench_of(name: str) -> Bench:
             (
                 force,
                 both.after.approach / both.before.approach,
-                finite / linear.level(meshed, 3, force).approach,
+                finite.approach / linear.level(meshed, 3, force).approach,
             )
         )
     force, ends, strained = np.array(rows).T
@@ -265,7 +265,10 @@ def own_strain(part: Part, bench: Bench) -> float:
     force, drops = bench.largest, tuple(part.drops.tolist())
     meshed = plane_piece(pad_of(bench.design), 0.5, whole=True)
     try:
-        ratio = Levels()(meshed, 2, force, drops).approach / linear.level(meshed, 2, force, drops).approach
+        ratio = (
+            finite_strain.level(meshed, 2, force, drops).approach
+            / linear.level(meshed, 2, force, drops).approach
+        )
     except (InputError, RefusedError):
         return 1.0
     usual = float(np.interp(force, bench.force, bench.strained)) - 1

@@ -24,8 +24,7 @@ from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.material.modulus import MaterialFit, Regression, material_fit, regression
 from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, press
-from skincad.mechanics.models import corrected, linear
-from skincad.mechanics.models.finite_strain import Levels
+from skincad.mechanics.models import corrected, finite_strain, linear
 from skincad.mechanics.models.solid import coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Pad, check_pad, pad_of
 from skincad.mechanics.validity import limits
@@ -200,7 +199,7 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
         with clock.stage("free ends"):
             plain = replace(corrected.plain_pad(design), young_modulus=young_modulus)
             approach = approach * _free_ends(plain, force)
-    shares = [meshed.on_whole(_shares(state, solution.ridges)) for state in states]
+    shares = [meshed.on_whole(solution.ridges.sums(state.force)) for state in states]
     loaded = np.array(shares).max(axis=1) * solution.scale
     rows = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))
     zero = np.zeros(1)
@@ -216,18 +215,19 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
     pad = replace(pad_of(design), young_modulus=curve.young_modulus)
     largest = min(largest, float(curve.force[-1]))
     with clock.stage("finite strain"):
-        coarse, solve = plane_piece(pad, COARSE.fineness), Levels()
+        coarse = plane_piece(pad, COARSE.fineness)
+        finite: linear.PlaneSolution | None = None
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_SHARES):
             small = linear.level(coarse, COARSE_ORDER, force).approach
             try:
-                finite = solve(coarse, COARSE_ORDER, force).approach
+                finite = finite_strain.level(coarse, COARSE_ORDER, force, before=finite)
             except InputError:
                 if len(at) == 1:
                     raise
                 break
             at.append(force)
-            ratio.append(finite / small)
+            ratio.append(finite.approach / small)
     rows = curve.force < at[-1]
     forces = np.append(curve.force[rows], at[-1])
     small_strain = np.interp(forces, curve.force, curve.small)
@@ -250,7 +250,3 @@ def _free_ends(pad: Pad, force: Array) -> Array:
 def _pressed(ridges: Ridges, forces: Array) -> list[NodalContact]:
     with one_blas_thread():
         return [press(ridges.flexibility, ridges.gap, float(force)) for force in forces]
-
-
-def _shares(state: NodalContact, ridges: Ridges) -> Array:
-    return np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers])

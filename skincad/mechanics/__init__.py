@@ -36,7 +36,6 @@ __getattr__, __dir__ = face(
     manufacture: KEYS Sensitivity intervals sensitivities
     models.correction: Correction Errors LevelAnswer
     models.corrected: added_compliance plain_pad
-    models.finite_strain: Levels
     models.friction: FULL SOLID_ORDER SOLID_STEPS solve_solid
     models.linear: LevelSolver
     models.pin_cell: crown_radius hertz lone

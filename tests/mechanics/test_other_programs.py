@@ -96,7 +96,7 @@ def pressed_by_calculix(law: Ogden | None, *, large: bool) -> calculix.PressedPa
 def pressed(law: Ogden | None, *, large: bool) -> linear.PlaneSolution:
     """This program's."""
     pad = replace(pad_of(filleted()), law=law)
-    return (finite_strain.Levels() if large else linear.level)(plane_piece(pad, 0.5), 3, FORCE)
+    return (finite_strain.level if large else linear.level)(plane_piece(pad, 0.5), 3, FORCE)
 
 
 def test_ogdens_constants_are_calculixs() -> None:

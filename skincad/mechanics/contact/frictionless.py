@@ -292,6 +292,10 @@ class Ridges:
         """The contact points' flexibility, gaps and ridges."""
         return self.flexibility, self.gap, self.of_point
 
+    def sums(self, nodal: Array) -> Array:
+        """Return what each ridge carries of forces `(m,)` on the contact points, by its number."""
+        return np.array([nodal[self.of_point == r].sum() for r in self.numbers])
+
     @property
     def numbers(self) -> Index:
         """The ridges' numbers, ascending."""

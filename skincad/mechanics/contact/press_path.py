@@ -216,8 +216,7 @@ def press_with_friction(
         raise ContactError(
             f"not all ridges touch at up to {SEARCH_FACTOR:g} times the force without friction"
         )
-    of_point = pad.ridges.of_point
-    shares = np.array([at_force.normal[of_point == r].sum() for r in pad.ridges.numbers])
+    shares = pad.ridges.sums(at_force.normal)
     return PressResult(all_touch, at_force.approach, shares, residual)
 
 

@@ -44,10 +44,8 @@ from skincad.mechanics.problem import Answer, Pad, Request, check_flat, focused,
 # share
 EDGE_THRESHOLD = 1e-4
 EDGE_STATE = 6e-4
-FACE_STATE = (
-    5e-3  # of a bare face's approach: flat-magnet's changes by 1.2e-3 at 4 N, by 3.3e-3 more with twice
-)
-# FACE_EDGE at 8 N
+# Of a bare face's approach: flat-magnet's changes by 1.2e-3 at 4 N, by 3.3e-3 more with twice FACE_EDGE at 8
+FACE_STATE = 5e-3
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -62,66 +60,76 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     the force at which all touch is beyond it, that value is None and a warning says so.
     """
     check_flat(pad.plate, "finite-strain", "linear")
-    levels = Levels()
-    result, _ = refine(pad, request, levels, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
-    result, ridges = replace(result, warnings=(*result.warnings, *levels.warnings())), len(result.ridge_force)
+    result, best = refine(pad, request, level, "finite-strain", progress, MOST_CONTACT_UNKNOWNS)
+    if best.out_of_range:
+        result = replace(result, warnings=(*result.warnings, best.out_of_range))
+    ridges = len(result.ridge_force)
     # error by the law at the clamped ends
     share = EDGE_STATE * request.force / ridges if ridges > 1 else 0.0
     return result.widened(EDGE_THRESHOLD, FACE_STATE if pad.face else EDGE_STATE, share)
 
 
 @dataclass(frozen=True)
-class _LevelStates:
+class LevelStates:
     """A level's two states, for the next order to start from."""
 
-    meshed: PadMesh
     mesh: Any
     pad: PressedPad[NeoHookeBody]
     at_force: PressedState
     touching: PressedState | None
-    out_of_range: str
 
 
-class Levels:
-    """Solves level after level of one pad, each from the states of the one before on the same mesh."""
-
-    def __init__(self) -> None:
-        self.last: _LevelStates | None = None
-
-    def __call__(
-        self, meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...] = ()
-    ) -> PlaneSolution:
-        """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm.
-        Those need a mesh of the whole pad."""
-        with one_blas_thread():
-            before = self.last if self.last and self.last.meshed is meshed else None
-            self.last, solution = _level(meshed, order, force, crest_offsets, before)
-        return solution
-
-    def warnings(self) -> list[str]:
-        """Warnings of the last level."""
-        return [self.last.out_of_range] if self.last and self.last.out_of_range else []
-
-
-def _level(
-    meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...], before: _LevelStates | None
-) -> tuple[_LevelStates, PlaneSolution]:
+@one_blas_thread()
+def level(
+    meshed: PadMesh,
+    order: int,
+    force: float,
+    crest_offsets: tuple[float, ...] = (),
+    before: PlaneSolution | None = None,
+) -> PlaneSolution:
+    """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm, from
+    the states of a level `before` on the same mesh. Crest offsets need a mesh of the whole pad."""
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
+    states: LevelStates | None = before.states if before else None
     clock = [perf_counter()]
-    mesh = elements.curved(meshed.mesh, order) if before is None else before.mesh
+    mesh = states.mesh if states else elements.curved(meshed.mesh, order)
     mesh.Curve(max(3, order))
     low = np.array(crest_offsets) / unit if crest_offsets else None
     body = plane_body.body(mesh, order, pad.materials, pad.laws, pad.revolved, pad.face)
     problem = PressedPad(body, pad.top / unit, low)
     clock.append(perf_counter())
-    guess = None if before is None else transferred(before.pad.body, before.at_force.values, problem.body)
+    guess = transferred(states.pad.body, states.at_force.values, body) if states else None
     state = at_force(problem, force / scale, scale, guess)
     clock.append(perf_counter())
-    touching, beyond_reason = _all_touch(problem, state, scale, before)
+    if before and before.out_of_range:  # a higher order would only search for longer
+        touching, beyond_reason = None, before.out_of_range
+    else:
+        guess = None
+        if states and states.touching:
+            # the step between two forces is smooth; what the orders differ by at the corners is in `state`
+            step = states.touching.values - states.at_force.values
+            guess = state.values + transferred(states.pad.body, step, body)
+        touching, beyond_reason = all_touch(problem, state, scale, guess)
     clock.append(perf_counter())
-    stages = dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True))
-    solved = _LevelStates(meshed, mesh, problem, state, touching, beyond_reason)
-    return solved, _plane_solution(solved, scale, stages)
+    threshold = 0.0 if state.ridges.numbers.size == 1 else None
+    shares = meshed.on_whole(state.ridges.sums(state.contact.force) * scale)
+    x, pressure = pressures(meshed, body.rest.nodes, state.contact.force)
+    return PlaneSolution(
+        all_touch_force=touching.force * scale if touching else threshold,
+        approach=state.approach * unit,
+        ridge_force=shares,
+        touching=int(np.count_nonzero(shares > 0)),
+        x=x,
+        pressure=pressure,
+        unknowns=body.rest.unknowns,
+        residual=max(max(s.residual, s.contact.residual) for s in (state, touching) if s),
+        seconds=dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True)),
+        ridges=state.ridges,
+        unit=unit,
+        scale=scale,
+        out_of_range=beyond_reason,
+        states=LevelStates(mesh, problem, state, touching),
+    )
 
 
 def at_force(
@@ -150,20 +158,6 @@ def at_force(
     )
 
 
-def _all_touch(
-    problem: PressedPad[NeoHookeBody], state: PressedState, scale: float, before: _LevelStates | None
-) -> tuple[PressedState | None, str]:
-    """`all_touch`, guessed from the order before."""
-    if before is not None and before.out_of_range:
-        return None, before.out_of_range  # a higher order would only search for longer
-    guess = None
-    if before is not None and before.touching is not None:
-        # the step between two forces is smooth; what the orders differ by at the corners is in `state`
-        step = before.touching.values - before.at_force.values
-        guess = state.values + transferred(before.pad.body, step, problem.body)
-    return all_touch(problem, state, scale, guess)
-
-
 def all_touch(
     problem: PressedPad[Elastic], state: PressedState, scale: float, guess: Array | None = None
 ) -> tuple[PressedState | None, str]:
@@ -182,27 +176,4 @@ def all_touch(
     return None, (
         "the force at which all ridges touch is beyond the finite-strain model's range "
         f"(looked up to {reached * scale:.3g} N): {wrong}"
-    )
-
-
-def _plane_solution(solved: _LevelStates, scale: float, stages: dict[str, float]) -> PlaneSolution:
-    meshed, state, touching, rest = solved.meshed, solved.at_force, solved.touching, solved.pad.body.rest
-    numbers, nodal = state.ridges.numbers, state.contact.force
-    shares = np.array([nodal[state.ridges.of_point == r].sum() for r in numbers]) * scale
-    states = [state] if touching is None else [state, touching]
-    threshold = 0.0 if numbers.size == 1 else None
-    x, pressure = pressures(meshed, rest.nodes, nodal)
-    return PlaneSolution(
-        all_touch_force=threshold if touching is None else touching.force * scale,
-        approach=state.approach * meshed.unit,
-        ridge_force=meshed.on_whole(shares),
-        touching=int(np.count_nonzero(meshed.on_whole(shares) > 0)),
-        x=x,
-        pressure=pressure,
-        unknowns=rest.unknowns,
-        residual=max(max(s.residual, s.contact.residual) for s in states),
-        seconds=stages,
-        ridges=state.ridges,
-        unit=meshed.unit,
-        scale=scale,
     )

@@ -122,7 +122,7 @@ def _presses(
     ridges, load = seen.ridges, force / scale
     first = all_touch_force(ridges, load)
     smooth = press(ridges.flexibility, ridges.gap, load)
-    shares = np.array([smooth.force[ridges.of_point == r].sum() for r in ridges.numbers])
+    shares = ridges.sums(smooth.force)
     gripped = press_with_friction(seen, coefficient, load, first, steps)
 
     def coarse(of: PressResult) -> LevelAnswer:

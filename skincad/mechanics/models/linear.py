@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -147,16 +148,12 @@ class PlaneSolution:
     outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
     # the fault at another force, N
     pressed: Callable[[float], str] | None = field(default=None, compare=False, repr=False)
+    out_of_range: str = ""  # why the all-touch force is None, where a model ends before it
+    states: Any = field(default=None, compare=False, repr=False)  # from which Newton's next level starts
 
 
-LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...]], PlaneSolution]
-
-
-def level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...] = ()) -> PlaneSolution:
-    """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
-    need a mesh of the whole pad."""
-    with one_blas_thread():
-        return _level(meshed, order, force, crest_offsets)
+# Of a mesh, an order, a force on the pad, crest offsets, and the level before on the same mesh, if any
+LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...], PlaneSolution | None], PlaneSolution]
 
 
 def scale_of(meshed: PadMesh) -> float:
@@ -170,7 +167,16 @@ def contact_unknowns(meshed: PadMesh, order: int) -> int:
     return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
 
 
-def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float, ...]) -> PlaneSolution:
+@one_blas_thread()
+def level(
+    meshed: PadMesh,
+    order: int,
+    force: float,
+    crest_offsets: tuple[float, ...] = (),
+    _before: PlaneSolution | None = None,
+) -> PlaneSolution:
+    """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
+    need a mesh of the whole pad."""
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     clock = [perf_counter()]
     curved = elements.curved(meshed.mesh, order)
@@ -197,13 +203,13 @@ def _level(meshed: PadMesh, order: int, force: float, crest_offsets: tuple[float
     threshold = all_touch_force(ridges, force / scale)
     residual = max(state.residual, _balance(system, moved, force / scale))
     clock.append(perf_counter())
-    shares = np.array([state.force[ridges.of_point == r].sum() for r in ridges.numbers]) * scale
+    shares = meshed.on_whole(ridges.sums(state.force) * scale)
     x, pressure = pressures(meshed, system.nodes, state.force)
     return PlaneSolution(
         all_touch_force=None if threshold is None else threshold * scale,
         approach=state.approach * unit,
-        ridge_force=meshed.on_whole(shares),
-        touching=int(np.count_nonzero(meshed.on_whole(shares) > 0)),
+        ridge_force=shares,
+        touching=int(np.count_nonzero(shares > 0)),
         x=x,
         pressure=pressure,
         unknowns=system.unknowns,
@@ -420,7 +426,8 @@ class _Levels:
                 continue
             if self.progress:
                 self.progress(f"{self.model} model: fineness {refinement.fineness:g}, order {order}")
-            solution = self.at(mesh, order, self.request.force, self.request.crest_offsets)
+            below = self.levels.get((refinement.fineness, order - 1))
+            solution = self.at(mesh, order, self.request.force, self.request.crest_offsets, below)
             self.levels[refinement.fineness, order] = solution
             _add(self.seconds, solution.seconds)
             if order < refinement.order:

@@ -8,7 +8,7 @@ trial against the best model that can judge the design. A model's time includes 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from skincad.base.errors import InputError, RefusedError
@@ -128,10 +128,7 @@ LEVELS: dict[str, tuple[tuple[float, int], ...]] = {
     "linear": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4), (2.0, 3), (2.0, 4), (2.0, 5)),
     "finite-strain": ((0.5, 2), (0.5, 3), (1.0, 2), (1.0, 3), (1.0, 4)),
 }
-SOLVERS: dict[str, Callable[[], LevelSolver]] = {
-    "linear": lambda: linear.level,
-    "finite-strain": finite_strain.Levels,
-}
+SOLVERS: dict[str, LevelSolver] = {"linear": linear.level, "finite-strain": finite_strain.level}
 
 
 # in which models are tried: the known ones as the next builds on the last, then any other of the table
@@ -207,7 +204,7 @@ class _ContactRuns:
             self._tell(_level(name, fineness, order))
 
             def solved(fineness: float = fineness, order: int = order) -> linear.PlaneSolution:
-                return SOLVERS[name]()(plane_piece(pad, fineness), order, force, ())
+                return SOLVERS[name](plane_piece(pad, fineness), order, force, (), None)
 
             last = (fineness, order) == LEVELS[name][-1]  # the reference: its time is not asked
             level, runs = timed(solved, 1 if last else self.repeats)

@@ -150,7 +150,7 @@ class Levels:
         self.clock.now += self.meshing
         return SimpleNamespace(mesh=fineness)
 
-    def __call__(self, meshed: Any, order: int, force: float, _: object) -> Any:
+    def __call__(self, meshed: Any, order: int, force: float, *_: object) -> Any:
         self.solved.append((meshed.mesh, order))
         self.clock.now += self.seconds
         off = 0.1 / meshed.mesh / order**2
