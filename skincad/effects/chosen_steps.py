@@ -8,7 +8,7 @@ drift. It is corrected gradually over the following interval, so that nothing ju
 error. Drift grows with the square of the interval. With an interval of 0 each step is a chosen one and its
 equilibrium the answer; one that does not converge is cut.
 
-Where finite strain has no equilibrium, as where the surface folds (mechanics/contact/press_path.py), the last
+Where finite strain has no equilibrium, as where the surface folds (mechanics/contact/folding.py), the last
 tangent stays, and the error grows with the square of the distance moved since; with an interval of 0 the
 march stops. Range: a plate that keeps its angle; quasi-static, but for what slow modes add.
 Reference: steps of the plate's travel (tests/mechanics/contact/test_dragged.py), bench/leads.py.
@@ -37,7 +37,7 @@ from skincad.mechanics.contact.frictional_pad import (
     newton,
     unloaded,
 )
-from skincad.mechanics.contact.press_path import undetected_contact
+from skincad.mechanics.contact.folding import undetected_contact
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,

@@ -2,7 +2,7 @@
 
 Range: the design's [material.law], or neo-Hooke, as silicones are up to strains of about 0.5; quasi-static,
 under a flat plate that keeps its angle. Where the skin's surface folds the march stops and says so
-(mechanics/contact/press_path.py). A step linearises the body several times, so it costs some hundred times
+(mechanics/contact/folding.py). A step linearises the body several times, so it costs some hundred times
 one of small strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is
 meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it
 then lies (mechanics/bodies/film_field.py). Reference: the finite-strain model without friction, simple shear

@@ -21,7 +21,7 @@ from skincad.mechanics import (
     piece_of,
     triangles,
 )
-from skincad.mechanics.contact import press_path
+from skincad.mechanics.contact import folding
 from skincad.mechanics.contact.frictional_pad import unloaded
 from skincad.scenes import March
 from skincad.scenes.march import march
@@ -214,7 +214,7 @@ def test_without_readout_no_film_is_looked_at() -> None:
 
 @pytest.mark.slow
 def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(press_path, "WRINKLES", 0.99)  # a light load's stretch
+    monkeypatch.setattr(folding, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]
     run = march(silicone_pad(False), np.arange(3.0), drives, [Friction(coefficient=1.0)])
     assert run.failed

@@ -21,6 +21,7 @@ from scipy import linalg
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.interrupt import safe_point
 from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.contact.state import OPEN, RIGHT, STICK, ContactState, at_rest
 from skincad.mechanics.problem import ContactError
 
 ITERATIONS = 60  # five to eight are usual
@@ -45,40 +46,14 @@ class DiscCompliance:
     floats: bool
 
 
-@dataclass(frozen=True, eq=False)
-class DiscState:
-    """Forces on the skin: `normal` `(m,)`, compression, and `tangential` `(2 m,)`, x first; `anchor` `(2 m,)`
-    is where each point sits on the plate, which came down by `approach` and went along x by `travel`.
-    `residual` is the largest relative violation."""
-
-    normal: Array
-    tangential: Array
-    anchor: Array
-    approach: float
-    travel: float
-    residual: float
-
-    @property
-    def touches(self) -> Mask:
-        """Points `(m,)` that carry force."""
-        return np.asarray(self.normal > 0)
-
-    def of(self, points: Index) -> DiscState:
-        """Return the state of some points; the others carry nothing."""
-        both = np.concatenate([points, points + self.normal.size])
-        return replace(
-            self, normal=self.normal[points], tangential=self.tangential[both], anchor=self.anchor[both]
-        )
-
-
-def unloaded(points: int) -> DiscState:
+def unloaded(points: int) -> ContactState:
     """Return the unloaded start of so many points."""
-    return DiscState(np.zeros(points), np.zeros(2 * points), np.zeros(2 * points), 0.0, 0.0, 0.0)
+    return replace(at_rest(points), tangential=np.zeros(2 * points), anchor=np.zeros(2 * points))
 
 
-def solve_discs(skin: DiscCompliance, before: DiscState, force: float, coefficient: float) -> DiscState:
-    """Return the state at the end of a step under the normal `force`; raises ContactError where the forces do
-    not settle."""
+def solve_discs(skin: DiscCompliance, before: ContactState, force: float, coefficient: float) -> ContactState:
+    """Return the state at the end of a step under the normal `force`, in which `tangential` and `anchor` are
+    `(2 m,)`, x first; raises ContactError where the forces do not settle."""
     t, travel = before.tangential, before.travel
     active = before.touches if before.touches.any() else None
     for i in range(ITERATIONS):
@@ -93,8 +68,18 @@ def solve_discs(skin: DiscCompliance, before: DiscState, force: float, coefficie
             place = skin.tangential @ t - skin.cross.T @ p
             place[: p.size] -= travel
             sticks = np.tile(p > 0, 2) & ~sliding
-            anchor = np.where(sticks, before.anchor, place)
-            return DiscState(p, t, anchor, state.approach, travel, max(state.residual, residual))
+            slides = np.where(sliding[: p.size], RIGHT, STICK)
+            slid = np.hypot(*np.where(sliding, place - before.anchor, 0.0).reshape(2, -1))
+            return ContactState(
+                normal=p,
+                tangential=t,
+                anchor=np.where(sticks, before.anchor, place),
+                status=np.where(p > 0, slides, OPEN).astype(np.int8),
+                slipped=np.where(p > 0, slid, 0.0),
+                approach=state.approach,
+                travel=travel,
+                residual=max(state.residual, residual),
+            )
         after, further = _newton_step(skin, t, travel, free, p, coefficient, sliding, missing)
         share = 1.0 if i < WHOLE_STEPS or i % 5 == 0 else 0.5
         t, travel = t + share * (after - t), travel + share * (further - travel)

@@ -332,18 +332,32 @@ def all_touch_force(ridges: Ridges, guess: float, active: Mask | None = None) ->
         candidate = max(late, key=lambda r: first_gap[r])
 
 
+def least_gap(gaps: Array, edge: Index) -> float:
+    """Return the minimum of a ridge's sampled gaps `(p,)`, refined by a parabola through three samples of its
+    `edge` `(p,)`.
+
+    The samples' own minimum would have a kink wherever it moves on to the next sample.
+    """
+    i = int(np.argmin(gaps))
+    if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
+        return float(gaps[i])
+    before, here, after = gaps[i - 1 : i + 2]
+    bend = before - 2 * here + after
+    return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
+
+
 class _Outsider:
     """One ridge out of contact while the others are pressed, first from the points `touching` `(m,)`."""
 
     def __init__(self, ridges: Ridges, ridge: int, touching: Mask) -> None:
         self.ridges, self.ridge = ridges, ridge
         self.others = ridges.of_point != ridge
-        self.points = np.flatnonzero(ridges.fine_of_point == ridge)
-        self.rows = ridges.fine_rows[self.points]
+        points = np.flatnonzero(ridges.fine_of_point == ridge)
+        self.rows = ridges.fine_rows[points]
         self.unknowns = splu(ridges.rows.tocsc())
         self.start = touching
         self.solved: ActiveSetCache = {}
-        self.at_rest = self._least(ridges.fine_gap[self.points])
+        self.fine_gap, self.edge = ridges.fine_gap[points], ridges.fine_edge[points]
 
     def press(self, force: float) -> NodalContact:
         flexibility, gap, definite = self.ridges.flexibility, self.ridges.gap, self.ridges.definite
@@ -354,22 +368,9 @@ class _Outsider:
     def least_gap(self, force: float) -> float:
         """Smallest gap of the ridge while the others carry `force`."""
         if force <= 0:
-            return self.at_rest
+            return least_gap(self.fine_gap, self.edge)
         closed = self.unknowns.solve(self.press(force).gap - self.ridges.gap)
-        return self._least(self.ridges.fine_gap[self.points] + self.rows @ closed)
-
-    def _least(self, gaps: Array) -> float:
-        """Minimum of the sampled gaps, refined by a parabola through three samples of its edge.
-
-        The samples' own minimum would have a kink wherever it moves on to the next sample.
-        """
-        i = int(np.argmin(gaps))
-        edge = self.ridges.fine_edge[self.points]
-        if not 0 < i < gaps.size - 1 or not edge[i - 1] == edge[i] == edge[i + 1]:
-            return float(gaps[i])
-        before, here, after = gaps[i - 1 : i + 2]
-        bend = before - 2 * here + after
-        return float(here - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(here)
+        return least_gap(self.fine_gap + self.rows @ closed, self.edge)
 
     def touch_force(self, low: float, step: float) -> float | None:
         """Force at which the ridge begins to touch, at least `low`; None if it never does."""

@@ -130,7 +130,8 @@ class Inert:
 class ContactState:
     """A contact state: forces `normal`, `tangential` `(m,)` N on the skin (compression, to +x), `anchor`
     `(m,)` mm and `status` `(m,)`, the plate's `approach` and `travel`, mm. `slipped` `(m,)` is what each
-    point slid in the step, mm; `residual` the largest relative violation.
+    point slid in the step, mm; `residual` the largest relative violation. Of points that may slide along y
+    too, `tangential` and `anchor` are `(2 m,)`, x first.
     """
 
     normal: Array

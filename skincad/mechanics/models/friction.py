@@ -16,12 +16,12 @@ from dataclasses import astuple, replace
 
 import numpy as np
 
+from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece
 from skincad.mechanics.contact.frictionless import all_touch_force, press
 from skincad.mechanics.contact.press_path import (
-    PressResult,
     StickingPad,
     press_with_friction,
     sticking_pad_of,
@@ -122,14 +122,16 @@ def _presses(
     ridges, load = seen.ridges, force / scale
     first = all_touch_force(ridges, load)
     smooth = press(ridges.flexibility, ridges.gap, load)
-    shares = ridges.sums(smooth.force)
-    gripped = press_with_friction(seen, coefficient, load, first, steps)
+    gripped, last = press_with_friction(seen, coefficient, load, first, steps)
 
-    def coarse(of: PressResult) -> LevelAnswer:
-        first = None if of.all_touch_force is None else of.all_touch_force * scale
-        return LevelAnswer(first, of.approach * unit, of.ridge_force * scale, unknowns, of.residual)
+    def coarse(all_touch: float | None, normal: Array, approach: float, residual: float) -> LevelAnswer:
+        threshold = None if all_touch is None else all_touch * scale
+        return LevelAnswer(threshold, approach * unit, ridges.sums(normal) * scale, unknowns, residual)
 
-    return coarse(PressResult(first, smooth.approach, shares, smooth.residual)), coarse(gripped)
+    return (
+        coarse(first, smooth.force, smooth.approach, smooth.residual),
+        coarse(last, gripped.normal, gripped.approach, gripped.residual),
+    )
 
 
 def with_friction(

@@ -11,7 +11,7 @@ import pytest
 
 from skincad import mechanics as mech
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.contact import frictional_pad, press_path
+from skincad.mechanics.contact import folding, frictional_pad
 from skincad.mechanics.contact import newton as pressing
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
@@ -315,20 +315,20 @@ def loop(stretch: float, height: float) -> elements.Outline:
 
 
 def test_pinch_finds_the_most_compressed_free_surface() -> None:
-    smallest = press_path.pinch([loop(0.5, 1.0)], 2.0)
+    smallest = folding.pinch([loop(0.5, 1.0)], 2.0)
     assert smallest.stretch == pytest.approx(0.5)
     assert smallest.place == pytest.approx([0.5, 1.0])
     assert smallest.tip
     # what bears on the plate cannot fold
-    assert press_path.pinch([loop(0.5, 1.0)], 1.0).stretch == np.inf
+    assert folding.pinch([loop(0.5, 1.0)], 1.0).stretch == np.inf
 
 
 def test_limits_are_biots_and_hongs() -> None:
     """A half-space in plane strain, l its stretch: surface waves where l^6 + l^4 + 3 l^2 = 1."""
     roots = np.roots([1.0, 1.0, 3.0, -1.0])
     square = roots[np.isreal(roots)].real.max()
-    assert np.sqrt(square) == pytest.approx(press_path.WRINKLES, abs=5e-4)
-    assert press_path.WRINKLES < press_path.CREASES == 1 - 0.354
+    assert np.sqrt(square) == pytest.approx(folding.WRINKLES, abs=5e-4)
+    assert folding.WRINKLES < folding.CREASES == 1 - 0.354
 
 
 @pytest.mark.slow
@@ -340,10 +340,10 @@ def test_much_friction_folds_the_surface_and_the_reason_names_the_place() -> Non
     for travel in (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6):
         drive = mech.Drive(1.2, travel=state.contact.travel)
         state = advance_to(what, state, drive, mech.Drive(1.2, travel=travel), cone)
-        words = press_path.undetected_contact(what, state, True)
+        words = folding.undetected_contact(what, state, True)
         if words:
             break
     assert travel > 0.4
     assert "the surface folds onto itself at ridge " in words
-    assert press_path.undetected_contact(what, state, False) is None
+    assert folding.undetected_contact(what, state, False) is None
     assert 0.5 < state.contact.tangential.sum() / 1.2 < 0.75

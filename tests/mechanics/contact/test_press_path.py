@@ -72,12 +72,12 @@ def test_without_friction_it_is_the_frictionless_press() -> None:
     pad, force = springs(GAPS), 1.2
     first = first_of(pad)
     assert 0 < first < force
-    result = press_with_friction(pad, 0.0, force, first, 7)
+    result, all_touch = press_with_friction(pad, 0.0, force, first, 7)
     smooth = mech.press(pad.ridges.flexibility, pad.ridges.gap, force)
-    assert result.all_touch_force == pytest.approx(first, rel=1e-8)
+    assert all_touch == pytest.approx(first, rel=1e-8)
     assert result.approach == pytest.approx(smooth.approach, rel=1e-12)
     by_ridge = np.bincount(pad.ridges.of_point, smooth.force)[1:]
-    np.testing.assert_allclose(result.ridge_force, by_ridge, rtol=1e-10)
+    np.testing.assert_allclose(pad.ridges.sums(result.normal), by_ridge, rtol=1e-10)
     skin = drawn(6, 7, floats=True)
     state = solve_discs(skin, unloaded(6), 1.5, 0.0)
     np.testing.assert_allclose(state.normal, mech.press(skin.normal, skin.gap, 1.5).force, rtol=1e-12)
@@ -96,7 +96,7 @@ def test_a_press_is_the_one_that_point_by_point_relaxation_finds(
 ) -> None:
     """The plate is led along the product's path: forces, and with them the force that was asked, are found
     again. Both are to rounding where the sweeps have settled."""
-    what, path, step = pad(), list[mech.ContactState](), press_path._PlanePoints.step
+    what, path, step = pad(), list[mech.ContactState](), press_path.halved
     first = first_of(what)
     force, steps, sweeps = (1.2, 5, 200) if pad is springs else (1.3 * first, 8, 4000)
 
@@ -106,8 +106,8 @@ def test_a_press_is_the_one_that_point_by_point_relaxation_finds(
             path.append(state)
         return state
 
-    monkeypatch.setattr(press_path._PlanePoints, "step", watched)
-    result = press_with_friction(what, mu, force, first, steps)
+    monkeypatch.setattr(press_path, "halved", watched)
+    result, _ = press_with_friction(what, mu, force, first, steps)
     assert any((state.status >= 2).any() for state in path)  # slips somewhere,
     assert any((state.status == 1).any() for state in path)  # and sticks
     normal, along = relaxed(what, mu, path, sweeps)
@@ -115,7 +115,7 @@ def test_a_press_is_the_one_that_point_by_point_relaxation_finds(
     np.testing.assert_allclose(along, path[-1].tangential, atol=1e-6 * force)
     assert normal.sum() == pytest.approx(force, rel=1e-6)
     assert along.sum() == pytest.approx(0.0, abs=1e-6 * force)
-    np.testing.assert_allclose(result.ridge_force.sum(), force)
+    np.testing.assert_allclose(what.ridges.sums(result.normal).sum(), force)
 
 
 @pytest.mark.parametrize("force", [0.3, 3.0])
@@ -123,10 +123,11 @@ def test_the_last_ridge_begins_to_carry_where_all_touch(force: float) -> None:
     """Asked at a force before or after it, and pressed a little less or more than it."""
     pad, mu = springs(GAPS), 0.5
     first = first_of(pad)
-    all_touch = press_with_friction(pad, mu, force, first, 40).all_touch_force or 0.0
+    all_touch = press_with_friction(pad, mu, force, first, 40)[1] or 0.0
     assert all_touch != pytest.approx(first, rel=1e-3)
     less, more = (
-        press_with_friction(pad, mu, share * all_touch, first, 40).ridge_force for share in (0.999, 1.001)
+        pad.ridges.sums(press_with_friction(pad, mu, share * all_touch, first, 40)[0].normal)
+        for share in (0.999, 1.001)
     )
     assert (less > 0).sum() == 2
     assert (more > 0).sum() == 3
@@ -136,17 +137,15 @@ def test_steps_change_little_and_ever_less() -> None:
     """The error of a step is of first order: with four times the steps it is a quarter, or less."""
     pad = springs(GAPS)
     first = first_of(pad)
-    few, some, many = (
-        press_with_friction(pad, 0.5, 1.2, first, steps).all_touch_force or 0.0 for steps in (5, 20, 160)
-    )
+    few, some, many = (press_with_friction(pad, 0.5, 1.2, first, steps)[1] or 0.0 for steps in (5, 20, 160))
     assert abs(some - many) <= 0.3 * abs(few - many)
     assert abs(some - many) < 5e-3 * many
 
 
 def test_where_all_touch_at_once_never_or_not_by_any_force(monkeypatch: pytest.MonkeyPatch) -> None:
     """Looked for up to a multiple of the force without friction, and no further."""
-    assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5).all_touch_force == 0.0
-    assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5).all_touch_force is None
+    assert press_with_friction(springs((0.0,)), 0.5, 1.0, 0.0, 5)[1] == 0.0
+    assert press_with_friction(springs((0.0, 0.3)), 0.5, 1.0, None, 5)[1] is None
     with pytest.raises(mech.ContactError, match="not all ridges touch at up to 3 times"):
         press_with_friction(springs(GAPS), 0.5, 0.01, 0.01, 5)
     monkeypatch.setattr(disc_friction, "ITERATIONS", 1)
@@ -180,7 +179,7 @@ def drawn(points: int, seed: int, *, floats: bool) -> disc_friction.DiscComplian
     )
 
 
-def pressed(skin: disc_friction.DiscCompliance, mu: float, forces: Array) -> list[disc_friction.DiscState]:
+def pressed(skin: disc_friction.DiscCompliance, mu: float, forces: Array) -> list[mech.ContactState]:
     states = [unloaded(skin.gap.size)]
     for force in forces.tolist():
         states.append(solve_discs(skin, states[-1], force, mu))
@@ -200,11 +199,12 @@ def test_points_that_y_does_not_move_are_the_planes(
     """Another solver, by sets (frictional.py); forces are known to 1e-8, and the root of a force to 1e-6."""
     plane = pad()
     first = first_of(plane)
-    one, other = (press_with_friction(p, mu, 2 * first, first, steps) for p in (plane, in_space(plane)))
-    assert other.all_touch_force == pytest.approx(one.all_touch_force, rel=1e-5)
-    np.testing.assert_allclose(
-        other.ridge_force, one.ridge_force, atol=(1e-7 if pad is springs else 1e-6 * first)
+    (one, one_touch), (other, other_touch) = (
+        press_with_friction(p, mu, 2 * first, first, steps) for p in (plane, in_space(plane))
     )
+    assert other_touch == pytest.approx(one_touch, rel=1e-5)
+    shares = (plane.ridges.sums(state.normal) for state in (other, one))
+    np.testing.assert_allclose(*shares, atol=(1e-7 if pad is springs else 1e-6 * first))
     assert pad is meshed or other.approach == pytest.approx(one.approach, rel=1e-7)
 
 
@@ -260,14 +260,13 @@ def test_crests_that_are_level_take_no_more_steps(monkeypatch: pytest.MonkeyPatc
     """All touch at a millionth of the force: up to it and from it on as many steps as of any pad."""
     level = in_space(springs((0.0, 1e-6, 2e-6)))
     first, forces = first_of(level), list[float]()
-    step = press_path._SolidPoints.step
 
-    def counted(points: Any, before: Any, start: float, end: float, *deeper: int) -> disc_friction.DiscState:
-        if points.numbers.size == level.compliance.shape[0]:
-            forces.append(end)
-        return step(points, before, start, end, *deeper)
+    def counted(skin: Any, before: Any, force: float, mu: float) -> mech.ContactState:
+        if skin.gap.size == level.ridges.gap.size:
+            forces.append(force)
+        return solve_discs(skin, before, force, mu)
 
-    monkeypatch.setattr(press_path._SolidPoints, "step", counted)
+    monkeypatch.setattr(press_path, "solve_discs", counted)
     assert first < 1e-2
     press_with_friction(level, 0.5, 1e3 * first, first, 6)
     assert len(forces) <= 12

@@ -1,0 +1,89 @@
+"""Where a pad's free surface folds, and contact that its model does not know.
+
+A limit of the material, not of the mesh. In plane strain a smooth neo-Hookean surface compressed along itself
+to the stretch WRINKLES is unstable at every wavelength (Biot, Appl. Sci. Res. A 12 (1963) 168; 0.544), so the
+finer the mesh the more surely it folds there. A defect starts a crease from the stretch CREASES on (Hong,
+Zhao and Suo, Appl. Phys. Lett. 95 (2009) 111901; 0.646). A crease is contact of the skin with itself, which
+no model here knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skincad.base.arrays import Array
+from skincad.mechanics.bodies import plane_body
+from skincad.mechanics.bodies.elements import Outline, outlines
+from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState
+from skincad.mechanics.contact.state import ContactState
+
+WRINKLES = 0.544
+CREASES = 0.646
+FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh
+
+
+@dataclass(frozen=True)
+class Pinch:
+    """The free surface's smallest stretch along itself, at `place` `(2,)` at rest, in units; `tip` whether
+    that may touch the plate."""
+
+    stretch: float
+    place: Array
+    tip: bool
+
+
+def pinch(loops: list[Outline], plate: float) -> Pinch:
+    """Return where loops are compressed most that do not touch the plate at the height `plate`."""
+    top = max(loop.rest[:, 1].max() for loop in loops)
+    tightest = Pinch(np.inf, np.zeros(2), False)
+    for loop in loops:
+        start, end = loop.rest, np.roll(loop.rest, -1, axis=0)
+        moved = np.roll(loop.moved, -1, axis=0) - loop.moved
+        stretch = np.hypot(*moved.T) / np.hypot(*(end - start).T)
+        free = loop.moved[:, 1] < plate - plane_body.THROUGH
+        free &= np.roll(free, -1) & (start[:, 1] > FOOT * top)
+        if not free.any():
+            continue
+        i = int(np.where(free, stretch, np.inf).argmin())
+        if stretch[i] < tightest.stretch:
+            tightest = Pinch(float(stretch[i]), (start[i] + end[i]) / 2, bool(loop.touches[i]))
+    return tightest
+
+
+def _lowered(
+    loops: list[Outline], pad: FrictionalPad, contact: ContactState, sunk: Array | None
+) -> list[Outline]:
+    """The outlines lower by what free ends let the ridges down, and by what masses do, `sunk` `(m,)` mm at
+    the contact points: a section at rest knows neither."""
+    if sunk is None and not pad.ends.any():
+        return loops
+    down = pad.ends[pad.x.size :, pad.x.size :] @ contact.normal / pad.unit
+    down = down if sunk is None else down + sunk / pad.unit
+    x = pad.x / pad.unit
+    return [
+        replace(
+            loop, moved=loop.moved - np.stack([0 * loop.rest[:, 0], np.interp(loop.rest[:, 0], x, down)], 1)
+        )
+        for loop in loops
+    ]
+
+
+def undetected_contact(
+    pad: FrictionalPad, state: FrictionalState, creases: bool, sunk: Array | None = None
+) -> str | None:
+    """Return what a state has that the model does not know: contact of the skin with itself or, off its
+    crests, with the plate; with `creases` a surface that folds too. `sunk` `(m,)` mm is how much lower masses
+    let the contact points be. None for a sound state."""
+    plate = (pad.top - state.contact.approach) / pad.unit
+    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, sunk)
+    least = pinch(loops, plate)
+    if creases and least.stretch < WRINKLES:
+        ridge = pad.ridge[int(np.abs(pad.x / pad.unit - least.place[0]).argmin())]
+        where = "tip" if least.tip else "flank or root"
+        return (
+            f"the surface folds onto itself at ridge {ridge}'s {where}: its stretch there is "
+            f"{least.stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
+        )
+    return plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
