@@ -152,7 +152,7 @@ class NeoHookeBody:
     `free` `(n,)` marks the unknowns that are not clamped, those inside an element among them; `order` lists
     them as they are eliminated, contact unknowns last, in all steps. Of a half these are for symmetric
     movements; `antisymmetric` lists the unknowns of antisymmetric ones, the last `antisymmetric_contact`
-    being contact ones; a whole pad has none, nor has a section that turns. Newton takes it as an `Elastic`.
+    being contact ones; a whole pad has none, nor has a section that turns.
     """
 
     mesh: Any

@@ -1,4 +1,4 @@
-"""The rubber body of finite length, which Newton presses like the plane one (elastic.Elastic).
+"""The rubber body of finite length, which Newton presses like the plane one (plane_body.py).
 
 Functions are the products of prisms.py, laws are those of plane_body.py, in three dimensions in solid_law.py.
 Lengths in the pad's unit, stresses in E.

@@ -7,7 +7,7 @@ condensed to its contact points, is a compliance and a place without contact for
 iteration is newton.py's; a tangent is kept while the residual falls quickly, from one step to the next too.
 
 A state is accepted if it balances to RESIDUAL of the contact forces. A tangent that is not positive definite
-is no reason to stop: the plate may hold a ridge that would buckle if it were free (newton.py).
+is no reason to stop: the plate may hold a ridge that would buckle if it were free (stability.py).
 """
 
 from __future__ import annotations

@@ -1,12 +1,6 @@
-"""Newton's method for a pressed body at finite strain, loaded step by step, and the state's stability.
+"""Newton's method for a pressed body at finite strain, loaded step by step.
 
-Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py; both are `Elastic`.
-
-Whether a pressed body is stable while the plate holds its touching points, and which ridge tips over where it
-is not. A body that would buckle if its contact were free may well stand under its plate. What counts is the
-tangent for all movements in which touching points stay on the plate, which rests on them with a dead load. A
-mirrored half has two kinds, symmetric and antisymmetric ones. Under antisymmetric ones the plate, which does
-not turn, stays where it is.
+Plane bodies are in bodies/plane_body.py, solid ones in bodies/solid_body.py.
 
 The plate is flat and without friction, so the contact condition is linear in the vertical displacement:
 the step's contact problem has the true gaps and *total* nodal forces, and only the body is linearised.
@@ -17,160 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
-from scipy import linalg, sparse
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.interrupt import safe_point
-from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
+from skincad.mechanics.contact.stability import Body, LinearisedBody, at_contact, stable, tipping_ridge
 from skincad.mechanics.problem import ContactError
-
-
-class LinearisedBody(Protocol):
-    """A body linearised at a state, seen by its contact unknowns: their `flexibility` `(k, k)`."""
-
-    @property
-    def flexibility(self) -> Array: ...  # noqa: D102
-
-    @property
-    def negative_eigenvalues(self) -> tuple[int, int]:
-        """How many eigenvalues of the tangent are negative: contact unknowns held, and free."""
-
-    def move(self, push: Array) -> Array:
-        """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
-
-    def rebalanced(self, state: Array, residual: Array) -> LinearisedBody:
-        """Return the same tangent, the body's latest, at another state nearby with its `residual`."""
-
-    def antisymmetric(self) -> LinearisedBody | None:
-        """Return the half of a mirrored body linearised for antisymmetric movements, for which nothing on its
-        cut moves up; None of a whole body. ContactError where that is singular."""
-
-
-class Elastic(Protocol):
-    """An elastic body; a state is the vector of all its unknowns `(n,)`, of which `free` are not held.
-
-    Of `rest` the contact unknowns and the sampled contact boundary are used.
-    """
-
-    @property
-    def rest(self) -> ContactStiffness: ...  # noqa: D102
-
-    @property
-    def free(self) -> Mask: ...  # noqa: D102
-
-    def residual(self, state: Array) -> Array:
-        """Return the energy's derivative `(n,)` by all unknowns, held ones included."""
-
-    def energy(self, state: Array) -> float:
-        """Return the energy; infinite where a point of the elements is turned inside out."""
-
-    def linearised(self, state: Array, residual: Array) -> LinearisedBody:
-        """Return the body at a state whose `residual` is at hand; ContactError where it is singular, or
-        not stable though its contact unknowns were held."""
-
-    def x_of_largest_displacement(self, step: Array) -> float:
-        """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
-
-    def undetected_contact(self, state: Array, plate: float) -> str | None:
-        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
-
-
-ITERATIONS = 6  # of the inverse iteration; the weakest movement is 10 times weaker than most others
-
-
-def stable(
-    body: Elastic, linear: LinearisedBody, ridges: Ridges, contact: NodalContact, *, both: bool = True
-) -> bool:
-    """Whether an equilibrium is stable under a plate with a dead load: the tangent positive definite for all
-    movements in which the touching points move with the plate.
-
-    Of a half `both` kinds of movements are looked at, or the symmetric ones alone.
-    """
-    fixed_count, free = linear.negative_eigenvalues
-    points = np.flatnonzero(contact.active)
-    flexibility = ridges.flexibility[np.ix_(points, points)]
-    if not _held_up(fixed_count, free, flexibility):
-        return False
-    if free and not linalg.solve(flexibility, np.ones(points.size), assume_a="sym").sum() > 0:
-        return False  # the plate's own stiffness
-    if not both:
-        return True
-    try:
-        antisymmetric = linear.antisymmetric()
-    except ContactError:  # it has no such tangent
-        return False
-    return antisymmetric is None or _held_up(
-        *antisymmetric.negative_eigenvalues, _at_points(body, antisymmetric, contact)[0]
-    )
-
-
-def _held_up(fixed_count: int, free: int, flexibility: Array) -> bool:
-    """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has so
-    many negative eigenvalues with the contact unknowns `held`, and `free`.
-
-    With these points held the tangent has as many negative eigenvalues as it has free, less those of the
-    points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73).
-    """
-    if fixed_count or not free:
-        return not fixed_count
-    return int((linalg.eigvalsh(flexibility) < 0).sum()) == free
-
-
-def _at_points(
-    body: Elastic, linear: LinearisedBody, contact: NodalContact
-) -> tuple[Array, sparse.csr_matrix]:
-    """The flexibility `(k, k)` and the rows `(k, contact unknowns)` of touching points that can move up."""
-    rows = body.rest.nodes.rows[contact.active]
-    flexibility = np.asarray(rows @ np.asarray(rows @ linear.flexibility).T)
-    able = np.flatnonzero(flexibility.any(axis=1))  # on a half's cut some cannot
-    return (flexibility + flexibility.T)[np.ix_(able, able)] / 2, rows[able]
-
-
-def tipping_ridge(body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact) -> int:
-    """Return the number of the ridge that the weakest movement with the touching points held moves most.
-
-    Inverse iteration at an equilibrium `state` `(n,)`, from a movement with a part of every other.
-    """
-    antisymmetric = linear.antisymmetric()
-    kinds = [_weakest(body, state, kind, contact) for kind in (linear, antisymmetric) if kind is not None]
-    step, _ = max(kinds, key=lambda found: found[1])
-    nodes = body.rest.nodes
-    nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
-    return int(nodes.ridge[nearest])
-
-
-def _weakest(
-    body: Elastic, state: Array, linear: LinearisedBody, contact: NodalContact
-) -> tuple[Array, float]:
-    """The weakest movement `(n,)` with the touching points held, and how far a load of 1 moves it."""
-    rest = body.rest
-    flexibility, rows = _at_points(body, linear, contact)
-    balanced = _at_contact(body, -(rest.nodes.rows.T @ contact.force))
-    still = linear.move(-balanced)
-
-    def moved(load: Array) -> Array:
-        free = linear.move(-balanced - load) - still
-        force = linalg.solve(flexibility, rows @ free[rest.contact], assume_a="sym")
-        return free - (linear.move(-balanced - _at_contact(body, rows.T @ force)) - still)
-
-    step, growth = np.random.default_rng(0).standard_normal(state.size) * body.free, 0.0
-    for _ in range(ITERATIONS):
-        step = moved(step)
-        growth = float(np.abs(step).max())
-        step /= growth
-    return step, growth
-
-
-def _at_contact(body: Elastic, force: Array) -> Array:
-    """A load `(n,)` that is `force` `(k,)` on the contact unknowns."""
-    load = np.zeros(body.free.size)
-    load[body.rest.contact] = force
-    return load
-
 
 MAX_STEPS = 15  # Newton steps in one go; four to seven are usual, and a smaller load is cheaper than more
 RESIDUAL = 1e-9  # of the contact forces' norm; never accepted above
@@ -199,17 +48,14 @@ class UnstableError(DivergedError):
     """The equilibrium is not stable."""
 
 
-AnyBody_co = TypeVar("AnyBody_co", bound=Elastic, covariant=True)
-
-
 @dataclass(frozen=True)
-class PressedPad(Generic[AnyBody_co]):
+class PressedPad:
     """What is pressed: a body, its highest point `top`.
 
     `drops` `(ridges,)` is how much lower each crest is than meshed. Lengths in units.
     """
 
-    body: AnyBody_co
+    body: Body
     top: float
     drops: Array | None = None
 
@@ -256,7 +102,7 @@ class Equilibrium:
 
 
 def equilibrium(
-    body: Elastic,
+    body: Body,
     start: Array,
     tangent: Any,
     *,
@@ -304,7 +150,7 @@ def equilibrium(
 
 
 def newton(
-    pad: PressedPad[Elastic],
+    pad: PressedPad,
     start: Array,
     load: Load,
     active: Mask | None = None,
@@ -326,10 +172,13 @@ def newton(
         ridges, base = seen_by_plate(pad, tangent.ridges, values, linear)
         force, found = contact_under(ridges, load, touching)
         touching = found.active
-        return _at_contact(body, body.rest.nodes.rows.T @ found.force), (force, found, ridges, base)
+        return at_contact(body, body.rest.nodes.rows.T @ found.force), (force, found, ridges, base)
+
+    def keeps(tangent: PadTangent, history: list[float]) -> bool:
+        return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
 
     at = partial(_tangent_at, pad)
-    state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=_keeps, steps=MAX_STEPS)
+    state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS)
     tangent, (force, found, ridges, base) = state.tangent, state.contact
     if tangent.residual > NEAR:
         tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
@@ -348,11 +197,7 @@ def newton(
     )
 
 
-def _keeps(tangent: PadTangent, history: list[float]) -> bool:
-    return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
-
-
-def _tangent_at(pad: PressedPad[Elastic], values: Array, unbalanced: Array, residual: float) -> PadTangent:
+def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: float) -> PadTangent:
     linear = linearised(pad.body, values, unbalanced)
     ridges = Ridges.of(pad.body.rest, linear.flexibility, pad.top)
     ridges = replace(ridges, definite=not any(linear.negative_eigenvalues))
@@ -378,7 +223,7 @@ def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[floa
         raise UnstableError(UNSTABLE) from None
 
 
-def linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBody:
+def linearised(body: Body, values: Array, unbalanced: Array) -> LinearisedBody:
     """Return the body linearised; UnstableError where it has no tangent, or none that contact could hold."""
     try:
         return body.linearised(values, unbalanced)
@@ -387,7 +232,7 @@ def linearised(body: Elastic, values: Array, unbalanced: Array) -> LinearisedBod
 
 
 def seen_by_plate(
-    pad: PressedPad[Elastic], ridges: Ridges, values: Array, linear: LinearisedBody
+    pad: PressedPad, ridges: Ridges, values: Array, linear: LinearisedBody
 ) -> tuple[Ridges, float]:
     """Return the contact `ridges` as the plate sees it, its gaps those of the linearised body without contact
     forces.
@@ -402,7 +247,7 @@ def seen_by_plate(
     return replace(ridges, gap=gap - base, fine_gap=fine_gap - base), base
 
 
-def _share(body: Elastic, values: Array, move: Array) -> float:
+def _share(body: Body, values: Array, move: Array) -> float:
     """How much of a step to take: all of it, or the largest half, quarter, ... that inverts no element."""
     share = 1.0
     while not np.isfinite(body.energy(values + share * move)):
@@ -420,13 +265,13 @@ def _constant_load(force: float) -> Load:
     return lambda *_: force
 
 
-def at_rest(pad: PressedPad[Elastic]) -> PadTangent:
+def at_rest(pad: PressedPad) -> PadTangent:
     """Return the pad linearised at rest: the pad of small strain."""
     return _tangent_at(pad, rest := np.zeros(pad.body.free.size), rest, np.inf)
 
 
 def press_to(
-    pad: PressedPad[Elastic], force: float, guess: Array | None = None, rest: PadTangent | None = None
+    pad: PressedPad, force: float, guess: Array | None = None, rest: PadTangent | None = None
 ) -> PressedState:
     """Return the state under `force`: from the guess, else from rest, in one step or as many as it takes;
     `rest` is the tangent there, if it is at hand.
@@ -457,7 +302,7 @@ def press_to(
 
 
 def _next_state(
-    pad: PressedPad[Elastic], last: PressedState | None, force: float, tangent: PadTangent | None = None
+    pad: PressedPad, last: PressedState | None, force: float, tangent: PadTangent | None = None
 ) -> PressedState:
     """The state under `force`, looked for from another one, or from rest, with the tangent there if it is the
     body's latest."""
@@ -466,9 +311,7 @@ def _next_state(
     return newton(pad, last.values, _constant_load(force), last.contact.active, tangent)
 
 
-def _failure_beyond(
-    pad: PressedPad[Elastic], last: PressedState | None, failure: DivergedError
-) -> DivergedError:
+def _failure_beyond(pad: PressedPad, last: PressedState | None, failure: DivergedError) -> DivergedError:
     """The failure beyond the last state, with that state's force and, where the next is not stable, what
     gives way there."""
     if last is None or not isinstance(failure, UnstableError):
@@ -478,9 +321,7 @@ def _failure_beyond(
     return UnstableError(f"ridge {ridge} tips over, no equilibrium beyond is stable", last.force)
 
 
-def press_until_all_touch(
-    pad: PressedPad[Elastic], near: PressedState, guess: Array | None = None
-) -> PressedState:
+def press_until_all_touch(pad: PressedPad, near: PressedState, guess: Array | None = None) -> PressedState:
     """Return the state at the smallest force at which every ridge touches, found from a state nearby.
 
     In each step that force is the linearised contact's own (frictionless.py), so that the force converges
@@ -506,9 +347,7 @@ def press_until_all_touch(
         raise DivergedError(words, reached) from None
 
 
-def _walk(
-    pad: PressedPad[Elastic], state: PressedState, load: Load, guess: Array | None = None
-) -> PressedState:
+def _walk(pad: PressedPad, state: PressedState, load: Load, guess: Array | None = None) -> PressedState:
     """The state at the force that `load` asks for, from a state in steps halfway to what it asks there."""
     start, tangent = (state.values, state.tangent) if guess is None else (guess, None)
     for _ in range(MAX_HALVINGS):

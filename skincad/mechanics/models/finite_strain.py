@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,6 @@ from skincad.mechanics.bodies.mesh import PadMesh
 from skincad.mechanics.bodies.plane_body import NeoHookeBody, transferred
 from skincad.mechanics.contact.newton import (
     DivergedError,
-    Elastic,
     PadTangent,
     PressedPad,
     PressedState,
@@ -73,8 +71,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 class LevelStates:
     """A level's two states, for the next order to start from."""
 
-    mesh: Any
-    pad: PressedPad[NeoHookeBody]
+    body: NeoHookeBody
     at_force: PressedState
     touching: PressedState | None
 
@@ -92,13 +89,13 @@ def level(
     pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
     states: LevelStates | None = before.states if before else None
     clock = [perf_counter()]
-    mesh = states.mesh if states else elements.curved(meshed.mesh, order)
+    mesh = states.body.mesh if states else elements.curved(meshed.mesh, order)
     mesh.Curve(max(3, order))
     low = np.array(crest_offsets) / unit if crest_offsets else None
     body = plane_body.body(mesh, order, pad.materials, pad.laws, pad.revolved, pad.face)
     problem = PressedPad(body, pad.top / unit, low)
     clock.append(perf_counter())
-    guess = transferred(states.pad.body, states.at_force.values, body) if states else None
+    guess = transferred(states.body, states.at_force.values, body) if states else None
     state = at_force(problem, force / scale, scale, guess)
     clock.append(perf_counter())
     if before and before.out_of_range:  # a higher order would only search for longer
@@ -108,7 +105,7 @@ def level(
         if states and states.touching:
             # the step between two forces is smooth; what the orders differ by at the corners is in `state`
             step = states.touching.values - states.at_force.values
-            guess = state.values + transferred(states.pad.body, step, body)
+            guess = state.values + transferred(states.body, step, body)
         touching, beyond_reason = all_touch(problem, state, scale, guess)
     clock.append(perf_counter())
     threshold = 0.0 if state.ridges.numbers.size == 1 else None
@@ -128,12 +125,12 @@ def level(
         unit=unit,
         scale=scale,
         out_of_range=beyond_reason,
-        states=LevelStates(mesh, problem, state, touching),
+        states=LevelStates(body, state, touching),
     )
 
 
 def at_force(
-    problem: PressedPad[Elastic],
+    problem: PressedPad,
     force: float,
     scale: float,
     guess: Array | None = None,
@@ -159,7 +156,7 @@ def at_force(
 
 
 def all_touch(
-    problem: PressedPad[Elastic], state: PressedState, scale: float, guess: Array | None = None
+    problem: PressedPad, state: PressedState, scale: float, guess: Array | None = None
 ) -> tuple[PressedState | None, str]:
     """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
     none. `state` is one nearby."""

@@ -11,7 +11,7 @@ from scipy import linalg
 from skincad.inputs import Design
 from skincad.mechanics import Layers, body_of, default_sizes, pad_of, triangles, unit_of, validity
 from skincad.mechanics.bodies import elements, plane_body, solid_body
-from skincad.mechanics.contact import newton
+from skincad.mechanics.contact import newton, stability
 from tests.mechanics.contact.test_mirrored import both
 from tests.mechanics.designs import reference
 
@@ -82,7 +82,7 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     _, _, mode = spectra(what, state)
     nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.x_of_largest_displacement(mode)).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
-    tipping = newton.tipping_ridge(what.body, state.values, linear, state.contact)
+    tipping = stability.tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])
     assert ridge != 2
     assert tipping in (ridge, 4 - ridge)  # the pad is symmetric: either, by rounding
