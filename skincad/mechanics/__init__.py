@@ -10,7 +10,7 @@ __getattr__, __dir__ = face(
     bodies.film_field: StripStress strip_stress
     bodies.mesh: PlainMesh Sizes at_faces default_sizes half_of height_of meshed_piece plain_mesh
         plane_piece triangles unit_of
-    bodies.plane_body: Functions excess
+    bodies.plane_body: excess
     bodies.prisms: fronts_of graded section_forms
     bodies.solid_body: SolidBody
     bodies.solid_law: excess_at

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import ngsolve as ng
@@ -19,13 +20,15 @@ import pytest
 import skincad
 from skincad.base import InputError
 from skincad.laws import LAWS, Gent, MooneyRivlin, NeoHooke, Ogden, Rubber, Yeoh, law, law_of
-from skincad.mechanics import Functions, Layers, Sizes, SolidBody, body_of, excess, excess_at, triangles
+from skincad.mechanics import Layers, Sizes, SolidBody, body_of, excess, excess_at, triangles
 from skincad.mechanics.bodies import elements, plane_body
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.models.test_solid_finite_strain import affine, meshed_of
 
 Array = np.ndarray
-ARRAYS = Functions(np.exp, np.log, np.sqrt, lambda c, a, b: np.where(np.real(c) > 0, a, b))
+ARRAYS = SimpleNamespace(
+    exp=np.exp, log=np.log, sqrt=np.sqrt, IfPos=lambda c, a, b: np.where(np.real(c) > 0, a, b)
+)
 STEP = 1e-30  # of a complex step: exact to rounding
 STRETCHES = (0.6, 0.97, 1.0 + 1e-6, 1.3, 1.9)
 SHIFTS = (-0.8, 1e-3, 0.15, 0.7)
@@ -240,12 +243,12 @@ def test_the_bodys_derivatives_are_its_energys(rubber: Rubber) -> None:
         step = np.zeros_like(state)
         free = np.concatenate([body.rest.interior, body.rest.contact])
         step[free] = random.standard_normal(free.size)
-        whole = plane_body.tangent(body, state, np.zeros_like(state)).recover(step)
+        whole = body.linearised(state, np.zeros_like(state)).recover(step)
         size = 1e-5 / np.abs(whole).max()
         slope = body.energy(state + size * whole) - body.energy(state - size * whole)
         assert body.residual(state) @ whole == pytest.approx(slope / (2 * size), rel=1e-5)
         after, before = (body.residual(state + s * size * whole) for s in (1, -1))
-        wanted = plane_body.tangent(body, state, np.zeros_like(state)).matrix @ step
+        wanted = body.linearised(state, np.zeros_like(state)).matrix @ step
         assert np.abs((after - before)[free] / (2 * size) - wanted[free]).max() <= 1e-5 * np.abs(wanted).max()
 
 

@@ -8,7 +8,7 @@ positive definite and does not lock for nu near 0.5. Lengths are in the pad's un
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -128,18 +128,24 @@ def with_contact(
     """
     space = both.components[0]
     free = np.fromiter(both.FreeDofs(True), dtype=bool, count=both.ndof)
-    edges = list(_contact_edges(mesh, space))
-    contact = np.unique(np.concatenate([e.unknowns for e in edges]))
+    boundary = list(enumerate(mesh.Elements(ng.BND)))
+    edges = [(number, edge) for number, edge in boundary if edge.mat.startswith("contact")]
+    contact = np.unique(np.concatenate([_vertical(space, edge) for _, edge in edges]))
     inside = free.copy()
     inside[contact] = False
+    nodes = _merged(_sample(mesh, space, edges, contact, *lobatto(order)))
+    if revolved:  # the areas of turns: on the axis 0, where Lobatto's rule has none of the force
+        nodes = replace(nodes, weight=2 * np.pi * np.abs(nodes.position[:, 0]) * nodes.weight)
     spacing = np.linspace(0.0, 1.0, FINE + 1)
+    lift = np.zeros(both.ndof)  # in a hierarchical basis 1 at each vertex, 0 in higher functions
+    lift[space.Range(1).start + np.arange(mesh.nv)] = 1.0
     return ContactStiffness(
         matrix=matrix,
         interior=np.flatnonzero(inside),
         contact=contact,
-        lift=_lift(mesh, space, both.ndof),
-        nodes=_swept(_merged(_sample(mesh, edges, contact, *lobatto(order))), revolved),
-        fine=_sample(mesh, edges, contact, spacing, np.full(FINE + 1, 1 / FINE)),
+        lift=lift,
+        nodes=nodes,
+        fine=_sample(mesh, space, edges, contact, spacing, np.full(FINE + 1, 1 / FINE)),
         mesh=mesh,
         space=both,
     )
@@ -171,41 +177,28 @@ def lobatto(order: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights / 2
 
 
-@dataclass(frozen=True)
-class _Edge:
-    """A boundary edge that may touch: its number among them, shape functions and vertical unknowns."""
-
-    number: int
-    ridge: int
-    shape: Any
-    unknowns: Index
+def _vertical(space: Any, edge: Any) -> Index:
+    """The vertical unknowns of an edge."""
+    return np.array(space.components[1].GetDofNrs(edge), dtype=np.int64) + int(space.Range(1).start)
 
 
-def _contact_edges(mesh: Any, space: Any) -> Iterator[_Edge]:
-    vertical, first = space.components[1], space.Range(1).start
-    for number, element in enumerate(mesh.Elements(ng.BND)):
-        if element.mat.startswith("contact"):
-            unknowns = np.array(vertical.GetDofNrs(element), dtype=np.int64) + first
-            ridge = int(element.mat.removeprefix("contact"))
-            yield _Edge(number, ridge, vertical.GetFE(element), unknowns)
-
-
-def _sample(mesh: Any, edges: list[_Edge], contact: Index, at: Array, weights: Array) -> Sample:
-    """Sample every edge at the parameters `at` in (0, 1)."""
-    columns, values, numbers = [], [], [edge.number for edge in edges]
+def _sample(
+    mesh: Any, space: Any, edges: list[tuple[int, Any]], contact: Index, at: Array, weights: Array
+) -> Sample:
+    """Sample every edge, with its number on the boundary, at the parameters `at` in (0, 1)."""
+    columns, values, numbers = [], [], [number for number, _ in edges]
     _, places, slopes = fe.mapped(mesh, at[:, None].tolist(), ng.BND)
-    for edge in edges:
-        local = np.searchsorted(contact, edge.unknowns)
+    for _, edge in edges:
+        local, shape = np.searchsorted(contact, _vertical(space, edge)), space.components[1].GetFE(edge)
         for t in at:
-            values.append(np.asarray(edge.shape.CalcShape(float(t), 0.0, 0.0)).ravel())
+            values.append(np.asarray(shape.CalcShape(float(t), 0.0, 0.0)).ravel())
             columns.append(local)
     rows = np.repeat(np.arange(len(columns)), [c.size for c in columns])
-    shape = (len(columns), contact.size)
     index = (rows, np.concatenate(columns))
     return Sample(
-        sparse.csr_matrix((np.concatenate(values), index), shape=shape),
+        sparse.csr_matrix((np.concatenate(values), index), shape=(len(columns), contact.size)),
         places[numbers].reshape(-1, 2),
-        np.repeat([e.ridge for e in edges], at.size),
+        np.repeat([int(edge.mat.removeprefix("contact")) for _, edge in edges], at.size),
         (np.hypot(*slopes[numbers, :, :, 0].transpose(2, 0, 1)) * weights).ravel(),
         np.repeat(np.arange(len(edges)), at.size),
     )
@@ -225,21 +218,6 @@ def _merged(sample: Sample) -> Sample:
     weight = np.zeros(first.size)
     np.add.at(weight, group.ravel(), sample.weight)
     return Sample(sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first])
-
-
-def _swept(sample: Sample, revolved: bool) -> Sample:
-    """Return the points of a section that is `revolved`, with the areas of their turns for arc lengths: on
-    the axis 0, where Lobatto's rule has none of the force."""
-    if not revolved:
-        return sample
-    return replace(sample, weight=2 * np.pi * np.abs(sample.position[:, 0]) * sample.weight)
-
-
-def _lift(mesh: Any, space: Any, size: int) -> Array:
-    """The translation by 1 along z: in a hierarchical basis 1 at each vertex, 0 in higher functions."""
-    lift = np.zeros(size)
-    lift[space.Range(1).start + np.arange(mesh.nv)] = 1.0
-    return lift
 
 
 @dataclass(frozen=True)
@@ -276,53 +254,3 @@ def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
         rest, moves, touches = (np.concatenate(columns) for columns in zip(*loop, strict=True))
         loops.append(Outline(rest, rest + moves, touches))
     return loops
-
-
-@dataclass(frozen=True)
-class SectionPoints:
-    """The g points of each of t triangles, of `weight` `(t, g)` in area, at the `height` `(t, g)`.
-
-    `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions, `test`
-    `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli.
-    """
-
-    weight: Array
-    height: Array
-    basis: Array
-    test: Array
-    shear: Array
-    bulk: Array
-
-
-def section_points(
-    mesh: Any, space: Any, pressures: Any, materials: Mapping[str, tuple[float, float]]
-) -> SectionPoints:
-    """Return the functions of scalar spaces at points that integrate their products on straight triangles."""
-    elements = list(mesh.Elements(ng.VOL))
-    rule = ng.IntegrationRule(ng.TRIG, 2 * space.GetFE(elements[0]).order)
-    at, share = [p[:2] for p in rule.points], np.array(rule.weights)
-    _, places, jacobian = fe.mapped(mesh, at, ng.VOL)
-    # a hierarchical basis looks alike in all triangles whose corners are numbered in the same order
-    corners = np.array([[v.nr for v in element.vertices] for element in elements])
-    orders, which = np.unique(np.argsort(corners, axis=1), axis=0, return_inverse=True)
-    alike = [elements[int(np.argmax(which.ravel() == k))] for k in range(len(orders))]
-
-    def sampled(field: Any, of: str) -> Array:
-        shapes = [field.GetFE(element) for element in alike]
-        values = np.array([[np.asarray(getattr(shape, of)(*p, 0.0)) for p in at] for shape in shapes])
-        return values[which.ravel()]
-
-    values = sampled(space, "CalcShape").reshape(len(elements), len(at), -1)
-    slopes = sampled(space, "CalcDShape") @ np.linalg.inv(jacobian)
-    basis = np.stack([slopes[..., 0], slopes[..., 1], values], axis=2)
-    test = sampled(pressures, "CalcShape").reshape(len(elements), len(at), -1)
-    moduli = np.array([materials[element.mat] for element in elements])
-    young, ratio = moduli.T
-    return SectionPoints(
-        share * np.linalg.det(jacobian),
-        places[..., 1],
-        basis,
-        test,
-        young / (2 * (1 + ratio)),
-        young / (3 * (1 - 2 * ratio)),
-    )

@@ -101,10 +101,10 @@ def pushed(
 ) -> tuple[float, Array]:
     """Return by how much the contact boundary sinks under a force of 1 along the axis, spread evenly within a
     radius, the mean weighted by the load; and the displacements `(2, m)`, outward and up, at places."""
-    tip = _Tip.of(mesh, loaded)
+    inside, area, ds = _tip(mesh, loaded)
     push = harmonic(mesh, order, materials, 0)
     (_, _), (v, _) = push.space.TnT()
-    down = ng.LinearForm(-2 * math.pi * ng.x * tip.inside / tip.area * v[1] * tip.ds).Assemble()
+    down = ng.LinearForm(-2 * math.pi * ng.x * inside / area * v[1] * ds).Assemble()
     (field,) = push.solved([down])
     return float(ng.InnerProduct(down.vec, field.vec)), np.asarray(field.components[0](mesh(*at))).T
 
@@ -115,13 +115,13 @@ def pulled(
     """Return the compliances `(2, 2)` of the contact boundary under a force of 1 across the axis and a moment
     of 1 that lifts the side it points to; and the displacements `(2, 3, m)` of both at places, outward, up
     and round, by the cosine and the sine of the angle to the pull."""
-    tip = _Tip.of(mesh, loaded)
-    turning = ng.Integrate(math.pi * ng.x**3 * tip.inside * tip.ds, mesh)
+    inside, area, ds = _tip(mesh, loaded)
+    turning = ng.Integrate(math.pi * ng.x**3 * inside * ds, mesh)
     pull = harmonic(mesh, order, materials, 1)
     _, (v, s, _) = pull.space.TnT()
     loads = [
-        ng.LinearForm(math.pi * ng.x * tip.inside / tip.area * (2 * v[0] - s) * tip.ds).Assemble(),
-        ng.LinearForm(math.pi * ng.x**2 * tip.inside / turning * v[1] * tip.ds).Assemble(),
+        ng.LinearForm(math.pi * ng.x * inside / area * (2 * v[0] - s) * ds).Assemble(),
+        ng.LinearForm(math.pi * ng.x**2 * inside / turning * v[1] * ds).Assemble(),
     ]
     fields, points, moves = pull.solved(loads), mesh(*at), []
     for field in fields:
@@ -131,17 +131,9 @@ def pulled(
     return across, np.array(moves)
 
 
-@dataclass(frozen=True)
-class _Tip:
+def _tip(mesh: Any, loaded: float) -> tuple[Any, float, Any]:
     """The part of feature 1's contact boundary within a radius: an indicator times the normal's rise, its
-    `area` seen along the axis, and the boundary to integrate over."""
-
-    inside: Any
-    area: float
-    ds: Any
-
-    @classmethod
-    def of(cls, mesh: Any, loaded: float) -> _Tip:
-        inside = ng.IfPos(loaded * (1 + 1e-6) - ng.x, ng.specialcf.normal(2)[1], 0.0)
-        ds = ng.ds(definedon=mesh.Boundaries("contact1"), bonus_intorder=4)
-        return cls(inside, ng.Integrate(2 * math.pi * ng.x * inside * ds, mesh), ds)
+    area seen along the axis, and the boundary to integrate over."""
+    inside = ng.IfPos(loaded * (1 + 1e-6) - ng.x, ng.specialcf.normal(2)[1], 0.0)
+    ds = ng.ds(definedon=mesh.Boundaries("contact1"), bonus_intorder=4)
+    return inside, ng.Integrate(2 * math.pi * ng.x * inside * ds, mesh), ds

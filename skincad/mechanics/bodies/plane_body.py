@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import ngsolve as ng
 import numpy as np
@@ -83,23 +83,13 @@ PLAIN = ((1.0, 2.0),)  # neo-Hooke's powers
 NEAR, TERMS = 0.01, 11
 
 
-class Functions(NamedTuple):
-    """Functions of symbols or of arrays; `positive(c, a, b)` is a where c is above 0, and b elsewhere."""
-
-    exp: Callable[[Any], Any] = ng.exp
-    log: Callable[[Any], Any] = ng.log
-    sqrt: Callable[[Any], Any] = ng.sqrt
-    positive: Callable[[Any, Any, Any], Any] = ng.IfPos
-
-
-SYMBOLS = Functions()
 NO_LAWS: Mapping[str, Rubber] = MappingProxyType({})
 
 
-def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
+def excess(law: Rubber, h: Any, of: Any = ng) -> Any:
     """Return the energy density beyond neo-Hooke's, in units of the law's own shear modulus, in terms of the
     displacement gradient `h[i, j]` of two dimensions, or of three with `h[2, 2]` alone in the third. Infinite
-    or nan where the law ends."""
+    or nan where the law ends. `of` has NGSolve's functions exp, log, sqrt and IfPos, for arrays its own."""
     hoop = None if h.shape[0] == PLANE else h[2, 2]
     trace, minor = h[0, 0] + h[1, 1], h[0, 0] * h[1, 1] - h[0, 1] * h[1, 0]
     squares = h[0, 0] * h[0, 0] + h[1, 1] * h[1, 1] + h[0, 1] * h[0, 1] + h[1, 0] * h[1, 0]
@@ -113,9 +103,8 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     middle = 1 + trace + squares / 2  # of the two stretches' squares
     first = h[0, 0] - h[1, 1] + (h[0, 0] ** 2 + h[1, 0] ** 2 - h[0, 1] ** 2 - h[1, 1] ** 2) / 2
     second = h[0, 1] + h[1, 0] + h[0, 0] * h[0, 1] + h[1, 0] * h[1, 1]
-    difference = (first * first + second * second) / (
-        middle * middle
-    )  # (d / s)^2, squares are s + d and s - d
+    # (d / s)^2, squares are s + d and s - d
+    difference = (first * first + second * second) / (middle * middle)
     measure = 0
     for share, power in law.powers:
         both, product = _power_sum(middle, difference, volume, power / 2, of), logarithm
@@ -126,7 +115,7 @@ def excess(law: Rubber, h: Any, of: Functions = SYMBOLS) -> Any:
     return law.energy(measure, of) - plain
 
 
-def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Functions) -> Any:
+def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Any) -> Any:
     """Return (s + d)^b + (s - d)^b - 2, with s - d as J^2 / (s + d): without cancellation."""
     series, binomials = 0.0, [1.0]  # binomials; scipy's are nan for negative integers
     for i in range(2 * TERMS - 2):
@@ -134,10 +123,10 @@ def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Funct
     for binomial in binomials[:0:-2]:
         series = difference * (series + binomial)
     near = 2 * (1 + series) * of.exp(half * of.log(middle))
-    root = of.sqrt(of.positive(difference - NEAR, difference, 1.0 + 0 * difference))
+    root = of.sqrt(of.IfPos(difference - NEAR, difference, 1.0 + 0 * difference))
     large = of.log(middle * (1 + root))
     far = of.exp(half * large) + of.exp(half * (2 * of.log(volume) - large))
-    return of.positive(difference - NEAR, far, near) - 2
+    return of.IfPos(difference - NEAR, far, near) - 2
 
 
 CLAMPED_EDGE, FACE_EDGE = 0.005, 0.05  # of the height, of features and of a bare face: see `body`
@@ -180,15 +169,20 @@ class NeoHookeBody:
     def linearised(
         self, state: Array, residual: Array, order: Index | None = None, contact: int = 0
     ) -> PlaneLinearised:
-        """Return the tangent factorised; ContactError where it is singular.
+        """Return the tangent factorised at a state whose `residual` is at hand; ContactError where it is
+        singular.
 
         Condensed to the contact unknowns, or to the last `contact` ones of another `order` of elimination.
         """
-        at = tangent(self, state, residual)
-        small = factorise(
-            at.matrix, self.order if order is None else order, contact or self.rest.contact.size
-        )
-        return PlaneLinearised(self, at, small, small.flexibility)
+        try:
+            self.form.AssembleLinearization(_vector(self, state))
+        except NgException as failure:
+            if SINGULAR not in str(failure):
+                raise
+            raise ContactError("the tangent stiffness of an element is singular") from None
+        matrix = fe.as_csr(self.form.mat)
+        small = factorise(matrix, self.order if order is None else order, contact or self.rest.contact.size)
+        return PlaneLinearised(self, matrix, small, small.flexibility, *_condensed(self, residual))
 
     def x_of_largest_displacement(self, step: Array) -> float:
         """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
@@ -320,35 +314,17 @@ def body(
 
 
 @dataclass(frozen=True)
-class Tangent:
-    """The body linearised at a state: `matrix` `(n, n)` and `residual` `(n,)`, both condensed.
-
-    `recover` completes a step `(n,)` of the condensed unknowns by what it moves inside the elements; it
-    belongs to the body's latest tangent.
-    """
-
-    matrix: sparse.csr_matrix
-    residual: Array
-    form: Any
-    whole: Any
-
-    def recover(self, step: Array) -> Array:
-        """Return the step of all unknowns, those inside the elements in balance to first order."""
-        all_of_it = self.whole.CreateVector()
-        all_of_it.FV().NumPy()[:] = step
-        all_of_it.data += self.form.harmonic_extension * all_of_it
-        all_of_it.data -= self.form.inner_solve * self.whole
-        return np.array(all_of_it.FV().NumPy())
-
-
-@dataclass(frozen=True)
 class PlaneLinearised:
-    """The body's tangent, condensed onto the contact unknowns."""
+    """The body linearised at a state: `matrix` `(n, n)` and `residual` `(n,)`, condensed by what is inside
+    elements, `inside` NGSolve's vector of the residual before that; `small` is the matrix factorised and
+    `flexibility` `(k, k)` that of the contact unknowns. It moves the body's latest tangent."""
 
     body: NeoHookeBody
-    tangent: Tangent
+    matrix: sparse.csr_matrix
     small: Condensation
     flexibility: Array
+    residual: Array
+    inside: Any
 
     @property
     def negative_eigenvalues(self) -> tuple[int, int]:
@@ -358,14 +334,16 @@ class PlaneLinearised:
 
     def rebalanced(self, _: Array, residual: Array) -> PlaneLinearised:
         """Return the same tangent, the body's latest, at another state nearby with its `residual`."""
-        return replace(self, tangent=under(self.body, self.tangent.matrix, residual))
+        condensed, inside = _condensed(self.body, residual)
+        return replace(self, residual=condensed, inside=inside)
 
     def antisymmetric(self) -> PlaneLinearised | None:
-        """Return the same tangent for antisymmetric movements: on a half's cut z is held and x is not."""
+        """Return the same tangent for antisymmetric movements: on a half's cut z is held and x is not. None
+        of a whole body; ContactError where it is singular."""
         body = self.body
         if not body.antisymmetric.size:
             return None
-        small = factorise(self.tangent.matrix, body.antisymmetric, body.antisymmetric_contact)
+        small = factorise(self.matrix, body.antisymmetric, body.antisymmetric_contact)
         free = np.flatnonzero(np.isin(body.rest.contact, body.antisymmetric))
         flexibility = np.zeros_like(self.flexibility)
         flexibility[np.ix_(free, free)] = small.flexibility
@@ -373,30 +351,27 @@ class PlaneLinearised:
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""
-        return self.tangent.recover(self.small.solve(-self.tangent.residual - push))
+        return self.recover(self.small.solve(-self.residual - push))
+
+    def recover(self, step: Array) -> Array:
+        """Return a step `(n,)` of the condensed unknowns with what it moves inside the elements, in balance
+        to first order."""
+        form, whole = self.body.form, _vector(self.body, step)
+        whole.data += form.harmonic_extension * whole
+        whole.data -= form.inner_solve * self.inside
+        return np.array(whole.FV().NumPy())
 
     def unloaded(self) -> Array:
         """Return the contact unknowns' step `(k,)` without contact forces."""
-        return self.small.at_contact(-self.tangent.residual)
+        return self.small.at_contact(-self.residual)
 
 
-def tangent(body: NeoHookeBody, state: Array, residual: Array) -> Tangent:
-    """Return the tangent at a state whose `residual` is at hand; ContactError where it has none."""
-    try:
-        body.form.AssembleLinearization(_vector(body, state))
-    except NgException as failure:
-        if SINGULAR not in str(failure):
-            raise
-        raise ContactError("the tangent stiffness of an element is singular") from None
-    return under(body, fe.as_csr(body.form.mat), residual)
-
-
-def under(body: NeoHookeBody, matrix: sparse.csr_matrix, residual: Array) -> Tangent:
-    """Return the body's latest tangent, its condensed `matrix` kept, under another state's residual."""
-    whole = _vector(body, residual)
-    condensed = whole.CreateVector()
-    condensed.data = whole + body.form.harmonic_extension_trans * whole
-    return Tangent(matrix, np.array(condensed.FV().NumPy()), body.form, whole)
+def _condensed(body: NeoHookeBody, residual: Array) -> tuple[Array, Any]:
+    """A residual condensed by the body's latest tangent, and NGSolve's vector of it."""
+    inside = _vector(body, residual)
+    condensed = inside.CreateVector()
+    condensed.data = inside + body.form.harmonic_extension_trans * inside
+    return np.array(condensed.FV().NumPy()), inside
 
 
 def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array:

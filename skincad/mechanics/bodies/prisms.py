@@ -25,7 +25,7 @@ from scipy import linalg, sparse
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.condense import Front, Unknowns, dissection, schur
-from skincad.mechanics.bodies.elements import ContactStiffness, Sample, SectionPoints, lobatto, section_points
+from skincad.mechanics.bodies.elements import ContactStiffness, Sample, lobatto
 from skincad.mechanics.problem import Bend, ContactError
 
 
@@ -168,14 +168,21 @@ GRADIENT: tuple[tuple[tuple[int, int, int, int, float], ...], ...] = (
 
 @dataclass(frozen=True)
 class SectionForms:
-    """The section's scalar functions and pressures at the `points` of its triangles.
+    """The section's scalar functions and pressures at the g points of each of its t triangles, of `weight`
+    `(t, g)` in area, at the `height` `(t, g)`.
 
-    `functions` `(t, f)` numbers each triangle's functions, `centres` `(t, 2)` are its corners' mean;
-    `clamped` `(n,)` marks functions clamped at the back, `cut` `(n,)` those on x = 0. `plane` has the contact
-    points.
+    `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions, `test`
+    `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli. `functions` `(t, f)` numbers each
+    triangle's functions, `centres` `(t, 2)` are its corners' mean; `clamped` `(n,)` marks functions clamped
+    at the back, `cut` `(n,)` those on x = 0. `plane` has the contact points.
     """
 
-    points: SectionPoints
+    weight: Array
+    height: Array
+    basis: Array
+    test: Array
+    shear: Array
+    bulk: Array
     clamped: Mask
     cut: Mask
     functions: Index
@@ -230,20 +237,42 @@ class Prisms:
 
 
 def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> SectionForms:
-    """Return the section's functions; `materials` maps a domain to (Young's modulus, Poisson's ratio).
+    """Return the section's functions at points that integrate their products on straight triangles;
+    `materials` maps a domain to (Young's modulus, Poisson's ratio).
 
     Displacements and pressure are those of `elements.assemble`.
     """
     space = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
-    pressure = ng.L2(mesh, order=order - 1)
-    inside = list(mesh.Elements(ng.VOL))
+    pressures = ng.L2(mesh, order=order - 1)
+    triangles = list(mesh.Elements(ng.VOL))
+    rule = ng.IntegrationRule(ng.TRIG, 2 * space.GetFE(triangles[0]).order)
+    at, share = [p[:2] for p in rule.points], np.array(rule.weights)
+    _, places, jacobian = fe.mapped(mesh, at, ng.VOL)
+    # a hierarchical basis looks alike in all triangles whose corners are numbered in the same order
+    corners = np.array([[v.nr for v in triangle.vertices] for triangle in triangles])
+    orders, which = np.unique(np.argsort(corners, axis=1), axis=0, return_inverse=True)
+    alike = [triangles[int(np.argmax(which.ravel() == k))] for k in range(len(orders))]
+
+    def sampled(field: Any, of: str) -> Array:
+        shapes = [field.GetFE(triangle) for triangle in alike]
+        values = np.array([[np.asarray(getattr(shape, of)(*p, 0.0)) for p in at] for shape in shapes])
+        return values[which.ravel()]
+
+    values = sampled(space, "CalcShape").reshape(len(triangles), len(at), -1)
+    slopes = sampled(space, "CalcDShape") @ np.linalg.inv(jacobian)
+    young, ratio = np.array([materials[triangle.mat] for triangle in triangles]).T
     return SectionForms(
-        section_points(mesh, space, pressure, materials),
-        ~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
-        fe.on_cut(mesh, space),
-        np.array([space.GetDofNrs(e) for e in inside], dtype=np.int64),
-        fe.centres(mesh, inside),
-        elements.assemble(mesh, order, materials),
+        weight=share * np.linalg.det(jacobian),
+        height=places[..., 1],
+        basis=np.stack([slopes[..., 0], slopes[..., 1], values], axis=2),
+        test=sampled(pressures, "CalcShape").reshape(len(triangles), len(at), -1),
+        shear=young / (2 * (1 + ratio)),
+        bulk=young / (3 * (1 - 2 * ratio)),
+        clamped=~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
+        cut=fe.on_cut(mesh, space),
+        functions=np.array([space.GetDofNrs(e) for e in triangles], dtype=np.int64),
+        centres=fe.centres(mesh, triangles),
+        plane=elements.assemble(mesh, order, materials),
     )
 
 
@@ -253,17 +282,16 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
     leaves after condensing the pressure, its weak form the same.
     """
-    at, bend = forms.points, line.bend
-    weight, basis = at.weight, at.basis
+    bend, weight, basis = line.bend, forms.weight, forms.basis
     if bend is not None:
-        stretch = bend.stretch(at.height)
+        stretch = bend.stretch(forms.height)
         weight, value = weight * stretch, basis[:, :, 2] / stretch[..., None]
         basis = np.stack([basis[:, :, 0], basis[:, :, 1], value, value / bend.radius], axis=2)
     count, _, kinds, f = basis.shape
     flat = basis.reshape(*weight.shape, kinds * f)
-    shear = np.swapaxes(flat * (weight * at.shear[:, None])[:, :, None], 1, 2) @ flat
-    tested = np.swapaxes(at.test * weight[:, :, None], 1, 2)
-    volume_rows, coupled = tested @ at.test / at.bulk[:, None, None], tested @ flat
+    shear = np.swapaxes(flat * (weight * forms.shear[:, None])[:, :, None], 1, 2) @ flat
+    tested = np.swapaxes(forms.test * weight[:, :, None], 1, 2)
+    volume_rows, coupled = tested @ forms.test / forms.bulk[:, None, None], tested @ flat
     volume = np.swapaxes(coupled, 1, 2) @ np.linalg.solve(volume_rows, coupled)
     shear, volume = (m.reshape(count, kinds, f, kinds, f) for m in (shear, volume))
     section = np.zeros((count, 2, 2, 2, 3, f, 3, f))

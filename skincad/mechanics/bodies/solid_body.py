@@ -17,7 +17,7 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
-from skincad.mechanics.bodies.elements import ContactStiffness, Outline, SectionPoints, outlines
+from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
 from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
 from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
@@ -183,7 +183,7 @@ def solid_body(
     """
     line, count = prisms.line(borders, order, bend=bend), forms.clamped.size
     along, height = line.at.size, len(borders) - 1
-    elements = _extruded(forms.points, borders, prisms.inside(order), _numbered(forms, laws, height), bend)
+    elements = _extruded(forms, borders, prisms.inside(order), _numbered(forms, laws, height), bend)
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -221,7 +221,7 @@ def _numbered(
 
 
 def _extruded(
-    section: SectionPoints,
+    section: SectionForms,
     borders: Array,
     layer: prisms.Inside,
     laws: tuple[tuple[Rubber, Index], ...],

@@ -221,7 +221,7 @@ def ring_errors(ratio: float, order: int, refined: int) -> tuple[float, float]:
     body = plane_body.body(mesh, order, {"skin": (1.0, ratio)})
     load = ng.LinearForm(body.space)
     load += -ng.InnerProduct(body.space.TestFunction()[0], ng.CF((ng.x, ng.y))) * ng.dx
-    at = plane_body.tangent(body, np.zeros(body.free.size), np.array(load.Assemble().vec.FV().NumPy()))
+    at = body.linearised(np.zeros(body.free.size), np.array(load.Assemble().vec.FV().NumPy()))
     free = np.concatenate([body.rest.interior, body.rest.contact])
     step = np.zeros(body.free.size)
     step[free] = splu(at.matrix[free][:, free].tocsc()).solve(-at.residual[free])

@@ -36,7 +36,7 @@ def pad(count: int = 1) -> newton.PressedPad:
 def spectra(what: newton.PressedPad, state: newton.PressedState) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues of the tangent, free and as the plate holds it, and the latter's first vector."""
     body = what.body
-    matrix = plane_body.tangent(body, state.values, body.residual(state.values)).matrix
+    matrix = body.linearised(state.values, body.residual(state.values)).matrix
     whole = matrix[body.order][:, body.order].toarray()
     rows = np.zeros((int(state.contact.active.sum()), body.order.size))
     rows[:, -body.rest.contact.size :] = body.rest.nodes.rows[state.contact.active].toarray()

@@ -69,7 +69,7 @@ def test_tangent_is_the_residuals_derivative() -> None:
     random = np.random.default_rng(7)
     state = 2e-3 * random.standard_normal(body.free.size)
     assert np.isfinite(body.energy(state))
-    at = plane_body.tangent(body, state, np.zeros_like(state))
+    at = body.linearised(state, np.zeros_like(state))
     free = np.concatenate([body.rest.interior, body.rest.contact])
     step = np.zeros_like(state)
     step[free] = random.standard_normal(free.size)
