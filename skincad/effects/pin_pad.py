@@ -133,7 +133,7 @@ def _sticking(design: Design) -> PinPad:
     return PinPad(
         tips=Tips(
             gap=model.gap,
-            curve=reduced.Curve(model).at,
+            curve=model.alone,
             compliance=compliance,
             wide=float(np.cbrt(0.75 * radius * (1 - poisson**2) / young)),
             shear=(2 - poisson) * (1 + poisson) / (4 * young),

@@ -53,9 +53,8 @@ EXPONENT_MARGINS = {
 }
 FREE_ENDS = 0.3  # assumption, of the length's: what free ends add, which the plane does not know
 PROPORTIONAL_MARGIN = 0.01  # of what is proportional: rounding, and the linear model's mesh
-CONFINEMENT_MARGIN = (
-    0.4  # by which a thicker base may count for more than its springs; at least it counts for nothing
-)
+# by which a thicker base may count for more than its springs; at least it counts for nothing
+CONFINEMENT_MARGIN = 0.4
 EDGE_MARGIN = 0.009  # by the square of the number of ridges: what a margin that gets narrower may change
 # of the pitch's exponent: below that of the gap alone, and above that of gap and base
 PITCH_MARGIN_BELOW, PITCH_MARGIN_ABOVE = 0.1, 0.2
@@ -80,10 +79,17 @@ def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
     if skin_of(design).count == 1 or closed_force <= NEGLIGIBLE * design.contact.force:
         return ()
     ends = intervals(design, closed_force)
-    now = {key: _value(design, key) for key in ends if key != MODULUS}
-    now[MODULUS] = silicone(design).young_modulus.value
+    now = {MODULUS: silicone(design).young_modulus.value}
+    for key in set(ends) - {MODULUS}:
+        table, _, name = key.partition(".")
+        now[key] = float(getattr(getattr(design, table), name))
     rows = [
-        Sensitivity(key, now[key], "MPa" if key == MODULUS else "mm", _change(low, high, force))
+        Sensitivity(
+            key=key,
+            now=now[key],
+            unit="MPa" if key == MODULUS else "mm",
+            change=Estimate((low + high) / 2 * force / 100, (high - low) / 2 * force / 100, "N"),
+        )
         for key, (low, high) in ends.items()
     ]
     return tuple(sorted(rows, key=lambda row: (float(f"{-abs(row.change.value or 0.0):.3g}"), row.key)))
@@ -109,15 +115,6 @@ def intervals(design: Design, closed_force: float) -> dict[str, tuple[float, flo
     result["skin.length"] = 1 - FREE_ENDS, 1 + FREE_ENDS
     result[MODULUS] = 1 - PROPORTIONAL_MARGIN, 1 + PROPORTIONAL_MARGIN
     return result
-
-
-def _change(low: float, high: float, force: float) -> Estimate:
-    return Estimate((low + high) / 2 * force / 100, (high - low) / 2 * force / 100, "N")
-
-
-def _value(design: Design, key: str) -> float:
-    table, _, name = key.partition(".")
-    return float(getattr(getattr(design, table), name))
 
 
 def _exponent(design: Design, closed_force: float, key: str) -> float | None:
@@ -151,6 +148,7 @@ SECTIONS = 32  # of an interval at once, five halvings: up to 500 parts together
 NUDGE = 0.02  # of the largest difference between crests; for the derivative by each crest
 
 
+@one_blas_thread()
 def manufacture(
     model: RidgeModel, force: float, threshold: float, spread: Spread, uncertainty: float = 0.0
 ) -> Yield:
@@ -160,13 +158,6 @@ def manufacture(
     from a better model than the model. That model's effects are then taken as a change of stiffness, so the
     force is scaled (measured in test_manufacture.py for free ends).
     """
-    with one_blas_thread():
-        return _manufacture(model, force, threshold, spread, uncertainty)
-
-
-def _manufacture(
-    model: RidgeModel, force: float, threshold: float, spread: Spread, uncertainty: float
-) -> Yield:
     unit, scale, count = model.unit, model.scale, model.gap.size
     model_threshold = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
     # the ratio of two negligible all-touch forces is rounding
@@ -187,12 +178,16 @@ def _manufacture(
     )
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED_FROM else SCALED_MISCLASSIFIES
     low, high = _share_bound(worst, -wrong), _share_bound(best, wrong)
+    needs_more = (
+        f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
+        "or higher features"
+    )
     return Yield(
         Estimate(both, max(both - low, high - both), "1"),
         (low, high),
         tuple(float(s) for s in _crest_slopes(model, model_threshold) * scale / unit / softer),
         threshold / spread.modulus[1],
-        _largest(spread, both, crests, material) if threshold <= force else _nominal(threshold, force),
+        _largest(spread, both, crests, material) if threshold <= force else needs_more,
     )
 
 
@@ -244,13 +239,6 @@ def _share_bound(passing: Mask, wrong: float) -> float:
     half = NORMAL * math.sqrt(share * (1 - share) / parts + (NORMAL / (2 * parts)) ** 2)
     end = (middle + math.copysign(half, wrong)) / (1 + NORMAL**2 / parts)
     return min(max(end, 0.0), 1.0)  # against rounding alone
-
-
-def _nominal(threshold: float, force: float) -> str:
-    return (
-        f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
-        "or higher features"
-    )
 
 
 def _parts(spread: Spread, unit: float, count: int) -> tuple[Array, Array]:

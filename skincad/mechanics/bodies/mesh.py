@@ -23,8 +23,6 @@ from skincad.mechanics.problem import Pad
 from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section
 
-# gone
-
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
 WIDEST_ARC = math.radians(100)  # of one spline, whose control point runs off towards a half turn
 SHORTEST = 1e-5  # in units; shorter segments (nanometres) are closed up: netgen fails on them below 1e-6
@@ -73,12 +71,9 @@ def default_sizes(pad: Pad, fineness: float = 1.0) -> Sizes:
     The clamped back's corners are singular: unless they are graded to about 1/2000 of the height, the
     difference between two orders says nothing of the error (docs/evidence/facts.md#mesh-and-method).
     """
-    unit, ridged = (
-        unit_of(pad),
-        not pad.revolved and all(s.kind != "base" for s in pad.section.outline if s.touches),
-    )
+    unit, ridged = unit_of(pad), not pad.revolved and not pad.face
     flank = max((s.length for s in pad.section.outline if s.kind == "flank"), default=unit)
-    height = max(p.start.z for p in pad.section.outline) - min(p.start.z for p in pad.section.outline)
+    height = height_of(pad)
     return Sizes(
         contact=(0.1 * unit if ridged else min(0.1 * unit, height / 9)) / fineness,
         ridge=max(0.2 * unit, flank / 8) / fineness,
@@ -273,10 +268,12 @@ def half_of(pad: Pad) -> Pad | None:
     one side. The plate must be flat.
     """
     extent = max(abs(s.start.x) for s in pad.section.outline)
-    loops = (pad.section.outline, *pad.strips, *pad.voids)
-    if pad.plate.shape != "flat" or not all(_mirrored(kind, SAME * extent) for kind in _groups(pad)):
+    inner = ([segment for loop in of for segment in loop] for of in (pad.strips, pad.voids))
+    alike = (_mirrored(group, SAME * extent) for group in (list(pad.section.outline), *inner))
+    if pad.plate.shape != "flat" or not all(alike):
         return None
-    if any(_crosses(loop, SAME * extent) for loop in loops[1:]):
+    places = ([s.start.x for s in loop] for loop in (*pad.strips, *pad.voids))
+    if any(min(x) < SAME * extent and max(x) > -SAME * extent for x in places):  # across the middle
         return None
     outline = _cut(pad.section.outline, SAME * extent)
     if outline is None:
@@ -290,15 +287,6 @@ def half_of(pad: Pad) -> Pad | None:
     return replace(pad, section=section, strips=right(pad.strips), voids=right(pad.voids), layers=layers)
 
 
-def _groups(pad: Pad) -> list[list[Segment]]:
-    """Segments that must be mirrored among each other."""
-    return [
-        list(pad.section.outline),
-        [s for strip in pad.strips for s in strip],
-        [s for void in pad.voids for s in void],
-    ]
-
-
 def _mirrored(segments: list[Segment], tolerance: float) -> bool:
     """Whether every segment's mirror image is there; mirroring and running backwards keeps the bulge."""
     if not segments:
@@ -310,11 +298,6 @@ def _mirrored(segments: list[Segment], tolerance: float) -> bool:
         math.isclose(s.bulge, segments[j].bulge, rel_tol=1e-6, abs_tol=1e-9) and s.kind == segments[j].kind
         for s, j in zip(segments, partner, strict=True)
     )
-
-
-def _crosses(loop: Loop, tolerance: float) -> bool:
-    at = [s.start.x for s in loop]
-    return min(at) < tolerance and max(at) > -tolerance
 
 
 def _cut(outline: Loop, tolerance: float) -> Loop | None:

@@ -53,11 +53,11 @@ def undetected_contact(
         x, z = loop.moved[~(loop.touches | np.roll(loop.touches, 1))].T
         if (z > plate(x) + THROUGH).any():
             return "a ridge's flank or the skin between ridges meets the plate"
-    if any(_area(loop.rest) * _area(loop.moved) <= 0 for loop in loops):
+    if any(signed_area(loop.rest) * signed_area(loop.moved) <= 0 for loop in loops):
         return "a slot is turned inside out"
     if mirrored and min(loop.moved[:, 0].min() for loop in loops) < -THROUGH:
         return "two ridges meet in the middle"
-    outer = max(range(len(loops)), key=lambda i: abs(_area(loops[i].rest)))
+    outer = max(range(len(loops)), key=lambda i: abs(signed_area(loops[i].rest)))
     holes = [loop.moved for i, loop in enumerate(loops) if i != outer]
     if with_itself and not shapely.is_valid(shapely.Polygon(loops[outer].moved, holes)):
         return "the skin folds onto itself: two ridges meet or a slot closes"
@@ -70,8 +70,8 @@ def x_of_largest_displacement(loops: list[Outline]) -> float:
     return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])
 
 
-def _area(loop: Array) -> float:
-    """Signed area of a closed polygon `(points, 2)`."""
+def signed_area(loop: Array) -> float:
+    """Return the area of a closed polygon `(points, 2)`, negative where it runs clockwise."""
     x, z = loop.T
     return float(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2
 
@@ -130,7 +130,6 @@ def _power_sum(middle: Any, difference: Any, volume: Any, half: float, of: Any) 
 
 
 CLAMPED_EDGE, FACE_EDGE = 0.005, 0.05  # of the height, of features and of a bare face: see `body`
-NONE = np.empty(0, dtype=np.int64)
 SINGULAR = "singular"  # what NGSolve says of an element's inner block without an inverse
 
 
@@ -293,14 +292,10 @@ def body(
     free = np.fromiter(both.FreeDofs(), dtype=bool, count=both.ndof)
     free[np.setdiff1d(system.interior, rest.interior)] = False
     elimination = np.concatenate([fill_order(rest.matrix, rest.interior), rest.contact])
-    antisymmetric, contact = (
-        elements.antisymmetric_unknowns(system)
-        if rest.interior.size < system.interior.size and not revolved
-        else (NONE, NONE)
-    )
-    elimination_antisymmetric = (
-        np.concatenate([fill_order(rest.matrix, antisymmetric), contact]) if antisymmetric.size else NONE
-    )
+    antisymmetric = contact = np.empty(0, dtype=np.int64)
+    if rest.interior.size < system.interior.size and not revolved:
+        interior, contact = elements.antisymmetric_unknowns(system)
+        antisymmetric = np.concatenate([fill_order(rest.matrix, interior), contact])
     return NeoHookeBody(
         mesh=mesh,
         space=both,
@@ -308,7 +303,7 @@ def body(
         rest=rest,
         free=free,
         order=elimination,
-        antisymmetric=elimination_antisymmetric,
+        antisymmetric=antisymmetric,
         antisymmetric_contact=contact.size,
     )
 

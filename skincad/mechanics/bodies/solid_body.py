@@ -71,17 +71,11 @@ class SolidBody:
         """Return the energy; infinite where a point of the elements is turned inside out."""
         return solid_law.energy(self.elements, *self.split(state))
 
-    def linearised(self, state: Array, residual: Array) -> SolidLinearised:
-        """Return the tangent factorised; ContactError where the contact, held, leaves it indefinite."""
-        return self._linearised(state, residual, self.symmetric)
-
-    def linearised_antisymmetric(self, state: Array, residual: Array) -> SolidLinearised | None:
-        """Return the tangent of a half for antisymmetric movements; None of a whole pad."""
-        return None if self.antisymmetric is None else self._linearised(state, residual, self.antisymmetric)
-
-    def _linearised(
-        self, state: Array, residual: Array, kind: tuple[list[Front], Unknowns]
+    def linearised(
+        self, state: Array, residual: Array, fronts: tuple[list[Front], Unknowns] | None = None
     ) -> SolidLinearised:
+        """Return the tangent factorised, for symmetric movements unless by other `fronts`; ContactError where
+        the contact, held, leaves it indefinite."""
         at = solid_law.points(self.elements, *self.split(state))
         coupling = solid_law.coupling(at)
         stiffness = solid_law.stiffness(at, coupling)
@@ -91,7 +85,7 @@ class SolidBody:
             for element in self.of_triangle[triangle]:
                 yield of_element[element], stiffness[element]
 
-        small = factored(inside, *kind, self.displacements)
+        small = factored(inside, *(fronts or self.symmetric), self.displacements)
         free = np.isin(self.rest.contact, small.border)  # on the cut no point moves up that the mirror turns
         flexibility = np.zeros((free.size, free.size))
         flexibility[np.ix_(free, free)] = small.flexibility
@@ -153,8 +147,10 @@ class SolidLinearised:
         return replace(self, state=state, residual=residual)
 
     def antisymmetric(self) -> SolidLinearised | None:
-        """Return the same tangent for antisymmetric movements: on a half's cut z and y are held."""
-        return self.body.linearised_antisymmetric(self.state, self.residual)
+        """Return the same tangent for antisymmetric movements: on a half's cut z and y are held. None of a
+        whole pad."""
+        fronts = self.body.antisymmetric
+        return None if fronts is None else self.body.linearised(self.state, self.residual, fronts)
 
     def move(self, push: Array) -> Array:
         """Return the step `(n,)` that balances the body, to first order, under contact forces `-push`."""

@@ -274,7 +274,7 @@ def forces(at: Points) -> tuple[Array, Array]:
 def coupling(at: Points) -> Array:
     """Return the second derivative by pressures and displacements `(e, q, 3 b)`."""
     weighted = at.of.test * at.of.weight[:, :, None]
-    return np.asarray(np.swapaxes(weighted, 1, 2) @ _swelling_rows(at))
+    return np.asarray(np.swapaxes(weighted, 1, 2) @ _rows(at.cofactor, at.of.basis))
 
 
 def stiffness(at: Points, coupled: Array) -> Array:
@@ -319,12 +319,8 @@ def _stiffness(basis: Array, cofactor: Array, bend: Array, turn: Array) -> Array
     return np.asarray(matrix)
 
 
-def _swelling_rows(at: Points) -> Array:
-    """How each displacement of an element changes J at its points, `(e, g, 3 b)`."""
-    return _rows(at.cofactor, at.of.basis)
-
-
 def _rows(cofactor: Array, basis: Array) -> Array:
+    """How each displacement of an element changes J at its points, `(e, g, 3 b)`."""
     rows = cofactor @ basis
     return np.asarray(rows.reshape(*rows.shape[:2], -1))
 

@@ -86,19 +86,14 @@ def solve_discs(skin: DiscCompliance, before: ContactState, force: float, coeffi
     raise ContactError(f"sticking and sliding points do not settle in {ITERATIONS} sweeps")
 
 
-def _slip(skin: DiscCompliance, t: Array, travel: float, free: Array) -> Array:
-    """How far points are off their anchors `(2 m,)`."""
-    slip = np.asarray(skin.tangential @ t + free)
-    slip[: skin.gap.size] -= travel
-    return slip
-
-
 def _trial(skin: DiscCompliance, t: Array, travel: float, free: Array) -> tuple[Array, Array]:
     """What the tangential forces `(2 m,)` would be if points stuck, each alone, and a point's stiffness: the
     same along x and y, or points would slide askew."""
     softest = np.tile(skin.tangential.diagonal().reshape(2, -1).max(axis=0), 2)
     stiffness = np.where(skin.able, 1 / np.where(skin.able, softest, 1.0), 0.0)
-    return t - stiffness * _slip(skin, t, travel, free), stiffness
+    slip = np.asarray(skin.tangential @ t + free)  # how far points are off their anchors
+    slip[: skin.gap.size] -= travel
+    return t - stiffness * slip, stiffness
 
 
 def _lengths(vector: Array) -> Array:
@@ -134,8 +129,8 @@ def _newton_step(
     n, by_x = rows.size, (rows < m).astype(float)
     if not n:
         return np.zeros(2 * m), travel
-    trial, stiffness = (values[rows] for values in _trial(skin, t, travel, free))
-    length, now = _lengths(_trial(skin, t, travel, free)[0])[rows], _lengths(t)[rows]
+    whole, every = _trial(skin, t, travel, free)
+    trial, stiffness, length, now = (values[rows] for values in (whole, every, _lengths(whole), _lengths(t)))
     place = np.full(2 * m, -1)
     place[rows] = np.arange(n)
     partner = place[np.where(rows < m, rows + m, rows - m)]

@@ -109,13 +109,11 @@ def level(
         touching, beyond_reason = all_touch(problem, state, scale, guess)
     clock.append(perf_counter())
     threshold = 0.0 if state.ridges.numbers.size == 1 else None
-    shares = meshed.on_whole(state.ridges.sums(state.contact.force) * scale)
     x, pressure = pressures(meshed, body.rest.nodes, state.contact.force)
     return PlaneSolution(
         all_touch_force=touching.force * scale if touching else threshold,
         approach=state.approach * unit,
-        ridge_force=shares,
-        touching=int(np.count_nonzero(shares > 0)),
+        ridge_force=meshed.on_whole(state.ridges.sums(state.contact.force) * scale),
         x=x,
         pressure=pressure,
         unknowns=body.rest.unknowns,

@@ -25,7 +25,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.elements import Outline
 from skincad.mechanics.bodies.mesh import PadMesh, default_sizes, plane_piece, triangles, unit_of
-from skincad.mechanics.bodies.plane_body import undetected_contact
+from skincad.mechanics.bodies.plane_body import signed_area, undetected_contact
 from skincad.mechanics.contact.frictionless import (
     NodalContact,
     Ridges,
@@ -36,6 +36,7 @@ from skincad.mechanics.contact.frictionless import (
     seen_by_plate,
 )
 from skincad.mechanics.contact.ridge_model import ridge_model
+from skincad.mechanics.models.correction import LevelAnswer
 from skincad.mechanics.problem import (
     NEGLIGIBLE,
     Answer,
@@ -67,8 +68,10 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
     loops = [_loop(outline, solution.unit, x, pressure) for outline in solution.outlines]
     if not loops:
         return ()
-    outer = max(loops, key=lambda loop: abs(_area(loop)))
-    piece = tuple(loop if (_area(loop) > 0) == (loop is outer) else _reversed(loop) for loop in loops)
+    outer = max(loops, key=lambda loop: abs(signed_area(loop.rest)))
+    piece = tuple(
+        loop if (signed_area(loop.rest) > 0) == (loop is outer) else _reversed(loop) for loop in loops
+    )
     return (piece, tuple(map(_image, piece))) if solution.mirrored else (piece,)
 
 
@@ -77,12 +80,6 @@ def _loop(outline: Outline, unit: float, x: Array, pressure: Array) -> DeformedL
     touches = outline.touches | np.roll(outline.touches, 1)  # an edge's last point is the next one's first
     there = np.where(touches, np.interp(rest[:, 0], x, pressure), 0.0)
     return DeformedLoop(rest, outline.moved * unit, np.maximum(there, 0.0))
-
-
-def _area(loop: DeformedLoop) -> float:
-    """The area within a loop at rest, mm2; negative where it runs clockwise."""
-    x, z = loop.rest.T
-    return float(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2
 
 
 def _reversed(loop: DeformedLoop) -> DeformedLoop:
@@ -120,24 +117,11 @@ def shortfalls(
 MOST_CONTACT_UNKNOWNS = 9_000  # of 8,400 all in all 4.5 GB, at order 4; about 40 a ridge on the coarsest mesh
 
 
-@dataclass(frozen=True)
-class PlaneSolution:
-    """The solution on one mesh at one order: the verdict's numbers for the whole pad, mm and N, and the
-    state.
+@dataclass(frozen=True, kw_only=True)
+class PlaneSolution(LevelAnswer):
+    """The solution on one mesh at one order, with the state of the meshed piece: `ridges`, whether it is a
+    `mirrored` half, and of one in plane strain `half`, its stiffness for loads of either parity."""
 
-    `ridge_force` is `(ridges,)`. Of the meshed piece are: `x`, `pressure` `(m,)`, its contact points
-    in mm and MPa, `unknowns`, `ridges`, whether it is a `mirrored` half, and of one in plane strain `half`,
-    its stiffness for loads of either parity.
-    """
-
-    all_touch_force: float | None
-    approach: float
-    ridge_force: Array
-    touching: int
-    x: Array
-    pressure: Array
-    unknowns: int
-    residual: float
     seconds: dict[str, float]
     ridges: Ridges
     unit: float  # of the piece, mm
@@ -203,13 +187,11 @@ def level(
     threshold = all_touch_force(ridges, force / scale)
     residual = max(state.residual, _balance(system, moved, force / scale))
     clock.append(perf_counter())
-    shares = meshed.on_whole(ridges.sums(state.force) * scale)
     x, pressure = pressures(meshed, system.nodes, state.force)
     return PlaneSolution(
         all_touch_force=None if threshold is None else threshold * scale,
         approach=state.approach * unit,
-        ridge_force=shares,
-        touching=int(np.count_nonzero(shares > 0)),
+        ridge_force=meshed.on_whole(ridges.sums(state.force) * scale),
         x=x,
         pressure=pressure,
         unknowns=system.unknowns,
@@ -440,7 +422,7 @@ class _Levels:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]
         result = estimated_answer(best, lower, before, refinement.order, self.seconds)
-        if self.pad.section.outline and _is_face(self.pad):
+        if self.pad.face:
             result = replace(result, contact_width=contact_width(best, lower))
         return result, relative_error(result, self.request.force, unit_of(self.pad))
 
@@ -524,11 +506,6 @@ def estimated_answer(
         seconds=dict(seconds),
         fault=best.fault,
     )
-
-
-def _is_face(pad: Pad) -> bool:
-    """Whether the base itself touches."""
-    return any(s.touches and s.kind == "base" for s in pad.section.outline)
 
 
 def contact_width(best: PlaneSolution, lower: PlaneSolution) -> Estimate:

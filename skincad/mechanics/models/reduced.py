@@ -17,8 +17,10 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from scipy import interpolate, linalg, optimize, sparse, spatial
@@ -75,6 +77,21 @@ class FeatureModel:
     force: Array
     indentation: Array
     coupling: sparse.csr_matrix
+
+    def alone(self, indentation: Array) -> tuple[Array, Array]:
+        """Return force, N, and slope, N/mm, of a feature alone at indentations, mm: smooth, and straight
+        beyond the table."""
+        force, slope_of = self._smooth
+        end = float(self.indentation[-1])
+        inside = np.clip(indentation, 0.0, end)
+        slope = np.where(indentation > 0, slope_of(inside), 0.0)
+        return force(inside) + slope * np.maximum(indentation - end, 0.0), slope
+
+    @cached_property
+    def _smooth(self) -> tuple[Any, Any]:
+        """The table's interpolation, and its derivative."""
+        force = interpolate.PchipInterpolator(self.indentation, self.force)
+        return force, force.derivative()
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -401,31 +418,16 @@ def _places(few: int, many: int) -> Index:
     return np.where(number < half, number, np.where(from_end < half, few - 1 - from_end, half))
 
 
-class Curve:
-    """Force of a feature against its indentation, smooth, and its slope; straight beyond the table."""
-
-    def __init__(self, model: FeatureModel) -> None:
-        self.end = float(model.indentation[-1])
-        self.force = interpolate.PchipInterpolator(model.indentation, model.force)
-        self.slope = self.force.derivative()
-
-    def at(self, indentation: Array) -> tuple[Array, Array]:
-        """Return force, N, and slope, N/mm, at indentations, mm."""
-        inside = np.clip(indentation, 0.0, self.end)
-        slope = np.where(indentation > 0, self.slope(inside), 0.0)
-        return self.force(inside) + slope * np.maximum(indentation - self.end, 0.0), slope
-
-
 def at_approach(model: FeatureModel, approach: float) -> tuple[Array, Array]:
     """Return forces, N, and indentations, mm, `(n,)` where the plate came down by `approach` mm; negative
     indentations are gaps. Semi-smooth Newton, damped where it does not approach."""
-    curve, n = Curve(model), model.gap.size
+    n = model.gap.size
     forces, whole = np.zeros(n), model.coupling.toarray() if n > FEW else np.zeros((0, 0))
     last, share = math.inf, 1.0
     for _ in range(NEWTON_STEPS):
         safe_point()
         indentation = approach - model.gap - model.coupling @ forces
-        wanted, slope = curve.at(indentation)
+        wanted, slope = model.alone(indentation)
         off = wanted - forces
         size = float(np.abs(off).max())
         if size <= SETTLED * max(float(forces.max()), float(wanted.max()), 1e-300):

@@ -156,7 +156,7 @@ def crown_height_spread(design: Design) -> float:
     if not skin.uneven:
         return 0.0
     tip, crown = skin.profile.tip_width, skin.profile.crown
-    leans = [abs(skin.lean(ridge)) for ridge in range(1, skin.count + 1)]
+    leans = [abs(lean) for lean in skin.leans]
     radius = tip**2 / (8 * crown) + crown / 2 if crown else math.inf
     rises = [
         2 * radius * math.sin(lean / 2) ** 2
@@ -230,7 +230,7 @@ def crest_depths(design: Design) -> Array:
     skin = skin_of(design)
     heights = np.array(skin.heights)
     radius = design.skin.curvature_radius + heights
-    lean = np.array([skin.lean(i + 1) for i in range(skin.count)])
+    lean = np.array(skin.leans)
     return np.asarray(2 * radius * np.sin(lean / 2) ** 2 + plate_rises(design) + heights.max() - heights)
 
 
@@ -238,7 +238,7 @@ def plate_rises(design: Design) -> Array:
     """Return the plate's height over a flat plate at each crest, `(ridges,)` mm."""
     skin = skin_of(design)
     radius = design.skin.curvature_radius + np.array(skin.heights)
-    lean = np.array([skin.lean(i + 1) for i in range(skin.count)])
+    lean = np.array(skin.leans)
     return np.asarray(rise(design.contact.plate, radius * np.sin(lean)))
 
 
@@ -270,7 +270,7 @@ def stiffnesses(design: Design, factor: float = 1.0) -> Array:
 def _crest_arms(design: Design) -> Array:
     """Distance of each crest from the axis of the second curvature, `(ridges,)` mm."""
     skin, height = design.skin, np.array(skin_of(design).heights)
-    lean = np.array([skin_of(design).lean(i + 1) for i in range(skin_of(design).count)])
+    lean = np.array(skin_of(design).leans)
     fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
     return np.asarray((skin.curvature_radius_y or math.inf) + height - fall)
 

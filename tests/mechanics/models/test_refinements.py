@@ -26,14 +26,11 @@ from skincad.mechanics import (
 from skincad.mechanics.models import corrected, linear, solid, solid_finite_strain
 from skincad.mechanics.models.linear import REFINEMENTS, PlaneSolution, relative_error, shortfalls
 
-NONE = np.empty(0)
-
 
 def plane(force: float | None, approach: float, shares: tuple[float, ...], residual: float = 0.0) -> Any:
     at_work: Any = None
-    return PlaneSolution(
-        force, approach, np.array(shares), 2, NONE, NONE, 10, residual, {"contact": 1.0}, at_work, 1.0, 1.0
-    )
+    state = {"seconds": {"contact": 1.0}, "ridges": at_work, "unit": 1.0, "scale": 1.0}
+    return PlaneSolution(force, approach, np.array(shares), 10, residual, **state)
 
 
 def spatial(force: float | None, approach: float, shares: tuple[float, ...], unknowns: int = 10) -> Any:
