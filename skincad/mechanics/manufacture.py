@@ -178,6 +178,8 @@ def manufacture(
     )
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED_FROM else SCALED_MISCLASSIFIES
     low, high = _share_bound(worst, -wrong), _share_bound(best, wrong)
+    nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)  # of each crest alone, for a one-sided derivative
+    slopes = (all_touch(model, nudge * np.eye(count), model_threshold) - model_threshold) / nudge
     needs_more = (
         f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
         "or higher features"
@@ -185,7 +187,7 @@ def manufacture(
     return Yield(
         Estimate(both, max(both - low, high - both), "1"),
         (low, high),
-        tuple(float(s) for s in _crest_slopes(model, model_threshold) * scale / unit / softer),
+        tuple(float(s) for s in slopes * scale / unit / softer),
         threshold / spread.modulus[1],
         _largest(spread, both, crests, material) if threshold <= force else needs_more,
     )
@@ -259,13 +261,6 @@ def _parts(spread: Spread, unit: float, count: int) -> tuple[Array, Array]:
 def _passing(model: RidgeModel, crest_offsets: Array, force: Array) -> Mask:
     """Whether all ridges of each part touch `(parts,)`, each under its own force."""
     return np.asarray((ridge_forces(model, crest_offsets, force) > 0).all(axis=1))
-
-
-def _crest_slopes(model: RidgeModel, threshold: float) -> Array:
-    """One-sided derivative of the all-touch force by lowering each crest alone."""
-    count = model.gap.size
-    nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)
-    return (all_touch(model, nudge * np.eye(count), threshold) - threshold) / nudge
 
 
 def _largest(spread: Spread, both: float, crests: float, material: float) -> str:

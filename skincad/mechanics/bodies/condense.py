@@ -233,7 +233,9 @@ def eliminated(
         block = np.zeros((rows.size, rows.size), order="F")
         for triangle in front.triangles:
             for numbers, stiffness in inside(triangle):
-                _add_free(block, where[numbers], stiffness)
+                free = np.flatnonzero(where[numbers] >= 0)  # unknowns that are held are at -1
+                places = where[numbers][free]
+                block[places[:, None], places] += stiffness[free[:, None], free]
         for child in front.children:
             child_border, rest = left.pop(child)
             _add_runs(block, rest, where[child_border])
@@ -285,13 +287,6 @@ def _inverse(lower: Array) -> tuple[Array, int]:
         return (vectors / values) @ vectors.T, int((values < 0).sum())
     inverse = linalg.cho_solve(root, np.eye(len(lower)), check_finite=False)
     return (inverse + inverse.T) / 2, 0
-
-
-def _add_free(block: Array, rows: Index, stiffness: Array) -> None:
-    """Add to a front's block what lies at its `rows`; unknowns that are held are at -1."""
-    free = np.flatnonzero(rows >= 0)
-    rows = rows[free]
-    block[rows[:, None], rows] += stiffness[free[:, None], free]
 
 
 def _add_runs(block: Array, rest: Array, at: Index) -> None:

@@ -86,6 +86,12 @@ def assemble(
     return with_contact(fe.as_csr(form.mat), mesh, both, order, revolved)
 
 
+def mixed_space(mesh: Any, order: int) -> Any:
+    """Return the product of the displacements' space, clamped at the back, and the pressures'."""
+    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
+    return space * ng.L2(mesh, order=order - 1)
+
+
 def small_strain(
     mesh: Any,
     order: int,
@@ -100,8 +106,7 @@ def small_strain(
     split is 2 G dev(e):dev(e) plus a pressure q with q = K div u, which holds at nu = 0 as well (the
     usual Lame form divides by zero there). Bathe, Finite Element Procedures, 1996, sec. 4.4.3.
     """
-    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
-    both = space * ng.L2(mesh, order=order - 1)
+    both = mixed_space(mesh, order)
     (u, q), (v, r) = both.TnT()
     shear, bulk = fe.moduli(mesh, materials)
     strain, test = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import ngsolve as ng
 import numpy as np
@@ -15,8 +15,10 @@ from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
 
+Number = TypeVar("Number", float, Array)
 
-def shear_and_bulk(young: float, ratio: float) -> tuple[float, float]:
+
+def shear_and_bulk(young: Number, ratio: Number) -> tuple[Number, Number]:
     """Return the shear and the bulk modulus of a Young's modulus and a Poisson's ratio."""
     return young / (2 * (1 + ratio)), young / (3 * (1 - 2 * ratio))
 

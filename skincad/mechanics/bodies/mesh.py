@@ -172,7 +172,10 @@ def _curve(geometry: Any, s: Segment, ends: tuple[int, int], unit: float) -> lis
     """Netgen's curve of a segment between two of its points."""
     if s.bulge == 0.0:
         return ["line", *ends]
-    x, z = _control(s)
+    # a rational quadratic spline, whose control point is where the end tangents meet
+    rise = 2 * s.bulge / (1 - s.bulge**2) / 2
+    x = (s.start.x + s.end.x) / 2 + rise * (s.end.z - s.start.z)
+    z = (s.start.z + s.end.z) / 2 - rise * (s.end.x - s.start.x)
     return ["spline3", ends[0], geometry.AppendPoint(x / unit, z / unit), ends[1]]
 
 
@@ -215,15 +218,6 @@ def _cuts(segment: Segment, sizes: Sizes) -> list[float]:
         count = max(1, math.ceil(abs(segment.sweep) * (b - a) / WIDEST_ARC))
         cuts += [a + (b - a) * (j + 1) / count for j in range(count)]
     return cuts
-
-
-def _control(arc: Segment) -> Point:
-    """Control point of the arc as a rational quadratic spline: where its end tangents meet."""
-    rise = 2 * arc.bulge / (1 - arc.bulge**2) / 2
-    return Point(
-        (arc.start.x + arc.end.x) / 2 + rise * (arc.end.z - arc.start.z),
-        (arc.start.z + arc.end.z) / 2 - rise * (arc.end.x - arc.start.x),
-    )
 
 
 def _corner(before: Segment, after: Segment, sizes: Sizes) -> float:

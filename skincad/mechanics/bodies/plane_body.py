@@ -265,8 +265,7 @@ def body(
     an end keep the small-strain law instead; finite_strain.py has what that changes. A bare `face` is pressed
     as far as its back is wide, so strain is large there too: FACE_EDGE.
     """
-    space = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
-    both = space * ng.L2(mesh, order=order - 1)
+    both = elements.mixed_space(mesh, order)
     u, q = both.TrialFunction()
     gradient, edges = ng.Grad(u), _clamped_edges(mesh, FACE_EDGE if face else CLAMPED_EDGE)
     if revolved:

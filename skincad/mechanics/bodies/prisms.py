@@ -260,14 +260,15 @@ def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, fl
 
     values = sampled(space, "CalcShape").reshape(len(triangles), len(at), -1)
     slopes = sampled(space, "CalcDShape") @ np.linalg.inv(jacobian)
-    young, ratio = np.array([materials[triangle.mat] for triangle in triangles]).T
+    moduli = np.array([materials[triangle.mat] for triangle in triangles])
+    shear, bulk = fe.shear_and_bulk(*moduli.T)
     return SectionForms(
         weight=share * np.linalg.det(jacobian),
         height=places[..., 1],
         basis=np.stack([slopes[..., 0], slopes[..., 1], values], axis=2),
         test=sampled(pressures, "CalcShape").reshape(len(triangles), len(at), -1),
-        shear=young / (2 * (1 + ratio)),
-        bulk=young / (3 * (1 - 2 * ratio)),
+        shear=shear,
+        bulk=bulk,
         clamped=~np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof),
         cut=fe.on_cut(mesh, space),
         functions=np.array([space.GetDofNrs(e) for e in triangles], dtype=np.int64),
@@ -366,7 +367,7 @@ def condensed(
         flexibility, moved = np.split(np.split(whole, 3)[1], 3, axis=1)[1], np.split(lifted, 3)[1]
     expected = np.repeat(forms.plane.lift[flat], layers)
     rigid_body_error = max(0.0, float(np.abs(moved + expected).max()) - MISSED * missed_lift(line))
-    seen = seen_by_plate(forms.plane, line)
+    seen = along_y(forms.plane, line)
     along = np.repeat(line.at, forms.plane.nodes.weight.size)
     return Solid(seen, flexibility, along, rigid_body_error, int(free.sum()), whole)
 
@@ -422,8 +423,8 @@ def fronts_of(forms: SectionForms, free: Mask, last: Index | None = None) -> tup
     return dissection(functions, forms.centres, last[wanted[last]]), unknowns
 
 
-def seen_by_plate(plane: ContactStiffness, line: AlongY) -> ContactStiffness:
-    """The section's contact points repeated along y; the contact unknowns run along y first."""
+def along_y(plane: ContactStiffness, line: AlongY) -> ContactStiffness:
+    """Return the section's contact points repeated along y; the contact unknowns run along y first."""
     return replace(
         plane,
         nodes=_repeated(plane.nodes, line, np.eye(line.at.size), line.weight),

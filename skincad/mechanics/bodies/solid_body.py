@@ -19,7 +19,7 @@ from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
 from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
 from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
-from skincad.mechanics.bodies.prisms import SectionForms, free_unknowns, fronts_of, seen_by_plate
+from skincad.mechanics.bodies.prisms import SectionForms, along_y, free_unknowns, fronts_of
 from skincad.mechanics.bodies.solid_law import Elements, elements_of
 from skincad.mechanics.problem import Bend
 
@@ -190,7 +190,7 @@ def solid_body(
     contact = (forms.plane.contact[:, None] * along + np.arange(along)).ravel()
     return SolidBody(
         forms=forms,
-        rest=replace(seen_by_plate(forms.plane, line), contact=contact),
+        rest=replace(along_y(forms.plane, line), contact=contact),
         free=np.concatenate([free.ravel(), np.ones(elements.test[:, 0].size, dtype=bool)]),
         symmetric=fronts_of(forms, free),
         antisymmetric=fronts_of(forms, free_antisymmetric) if forms.cut.any() else None,

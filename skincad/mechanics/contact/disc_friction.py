@@ -62,7 +62,11 @@ def solve_discs(skin: DiscCompliance, before: ContactState, force: float, coeffi
         p, active = state.force, state.active
         bound = coefficient * np.tile(p, 2)
         free = -(skin.cross.T @ p) - before.anchor  # where points are without tangential forces
-        sliding, missing = _natural_map(skin, t, travel, free, bound)
+        trial, _ = _trial(skin, t, travel, free)
+        length = _lengths(trial)
+        sliding = length > bound
+        # what the forces are off their trial cut to the discs
+        missing = t - np.where(sliding, bound, 1.0) / np.where(sliding, length, 1.0) * trial
         residual = float(np.abs(missing).max(initial=0.0)) / force
         if residual <= ACCURACY:
             place = skin.tangential @ t - skin.cross.T @ p
@@ -99,17 +103,6 @@ def _trial(skin: DiscCompliance, t: Array, travel: float, free: Array) -> tuple[
 def _lengths(vector: Array) -> Array:
     """The lengths of pairs `(2 m,)`, for both of a pair."""
     return np.tile(np.hypot(*vector.reshape(2, -1)), 2)
-
-
-def _natural_map(
-    skin: DiscCompliance, t: Array, travel: float, free: Array, bound: Array
-) -> tuple[Mask, Array]:
-    """Which points slide, and what the forces `(2 m,)` are off their trial cut to the discs, N."""
-    trial, _ = _trial(skin, t, travel, free)
-    length = _lengths(trial)
-    sliding = length > bound
-    cut = np.where(sliding, bound, 1.0) / np.where(sliding, length, 1.0)
-    return sliding, t - cut * trial
 
 
 def _newton_step(

@@ -83,7 +83,10 @@ def press(
         may = np.ones(gap.size, dtype=bool)
     active = may if start is None else start & may
     if start is None or not active.any():
-        active = may & (gap <= gap[may].min() + _first_approach(flexibility, gap[may], force))
+        # by a stiff guess of the approach few points to start from, so that the sweeps mostly add; a
+        # flexibility that is not definite may have a negative mean, and the lowest point touches all the same
+        guess = 0.5 * force * float(np.mean(flexibility @ np.ones(gap.size))) / gap.size
+        active = may & (gap <= gap[may].min() + min(float(np.ptp(gap[may])), max(guess, 0.0)))
     for _ in range(SWEEPS):
         safe_point()
         known = {} if solved is None else solved
@@ -100,16 +103,6 @@ def press(
     if not definite:
         raise ContactError("the contact does not settle")
     return _descend(flexibility, gap, force, may)
-
-
-def _first_approach(flexibility: Array, gap: Array, force: float) -> float:
-    """A stiff guess of the approach: few points to start from, so that the sweeps mostly add.
-
-    A flexibility that is not definite may have a negative mean; the lowest point touches all the same.
-    """
-    one = np.ones(flexibility.shape[0])
-    guess = 0.5 * force * float(np.mean(flexibility @ one)) / one.size
-    return min(float(np.ptp(gap)), max(guess, 0.0))
 
 
 def _length(gap: Array, approach: float) -> float:

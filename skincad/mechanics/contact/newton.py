@@ -169,7 +169,7 @@ def newton(
         tangent: PadTangent, linear: LinearisedBody, values: Array
     ) -> tuple[Array, tuple[float, NodalContact, Ridges, float]]:
         nonlocal touching
-        ridges, base = seen_by_plate(pad, tangent.ridges, values, linear)
+        ridges, base = without_contact_forces(pad, tangent.ridges, values, linear)
         force, found = contact_under(ridges, load, touching)
         touching = found.active
         return at_contact(body, body.rest.nodes.rows.T @ found.force), (force, found, ridges, base)
@@ -182,7 +182,7 @@ def newton(
     tangent, (force, found, ridges, base) = state.tangent, state.contact
     if tangent.residual > NEAR:
         tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
-        ridges, _ = seen_by_plate(pad, tangent.ridges, state.values, tangent.linear)
+        ridges, _ = without_contact_forces(pad, tangent.ridges, state.values, tangent.linear)
     if not stable(body, tangent.linear, ridges, found, both=force > stable_to):
         raise UnstableError(UNSTABLE)
     return PressedState(
@@ -231,11 +231,10 @@ def linearised(body: Body, values: Array, unbalanced: Array) -> LinearisedBody:
         raise UnstableError(UNSTABLE) from None
 
 
-def seen_by_plate(
+def without_contact_forces(
     pad: PressedPad, ridges: Ridges, values: Array, linear: LinearisedBody
 ) -> tuple[Ridges, float]:
-    """Return the contact `ridges` as the plate sees it, its gaps those of the linearised body without contact
-    forces.
+    """Return the contact `ridges` with the gaps of the linearised body without contact forces.
 
     Gaps count from the lowest one, which is returned too.
     """

@@ -22,8 +22,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.condense import Condensation, condense
-from skincad.mechanics.bodies.elements import Outline
+from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.mesh import PadMesh, default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.bodies.plane_body import signed_area, undetected_contact
 from skincad.mechanics.contact.frictionless import (
@@ -63,33 +62,27 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
 
     Every loop has the silicone to its left. Between contact points the pressure is taken as straight.
     """
-    order = np.argsort(solution.x)
-    x, pressure = solution.x[order], solution.pressure[order]
-    loops = [_loop(outline, solution.unit, x, pressure) for outline in solution.outlines]
+    by_x = np.argsort(solution.x)
+    x, pressure, loops = solution.x[by_x], solution.pressure[by_x], []
+    for outline in solution.outlines:
+        rest = outline.rest * solution.unit
+        # an edge's last point is the next one's first
+        touches = outline.touches | np.roll(outline.touches, 1)
+        there = np.where(touches, np.interp(rest[:, 0], x, pressure), 0.0)
+        loops.append(DeformedLoop(rest, outline.moved * solution.unit, np.maximum(there, 0.0)))
     if not loops:
         return ()
     outer = max(loops, key=lambda loop: abs(signed_area(loop.rest)))
     piece = tuple(
         loop if (signed_area(loop.rest) > 0) == (loop is outer) else _reversed(loop) for loop in loops
     )
-    return (piece, tuple(map(_image, piece))) if solution.mirrored else (piece,)
+    return (piece, tuple(_reversed(loop, -1.0) for loop in piece)) if solution.mirrored else (piece,)
 
 
-def _loop(outline: Outline, unit: float, x: Array, pressure: Array) -> DeformedLoop:
-    rest = outline.rest * unit
-    touches = outline.touches | np.roll(outline.touches, 1)  # an edge's last point is the next one's first
-    there = np.where(touches, np.interp(rest[:, 0], x, pressure), 0.0)
-    return DeformedLoop(rest, outline.moved * unit, np.maximum(there, 0.0))
-
-
-def _reversed(loop: DeformedLoop) -> DeformedLoop:
-    return DeformedLoop(loop.rest[::-1], loop.moved[::-1], loop.pressure[::-1])
-
-
-def _image(loop: DeformedLoop) -> DeformedLoop:
-    """The loop mirrored at x = 0, still with the silicone to its left."""
-    rest, moved = (points * [-1.0, 1.0] for points in (loop.rest, loop.moved))
-    return _reversed(DeformedLoop(rest, moved, loop.pressure))
+def _reversed(loop: DeformedLoop, x: float = 1.0) -> DeformedLoop:
+    """The loop run backwards, its x times a number: of its image at x = 0 by -1."""
+    axes = np.array([x, 1.0])
+    return DeformedLoop(loop.rest[::-1] * axes, loop.moved[::-1] * axes, loop.pressure[::-1])
 
 
 def relative_error(answer: Answer, force: float, unit: float) -> float:
@@ -178,7 +171,9 @@ def level(
 
     def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
         state = press(ridges.flexibility, ridges.gap, force / scale)
-        moved = _moved(system, small, state)
+        load = np.zeros(system.lift.size)
+        load[system.contact] = -(system.nodes.rows.T @ state.force)
+        moved = small.solve(load)
         outlines = elements.outlines(system, moved)
         plate = height_above(pad, ridges, system, state.approach, unit)
         return state, moved, outlines, undetected_contact(outlines, plate, mirrored=meshed.mirrored)
@@ -249,13 +244,6 @@ def too_large(contact: int, most: int, model: str) -> SizeError:
         contact,
         "take fewer ridges, or the reduced or winkler model",
     )
-
-
-def _moved(system: elements.ContactStiffness, small: Condensation, state: NodalContact) -> Array:
-    """Displacements `(n,)` under the contact forces."""
-    load = np.zeros(system.lift.size)
-    load[system.contact] = -(system.nodes.rows.T @ state.force)
-    return small.solve(load)
 
 
 def _balance(system: elements.ContactStiffness, moved: Array, force: float) -> float:

@@ -93,16 +93,7 @@ MODELS = {
         f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",), doubly_curved=True
     ),
 }
-AUTO = (
-    "winkler",
-    "reduced",
-    "linear",
-    "corrected",
-    "finite-strain",
-    "corrected-finite-strain",
-    "solid",
-    "solid-finite-strain",
-)
+AUTO = tuple(MODELS)  # cheapest first
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 # Models of `auto` that are for some designs only
 AUTO_IF: dict[str, Callable[[Design], bool]] = {
@@ -150,7 +141,8 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
     if name != "reduced" and _is_pins(design):
         yield f"pin: must be one, on a round skin, for the {name} model"
     if shape != "flat" and (design.skin.round or not model.shaped_plates):
-        yield f"contact.plate.shape: must be 'flat' for {_of(name, design)}"
+        what = "a round skin" if design.skin.round else f"the {name} model"
+        yield f"contact.plate.shape: must be 'flat' for {what}"
     if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.symmetry != "revolved":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
         yield f"skin.curvature_radius_y: {words}"
@@ -160,11 +152,6 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         yield "shot: must not be given with [ridge] for the reduced model, which takes one silicone there"
     if measured and not model.measured:
         yield f"measured: is not judged by the {name} model"
-
-
-def _of(name: str, design: Design) -> str:
-    """A disc, or the model."""
-    return "a round skin" if design.skin.round else f"the {name} model"
 
 
 def prerequisites(name: str) -> list[str]:
