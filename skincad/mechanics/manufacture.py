@@ -3,14 +3,12 @@
 Sensitivities of the all-touch force to each dimension and the modulus, by the closed form's exponents. An
 exponent is percent of force per percent of the key. The closed form alone misleads where a key acts on the
 base that ridges share: it gives the base under a ridge to skin.width / ridge.count, where it is rather the
-pitch, and knows no edges. So each key has an interval round the closed form's exponent, set against the
-linear model on the ten templates and the random designs of seeds 0 to 9 (bench/sensitivities.py), which lie
-inside. Judged on seeds 10 to 19 it holds 70 of 78 exponents, at worst 3.0 half-widths off (seed 13, whose
-radius counts by -1.59, not -1.0 ± 0.2).
+pitch, and knows no edges. So each key has an interval round the closed form's exponent (docs/evidence/fits.md
+says how it was set).
 
 A part's crests differ from the design by independent normal errors of the mold's process. Its modulus is
-uniform in the material's range, since a range says no more. Forces scale with
-the modulus exactly, so a part passes when all its ridges touch at force x E / E_part in the model of E.
+uniform in the material's range, since a range says no more. Forces scale with the modulus exactly, so a part
+passes when all its ridges touch at force x E / E_part in the model of E.
 """
 
 from __future__ import annotations

@@ -52,10 +52,7 @@ ORDER = 2
 LAYERS = Layers(0.6, 2.0, 4)
 MOST_FILLET = 0.25  # of the tip's width; smaller fillets change the ratio less than its error
 
-# Errors of the change itself, on 45 random designs (bench.verdicts, seeds 5000 to 5044) against a solid with
-# all fillets, of order 3 on a mesh twice as fine: at most 0.5 % of the approach and of the mean share, 1.3 %
-# of the all-touch force, within 1 % on 43 of them; 0.6 % of a short pad's approach (test_solid.py).
-# Order 3 here would take 2.6 times as long, for 0.7 % of the force
+# Errors of the change itself. Order 3 here would take 2.6 times as long, for 0.7 % of the force
 ERRORS = Errors(approach=0.008, threshold=0.01, share=0.006)
 
 

@@ -39,24 +39,15 @@ MOST_POINTS = 1000  # in contact; a step's time grows as their cube, to a second
 # yamada-2002, plain-ridges and fingertip-soft at friction 0.2 and 1 differ by at most 0.02, 0.03 and 0.01 %
 # from those with 80
 STEPS = 50
-# Errors of the change: a constant, and a part of the change. Set on yamada-2002, plain-ridges
-# (also 2 mm thick) and fingertip-soft at friction 0.2 and 1. With all fillets, on twice as fine a mesh of
-# order 3 and in 200 steps, the change differs by up to 0.42 % (of F), 0.23 % (approach) and 0.67 % (of the
-# mean share); in finite strain by up to 3.3, 1.8 and 2.7 %: a third of it is not there.
-# Judged on milled-pad, where these are 0.2, 0.1 and 0.8 %, and 1.9, 1.6 and 2.5 %
+# Errors of the change: a constant, and a part of the change, a third of which finite strain takes away
 BASE_ERRORS, ERRORS_BY_CHANGE = Errors(approach=0.005, threshold=0.02, share=0.02), Errors(0.5, 0.3, 0.3)
 
 FULL = 1.0  # a coefficient at which next to nothing slides
 SOLID_LAYERS, SOLID_ORDER, SOLID_STEPS = Layers(0.6, 2.0, 3), 2, 8
-# Set on three templates and 15 random designs at friction 0.3 and 1, against all fillets, a finer section,
-# finer layers and twice the steps (bench/coarse_solid.py, seeds 0 to 19): at most 0.93 % of the
-# all-touch force, 1 % of the approach, 1.6 % of the mean share
 SOLID_ERRORS = Errors(approach=0.008, threshold=0.007, share=0.012)
 SOLID_ERRORS_BY_CHANGE = Errors(approach=0.1, threshold=0.1, share=0.2)
-# At finite strain the change is less by up to LOST of what small strain leaves out, by its bound. Pads whose
-# points all stick, pressed at finite strain, lose between -0.08 and 0.16 of it in the all-touch force, -0.07
-# and 0.24 in the approach, up to 0.44 in a share (seven templates, 33 random designs). In plane strain next
-# to nothing is left of the change
+# At finite strain the change is less by up to LOST of what small strain leaves out, by its bound. In plane
+# strain next to nothing is left of the change
 LOST = Errors(approach=0.25, threshold=0.2, share=0.45)
 PLANE_PART = 0.25
 

@@ -263,8 +263,7 @@ TAIL = 1.25  # of differences
 # Of the approach's relative error for the all-touch force, and the other way round
 THRESHOLD_BY_APPROACH, APPROACH_BY_THRESHOLD = 0.75, 0.4
 # Of the approach's relative error for a share against the mean one. On a half few ridges' shares have one
-# difference, which vanishes more easily: three with fillets missed by 0.27, stated 0.1; others state 1 to 3.
-# Judged on seeds from 7000 on (bench/error_bars.py): it sets 23 of 209 errors, of which 22 hold; 203 of all
+# difference, which vanishes more easily
 SHARE_BY_APPROACH = 0.4
 CREST_TOLERANCE = 1e-9  # mm; crests that differ by less lie as designed
 # Remaining time after the first mesh, and after its lower order, as a multiple of their own time: both orders

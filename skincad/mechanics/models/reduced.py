@@ -52,17 +52,9 @@ FEW, DENSE = 300, 0.2  # features, and entries of the coupling, up to which a sp
 SAME = 1e-9  # relative; heights that differ by less are alike
 FARTHEST = 64.0  # times the approach that closes all gaps: the search's end
 FINENESS, ORDER = 1.0, 3  # of the cell's section
-# Against the corrected model (bench/table_reduced.py): 45 and 101 plain ridges, 6 to 24 mm long, 2 to 7 mm
-# thick, 0.5 and 0.9 mm high, and 25 to 27 ridges of four templates with strips. At most 7.4 % of the
-# all-touch force (2 % without strips), 1.7 % of the approach, 9 % of the mean share
-ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)
-# Of pins against CalculiX (bench/pins.py): 9 and 25 graded pins on flat, bent and doubly curved
-# bases, of Poisson's ratio 0.49; 0.499 is alike. Set on 12 designs (at most 4.2 % of the all-touch force,
-# 4.7 % of the approach, 7.3 % of the mean share), judged on 12 others (5.3, 4.7 and 6.6 %). Base's edges and
-# roots count; on softer layers more, as `further` says
+ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)  # against the corrected model
+# Of pins against CalculiX: the base's edges and roots count; on softer layers more, as `further` says
 PIN_ERRORS = Errors(approach=0.08, threshold=0.08, share=0.12)
-
-
 # A base whose side is less than so many roots gives way more than the cell's, which has no edges: off by up
 # to twice these errors, as an outside check of single pins found
 NARROW, NARROWER = 2.1, 2.5

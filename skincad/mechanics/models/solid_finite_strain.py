@@ -41,14 +41,9 @@ from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_fla
 LAYERS, COARSE_LAYERS = Layers(0.6, 2.0, 3), Layers(0.6, 2.0, 2)
 MOST_UNKNOWNS = 150_000  # about 4 GB
 
-# Errors of the change itself. Measured against order 3, a finer mesh and finer layers on plain-ridges at 1, 4
-# and 8 N, fingertip-soft and four variants of thickness, height, length and Poisson's ratio: at most 0.17 %
-# of the approach (at 1 N, else 0.08 %), 0.07 % of the all-touch force, 0.56 % of the mean share (at 1 N, else
-# 0.36 %); on yamada-2002 with its fillets, a finer mesh, finer layers or order 3: 0.05 %, 0.08 % and 0.1 %
+# Errors of the change itself
 ERRORS = Errors(approach=0.003, threshold=0.002, share=0.01)
-# With fewer functions along y, against finer layers and sections with all fillets: a constant, and a part of
-# the change. Set on yamada-2002, plain-ridges and 27 random designs (bench/coarse_solid.py, seeds 0 to 29 and
-# 500 to 529): at most 0.46 % of the all-touch force, 0.19 % of the approach, 2.2 % of the mean share
+# With fewer functions along y: a constant, and a part of the change
 COARSE_ERRORS = Errors(approach=0.003, threshold=0.003, share=0.005)
 COARSE_PARTS = Errors(approach=0.05, threshold=0.06, share=0.2)
 

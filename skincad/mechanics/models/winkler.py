@@ -4,19 +4,11 @@ Error bounds of the Winkler model: calibrated constants, and indicators from the
 where silicone is confined (a thin, wide, nearly incompressible layer), where many ridges press one base, and
 where unloaded ridges hold up the base around loaded ones. They are too stiff where a tip touches with a part
 of its crown or with one edge. In the usual range the calibrated constants dominate, beyond it these
-indicators.
+indicators (docs/evidence/fits.md says how they were set).
 
-The indicators' constants were set against the linear model on 81 pads of bench/campaign (`wide`, seeds 0 to
-80; the all-touch force F from 0.3 to 4.6 times the springs', the approach from 0.2 to 7.2 times), on 11 of
-plain-ridges with 12 to 60 ridges (base 0.03 to 1.2 widths thick, nu 0.3 to 0.4999), and, what idle ridges do
-to the shares, on seeds 1000 to 1099. Judged on 100 others (seeds 2000 to 2099) the bars hold the approach of
-all, F of 99 and the shares of 98, at worst 1.31 bars off; in the median they are 3 (approach) and 4 (F) times
-too wide.
-
-The Winkler model: each ridge a spring of its own, in closed form. It ranks designs in less than a
-millisecond. It leaves out that ridges push each other down through the common base, so the all-touch force is
-25 to 35 % below plane strain (docs/evidence/facts.md), more on thick skins; The second half of this module
-says how far off it may be.
+Each ridge is a spring of its own, in closed form: that ranks designs in less than a millisecond. It leaves
+out that ridges push each other down through the common base, so the all-touch force is 25 to 35 % below plane
+strain (docs/evidence/facts.md), more on thick skins.
 
 A skin that is curved along y too is a row of such springs along every ridge: the gap grows with the angle
 about the axis and the force is its integral. The springs stay vertical, which is wrong by half the square
@@ -43,14 +35,11 @@ from skincad.mechanics.problem import Answer, Request, rise
 from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, base_softness, plane_modulus
 from skincad.shape.skin import skin_of
 
-# Half-widths against the linear model at usual sizes, set on the variants of test_winkler.py
-# and 40 random designs (bench/error_bars.py); with the indicators below they hold on all of 36
-# others (seeds 100 to 135), F 3 times too wide in the median, the approach 7 times
+# Half-widths against the linear model at usual sizes
 THRESHOLD_ERROR = 0.8  # of F: 25 to 35 % low at usual sizes, 43 % at twice the thickness
 APPROACH_ERROR, PER_RIDGE = 0.45, 1.1  # of the approach, and by the number of ridges: few press into a base
 SHARE_ERROR = 0.5  # of the mean share
-# The same for a skin curved along y, against a straight solid under the same gaps, small strain: F 0.72 to
-# 2.07 times, approach 0.88 to 1.53 times, shares 0.17 of their mean off, in 47 cases, R_y 15 mm to infinity
+# The same for a skin curved along y, against a straight solid under the same gaps, small strain
 DOUBLY_THRESHOLD_ERROR, DOUBLY_APPROACH_ERROR, DOUBLY_SHARE_ERROR = 1.2, 0.6, 0.3
 
 # Stiffening of a shared base: constant, and per thickness in widths
