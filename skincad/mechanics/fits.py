@@ -72,8 +72,8 @@ class Fit:
     def values(self) -> dict[str, Any]:
         """The numbers by name."""
         module, names = self.where.split(":")
-        found = import_module(f"skincad.{module}")
-        return {name: getattr(found, name) for name in names.split()}
+        home = import_module(f"skincad.{module}")
+        return {name: getattr(home, name) for name in names.split()}
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -258,7 +258,7 @@ FITS = (
 
 def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
     """Return in which numbers the design is unlike all that a model's or an effect's fits saw, or ""."""
-    family, numbers, found = skin_of(design).family, shape_of(design), dict[str, str]()
+    family, numbers, unseen = skin_of(design).family, shape_of(design), dict[str, str]()
     fits = [fit for fit in FITS if fit.family == family]
     if family != "ridge" and not any(model in fit.models for fit in fits):
         return f"it has [{family}]"
@@ -268,7 +268,7 @@ def unlike(design: Design, *, model: str = "", effect: str = "") -> str:
                 margin = ROUNDING * abs(high)
                 if not low - margin <= numbers[key] <= high + margin:
                     name = f"{family}s" if key == "ridges" else NUMBERS[key]
-                    found[key] = f"{name} {numbers[key]:.5g} (seen: {low:.5g} to {high:.5g})"
+                    unseen[key] = f"{name} {numbers[key]:.5g} (seen: {low:.5g} to {high:.5g})"
                     if key == "layers" and low == high:
-                        found[key] = "layers of other silicones (seen: none)"
-    return ", ".join(found.values())
+                        unseen[key] = "layers of other silicones (seen: none)"
+    return ", ".join(unseen.values())

@@ -387,11 +387,20 @@ class _Outsider:
         return [r for r in numbers if not carried[r] > 0]
 
 
-def seen_by_plate(pad: Pad, system: ContactStiffness, flexibility: Array, unit: float) -> Ridges:
-    """Return the contact points as the pad's plate sees them; `unit` is the pad's, mm."""
+def seen_by_plate(
+    pad: Pad,
+    system: ContactStiffness,
+    flexibility: Array,
+    unit: float,
+    crest_offsets: tuple[float, ...] = (),
+) -> Ridges:
+    """Return the contact points as the pad's plate sees them, crests lower than the section's by
+    `crest_offsets` mm; `unit` is the pad's, mm."""
     if pad.plate.shape == "flat":
-        return Ridges.of(system, flexibility, pad.top / unit)
-    return Ridges.of(system, flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
+        ridges = Ridges.of(system, flexibility, pad.top / unit)
+    else:
+        ridges = Ridges.of(system, flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
+    return ridges.lowered(np.array(crest_offsets) / unit) if crest_offsets else ridges
 
 
 def height_above(

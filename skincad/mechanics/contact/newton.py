@@ -90,8 +90,8 @@ class PressedState:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A balanced state: unknowns `values` `(n,)`, what its contact problem found, what the body alone leaves
-    `unbalanced` `(n,)`, the residual of each step relative to the contact forces' norm, and the last
+    """A balanced state: unknowns `values` `(n,)`, the solution of its contact problem, what the body alone
+    leaves `unbalanced` `(n,)`, the residual of each step relative to the contact forces' norm, and the last
     tangent, at a state nearby."""
 
     values: Array
@@ -117,8 +117,8 @@ def equilibrium(
     In each step the body alone is linearised. `tangent_at` does it at values whose residual is at hand, at a
     known distance from balance; what it returns has the linearised body as `linear`. `contact` takes that
     tangent, the linearised body rebalanced at the values, and them. It solves the contact with its true gaps
-    and total forces, and returns what these add to the residual, with all that it found. `keeps` says whether
-    a tangent serves on, by the residuals so far. A step is halved while it turns a point of an element inside
+    and total forces, and returns what these add to the residual, with its solution. `keeps` says whether a
+    tangent serves on, by the residuals so far. A step is halved while it turns a point of an element inside
     out. Raises DivergedError when the residual stays above RESIDUAL or grows by MAX_GROWTH.
     """
     values = start
@@ -129,7 +129,7 @@ def equilibrium(
         if tangent is None:
             tangent = tangent_at(values, unbalanced, history[-1] if history else np.inf)
         linear = tangent.linear.rebalanced(values, unbalanced)
-        push, found = contact(tangent, linear, values)
+        push, solution = contact(tangent, linear, values)
         move = linear.move(push)
         share = _share(body, values, move)
         values = values + share * move
@@ -138,7 +138,7 @@ def equilibrium(
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
         small = history[-1] <= max(RESIDUAL, ROUNDING / scale)
         if share == 1.0 and small and not _falls(history, steps):
-            return Equilibrium(values, found, unbalanced, tuple(history), tangent)
+            return Equilibrium(values, solution, unbalanced, tuple(history), tangent)
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
             break
         if share < 1.0 or not keeps(tangent, history):
@@ -170,26 +170,26 @@ def newton(
     ) -> tuple[Array, tuple[float, NodalContact, Ridges, float]]:
         nonlocal touching
         ridges, base = without_contact_forces(pad, tangent.ridges, values, linear)
-        force, found = contact_under(ridges, load, touching)
-        touching = found.active
-        return at_contact(body, body.rest.nodes.rows.T @ found.force), (force, found, ridges, base)
+        force, nodal = contact_under(ridges, load, touching)
+        touching = nodal.active
+        return at_contact(body, body.rest.nodes.rows.T @ nodal.force), (force, nodal, ridges, base)
 
     def keeps(tangent: PadTangent, history: list[float]) -> bool:
         return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
 
     at = partial(_tangent_at, pad)
     state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS)
-    tangent, (force, found, ridges, base) = state.tangent, state.contact
+    tangent, (force, nodal, ridges, base) = state.tangent, state.contact
     if tangent.residual > NEAR:
         tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
         ridges, _ = without_contact_forces(pad, tangent.ridges, state.values, tangent.linear)
-    if not stable(body, tangent.linear, ridges, found, both=force > stable_to):
+    if not stable(body, tangent.linear, ridges, nodal, both=force > stable_to):
         raise UnstableError(UNSTABLE)
     return PressedState(
         values=state.values,
         force=force,
-        approach=found.approach + base,
-        contact=found,
+        approach=nodal.approach + base,
+        contact=nodal,
         ridges=ridges,
         residual=state.history[-1],
         history=state.history,

@@ -19,7 +19,6 @@ from scipy import optimize
 from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.elements import ContactStiffness
-from skincad.mechanics.bodies.prisms import Solid
 from skincad.mechanics.contact.disc_friction import DiscCompliance, solve_discs, unloaded
 from skincad.mechanics.contact.frictional import halved, in_halves
 from skincad.mechanics.contact.frictionless import Ridges, least_gap, seen_by_plate
@@ -73,10 +72,6 @@ class StickingPad:
             floats=self.whole,
         )
 
-    def lowered(self, drops: Array) -> StickingPad:
-        """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`."""
-        return replace(self, ridges=self.ridges.lowered(drops))
-
     def of(self, points: Index) -> StickingPad:
         """Return the same pad with these contact points alone."""
         ridges = self.ridges
@@ -98,8 +93,11 @@ class StickingPad:
         return np.asarray(self.ridges.fine_gap - state.approach - risen)
 
 
-def sticking_pad_of(pad: Pad, system: ContactStiffness, unit: float) -> StickingPad:
-    """Return the pad of an assembled mesh, of a section that turns its half; `unit` is the pad's, mm."""
+def sticking_pad_of(
+    pad: Pad, system: ContactStiffness, unit: float, crest_offsets: tuple[float, ...] = ()
+) -> StickingPad:
+    """Return the pad of an assembled mesh, of a section that turns its half; `unit` is the pad's, mm, and
+    `crest_offsets` as in Request."""
     space = system.space.components[0]
     along_x = system.contact - space.Range(1).start + space.Range(0).start
     contact, k = np.concatenate([along_x, system.contact]), along_x.size
@@ -110,25 +108,21 @@ def sticking_pad_of(pad: Pad, system: ContactStiffness, unit: float) -> Sticking
         whole = np.diag(np.where(free, 0.0, by_unknown.diagonal().max()))
         whole[np.ix_(free, free)] = by_unknown
         by_unknown = whole
-    seen = _seen(seen_by_plate(pad, system, by_unknown[k:, k:], unit), system, by_unknown)
-    return replace(seen, whole=not pad.revolved)
+    ridges = seen_by_plate(pad, system, by_unknown[k:, k:], unit, crest_offsets)
+    return sticking(ridges, system, by_unknown, whole=not pad.revolved)
 
 
-def sticking_solid_of(pad: Pad, small: Solid, unit: float, *, whole: bool) -> StickingPad:
-    """Return the pad of a solid condensed along x and y too; `unit` is the pad's, mm."""
-    ridges = seen_by_plate(pad, small.seen, small.flexibility, unit)
-    return replace(_seen(ridges, small.seen, small.in_plane), whole=whole)
-
-
-def _seen(ridges: Ridges, system: ContactStiffness, by_unknown: Array) -> StickingPad:
-    """The pad as its points see it, of the flexibility of its contact unknowns in all directions."""
+def sticking(ridges: Ridges, system: ContactStiffness, by_unknown: Array, *, whole: bool) -> StickingPad:
+    """Return the pad by the flexibility of its contact unknowns in all directions; `whole` as in
+    StickingPad."""
     rows, directions = system.nodes.rows, by_unknown.shape[0] // system.nodes.rows.shape[1]
     parts = np.split(by_unknown, directions)
     moved = [
         np.hstack([(rows @ block.T).T for block in np.split(part, directions, axis=1)]) for part in parts
     ]
-    whole = np.vstack([rows @ part for part in moved])
-    return StickingPad(ridges, (whole + whole.T) / 2, np.asarray(system.fine.rows @ moved[1]))
+    compliance = np.vstack([rows @ part for part in moved])
+    risen = np.asarray(system.fine.rows @ moved[1])
+    return StickingPad(ridges, (compliance + compliance.T) / 2, risen, whole)
 
 
 def press_with_friction(

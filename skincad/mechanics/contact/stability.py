@@ -78,7 +78,7 @@ def tipping_ridge(body: Body, state: Array, linear: LinearisedBody, contact: Nod
     """
     antisymmetric = linear.antisymmetric()
     kinds = [_weakest(body, state, kind, contact) for kind in (linear, antisymmetric) if kind is not None]
-    step, _ = max(kinds, key=lambda found: found[1])
+    step, _ = max(kinds, key=lambda kind: kind[1])
     nodes = body.rest.nodes
     nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
     return int(nodes.ridge[nearest])

@@ -14,18 +14,16 @@ from __future__ import annotations
 
 from dataclasses import astuple, replace
 
-import numpy as np
-
 from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece
-from skincad.mechanics.contact.frictionless import all_touch_force, press
+from skincad.mechanics.contact.frictionless import all_touch_force, press, seen_by_plate
 from skincad.mechanics.contact.press_path import (
     StickingPad,
     press_with_friction,
+    sticking,
     sticking_pad_of,
-    sticking_solid_of,
 )
 from skincad.mechanics.left_out import FRICTION, LeftOut
 from skincad.mechanics.models.correction import Correction, Errors, LevelAnswer
@@ -71,8 +69,8 @@ def solve(
         if points > MOST_POINTS:
             words = f"is computed with friction for at most {MOST_POINTS} contact points"
             raise SizeError("ridge.count", words, points, "take fewer ridges")
-        seen = sticking_pad_of(pad, system, unit)
-        both = _presses(seen, coefficient, force, crest_offsets, steps, unit, scale, system.unknowns)
+        seen = sticking_pad_of(pad, system, unit, crest_offsets)
+        both = _presses(seen, coefficient, force, steps, unit, scale, system.unknowns)
     return Correction(*both, BASE_ERRORS, ERRORS_BY_CHANGE)
 
 
@@ -91,8 +89,9 @@ def solve_solid(
     meshed = meshed_piece(pad, coarse_sizes(pad, fineness), whole=bool(crest_offsets))
     small, scale = condensed_pad(meshed, forms_of(meshed, order), along, spent, in_plane=True)
     with one_blas_thread():
-        seen = sticking_solid_of(meshed.whole, small, meshed.unit, whole=not meshed.mirrored)
-        both = _presses(seen, coefficient, force, crest_offsets, steps, meshed.unit, scale, small.unknowns)
+        ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit, crest_offsets)
+        seen = sticking(ridges, small.seen, small.in_plane, whole=not meshed.mirrored)
+        both = _presses(seen, coefficient, force, steps, meshed.unit, scale, small.unknowns)
     without, gripped = (replace(one, ridge_force=meshed.on_whole(one.ridge_force)) for one in both)
     return Correction(without, gripped, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
 
@@ -101,15 +100,12 @@ def _presses(
     seen: StickingPad,
     coefficient: float,
     force: float,
-    crest_offsets: tuple[float, ...],
     steps: int,
     unit: float,
     scale: float,
     unknowns: int,
 ) -> tuple[LevelAnswer, LevelAnswer]:
     """A pad pressed without and with friction at `force` N; its units are `unit` mm and `scale` N."""
-    if crest_offsets:
-        seen = seen.lowered(np.array(crest_offsets) / unit)
     ridges, load = seen.ridges, force / scale
     first = all_touch_force(ridges, load)
     smooth = press(ridges.flexibility, ridges.gap, load)

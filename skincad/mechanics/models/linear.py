@@ -165,9 +165,7 @@ def level(
     clock.append(perf_counter())
     small = condense(system.matrix, system.interior, system.contact)
     clock.append(perf_counter())
-    ridges = seen_by_plate(pad, system, small.flexibility, unit)
-    if crest_offsets:
-        ridges = ridges.lowered(np.array(crest_offsets) / unit)
+    ridges = seen_by_plate(pad, system, small.flexibility, unit, crest_offsets)
 
     def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
         state = press(ridges.flexibility, ridges.gap, force / scale)

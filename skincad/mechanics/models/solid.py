@@ -87,10 +87,19 @@ def solve_level(
     Crests lower than the section's by `crest_offsets` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
-    with one_blas_thread():
-        solution: LevelAnswer = timed(
-            seconds, "contact", lambda: _level(meshed, small, force, scale, crest_offsets)
+    pad, seen = meshed.whole, small.seen
+
+    def at_force() -> LevelAnswer:
+        ridges = seen_by_plate(pad, seen, small.flexibility, meshed.unit, crest_offsets)
+        state = press(ridges.flexibility, ridges.gap, force / scale)
+        first = all_touch_force(ridges, force / scale)
+        residual = max(state.residual, small.rigid_body_error)
+        return level_of(
+            meshed, seen.nodes, small.along, state, state.approach, first, scale, small.unknowns, residual
         )
+
+    with one_blas_thread():
+        solution: LevelAnswer = timed(seconds, "contact", at_force)
     return solution
 
 
@@ -119,30 +128,6 @@ def condensed_pad(
     check_balance(small.rigid_body_error)
     length = 2 * half if along is None else 2.0
     return small, meshed.whole.young_modulus * meshed.unit**2 * length * meshed.sides
-
-
-def _level(
-    meshed: PadMesh, small: prisms.Solid, force: float, scale: float, crest_offsets: tuple[float, ...]
-) -> LevelAnswer:
-    """Contact at `force` N; `scale` N on the whole pad is a force of 1 on the piece, in its units."""
-    unit = meshed.unit
-    ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, unit)
-    if crest_offsets:
-        ridges = ridges.lowered(np.array(crest_offsets) / unit)
-    state = press(ridges.flexibility, ridges.gap, force / scale)
-    threshold = all_touch_force(ridges, force / scale)
-    residual = max(state.residual, small.rigid_body_error)
-    return level_of(
-        meshed,
-        small.seen.nodes,
-        small.along,
-        state,
-        state.approach,
-        threshold,
-        scale,
-        small.unknowns,
-        residual,
-    )
 
 
 def level_of(
