@@ -171,9 +171,12 @@ def manufacture(
     both = float(passing.mean())
     crests = float(_passing(model, crest_offsets, np.full(moduli.size, scaled_force)).mean())
     material = float((part_forces >= model_threshold).mean())
-    worst, best = _at_other_thresholds(
-        model, crest_offsets, part_forces, passing, uncertainty and uncertainty / threshold
-    )
+    worst = best = passing
+    if relative := uncertainty and uncertainty / threshold:  # where the threshold is larger, and smaller
+        worst = _passing(model, crest_offsets, part_forces / (1 + relative))
+        best = np.ones_like(passing)
+        if relative < 1:
+            best = _passing(model, crest_offsets, part_forces / (1 - relative))
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED_FROM else SCALED_MISCLASSIFIES
     low, high = _share_bound(worst, -wrong), _share_bound(best, wrong)
     nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)  # of each crest alone, for a one-sided derivative
@@ -208,18 +211,6 @@ def all_touch(model: RidgeModel, crest_offsets: Array, guess: float) -> Array:
         short = (carried <= 0).any(axis=1).reshape(len(crest_offsets), -1).sum(axis=1)
         low, high = force[part, short], force[part, short + 1]
     return high
-
-
-def _at_other_thresholds(
-    model: RidgeModel, crest_offsets: Array, force: Array, passing: Mask, uncertainty: float
-) -> tuple[Mask, Mask]:
-    """Which parts pass `(parts,)` where the threshold is larger, and smaller, by a relative `uncertainty`."""
-    if uncertainty == 0.0:
-        return passing, passing
-    worst = _passing(model, crest_offsets, force / (1 + uncertainty))
-    return worst, _passing(
-        model, crest_offsets, force / (1 - uncertainty)
-    ) if uncertainty < 1 else np.ones_like(passing)
 
 
 def _share_bound(passing: Mask, wrong: float) -> float:

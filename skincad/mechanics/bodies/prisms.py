@@ -52,7 +52,7 @@ class AlongY:
 
 
 @dataclass(frozen=True)
-class Inside:
+class LayerFunctions:
     """A layer of thickness 1 at its Gauss points `at` `(g,)` of these weights: displacement functions
     `value`, their `slope`, both `(g, order + 1)`, and the pressure functions `test` `(g, order - 1)`."""
 
@@ -63,12 +63,12 @@ class Inside:
     test: Array
 
 
-def inside(order: int) -> Inside:
+def layer_functions(order: int) -> LayerFunctions:
     """Return a layer's functions; exact for what `line` integrates."""
     gauss, weight = legendre.leggauss(order + 1)
     value, slope = _lagrange(lobatto(order)[0], (gauss + 1) / 2)
     test: Array = legendre.legvander(gauss, order - 2).astype(np.float64)
-    return Inside((gauss + 1) / 2, weight / 2, value, slope, test)
+    return LayerFunctions((gauss + 1) / 2, weight / 2, value, slope, test)
 
 
 def constant() -> AlongY:
@@ -112,7 +112,7 @@ def line(borders: Array, order: int, samples: int = 4, bend: Bend | None = None)
     mass, slope, stiff = (np.zeros((count, count)) for _ in range(3))
     mean, rise, inverse = np.zeros((total, count)), np.zeros((total, count)), np.zeros((total, total))
     fine = []
-    layer = inside(order)
+    layer = layer_functions(order)
     w, value, derivative, test = layer.weight, layer.value, layer.slope, layer.test
     for i, (low, high) in enumerate(pairwise(borders.tolist())):
         size = high - low

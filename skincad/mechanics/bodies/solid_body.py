@@ -179,7 +179,7 @@ def solid_body(
     """
     line, count = prisms.line(borders, order, bend=bend), forms.clamped.size
     along, height = line.at.size, len(borders) - 1
-    elements = _extruded(forms, borders, prisms.inside(order), _numbered(forms, laws, height), bend)
+    elements = _extruded(forms, borders, prisms.layer_functions(order), _numbered(forms, laws, height), bend)
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -219,7 +219,7 @@ def _numbered(
 def _extruded(
     section: SectionForms,
     borders: Array,
-    layer: prisms.Inside,
+    layer: prisms.LayerFunctions,
     laws: tuple[tuple[Rubber, Index], ...],
     bend: Bend | None,
 ) -> Elements:

@@ -37,15 +37,12 @@ Load = Callable[[Ridges, Mask | None], float]  # the force, read off the lineari
 
 
 class DivergedError(ContactError):
-    """Newton has found no equilibrium; `reached` is the largest force with one, in units."""
+    """Newton has found no equilibrium, or one that is `unstable`; `reached` is the largest force with a
+    stable one, in units."""
 
-    def __init__(self, words: str, reached: float = 0.0) -> None:
+    def __init__(self, words: str, reached: float = 0.0, *, unstable: bool = False) -> None:
         super().__init__(words)
-        self.reached = reached
-
-
-class UnstableError(DivergedError):
-    """The equilibrium is not stable."""
+        self.reached, self.unstable = reached, unstable
 
 
 @dataclass(frozen=True)
@@ -184,7 +181,7 @@ def newton(
         tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
         ridges, _ = without_contact_forces(pad, tangent.ridges, state.values, tangent.linear)
     if not stable(body, tangent.linear, ridges, nodal, both=force > stable_to):
-        raise UnstableError(UNSTABLE)
+        raise DivergedError(UNSTABLE, unstable=True)
     return PressedState(
         values=state.values,
         force=force,
@@ -198,7 +195,11 @@ def newton(
 
 
 def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: float) -> PadTangent:
-    linear = linearised(pad.body, values, unbalanced)
+    """The pad linearised; DivergedError where it has no tangent, or none that contact could hold."""
+    try:
+        linear: LinearisedBody = pad.body.linearised(values, unbalanced)
+    except ContactError:
+        raise DivergedError(UNSTABLE, unstable=True) from None
     ridges = Ridges.of(pad.body.rest, linear.flexibility, pad.top)
     ridges = replace(ridges, definite=not any(linear.negative_eigenvalues))
     return PadTangent(linear, ridges if pad.drops is None else ridges.lowered(pad.drops), residual)
@@ -211,7 +212,7 @@ def _falls(history: list[float], steps: int) -> bool:
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
     """Return the linearised contact's force and state; of a body that needs its plate, where sweeps from
-    `active` settle, else UnstableError."""
+    `active` settle, else DivergedError."""
     try:
         force = load(ridges, active)
         return force, press(ridges.flexibility, ridges.gap, force, active, definite=ridges.definite)
@@ -220,15 +221,7 @@ def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[floa
     except ContactError:
         if ridges.definite:
             raise
-        raise UnstableError(UNSTABLE) from None
-
-
-def linearised(body: Body, values: Array, unbalanced: Array) -> LinearisedBody:
-    """Return the body linearised; UnstableError where it has no tangent, or none that contact could hold."""
-    try:
-        return body.linearised(values, unbalanced)
-    except ContactError:
-        raise UnstableError(UNSTABLE) from None
+        raise DivergedError(UNSTABLE, unstable=True) from None
 
 
 def without_contact_forces(
@@ -313,11 +306,13 @@ def _next_state(
 def _failure_beyond(pad: PressedPad, last: PressedState | None, failure: DivergedError) -> DivergedError:
     """The failure beyond the last state, with that state's force and, where the next is not stable, what
     gives way there."""
-    if last is None or not isinstance(failure, UnstableError):
+    if last is None or not failure.unstable:
         return DivergedError(str(failure), 0.0 if last is None else last.force)
     linear = pad.body.linearised(last.values, pad.body.residual(last.values))
     ridge = tipping_ridge(pad.body, last.values, linear, last.contact)
-    return UnstableError(f"ridge {ridge} tips over, no equilibrium beyond is stable", last.force)
+    return DivergedError(
+        f"ridge {ridge} tips over, no equilibrium beyond is stable", last.force, unstable=True
+    )
 
 
 def press_until_all_touch(pad: PressedPad, near: PressedState, guess: Array | None = None) -> PressedState:

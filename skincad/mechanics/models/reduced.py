@@ -231,9 +231,7 @@ def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
     """
     cells, skin = pin_cells(design), skin_of(design)
     stiffest = cells.stiffest
-    foot = np.array([placed.foot for placed in skin.placed])
-    pairs = spatial.cKDTree(foot).query_pairs(float(stiffest.radius[-1]), output_type="ndarray")
-    first, second = pairs.T
+    foot, (first, second) = _feet(design, cells)
     distance = np.linalg.norm(foot[first] - foot[second], axis=1)
     root = skin.profile.root_width / 2
     values = cells.at_pairs(lambda cell: cell.sinking(distance, root), first, second)
@@ -252,6 +250,13 @@ def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
         indentation=indentation,
         coupling=sparse.csr_matrix((entries, index), shape=(skin.count, skin.count)),
     )
+
+
+def _feet(design: Design, cells: PinCells) -> tuple[Array, Index]:
+    """Where pins stand `(n, 3)` mm, and the pairs of them `(2, pairs)` that feel each other."""
+    foot = np.array([placed.foot for placed in skin_of(design).placed])
+    reach = float(cells.stiffest.radius[-1])
+    return foot, spatial.cKDTree(foot).query_pairs(reach, output_type="ndarray").T
 
 
 def tip_compliances(design: Design, cells: PinCells) -> Array:
@@ -289,9 +294,8 @@ def tip_compliance(design: Design, cells: PinCells) -> Array:
     taken as level between two pins.
     """
     skin, many = skin_of(design), cells.axial.size
-    foot = np.array([placed.foot for placed in skin.placed])
-    pairs = spatial.cKDTree(foot).query_pairs(float(cells.stiffest.radius[-1]), output_type="ndarray")
-    first, second = np.concatenate([pairs, pairs[:, ::-1]]).T
+    foot, pairs = _feet(design, cells)
+    first, second = np.concatenate([pairs, pairs[::-1]], axis=1)
     ring, angle = disc()
     root = skin.profile.root_width / 2
     points = root * np.stack([ring * np.cos(angle), ring * np.sin(angle)], axis=1)
