@@ -487,7 +487,7 @@ def test_what_fits_no_mesh_is_refused_unsolved_and_auto_takes_the_closed_form(
     plain: Design, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(linear, "MOST_CONTACT_UNKNOWNS", contact(plain, 0.5, 3) - 1)
-    monkeypatch.setattr(linear, "_level", unsolved)
+    monkeypatch.setattr(linear, "level", unsolved)
     with pytest.raises(mech.SizeError, match=r"ridge\.count: the linear model takes at most"):
         linear_check(plain)
     for options in ({}, {"tol": 0.01}, {"budget": 500.0}):
