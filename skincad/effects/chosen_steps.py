@@ -26,6 +26,7 @@ from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Drift, Observables, Share, Step, friction_of, swing_of
 from skincad.mechanics.bodies.film_field import StripStress
+from skincad.mechanics.contact.folding import undetected_contact
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
 from skincad.mechanics.contact.frictional_pad import (
     FrictionalPad,
@@ -37,7 +38,6 @@ from skincad.mechanics.contact.frictional_pad import (
     newton,
     unloaded,
 )
-from skincad.mechanics.contact.folding import undetected_contact
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
