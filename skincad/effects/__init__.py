@@ -49,7 +49,7 @@ def effect(name: str) -> type[Effect]:
 __getattr__, __dir__ = face(
     __name__,
     """
-    chosen_steps: ChosenPad ChosenState UPDATE_INTERVAL
+    chosen_steps: ChosenPad UPDATE_INTERVAL
     finite_strain: FiniteStrain sway_amplification sway_angle sway_force
     free_ends: end_compliance force_changes
     friction: Friction

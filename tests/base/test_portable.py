@@ -48,7 +48,7 @@ WAYS: tuple[Callable[[Any], Any], ...] = (
 WORDS = {"key": "ridge.height", "rule": "must be below 1", "value": 1.5, "remedy": "take less", "others": ()}
 FILMED = ("ridge.count=1", "skin.width=3.0")
 FEW = ("history.steps=2", "readout.ridges=[2]", THIRD)
-VALUES: dict[str, Any] = {"str": "words", "float": 2.5, "object": 1.5, "Any": (1, 2)}
+VALUES: dict[str, Any] = {"str": "words", "float": 2.5, "bool": True, "object": 1.5, "Any": (1, 2)}
 
 
 def kinds() -> list[type[Exception]]:
@@ -65,7 +65,10 @@ def kinds() -> list[type[Exception]]:
 def example(kind: type[Exception]) -> Exception:
     """An error of this kind, its arguments by their names or types."""
     names = getattr(kind.__init__, "__annotations__", {"words": "str"})
-    return kind(*(WORDS.get(name, VALUES.get(str(of))) for name, of in names.items() if name != "return"))
+    values = {name: WORDS.get(name, VALUES.get(str(of))) for name, of in names.items() if name != "return"}
+    by_name = getattr(kind.__init__, "__kwdefaults__", None) or {}
+    options = {name: values.pop(name) for name in by_name}
+    return kind(*values.values(), **options)
 
 
 def test_every_error_pickles_and_copies() -> None:
