@@ -229,7 +229,7 @@ def steps_of_a_scene() -> None:
     with threadpool_limits(limits=1, user_api="blas"):
         whole = sliding(piece, mesh, MARCH_ORDER, True).whole
         assert whole is not None
-        small, load = whole.parities[0].small, whole.body.system.lift
+        small, load = whole.factors[0], whole.body.system.lift
         back_solve = best(lambda: small.solve(load))
         print(f"{'back-solve':26}{1e3 * back_solve:10.1f} ms")
         first = 0.0

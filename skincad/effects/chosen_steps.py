@@ -5,11 +5,11 @@ linearised there. In the steps between, the pad is a constant compliance about t
 ridges are pressed, bent and turned, and that a normal force bends them further (P-delta). The next step is
 chosen once a touching point has moved by the update interval. The linear pad's error at that step is its
 drift. It is corrected gradually over the following interval, so that nothing jumps, and its size is the
-error. Drift grows with the square of the interval. With an interval of 0 each step is a chosen one and its
+error. Drift grows with the square of the interval. Without an interval each step is a chosen one and its
 equilibrium the answer; one that does not converge is cut.
 
 Where finite strain has no equilibrium, as where the surface folds (mechanics/contact/folding.py), the last
-tangent stays, and the error grows with the square of the distance moved since; with an interval of 0 the
+tangent stays, and the error grows with the square of the distance moved since; without an interval the
 march stops. Range: a plate that keeps its angle; quasi-static, but for what slow modes add.
 Reference: steps of the plate's travel (tests/mechanics/contact/test_dragged.py), bench/leads.py.
 """
@@ -82,10 +82,10 @@ class FrozenTangent:
 
 @dataclass(frozen=True, eq=False)
 class ChosenState:
-    """A state: the contact, the points' places `(2 m,)` mm, the strips' stresses, the energy mJ that the
-    contact has put in, and the energy that friction dissipated in the step. `distance` is the largest
-    distance that a touching point has moved since the chosen step of `tangent`, in update intervals;
-    `chosen` says whether this is such a step."""
+    """A state: the contact, the points' places `(2 m,)` mm, the strips' stresses, the energy mJ that is
+    stored, by what the contact has put in where not each step is a chosen one, and the energy that friction
+    dissipated in the step. `distance` is the largest distance that a touching point has moved since the
+    chosen step of `tangent`, in update intervals; `chosen` says whether this is such a step."""
 
     contact: ContactState
     place: Array
@@ -100,13 +100,14 @@ class ChosenState:
 @dataclass(frozen=True, eq=False)
 class ChosenPad:
     """A pad at finite strain with its `strips`, None where they are not read, and its `modulus` MPa; `folds`
-    says whether its surface may fold, `interval` mm how far a point moves between two chosen steps."""
+    says whether its surface may fold, `interval` mm how far a point moves between two chosen steps, None
+    where each step is one."""
 
     pad: FrictionalPad
     strips: StripStress | None
     modulus: float
     folds: bool
-    interval: float
+    interval: float | None
 
     @property
     def ridge(self) -> Index:
@@ -149,7 +150,7 @@ class ChosenPad:
         if step.after.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
         cone = friction_of(shares)
-        if self.interval == 0.0:
+        if self.interval is None:
             with one_blas_thread():
                 return self._equilibrium(state, step.before, step.after, cone)
         return self._linear_or_chosen(state, step.before, step.after, cone, swing_of(shares))
@@ -159,7 +160,7 @@ class ChosenPad:
         return state.contact
 
     def fault(self, state: ChosenState) -> str | None:  # noqa: ARG002
-        """None: chosen steps are looked at, and one that is not sound is not chosen."""
+        """None: a chosen step that is not sound is not taken, or ends the march where each is one."""
         return None
 
     def reading(self, before: ChosenState, state: ChosenState) -> Observables:  # noqa: ARG002
@@ -183,25 +184,48 @@ class ChosenPad:
     def _equilibrium(
         self, before: ChosenState, start: Drive, end: Drive, cone: FrictionCoefficients
     ) -> ChosenState:
-        """The equilibrium at a step's end, in halves where need be; ContactError for one that is not
-        sound."""
+        """The equilibrium at a step's end, in halves where need be; ContactError for one that goes through
+        itself or the plate, or whose surface folds."""
+        try:
+            after = in_halves(
+                lambda before, start, end, _: self._nearest(before, start, end, cone),
+                before,
+                start,
+                end,
+                _joined,
+                MAX_HALVINGS,
+            )
+        except GrossSlip as limit:
+            self._check(limit.last.tangent.state)
+            raise
+        self._check(after.tangent.state)
+        return after
 
-        def advance(before: ChosenState, start: Drive, end: Drive, _share: float) -> ChosenState:
-            try:  # where the last tangent leads is near
-                guess = self._guess(self._linear_state(before, start, end, cone))
-            except ContactError:
-                guess = None
+    def _nearest(
+        self, before: ChosenState, start: Drive, end: Drive, cone: FrictionCoefficients
+    ) -> ChosenState:
+        """The equilibrium near where the last tangent leads, or else near the state before."""
+
+        def of(state: FrictionalState) -> ChosenState:
+            tangent = self._tangent(state)
+            stored = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
+            return ChosenState(state.contact, tangent.place, tangent.films, stored, state.dissipated, tangent)
+
+        try:
+            guess = self._guess(self._linear_state(before, start, end, cone))
+        except ContactError:
+            guess = None
+        for place in (None,) if guess is None else (guess, None):
+            if place is None:
+                self.pad.tangents.clear()
             try:
-                return self._accepted(self._newton(before, end, cone, guess))
+                return of(self._newton(before, end, cone, place))
             except GrossSlip as limit:
-                limit.last = self._accepted(limit.last)
+                limit.last = of(limit.last)
                 raise
-            except ContactError:
-                if guess is None:
-                    raise
-            return self._accepted(self._newton(before, end, cone, None))
-
-        return in_halves(advance, before, start, end, _joined, MAX_HALVINGS)
+            except ContactError as refusal:
+                failure = refusal
+        raise failure
 
     def _newton(
         self,
@@ -211,18 +235,17 @@ class ChosenPad:
         guess: Array | None,
         swing: Swing | None = None,
     ) -> FrictionalState:
-        self.pad.tangents.clear()
+        """The equilibrium under a drive, and the pad's latest tangent near it."""
         start = FrictionalState(before.tangent.state.values, before.contact)
-        return newton(self.pad, start, end, cone, guess, swing)
+        state = newton(self.pad, start, end, cone, guess, swing)
+        if not self.pad.tangents:  # a plate that is lifted asks for none
+            linearised(self.pad, state.values, self.pad.body.residual(state.values))
+        return state
 
-    def _accepted(self, state: FrictionalState) -> ChosenState:
-        """A state in balance, with its tangent; ContactError where it goes through itself or the plate, or
-        its surface folds."""
-        if wrong := undetected_contact(self.pad, state, not self.folds):
+    def _check(self, state: FrictionalState, sunk: Array | None = None) -> None:
+        """Raise ContactError for a state that is not sound; `sunk` as in `undetected_contact`."""
+        if wrong := undetected_contact(self.pad, state, not self.folds, sunk):
             raise ContactError(wrong)
-        tangent = self._tangent(state)
-        elastic = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
-        return ChosenState(state.contact, tangent.place, tangent.films, elastic, state.dissipated, tangent)
 
     def _linear_or_chosen(
         self,
@@ -238,11 +261,11 @@ class ChosenPad:
         forces = end.normal, abs(float(after.contact.tangential.sum()))
         if after.distance < 1.0 or not self._worth_retrying(after.tangent, forces):
             return after
+        guess = self._guess(after)
+        self.pad.tangents.clear()  # of the step before, a stride away: the next is to be this step's own
         try:
-            state = self._newton(replace(after, contact=before.contact), end, cone, self._guess(after), swing)
-            sunk = None if swing is None else swing.sunk(state.contact.force)
-            if wrong := undetected_contact(self.pad, state, not self.folds, sunk):
-                raise ContactError(wrong)
+            state = self._newton(replace(after, contact=before.contact), end, cone, guess, swing)
+            self._check(state, None if swing is None else swing.sunk(state.contact.force))
             return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
         except GrossSlip as limit:
             limit.last = replace(after, contact=limit.last.contact)

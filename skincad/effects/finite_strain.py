@@ -70,8 +70,8 @@ class FiniteStrain(Law):
         films: bool,
         terms: Sequence[Term] = (),
     ) -> ChosenPad:
-        """Return a meshed whole pad to be marched, the steps between chosen ones a stride of its narrowest
-        crest apart; RefusedError for terms that ask for more than friction."""
+        """Return a meshed whole pad to be marched. With chosen steps the next is taken once a point has moved
+        by UPDATE_INTERVAL of the narrowest crest. RefusedError for terms that ask for more than friction."""
         from skincad.effects.chosen_steps import UPDATE_INTERVAL, ChosenPad
         from skincad.mechanics.bodies import elements, plane_body
         from skincad.mechanics.bodies.film_field import strip_stress
@@ -95,7 +95,7 @@ class FiniteStrain(Law):
             else None
         )
         narrowest = min(np.ptp(whole.x[whole.ridge == number]) for number in np.unique(whole.ridge))
-        interval = 0.0 if self.steps == "all" else UPDATE_INTERVAL * float(narrowest)
+        interval = None if self.steps == "all" else UPDATE_INTERVAL * float(narrowest)
         return ChosenPad(whole, strips, pad.young_modulus, self.creases == "pass", interval)
 
     @staticmethod
@@ -129,7 +129,7 @@ def sway_force(design: Design, normal: float) -> float:
     An end of width b that turns by theta in a half-space has the moment pi E' L b^2 theta / 16, of the
     pressure E' theta x / (2 sqrt(a^2 - x^2)), a = b / 2, which solves Johnson's integral equation (Contact
     Mechanics, 1985, sec. 2.7). The column that sways between two such springs bears P_b = phi^2 E' I / h^2
-    in bending (`_sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
+    in bending (`sway_angle`), and with its shear G A / 2 (sqrt(1 + 4 P_b / (G A)) - 1): Haringx, Philips
     Res. Rep. 3 (1948) 401.
     """
     skin = skin_of(design)

@@ -151,7 +151,7 @@ YIELD_PRICE, FRICTION_PRICE, SOLID_FRICTION_PRICE = 0.5, 0.03, 2.0
 OnVerdict = Callable[[ContactCheck], object]  # called with each model's verdict as soon as it is known
 
 
-def models_for(design: Design, measured: bool = False) -> list[str]:
+def _models_for(design: Design, measured: bool = False) -> list[str]:
     """Return the models that `auto` may take of a design, or of a `measured` part, the cheapest first."""
     return [
         name
@@ -162,7 +162,8 @@ def models_for(design: Design, measured: bool = False) -> list[str]:
 
 
 def better_models(name: str, design: Design, models: Sequence[str]) -> list[str]:
-    """Return those of the `models` that come after one, each leaving out no more than the one before."""
+    """Return those of the `models` that come after one, each leaving out no more than the one before; after
+    the closed form any."""
     order, plan = list(MODELS), [name]
     for other in models:
         fewer = len(left_out_by(other, design)) <= len(left_out_by(plan[-1], design))
@@ -317,7 +318,7 @@ class Solutions:
         self.answers: dict[str, Answer] = {}
         self.with_model_errors: dict[str, Answer] = {}  # with friction and what the model leaves out
         self.runs: list[ModelRun] = []
-        self.models = models_for(design, bool(crest_offsets))
+        self.models = _models_for(design, bool(crest_offsets))
         self.friction = PlateFriction(design, force, crest_offsets)
 
     @property

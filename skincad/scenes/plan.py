@@ -1,4 +1,4 @@
-"""Which runs a scene is given, until its error is as small as wanted.
+"""Which runs a scene needs until its error is as small as wanted.
 
 A scene that names no law is marched in small strain first, on one mesh after the other. Where leaving out
 finite strain changes more than a tenth, or than the tolerance that is asked, it is marched with finite strain
@@ -76,20 +76,20 @@ def refine(on: MarchSetup, tol: float | None, budget: float | None, began: float
             runs = _interrupted(runs)
             break
         except (InputError, RefusedError) as refusal:
-            runs = noted(runs, f"a finer mesh is refused ({refusal}); {BEFORE}")
+            runs = _noted(runs, f"a finer mesh is refused ({refusal}); {BEFORE}")
             break
         if march.interrupted:  # a whole march says more than a part
             runs = _interrupted(runs)
             break
         if march.failed and relative <= wanted:  # what is there is good enough
-            runs = noted(runs, f"a finer mesh stopped at {march.stopped}; {BEFORE}")
+            runs = _noted(runs, f"a finer mesh stopped at {march.stopped}; {BEFORE}")
             break
         error, relative = _errors(on, runs.march, march)
         runs = replace(runs, march=march, before=runs.march, error=error)
     if films and on.piece is not None:
         how = "of unknown error" if runs.error is None else f"within {relative:.1e} of its largest"
-        runs = noted(runs, *unmet(f"the differential stress is {how}", relative, wanted))
-    return noted(runs, *overrun("", perf_counter() - began, budget))
+        runs = _noted(runs, *unmet(f"the differential stress is {how}", relative, wanted))
+    return _noted(runs, *overrun("", perf_counter() - began, budget))
 
 
 BEFORE = "the results are those of the mesh before"
@@ -108,7 +108,7 @@ def _coarsest(on: MarchSetup, films: bool, two: bool) -> Runs:
     return Runs(march, every=march, coarse=coarse, heavy=march_under_heavy_plate(on, march))
 
 
-def noted(runs: Runs, *notes: str) -> Runs:
+def _noted(runs: Runs, *notes: str) -> Runs:
     """Return the runs with more notes."""
     return replace(runs, notes=(*runs.notes, *notes))
 
@@ -144,13 +144,14 @@ def further(
                 on, runs = _by(effects, on, runs, price, budget, began)
                 break
             except (InputError, RefusedError) as refusal:
-                runs = noted(runs, NO_BETTER.format(refusal))
+                runs = _noted(runs, NO_BETTER.format(refusal))
         drift = runs.march.readings[-1].drift
         if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
             return on, runs
         notes = runs.notes
-        runs = noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
-        if drift.cut:  # finite strain in each step would stop there
+        runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
+        # finite strain in each step would stop where no step can be chosen; a law that is named stays
+        if drift.cut or on.model != IN_CHOSEN_STEPS:
             return on, runs
         price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count
         price /= len(chosen_steps(runs.march) or [0])
@@ -161,7 +162,7 @@ def further(
             raise
         return on, _interrupted(runs)
     except (InputError, RefusedError) as refusal:
-        return on, noted(runs, NO_BETTER.format(refusal))
+        return on, _noted(runs, NO_BETTER.format(refusal))
 
 
 def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[str, Any]]:

@@ -6,7 +6,7 @@ are made is planned in plan.py; what they tell of a march's error is in errors.p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -130,7 +130,8 @@ def march_on(level: Level, on: MarchSetup, following: Level | None = None, again
 
     # to ask for one thread at each step takes longer than the step
     with resource_guard(f"the computation on the mesh of {stage}"):
-        result = _marched(on, pad, at_step=at_step, mass=on.scene.plate.mass or 0.0)
+        keep, mass = kept_steps(on.scene), on.scene.plate.mass or 0.0
+        result = _marched(on, pad, at_step=at_step, keep=keep, mass=mass)
     on.took("march", result.seconds["march"])
     return replace(result, seconds={**stages, **result.seconds})
 
@@ -161,11 +162,12 @@ def _marched(
     steps: Index | None = None,
     *,
     at_step: Callable[[int], None] | None = None,
+    keep: Collection[int] = (),
     mass: float,
 ) -> March:
-    """March a pad through the scene's steps, or some of them; of all it keeps the states that are read."""
+    """March a pad through the scene's steps, or some of them; states of the steps in `keep` are kept."""
     scene, history = on.scene, on.scene.history
-    drives, keep = history.drives(), kept_steps(scene) if steps is None else frozenset[int]()
+    drives = history.drives()
     at = np.arange(history.step_count + 1) if steps is None else steps
     with one_blas_thread():
         return march(

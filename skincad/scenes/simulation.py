@@ -429,8 +429,8 @@ def marched(
     partial: bool = False,
     further_models: bool = False,
 ) -> SceneRun:
-    """Return a scene's march, as `simulate` asks for it; nothing has read it yet. Whether its `tol` may ask
-    for a model `beyond` the scene's own."""
+    """Return a scene's runs, as `simulate` asks for them; nothing has read them yet. `further_models` says
+    whether a model beyond the scene's own may be marched."""
     require_goals(tol, budget, "0.02")
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial, seconds=seconds)

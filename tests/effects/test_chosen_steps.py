@@ -254,7 +254,8 @@ def test_each_step_is_that_of_the_plates_travel() -> None:
 
 @pytest.mark.slow
 def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both tries of the second step are made to fail: its halves add up to what it is in one."""
+    """Both tries of the second step are made to fail: its halves add up to what it is in one. 1e-3: friction
+    knows the way."""
     newton, tries = chosen_steps.newton, list[float]()
 
     def failing(pad: Any, before: Any, end: Drive, *more: Any) -> FrictionalState:
@@ -270,3 +271,50 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
     assert tries == [0.2, 0.4, 0.4, pytest.approx(0.3), 0.4]
     assert run.stopped is None
     assert run.readings[-1].approach == pytest.approx(wanted.readings[-1].approach, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_in_each_step_a_plate_may_wait_and_lift() -> None:
+    way = [Drive(0.0, 0.0), Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.0, 0.0), Drive(0.2, 0.0)]
+    run = march(silicone_pad(), np.arange(5.0), way, [Friction(coefficient=0.5)])
+    assert run.stopped is None
+    assert run.column("normal") == pytest.approx([drive.normal for drive in way], abs=1e-12)
+    assert run.readings[3].elastic == 0.0
+    assert not run.readings[3].films.any()
+
+
+@pytest.mark.slow
+def test_gross_slip_is_told_whichever_start_finds_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first start is made to fail: the state that slips is read as any other."""
+    newton, tries = chosen_steps.newton, list[float]()
+
+    def failing(pad: Any, before: Any, end: Drive, *more: Any) -> FrictionalState:
+        tries.append(end.normal)
+        if len(tries) == 2:
+            raise ContactError("made to fail")
+        return newton(pad, before, end, *more)
+
+    monkeypatch.setattr(chosen_steps, "newton", failing)
+    monkeypatch.setattr(chosen_steps.ChosenPad, "_linear_state", lambda _, before, *__: before)
+    way = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.3, 0.2)]
+    run = march(silicone_pad(), np.arange(3.0), way, [Friction(coefficient=0.5)])
+    assert len(tries) == 3
+    assert run.stopped == "gross slip"
+    assert run.readings[-1].tangential == pytest.approx(0.15, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_chosen_step_begins_without_the_tangent_of_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which Newton might keep, and the steps that follow are linear about it."""
+    newton, tangents = chosen_steps.newton, list[int]()
+
+    def watched(pad: Any, *more: Any) -> FrictionalState:
+        tangents.append(len(pad.tangents))
+        return newton(pad, *more)
+
+    monkeypatch.setattr(chosen_steps, "newton", watched)
+    way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.05 * i) for i in range(1, 5)]
+    pad = pad_of(FiniteStrain(steps="chosen"), False)
+    march(pad, np.arange(float(len(way))), way, [Friction(coefficient=1.0)])
+    assert len(tangents) > 2
+    assert not any(tangents)

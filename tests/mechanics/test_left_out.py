@@ -27,7 +27,7 @@ CASES: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     "five": ("plain-ridges", {"ridge": {"count": 5}}),
 }
 CALIBRATION = pytest.mark.evidence(subject="left out: {name}")
-TOO_WIDE = 10.0  # times the change; at most 7 over the calibration at nu 0.499 (left_out.py)
+TOO_WIDE = 10.0  # times the change; at most 7 over the calibration at nu 0.499 (docs/evidence/verdicts.md)
 
 
 def assert_bounds(bound: LeftOut, without: Answer, computed: Answer, force: float) -> None:
@@ -52,7 +52,7 @@ def test_free_ends_and_finite_strain_lie_within_their_bounds(name: str) -> None:
     assert_bounds(small_strain(design, plane, request.force), plane, finite, request.force)
 
 
-# the calibration's, and of those that only judged it two random designs' worth (left_out.py)
+# the calibration's, and of those that only judged it two random designs' worth (docs/evidence/verdicts.md)
 GRIPPED: dict[str, tuple[str, dict[str, dict[str, float]]]] = {
     **CASES,
     "gripper-pad": ("gripper-pad", {}),

@@ -282,6 +282,17 @@ def test_what_cannot_be_had_at_finite_strain_is_said(folder: Path) -> None:
     assert "viscosity" in rows[0]
 
 
+@pytest.mark.evidence(subject="finer steps: chosen steps of scenes")
+def test_chosen_steps_that_are_named_stay_whatever_drifts(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plan, "LEVELS", LEVELS[:1])
+    chosen = ("effects.finite_strain={steps='chosen'}", "history.steps=8")
+    simulation = simulate(scene_in(folder, *chosen), tol=1e-4)
+    assert simulation.as_json()["tier"] == "corrected"
+    assert any("drifts by" in note and "1.0e-04 is not met" in note for note in simulation.warnings)
+
+
 @pytest.mark.slow
 def test_a_budget_that_does_not_allow_chosen_steps_is_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch

@@ -52,8 +52,8 @@ def stable(
 
 
 def _held_up(fixed_count: int, free: int, flexibility: Array) -> bool:
-    """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has so
-    many negative eigenvalues with the contact unknowns `held`, and `free`.
+    """Whether a tangent is positive definite while points of a `flexibility` `(k, k)` are held; it has
+    `fixed_count` negative eigenvalues with all contact unknowns held, and `free` without.
 
     With these points held the tangent has as many negative eigenvalues as it has free, less those of the
     points' flexibility (Haynsworth, Linear Algebra Appl. 1 (1968) 73).

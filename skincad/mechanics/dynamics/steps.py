@@ -235,7 +235,8 @@ def _joined(first: Motion, second: Motion) -> Motion:
 
 
 def remembered(store: dict[Key, Value], key: Key, value: Callable[[], Value]) -> Value:
-    """Return what is stored under a key, or else `value`, stored: of MOST_LENGTHS the one used last stays."""
+    """Return what is stored under a key, or else `value`, stored; of more than MOST_LENGTHS the one that was
+    not used for longest goes."""
     if key not in store and len(store) >= MOST_LENGTHS:
         del store[next(iter(store))]  # before the next one takes memory
     store[key] = store.pop(key) if key in store else value()

@@ -42,7 +42,8 @@ from skincad.mechanics.problem import Answer, Pad, Request, check_flat, focused,
 # share
 EDGE_THRESHOLD = 1e-4
 EDGE_STATE = 6e-4
-# Of a bare face's approach: flat-magnet's changes by 1.2e-3 at 4 N, by 3.3e-3 more with twice FACE_EDGE at 8
+# Of a bare face's approach: flat-magnet's changes by 1.2e-3 at 4 N, and at 8 N by 3.3e-3 more with twice
+# FACE_EDGE
 FACE_STATE = 5e-3
 
 

@@ -395,11 +395,13 @@ class _Levels:
                 self.progress(f"{self.model} model: fineness {refinement.fineness:g}, order {order}")
             below = self.levels.get((refinement.fineness, order - 1))
             solution = self.at(mesh, order, self.request.force, self.request.crest_offsets, below)
+            # the next order alone asks for states, and they take as much memory as all the rest
+            self.levels = {key: replace(known, states=None) for key, known in self.levels.items()}
             self.levels[refinement.fineness, order] = solution
             _add(self.seconds, solution.seconds)
             if order < refinement.order:
                 self._check_fits(before, AFTER_ORDER * math.fsum(solution.seconds.values()))
-        return self.levels[refinement.fineness, refinement.order]
+        return replace(self.levels[refinement.fineness, refinement.order], states=None)
 
     def estimated(
         self, refinement: PlaneRefinement, best: PlaneSolution, before: PlaneSolution | None
