@@ -55,7 +55,7 @@ __getattr__, __dir__ = face(
     friction: Friction
     inertia: plate_ringing
     kinds: Drift Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
-        ReaderContext RidgePath SceneOutline SectionPad Share Step Term
+        ReaderContext RidgePath SceneOutline SectionPad Share Step Term share_of
     modal: ModalPad
     moving: MovingPad
     piezo: Chain Piezo SIDES fitted strip_charges

@@ -16,7 +16,6 @@ Reference: steps of the plate's travel (tests/mechanics/contact/test_dragged.py)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +23,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import Drift, Observables, Share, Step, friction_of, swing_of
+from skincad.effects.kinds import FRICTIONLESS, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
 from skincad.mechanics.contact.folding import undetected_contact
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
@@ -142,18 +141,18 @@ class ChosenPad:
             tangent = self._tangent(state)
         return ChosenState(state.contact, tangent.place, tangent.films, 0.0, 0.0, tangent)
 
-    def advanced(self, state: ChosenState, step: Step, shares: Sequence[Share]) -> ChosenState:
+    def advanced(self, state: ChosenState, step: Step, share: Share) -> ChosenState:
         """Return the state at the step's end, with what masses add. Raises GrossSlip, with the last state,
         and ContactError."""
-        if any(share.more for share in shares):
+        if share.more:
             raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         if step.after.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
-        cone = friction_of(shares)
+        cone = share.cone or FRICTIONLESS
         if self.interval is None:
             with one_blas_thread():
                 return self._equilibrium(state, step.before, step.after, cone)
-        return self._linear_or_chosen(state, step.before, step.after, cone, swing_of(shares))
+        return self._linear_or_chosen(state, step.before, step.after, cone, share.swing)
 
     def grip(self, state: ChosenState) -> ContactState:
         """Return the contact of a state."""

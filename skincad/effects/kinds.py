@@ -13,7 +13,7 @@ step leaves behind is that pad's own state, which the march replaces only when a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, runtime_checkable
 
@@ -101,7 +101,7 @@ class PlatePath:
 class SceneOutline:
     """What an indicator looks at: the skin; the history's points, `time_s` and `loads` at them (normal force
     N, and tangential force N or, where the plate is `driven`, displacement mm); the `path` of the march; and
-    the coefficient of static `friction`."""
+    the coefficient of static `friction`, at small pressures where it depends on pressure, 0 without any."""
 
     design: Design
     time_s: tuple[float, ...]
@@ -139,12 +139,12 @@ class Step:
 
 @dataclass(frozen=True)
 class Share:
-    """What a term adds to a step: friction's `cone`; `damped`, for masses, what is left of the highest
-    modes after a step; `rate` s, the viscous part's stress per strain rate by the elastic one's per strain;
-    `relaxing`, pairs of what a modulus is larger at first, relative to the slow one, and the time, s, in
-    which it relaxes; `swing`, what masses add at the contact points of a pad that has none; `relief`, how
-    far the plate stays behind its foremost level at places along it, mm; and `more` for a law that knows
-    what to do with it.
+    """What a term adds to a step, or all of its terms together: friction's `cone`; `damped`, for masses, what
+    is left of the highest modes after a step; `rate` s, the viscous part's stress per strain rate by the
+    elastic one's per strain; `relaxing`, pairs of what a modulus is larger at first, relative to the slow
+    one, and the time, s, in which it relaxes; `swing`, what masses add at the contact points of a pad that
+    has none; `relief`, how far the plate stays behind its foremost level at places along it, mm; and `more`
+    for a law that knows what to do with it.
     """
 
     cone: FrictionCoefficients | None = None
@@ -155,15 +155,25 @@ class Share:
     relief: Callable[[Array], Array] | None = None
     more: Mapping[str, Any] | None = None
 
+    def __add__(self, other: Share) -> Share:
+        """Return what two terms add together; of what one of them alone can add, the first's."""
+        return Share(
+            cone=self.cone or other.cone,
+            damped=other.damped if self.damped is None else self.damped,
+            rate=self.rate + other.rate,
+            relaxing=self.relaxing + other.relaxing,
+            swing=self.swing or other.swing,
+            relief=self.relief or other.relief,
+            more=self.more or other.more,
+        )
 
-def friction_of(shares: Sequence[Share]) -> FrictionCoefficients:
-    """Return what friction bears in a step, nothing where no term says."""
-    return next((share.cone for share in shares if share.cone), FrictionCoefficients(0.0, 0.0))
+
+FRICTIONLESS = FrictionCoefficients(0.0, 0.0)
 
 
-def swing_of(shares: Sequence[Share]) -> Swing | None:
-    """Return what masses add to a step, or None."""
-    return next((share.swing for share in shares if share.swing), None)
+def share_of(terms: Iterable[Term], step: Step) -> Share:
+    """Return what all terms of a scene add to a step."""
+    return sum((term.share(step) for term in terms), Share())
 
 
 class Drift(NamedTuple):
@@ -242,8 +252,8 @@ class MarchedPad(Protocol):
     def start(self) -> Any:
         """The unloaded state."""
 
-    def advanced(self, state: Any, step: Step, shares: Sequence[Share]) -> Any:
-        """Return the converged state at the step's end.
+    def advanced(self, state: Any, step: Step, share: Share) -> Any:
+        """Return the converged state at the step's end; `share` is what all terms add to it.
 
         Raises GrossSlip, whose `last` is the last state there is, or ContactError.
         """

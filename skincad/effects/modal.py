@@ -8,7 +8,6 @@ are those of the unloaded pad in small strain, under a plate that keeps its angl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -80,15 +79,15 @@ class ModalPad:
             swings=np.zeros((self.modes.frequency.size, 2)),
         )
 
-    def advanced(self, state: ModalState, step: Step, shares: Sequence[Share]) -> ModalState:
+    def advanced(self, state: ModalState, step: Step, share: Share) -> ModalState:
         """Return the converged state at the step's end."""
 
         def advance(before: ModalState, end: Drive, dt: float) -> ModalState:
-            return self._one(before, replace(step, before=before.drive, after=end), dt, shares)
+            return self._one(before, replace(step, before=before.drive, after=end), dt, share)
 
         return in_parts(advance, replace(state, drive=step.before), step.after, step.end - step.start)
 
-    def _one(self, state: ModalState, step: Step, dt: float, shares: Sequence[Share]) -> ModalState:
+    def _one(self, state: ModalState, step: Step, dt: float, share: Share) -> ModalState:
         method = remembered(self.prepared, dt, partial(mode_step, self.modes, dt))
         points, drive, of_plate = self.modes.points, step.after, scheme(dt, state.matter.damped)
         free = np.einsum("kij,kj->ki", method.stays, state.swings)
@@ -105,7 +104,7 @@ class ModalPad:
             return state_after(state, drive, contact, of_plate, (inert, pushing), **fields)
 
         try:
-            return after(self.still.advanced(state.still, step, [*shares, Share(swing=swing)]))
+            return after(self.still.advanced(state.still, step, replace(share, swing=swing)))
         except GrossSlip as end:
             raise GrossSlip(after(end.last), str(end)) from None
 

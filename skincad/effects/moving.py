@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import Observables, Share, Step, friction_of
+from skincad.effects.kinds import FRICTIONLESS, Observables, Share, Step
 from skincad.mechanics.contact.state import ContactState
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
@@ -18,12 +17,9 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stick import PadPiece
 
 
-def matter_of(step: Step, shares: Sequence[Share]) -> Matter:
-    """Return what the terms' shares say, together."""
-    damped = next((share.damped for share in shares if share.damped is not None), None)
-    rate = sum(share.rate for share in shares)
-    branches = tuple(branch for share in shares for branch in share.relaxing)
-    return Matter(damped, 0.0 if damped is None else step.mass, rate, branches)
+def matter_of(step: Step, share: Share) -> Matter:
+    """Return the masses and the viscosity of a step."""
+    return Matter(share.damped, 0.0 if share.damped is None else step.mass, share.rate, share.relaxing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +48,12 @@ class MovingPad:
         """The unloaded state, at rest."""
         return self.pad.start()
 
-    def advanced(self, state: DynamicState, step: Step, shares: Sequence[Share]) -> DynamicState:
+    def advanced(self, state: DynamicState, step: Step, share: Share) -> DynamicState:
         """Return the converged state at the step's end."""
-        if any(share.more for share in shares):
+        if share.more:
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
         start, length = replace(state, drive=step.before), step.end - step.start
-        return self.pad.step(start, step.after, length, friction_of(shares), matter_of(step, shares))
+        return self.pad.step(start, step.after, length, share.cone or FRICTIONLESS, matter_of(step, share))
 
     def grip(self, state: DynamicState) -> ContactState:
         """Return the contact of a state."""

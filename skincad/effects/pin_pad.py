@@ -10,7 +10,6 @@ elsewhere. References: pins that don't feel each other, in closed form, and soli
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
@@ -18,7 +17,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
-from skincad.effects.kinds import LeftOutEffect, Observables, PlatePath, Share, Step
+from skincad.effects.kinds import FRICTIONLESS, LeftOutEffect, Observables, PlatePath, Share, Step
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.frictional import in_halves, joined
@@ -66,9 +65,9 @@ class PinPad:
         """The unloaded state."""
         return unloaded(self.tips)
 
-    def advanced(self, state: TipState, step: Step, shares: Sequence[Share]) -> TipState:
+    def advanced(self, state: TipState, step: Step, share: Share) -> TipState:
         """Return the converged state at the step's end."""
-        coefficient = next((share.cone.static for share in shares if share.cone), 0.0)
+        coefficient = (share.cone or FRICTIONLESS).static
 
         def solved(before: TipState, _start: Drive, end: Drive, _share: float) -> TipState:
             after = advance(self.tips, before, end, coefficient)

@@ -18,6 +18,7 @@ from pydantic import Field
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import (
+    FRICTIONLESS,
     MASS,
     MOVING,
     RATE,
@@ -28,8 +29,6 @@ from skincad.effects.kinds import (
     Share,
     Step,
     Term,
-    friction_of,
-    swing_of,
 )
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.frictional import halved, solve_contact
@@ -121,19 +120,18 @@ class CondensedPad:
         """The unloaded state."""
         return at_rest(self.pad.gap.size)
 
-    def advanced(self, state: ContactState, step: Step, shares: Sequence[Share]) -> ContactState:
+    def advanced(self, state: ContactState, step: Step, share: Share) -> ContactState:
         """Return the converged state at the step's end."""
-        if any(share.more for share in shares):
+        if share.more:
             raise RefusedError("small_strain is quasi-static: it takes no share but friction's")
-        cone = friction_of(shares)
-        relief = next((share.relief for share in shares if share.relief), None)
-        lower = 0.0 if relief is None else relief(self.pad.x + state.anchor)
+        cone = share.cone or FRICTIONLESS
+        lower = None if share.relief is None else share.relief(self.pad.x + state.anchor)
 
         def seen(drive: Drive) -> Compliance:
             skin = turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
-            return skin if relief is None else replace(skin, gap=skin.gap + lower)
+            return skin if lower is None else replace(skin, gap=skin.gap + lower)
 
-        if swing := swing_of(shares):
+        if swing := share.swing:
             return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone, swing.inert)
         return halved(seen, state, step.before, step.after, cone)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from skincad.base.arrays import Array, Index
 from skincad.base.interrupt import safe_point
-from skincad.effects.kinds import MarchedPad, Observables, Step, Term
+from skincad.effects.kinds import MarchedPad, Observables, Step, Term, share_of
 from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits
@@ -118,7 +118,7 @@ def march(
             step = Step(float(times[i - 1]), float(times[i]), drives[i - 1], drives[i], mass)
             wrong = ""
             try:
-                after = pad.advanced(path.state, step, [term.share(step) for term in terms])
+                after = pad.advanced(path.state, step, share_of(terms, step))
                 wrong = path.refused(after)
             except GrossSlip as end:
                 stopped, wrong = GROSS_SLIP, path.refused(end.last)

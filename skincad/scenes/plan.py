@@ -23,8 +23,7 @@ from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.effects import EFFECTS, effect
-from skincad.effects.kinds import RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline, Step
-from skincad.mechanics.contact.state import Drive
+from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
 from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
 from skincad.scenes.runs import (
@@ -252,7 +251,8 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
-    outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, _friction(scene))
+    static = (scene.cone or FRICTIONLESS).static
+    outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, static)
     there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
     unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in there]
     entries = [
@@ -276,13 +276,6 @@ def path_of(march: March) -> PlatePath:
         slips=_slipping(march, normal_loads.shape[1]),
         felt=films[:, ::2] - films[:, 1::2],
     )
-
-
-def _friction(scene: Scene) -> float:
-    """The coefficient of static friction, at small pressures where it depends on pressure; 0 without any."""
-    still = Drive(0.0)
-    cones = (term.share(Step(0.0, 1.0, still, still)).cone for term in scene.terms)
-    return next((cone.static for cone in cones if cone), 0.0)
 
 
 def _slipping(march: March, ridges: int) -> Array:

@@ -17,10 +17,10 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
-from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term
+from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term, share_of
 from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
 from skincad.inputs.design import Design
-from skincad.mechanics.contact.state import Drive
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.shape.skin import skin_of
 
 MOST_FRAMES = 60  # of an animation of less than 2 MB
@@ -294,6 +294,12 @@ class Scene(Document):
         return frozenset[str]().union(*(term.asks for term in self.terms))
 
     @property
+    def cone(self) -> FrictionCoefficients | None:
+        """What friction bears, the same at every step; None without any."""
+        still = Drive(0.0)
+        return share_of(self.terms, Step(0.0, 1.0, still, still)).cone
+
+    @property
     def moving(self) -> frozenset[str]:
         """What of it no quasi-static pad knows."""
         return self.asked & MOVING
@@ -407,11 +413,10 @@ def _check_family(scene: Scene) -> None:
     for name in scene.effects:
         if name not in PIN_EFFECTS:
             raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
-    for term in scene.terms:
-        cone = term.share(Step(0.0, 1.0, Drive(0.0), Drive(0.0))).cone
-        if cone and (cone.breakpoints or cone.kinetic != cone.static):
-            rule = "must be Coulomb's with one coefficient for pins"
-            raise InputError("effects.friction", rule, remedy="give coefficient alone")
+    cone = scene.cone
+    if cone and (cone.breakpoints or cone.kinetic != cone.static):
+        rule = "must be Coulomb's with one coefficient for pins"
+        raise InputError("effects.friction", rule, remedy="give coefficient alone")
     asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
     asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
     for key, is_set in asked.items():

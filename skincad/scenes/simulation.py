@@ -17,8 +17,8 @@ from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
-from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath, Step
-from skincad.mechanics.contact.state import Drive, FrictionCoefficients
+from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath
+from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.detector import report
@@ -465,9 +465,7 @@ def at_level(scene: Scene, level: Level, tick: Tick | None = None) -> Simulation
 
 def friction_cone(scene: Scene) -> FrictionCoefficients:
     """Return what friction bears; without any no ridge bears a pull, so that any cone does."""
-    still = Drive(0.0)
-    shares = (term.share(Step(0.0, 1.0, still, still, scene.plate.mass or 0.0)) for term in scene.terms)
-    return next((share.cone for share in shares if share.cone), FrictionCoefficients(1.0, 1.0))
+    return scene.cone or FrictionCoefficients(1.0, 1.0)
 
 
 def _change(left_out: list[LeftOutEffect]) -> float:

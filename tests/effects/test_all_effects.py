@@ -24,6 +24,7 @@ from skincad.effects import (
     Step,
     Term,
     effect,
+    share_of,
 )
 from skincad.effects.moving import MovingPad, matter_of
 from skincad.mechanics import (
@@ -92,7 +93,7 @@ def step(before: Drive, after: Drive, index: int) -> Step:
 
 def advanced(skin: Any, terms: list[Term], state: Any, before: Drive, after: Drive, index: int) -> Any:
     now = step(before, after, index)
-    return skin.advanced(state, now, [term.share(now) for term in terms])
+    return skin.advanced(state, now, share_of(terms, now))
 
 
 def contact(state: Any) -> Any:
@@ -127,7 +128,7 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
     now = step(Drive(0.0), Drive(0.0), 1)
     inertia = 0.0
     if isinstance(skin, MovingPad):
-        matter = matter_of(now, [term.share(now) for term in terms])
+        matter = matter_of(now, share_of(terms, now))
         ops = skin.pad.factorised(DT, matter)
         compliance = ops.skin.compliance
         if MASS in terms[-1].asks:

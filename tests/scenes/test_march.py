@@ -62,10 +62,10 @@ def test_a_march_tells_the_hardest_that_a_ridge_was_pressed() -> None:
 
 
 class _Failing(CondensedPad):
-    def advanced(self, state: ContactState, step: Step, shares: Any) -> ContactState:
+    def advanced(self, state: ContactState, step: Step, share: Share) -> ContactState:
         if step.end > 0.6:
             raise self.failure
-        return super().advanced(state, step, shares)
+        return super().advanced(state, step, share)
 
 
 @pytest.mark.parametrize("failure", [ContactError("the sets do not settle"), KeyboardInterrupt()])

@@ -279,7 +279,7 @@ def marched(
 ) -> list[mech.ContactState]:
     states = [model.start()]
     for before, after in pairwise(drives):
-        states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), [Share(cone)]))
+        states.append(model.advanced(states[-1], Step(0.0, 1.0, before, after), Share(cone)))
     return states
 
 
