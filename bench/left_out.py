@@ -148,7 +148,7 @@ def both(scene: Scene) -> tuple[Forces, Forces]:
 
 def _forces(pad: Any, times: Array, drives: list[Drive], scene: Scene) -> Forces:
     run = march(pad, times, drives, scene.terms, keep=range(len(drives)))
-    grips = [pad.grip(run.states[i]) for i in range(len(run.readings))]
+    grips = [run.states[i].contact for i in range(len(run.readings))]
     first, count = int(run.ridge.min()), int(np.ptp(run.ridge)) + 1
     normal, across = (
         np.array([np.bincount(run.ridge - first, force, count) for force in forces])

@@ -154,10 +154,6 @@ class ChosenPad:
                 return self._equilibrium(state, step.before, step.after, cone)
         return self._linear_or_chosen(state, step.before, step.after, cone, share.swing)
 
-    def grip(self, state: ChosenState) -> ContactState:
-        """Return the contact of a state."""
-        return state.contact
-
     def fault(self, state: ChosenState) -> str | None:  # noqa: ARG002
         """None: a chosen step that is not sound is not taken, or ends the march where each is one."""
         return None

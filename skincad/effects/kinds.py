@@ -235,7 +235,8 @@ class RidgePath:
 
 
 class MarchedPad(Protocol):
-    """A meshed pad that is advanced through a scene; its states are its own and never changed."""
+    """A meshed pad that is advanced through a scene. Its states are its own and never changed; each has its
+    `contact`, a ContactState."""
 
     @property
     def ridge(self) -> Index:
@@ -260,9 +261,6 @@ class MarchedPad(Protocol):
 
     def reading(self, before: Any, state: Any) -> Observables:
         """Return the observables of a state that a step led to from `before`."""
-
-    def grip(self, state: Any) -> ContactState:
-        """Return the contact of a state."""
 
     def fault(self, state: Any) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; None too where `advanced` says so

@@ -17,7 +17,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.effects.kinds import MarchedPad, Observables, SectionPad, Share, Step
 from skincad.effects.small_strain import CondensedPad
-from skincad.mechanics.contact.state import ContactState, Drive, GrossSlip, Swing
+from skincad.mechanics.contact.state import Drive, GrossSlip, Swing
 from skincad.mechanics.dynamics.modes import Modes, ModeStep, mode_step
 from skincad.mechanics.dynamics.steps import (
     Matter,
@@ -71,7 +71,7 @@ class ModalPad:
         """The unloaded state, at rest."""
         still = self.still.start()
         return ModalState(
-            contact=self.still.grip(still),
+            contact=still.contact,
             plate=np.zeros((3, 2)),
             drive=Drive(0.0, 0.0),
             matter=Matter(DAMPED, self.mass),
@@ -96,7 +96,7 @@ class ModalPad:
         swing = Swing(method.compliance, points @ free[:, 0], pushing, inert, np.float64(dt).tobytes())
 
         def after(still: Any) -> ModalState:
-            contact = self.still.grip(still)
+            contact = still.contact
             swings = free + method.after * (points.T @ contact.force)[:, None]
             slow, fast = state.swings[:, 1], swings[:, 1]
             viscous = float(self.modes.damping @ (slow**2 + slow * fast + fast**2)) * dt / 3
@@ -112,10 +112,6 @@ class ModalPad:
         """How far modes are from where the contact's forces would hold them `(r,)`."""
         held = self.modes.points.T @ state.contact.force / self.modes.frequency**2
         return np.asarray(state.swings[:, 0] - held)
-
-    def grip(self, state: ModalState) -> ContactState:
-        """Return the contact of a state."""
-        return state.contact
 
     def fault(self, state: ModalState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None. It is known on the mesh of the

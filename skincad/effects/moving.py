@@ -10,7 +10,6 @@ import numpy as np
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import FRICTIONLESS, Observables, Share, Step
-from skincad.mechanics.contact.state import ContactState
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
 if TYPE_CHECKING:
@@ -54,10 +53,6 @@ class MovingPad:
             raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
         start, length = replace(state, drive=step.before), step.end - step.start
         return self.pad.step(start, step.after, length, share.cone or FRICTIONLESS, matter_of(step, share))
-
-    def grip(self, state: DynamicState) -> ContactState:
-        """Return the contact of a state."""
-        return state.contact
 
     def fault(self, state: DynamicState) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing

@@ -100,10 +100,6 @@ class PinPad:
         """Return the observables of a state."""
         return Observables.of(state, np.zeros((0, 3)), state.elastic, state.dissipated)
 
-    def grip(self, state: TipState) -> TipState:
-        """Return the contact of a state, which is all of it."""
-        return state
-
     def fault(self, state: TipState) -> str | None:  # noqa: ARG002
         """None: pins have no mesh that could collide."""
         return None

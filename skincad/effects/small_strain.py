@@ -139,10 +139,6 @@ class CondensedPad:
         """Return the whole section in a state."""
         return self._whole.deformed_section(*self._placed(state))
 
-    def grip(self, state: ContactState) -> ContactState:
-        """Return the contact of a state, which is all of it."""
-        return state
-
     def fault(self, state: ContactState, besides: Sequence[Array] = ()) -> str | None:
         """Return what of the skin would collide unseen in a state, or None; of a pad without a mesh nothing
         is known to. `besides` are displacements that no force holds, by parity, mm."""

@@ -172,7 +172,7 @@ class _Path:
         self.thrice = np.concatenate([pad.ridge, count + pad.ridge, 2 * count + pad.ridge])
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
-        self.loads = [self._of_ridges(pad.grip(self.state))]
+        self.loads = [self._of_ridges(self.state.contact)]
         self.kept = {0: self.state} if 0 in keep else {}
         self.careful = False
         self.hardest, self.unseen = [0.0] * 3, dict[int, Any]()
@@ -185,7 +185,7 @@ class _Path:
 
     def refused(self, state: Any) -> str:
         """Accept a state, or return why it is beyond the limits."""
-        contact = self.pad.grip(state)
+        contact = state.contact
         of_ridges = self._of_ridges(contact)
         down, tangential, _ = of_ridges
         loads = tuple(map(float, (down.max(), tangential.max(), -tangential.min())))

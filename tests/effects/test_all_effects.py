@@ -96,10 +96,6 @@ def advanced(skin: Any, terms: list[Term], state: Any, before: Drive, after: Dri
     return skin.advanced(state, now, share_of(terms, now))
 
 
-def contact(state: Any) -> Any:
-    return getattr(state, "contact", state)
-
-
 @cache
 def pressed(name: str, case: int) -> tuple[Any, Drive]:
     """A state of a case that is pressed by 0.8 N."""
@@ -135,7 +131,7 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
             inertia = 1e-6 * matter.plate * ops.scheme.force
     else:
         compliance = skin.skin.compliance
-    contact_state = contact(state)
+    contact_state = state.contact
     m = contact_state.status.size
     closed, stuck = (
         np.flatnonzero(contact_state.status != OPEN),
@@ -166,12 +162,12 @@ def test_tangent_against_finite_differences(name: str, table: dict[str, Any], tr
     skin, terms = built(name, table)
     state, before = moved(name, table, travel)
     ahead, last = replace(before, travel=(before.travel or 0.0) + travel / ALONG), DOWN + ALONG + 1
-    here = contact(advanced(skin, terms, state, before, ahead, last))
+    here = advanced(skin, terms, state, before, ahead, last).contact
     small = 1e-7 * travel
 
     def pull(shift: float) -> tuple[float, Any]:
         further = replace(ahead, travel=(ahead.travel or 0.0) + shift)
-        contact_state = contact(advanced(skin, terms, state, before, further, last))
+        contact_state = advanced(skin, terms, state, before, further, last).contact
         return float(contact_state.tangential.sum()), contact_state.status
 
     (more, one), (less, other) = pull(small), pull(-small)

@@ -131,7 +131,7 @@ def test_finite_strain_slips_by_area() -> None:
     pad = scene.law.marched(replace(piece()[0]), piece()[1], 2, False, scene.terms)
     state = march(pad, scene.history.times, scene.history.drives(), scene.terms, keep=[8])
     assert state.stopped is None
-    contact_state = pad.grip(state.states[8])
+    contact_state = state.states[8].contact
     assert contact_state.slips[contact_state.touches].all()
     most = 0.05 * pad.pad.area
     borne = np.minimum(contact_state.normal, most)

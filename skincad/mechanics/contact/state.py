@@ -10,7 +10,7 @@ lines the equations of a step stay linear, and the lines are one more set to be 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,6 +144,11 @@ class ContactState:
     residual: float
     gross: bool = False  # all that touches slips, the last point having just begun
     angle: float = 0.0  # of the plate, rad
+
+    @property
+    def contact(self) -> Self:
+        """The state itself, of a pad whose states are its contact."""
+        return self
 
     @property
     def slips(self) -> Mask:
