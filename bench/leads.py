@@ -164,8 +164,8 @@ def modal_pads(scene: Scene, piece: PadPiece, meshes: Any) -> list[ModalPad]:
     for order in ORDERS:
         still = SmallStrain().marched(piece, meshes, order, True, scene.terms)
         assert isinstance(still, CondensedPad)
-        modes = modes or slow_modes(piece, meshes, order, True, still.x, still.ridge)
-        here = resolved(at_points(modes, still.x, still.ridge), still.compliance, step)
+        modes = modes or slow_modes(piece, meshes, order, True, still.pad.x, still.pad.ridge)
+        here = resolved(at_points(modes, still.pad.x, still.pad.ridge), still.compliance, step)
         here = here if pads else here.coarser
         pads.append(ModalPad(still, here, scene.plate.mass or 0.0))
     return pads

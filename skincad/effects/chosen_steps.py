@@ -20,10 +20,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
-from skincad.effects.kinds import FRICTIONLESS, Drift, Observables, Share, Step
+from skincad.effects.kinds import FRICTIONLESS, Discretisation, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
 from skincad.mechanics.contact.folding import undetected_contact
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
@@ -109,24 +109,9 @@ class ChosenPad:
     interval: float | None
 
     @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-        return self.pad.ridge
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2, undeformed."""
-        return self.pad.area
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return self.pad.rest.unknowns
-
-    @property
-    def x(self) -> Array:
-        """Where the contact points are `(m,)`, mm, undeformed."""
-        return self.pad.x
+    def discretisation(self) -> Discretisation:
+        """Its contact points and unknowns."""
+        return Discretisation(self.pad.ridge, self.pad.area, self.pad.rest.unknowns)
 
     @property
     def compliance(self) -> Array:

@@ -234,21 +234,22 @@ class RidgePath:
     slips: Mask
 
 
+class Discretisation(NamedTuple):
+    """Of each contact point of a pad its `ridge` `(m,)` and the `area` `(m,)` that it stands for, mm2,
+    undeformed; and the number of the pad's free `unknowns`."""
+
+    ridge: Index
+    area: Array
+    unknowns: int
+
+
 class MarchedPad(Protocol):
     """A meshed pad that is advanced through a scene. Its states are its own and never changed; each has its
     `contact`, a ContactState."""
 
     @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2."""
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
+    def discretisation(self) -> Discretisation:
+        """Its contact points and unknowns."""
 
     def start(self) -> Any:
         """The unloaded state."""

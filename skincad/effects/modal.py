@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index
-from skincad.effects.kinds import MarchedPad, Observables, SectionPad, Share, Step
+from skincad.base.arrays import Array
+from skincad.effects.kinds import Discretisation, MarchedPad, Observables, SectionPad, Share, Step
 from skincad.effects.small_strain import CondensedPad
 from skincad.mechanics.contact.state import Drive, GrossSlip, Swing
 from skincad.mechanics.dynamics.modes import Modes, ModeStep, mode_step
@@ -53,19 +53,9 @@ class ModalPad:
     prepared: dict[float, ModeStep] = field(default_factory=dict)
 
     @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-        return self.still.ridge
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2."""
-        return self.still.area
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return self.still.unknowns
+    def discretisation(self) -> Discretisation:
+        """That of the pad without masses."""
+        return self.still.discretisation
 
     def start(self) -> ModalState:
         """The unloaded state, at rest."""

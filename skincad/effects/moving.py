@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
-from skincad.effects.kinds import FRICTIONLESS, Observables, Share, Step
+from skincad.effects.kinds import FRICTIONLESS, Discretisation, Observables, Share, Step
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
 if TYPE_CHECKING:
@@ -29,19 +28,9 @@ class MovingPad:
     piece: PadPiece | None = None
 
     @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-        return self.pad.ridge
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2."""
-        return self.pad.area
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return self.pad.unknowns
+    def discretisation(self) -> Discretisation:
+        """Its contact points and unknowns."""
+        return Discretisation(self.pad.ridge, self.pad.area, self.pad.unknowns)
 
     def start(self) -> DynamicState:
         """The unloaded state, at rest."""

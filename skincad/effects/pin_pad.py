@@ -15,9 +15,17 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from skincad.base.arrays import Array, Index
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.effects.kinds import FRICTIONLESS, LeftOutEffect, Observables, PlatePath, Share, Step
+from skincad.effects.kinds import (
+    FRICTIONLESS,
+    Discretisation,
+    LeftOutEffect,
+    Observables,
+    PlatePath,
+    Share,
+    Step,
+)
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.frictional import in_halves, joined
@@ -52,14 +60,10 @@ class PinPad:
     area: Array
 
     @property
-    def ridge(self) -> Index:
-        """Number of each pin `(n,)`."""
-        return np.arange(1, self.height.size + 1)
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return 3 * self.height.size + 2
+    def discretisation(self) -> Discretisation:
+        """The tips, each by its pin's number, and the unknowns."""
+        count = self.height.size
+        return Discretisation(np.arange(1, count + 1), self.area, 3 * count + 2)
 
     def start(self) -> TipState:
         """The unloaded state."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from skincad.base.arrays import Array, Index
+from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.effects.kinds import (
     FRICTIONLESS,
@@ -23,6 +23,7 @@ from skincad.effects.kinds import (
     MOVING,
     RATE,
     RELIEF,
+    Discretisation,
     Law,
     MarchedPad,
     Observables,
@@ -92,24 +93,9 @@ class CondensedPad:
         return Compliance(pad.compliance, pad.gap, np.zeros(2 * pad.gap.size), area=pad.area)
 
     @property
-    def ridge(self) -> Index:
-        """Ridge of each contact point `(m,)`."""
-        return self.pad.ridge
-
-    @property
-    def area(self) -> Array:
-        """What each contact point stands for `(m,)`, mm2."""
-        return self.pad.area
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns."""
-        return self.pad.unknowns
-
-    @property
-    def x(self) -> Array:
-        """Where the contact points are `(m,)`, mm."""
-        return self.pad.x
+    def discretisation(self) -> Discretisation:
+        """Its contact points and unknowns."""
+        return Discretisation(self.pad.ridge, self.pad.area, self.pad.unknowns)
 
     @property
     def compliance(self) -> Array:

@@ -144,12 +144,12 @@ def march(
         if path.collision():
             path.back()
     times_done, states = np.asarray(times[: len(path.readings)]), path.states
-    spent, loads, ridge = perf_counter() - began, np.array(path.loads), pad.ridge
+    spent, loads = perf_counter() - began, np.array(path.loads)
     return March(
         time=times_done,
         readings=tuple(path.readings),
-        ridge=ridge,
-        unknowns=pad.unknowns,
+        ridge=pad.discretisation.ridge,
+        unknowns=pad.discretisation.unknowns,
         stopped=stopped,
         failed=failed,
         seconds={"march": spent},
@@ -168,8 +168,9 @@ class _Path:
 
     def __init__(self, pad: MarchedPad, limits: Limits, keep: Collection[int]) -> None:
         self.pad, self.limits, self.keep = pad, limits, keep
-        self.area, count = pad.area, 1 + int(pad.ridge.max())
-        self.thrice = np.concatenate([pad.ridge, count + pad.ridge, 2 * count + pad.ridge])
+        ridge, self.area, _ = pad.discretisation
+        count = 1 + int(ridge.max())
+        self.thrice = np.concatenate([ridge, count + ridge, 2 * count + ridge])
         self.state = pad.start()
         self.readings = [pad.reading(self.state, self.state)]
         self.loads = [self._of_ridges(self.state.contact)]

@@ -258,10 +258,10 @@ def _with_masses(pad: MarchedPad, on: MarchSetup, mesh: object, level: Level, fi
 
     assert isinstance(pad, CondensedPad | ChosenPad)
     assert on.piece is not None
-    step = longest_step(on.scene.history.times)
+    step, points = longest_step(on.scene.history.times), pad.pad
     if not on.modes:
-        on.modes.append(slow_modes(on.piece, mesh, level.order, films, pad.x, pad.ridge, step))
-    modes = at_points(on.modes[0], pad.x, pad.ridge)
+        on.modes.append(slow_modes(on.piece, mesh, level.order, films, points.x, points.ridge, step))
+    modes = at_points(on.modes[0], points.x, points.ridge)
     slow = resolved(modes, pad.compliance, step)
     # what the first differs from the next mesh by counts these modes too
     first = level == LEVELS[0] and not on.model

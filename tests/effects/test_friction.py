@@ -141,7 +141,7 @@ def test_finite_strain_slips_by_area() -> None:
 
 def test_every_kind_of_pad_has_the_same_area() -> None:
     """Two ridges' arcs, some 0.55 mm each, times 12 mm of length; 1e-9: halved or not, the same mesh."""
-    crowns = [pad.area.sum() for pad, _ in pads().values()]
+    crowns = [pad.discretisation.area.sum() for pad, _ in pads().values()]
     assert crowns == pytest.approx(3 * [crowns[0]], rel=1e-9)
     assert crowns[0] == pytest.approx(2 * 0.55 * piece()[0].whole.length, rel=0.02)
 

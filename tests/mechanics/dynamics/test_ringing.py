@@ -47,14 +47,14 @@ def parts(order: int = ORDER) -> tuple:  # type: ignore[type-arg]
 @cache
 def modes() -> mech.Modes:
     piece, mesh, pad = parts()
-    return mech.slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge)
+    return mech.slow_modes(piece, mesh, ORDER, True, pad.pad.x, pad.pad.ridge)
 
 
 def test_they_are_a_part_of_the_static_compliance() -> None:
     """What is left of it is positive definite, on other points too; of a shear of all points the slow modes
     are nearly all. The slowest swings about as a layer: a skin of finite width, and ridges on it, within 20 %
     of a quarter wave's period, measured 8 %."""
-    pad, fine = parts()[2], parts(3)[2]
+    pad, fine = parts()[2].pad, parts(3)[2].pad
     slow, whole = modes(), parts()[2].compliance
     assert np.linalg.eigvalsh(whole - slow.compliance).min() > 0
     m = pad.x.size
@@ -78,7 +78,7 @@ def test_long_steps_resolve_fewer() -> None:
 
 def test_what_a_step_cannot_advance_is_not_looked_for() -> None:
     piece, mesh, pad = parts()
-    fewer = mech.slow_modes(piece, mesh, ORDER, True, pad.x, pad.ridge, 3e-4)
+    fewer = mech.slow_modes(piece, mesh, ORDER, True, pad.pad.x, pad.pad.ridge, 3e-4)
     assert 0 < fewer.frequency.size < modes().frequency.size
     some, every = (mech.resolved(of, pad.compliance, 3e-4) for of in (fewer, modes()))
     assert some.frequency == pytest.approx(every.frequency, rel=1e-6)  # the eigenvalues' tolerance
