@@ -84,7 +84,7 @@ ModelOption = Annotated[
     typer.Option(
         "--model",
         "--tier",
-        help="winkler, linear, corrected, finite-strain, corrected-finite-strain, solid, "
+        help="winkler, reduced, linear, corrected, finite-strain, corrected-finite-strain, solid, "
         "solid-finite-strain; auto: the cheapest that meets --tol or settles the verdict.",
     ),
 ]
