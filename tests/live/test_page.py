@@ -42,10 +42,12 @@ def told(page: Page) -> dict[str, object]:
 
 
 def without_times(answer: dict[str, object]) -> dict[str, object]:
-    rest = json.loads(json.dumps(answer))
-    for key in ("seconds", "cause", "changes", "climbed", "next_tier"):  # times, and advice
-        rest.pop(key)
-    return rest
+    """An answer without times, and without the advice that the page had time for."""
+    rest = json.loads(re.sub(r"about [\d.]+ (s|min)", "about TIME", json.dumps(answer)))
+    advice = "cause", "changes", "changes_notes", "changes_searched"
+    return {
+        key: value for key, value in rest.items() if key not in ("seconds", "climbed", "next_tier", *advice)
+    }
 
 
 def only_here(seen: Looking) -> bool:
