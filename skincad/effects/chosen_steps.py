@@ -19,15 +19,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import linalg
 
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import FRICTIONLESS, Discretisation, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
-from skincad.mechanics.contact.folding import undetected_contact
+from skincad.mechanics.contact.folding import CREASES, fold_of, pinch_of, undetected_contact
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
 from skincad.mechanics.contact.frictional_pad import (
+    ITERATIONS,
     FrictionalPad,
     FrictionalState,
     Tangential,
@@ -37,6 +39,7 @@ from skincad.mechanics.contact.frictional_pad import (
     newton,
     unloaded,
 )
+from skincad.mechanics.contact.relaxation import relaxed
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
@@ -54,16 +57,23 @@ UPDATE_INTERVAL = 1 / 12
 # the last one's error (in 95 % of 40 slips: the first 8 scenes of bench/leads.py's seed 1, and
 # yamada-2002-slip at friction 0.4)
 STICKING_FACTOR = 2.0
+# Iterations of a chosen step up to which the next stride is twice as long, up to a whole; after more, and
+# where a tip's corner is about to fold, it is SHORT
+EASY, SHORT = 12, 1 / 2
+MOST_ITERATIONS = 20  # of a chosen step; then there is no equilibrium nearby
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
-MAX_HALVINGS = 5  # of a step, where each is a chosen one
+MAX_HALVINGS = 2  # of a step, where each is a chosen one
+SMALLEST_PART = 1 / 2**MAX_HALVINGS  # of a step; in that it comes to rest somewhere
 
 
 @dataclass(frozen=True, eq=False)
 class FrozenTangent:
     """The tangent kept from a chosen step on: the pad as the plate sees it, `skin`; in that step the contact
     points' forces and places `(2 m,)`, N and mm, the state, and the strips' `films` with their change
-    `per_force`. `correction` `(2 m,)` mm and `film_correction` are added gradually; `drift` is the error of
-    the tangent before; `cut` says why no later step could be chosen, at the forces `at`, N."""
+    `per_force`, found `age` update intervals ago. `correction` `(2 m,)` mm and `film_correction` are added
+    over the next `stride`, in update intervals; `steady` is the compliance and the change of stresses of the
+    last one of which no corner is about to snap; `drift` is the error of the tangent before; `cut` says why
+    no later step could be chosen, at the forces `at`, N."""
 
     skin: Compliance
     force: Array
@@ -75,6 +85,9 @@ class FrozenTangent:
     correction: Array
     film_correction: Array
     drift: Drift
+    stride: float
+    steady: tuple[Array, Array]
+    age: float = 0.0
     cut: str = ""
     at: tuple[float, float] = (np.inf, np.inf)
 
@@ -98,14 +111,14 @@ class ChosenState:
 
 @dataclass(frozen=True, eq=False)
 class ChosenPad:
-    """A pad at finite strain with its `strips`, None where they are not read, and its `modulus` MPa; `folds`
-    says whether its surface may fold, `interval` mm how far a point moves between two chosen steps, None
-    where each step is one."""
+    """A pad at finite strain with its `strips`, None where they are not read, and its `modulus` MPa. Its
+    surface may go `through` itself by so many mm; None: it must not fold. `interval` mm is how far a point
+    moves between two chosen steps, None where each step is one."""
 
     pad: FrictionalPad
     strips: StripStress | None
     modulus: float
-    folds: bool
+    through: float | None
     interval: float | None
 
     @property
@@ -146,7 +159,9 @@ class ChosenPad:
     def reading(self, before: ChosenState, state: ChosenState) -> Observables:  # noqa: ARG002
         """Return the observables of a state."""
         drift = self.drift(state) if self.interval else None
-        return Observables.of(state.contact, state.films, state.elastic, state.dissipated, drift=drift)
+        fold = fold_of(self.pad, state.tangent.state) if state.chosen and self.through is not None else None
+        read = state.contact, state.films, state.elastic, state.dissipated
+        return Observables.of(*read, drift=drift, fold=fold)
 
     def drift(self, state: ChosenState) -> Drift:
         """Return the linear pad's error at a state, of second order in the distance moved.
@@ -168,7 +183,7 @@ class ChosenPad:
         itself or the plate, or whose surface folds."""
         try:
             after = in_halves(
-                lambda before, start, end, _: self._nearest(before, start, end, cone),
+                lambda before, start, end, share: self._nearest(before, start, end, cone, share),
                 before,
                 start,
                 end,
@@ -182,15 +197,10 @@ class ChosenPad:
         return after
 
     def _nearest(
-        self, before: ChosenState, start: Drive, end: Drive, cone: FrictionCoefficients
+        self, before: ChosenState, start: Drive, end: Drive, cone: FrictionCoefficients, share: float
     ) -> ChosenState:
-        """The equilibrium near where the last tangent leads, or else near the state before."""
-
-        def of(state: FrictionalState) -> ChosenState:
-            tangent = self._tangent(state)
-            stored = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
-            return ChosenState(state.contact, tangent.place, tangent.films, stored, state.dissipated, tangent)
-
+        """The equilibrium near where the last tangent leads, or else near the state before; at the end of
+        the smallest `share` of a step the one that it comes to rest in."""
         try:
             guess = self._guess(self._linear_state(before, start, end, cone))
         except ContactError:
@@ -198,14 +208,23 @@ class ChosenPad:
         for place in (None,) if guess is None else (guess, None):
             if place is None:
                 self.pad.tangents.clear()
+            rests = place is None and share <= SMALLEST_PART
             try:
-                return of(self._newton(before, end, cone, place))
+                return self._at(
+                    self._newton(before, end, cone, place, before.tangent.state.values if rests else None)
+                )
             except GrossSlip as limit:
-                limit.last = of(limit.last)
+                limit.last = self._at(limit.last)
                 raise
             except ContactError as refusal:
                 failure = refusal
         raise failure
+
+    def _at(self, state: FrictionalState) -> ChosenState:
+        """The state at an equilibrium, with what is stored by the body's own energy."""
+        tangent = self._tangent(state)
+        stored = self.pad.body.energy(state.values) * self.pad.scale * self.pad.unit
+        return ChosenState(state.contact, tangent.place, tangent.films, stored, state.dissipated, tangent)
 
     def _newton(
         self,
@@ -213,18 +232,28 @@ class ChosenPad:
         end: Drive,
         cone: FrictionCoefficients,
         guess: Array | None,
+        rests: Array | None = None,
         swing: Swing | None = None,
     ) -> FrictionalState:
-        """The equilibrium under a drive, and the pad's latest tangent near it."""
+        """The equilibrium under a drive near `guess`, or the one in which the pad comes to rest that is
+        `rests`, unless that is None; and the pad's latest tangent near it."""
         start = FrictionalState(before.tangent.state.values, before.contact)
-        state = newton(self.pad, start, end, cone, guess, swing)
+        try:
+            steps = ITERATIONS if self.interval is None else MOST_ITERATIONS
+            state = newton(self.pad, start, end, cone, guess, swing, steps=steps)
+        except GrossSlip:
+            raise
+        except ContactError:
+            if rests is None:
+                raise
+            state = relaxed(self.pad, replace(start, values=rests), end, cone, swing)
         if not self.pad.tangents:  # a plate that is lifted asks for none
             linearised(self.pad, state.values, self.pad.body.residual(state.values))
         return state
 
     def _check(self, state: FrictionalState, sunk: Array | None = None) -> None:
         """Raise ContactError for a state that is not sound; `sunk` as in `undetected_contact`."""
-        if wrong := undetected_contact(self.pad, state, not self.folds, sunk):
+        if wrong := undetected_contact(self.pad, state, self.through is None, sunk, self.through or 0.0):
             raise ContactError(wrong)
 
     def _linear_or_chosen(
@@ -237,28 +266,61 @@ class ChosenPad:
     ) -> ChosenState:
         """The state at a step's end by the last tangent, with a new one where a point has moved far enough
         and there is an equilibrium."""
-        after = self._linear_state(before, start, end, cone, swing)
-        forces = end.normal, abs(float(after.contact.tangential.sum()))
-        if after.distance < 1.0 or not self._worth_retrying(after.tangent, forces):
-            return after
-        guess = self._guess(after)
+        pull = before.contact.tangential.sum() if end.tangential is None else end.tangential
+        after, forces = None, (end.normal, float(abs(pull)))
+        try:
+            after = self._linear_state(before, start, end, cone, swing)
+            if after.distance < after.tangent.stride or not self._worth_retrying(after.tangent, forces):
+                return after
+        except GrossSlip:
+            raise
+        except ContactError:  # about that state there is none under these forces
+            if not self._worth_retrying(before.tangent, forces):
+                return self._linear_state(self._steady(before), start, end, cone, swing)
+        guess = self._guess(before if after is None else after)
         self.pad.tangents.clear()  # of the step before, a stride away: the next is to be this step's own
         try:
-            state = self._newton(replace(after, contact=before.contact), end, cone, guess, swing)
+            state = self._newton(before, end, cone, guess, swing=swing)
             self._check(state, None if swing is None else swing.sunk(state.contact.force))
-            return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
         except GrossSlip as limit:
-            limit.last = replace(after, contact=limit.last.contact)
+            if after is None:
+                limit.last = self._at(limit.last)
+            else:
+                limit.last = replace(after, contact=limit.last.contact)
             raise
         except ContactError as failure:
+            if after is None:
+                cut = replace(before.tangent, cut=str(failure), at=forces)
+                return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
             return replace(after, tangent=replace(after.tangent, cut=str(failure), at=forces))
+        if after is None:
+            found = self._at(state)
+            return replace(found, tangent=replace(found.tangent, stride=SHORT))
+        return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
+
+    def _steady(self, state: ChosenState) -> ChosenState:
+        """A state with the compliance of the last tangent of which no corner would snap, for steps in which
+        its own has no contact."""
+        tangent, force = state.tangent, state.contact.force
+        compliance, per_force = tangent.steady
+        skin = Compliance(compliance, self.pad.gap, state.place - compliance @ force, {}, self.pad.area)
+        steady = replace(
+            tangent,
+            skin=skin,
+            force=force,
+            films=state.films,
+            per_force=per_force,
+            correction=np.zeros_like(state.place),
+            film_correction=np.zeros_like(state.films),
+        )
+        return replace(state, tangent=steady)
 
     @staticmethod
     def _worth_retrying(tangent: FrozenTangent, forces: tuple[float, float]) -> bool:
         """Whether an equilibrium is to be looked for, after it was not found under larger forces."""
         normal, pull = forces
         return not tangent.cut or (
-            normal < RETRY_SHARE * tangent.at[0] and pull < RETRY_SHARE * tangent.at[1]
+            normal <= RETRY_SHARE * tangent.at[0] and pull <= RETRY_SHARE * tangent.at[1]
         )
 
     def _linear_state(
@@ -270,7 +332,8 @@ class ChosenPad:
         swing: Swing | None = None,
     ) -> ChosenState:
         """The state at a step's end while the tangent stays; a part of the correction is still added."""
-        tangent, share = before.tangent, 1 - min(1.0, before.distance)
+        tangent = before.tangent
+        share = 1 - min(1.0, before.distance / tangent.stride)
         skin = replace(tangent.skin, free=tangent.skin.free + share * tangent.correction)
 
         def of(contact: ContactState) -> ChosenState:
@@ -302,16 +365,23 @@ class ChosenPad:
         skin = Compliance(
             linear.compliance, pad.gap, place - linear.compliance @ force, linear.solved, pad.area
         )
-        films, per_force = self._films(state.values, linear)
+        old = after.tangent if after is not None else None
+        reused = old is not None and old.stride < 1.0 and old.age + old.stride < 1.0
+        films, per_force = self._films(state.values, linear, old.per_force if old and reused else None)
         correction, film_correction = np.zeros_like(place), np.zeros_like(films)
-        drift = Drift(np.zeros((2, pad.ridge.max(initial=0))), np.zeros_like(films))
+        drift, stride = Drift(np.zeros((2, pad.ridge.max(initial=0))), np.zeros_like(films)), 1.0
         if after is not None:
+            folding = pinch_of(pad, state).stretch < CREASES
+            stride = SHORT if folding or state.iterations > EASY else min(1.0, 2 * after.tangent.stride)
             led = after.contact.force
             film_correction = after.films - films - per_force @ (led - force)
             correction = after.place - (linear.compliance @ led + skin.free)
             forces = STICKING_FACTOR * np.abs(self._of_ridges(led - force))
             drift = Drift(forces, np.abs(film_correction))
         return FrozenTangent(
+            stride=stride,
+            steady=(linear.compliance, per_force) if old is None or _is_steady(linear) else old.steady,
+            age=old.age + old.stride if old and reused else 0.0,
             skin=skin,
             force=force,
             place=place,
@@ -324,12 +394,15 @@ class ChosenPad:
             drift=drift,
         )
 
-    def _films(self, values: Array, linear: Tangential) -> tuple[Array, Array]:
-        """The strips' stresses `(strips, 3)` MPa at a state, and per contact force `(strips, 3, 2 m)`."""
+    def _films(self, values: Array, linear: Tangential, per_force: Array | None) -> tuple[Array, Array]:
+        """The strips' stresses `(strips, 3)` MPa at a state, and `per_force` `(strips, 3, 2 m)`, found unless
+        it is given."""
         pad, strips = self.pad, self.strips
         if strips is None:
             return np.zeros((0, 3)), np.zeros((0, 3, 2 * pad.gap.size))
         stress = strips.at(values)
+        if per_force is not None:
+            return stress * self.modulus, per_force
         moved = linear.linear.small.at_contact(strips.gradient(pad.body, linear.values).T)
         per_force = (pad.rows @ moved).T.reshape(*stress.shape, -1) / pad.scale
         return stress * self.modulus, np.asarray(per_force) * self.modulus
@@ -347,6 +420,11 @@ class ChosenPad:
     def _of_ridges(self, force: Array) -> Array:
         """The sums of both forces on each ridge `(2, ridges)`."""
         return np.array([np.bincount(self.pad.ridge, part)[1:] for part in force.reshape(2, -1)])
+
+
+def _is_steady(linear: Tangential) -> bool:
+    """Whether a compliance has no negative eigenvalue, as that of a corner that is about to snap has."""
+    return bool(linalg.eigvalsh(linear.compliance + linear.compliance.T, subset_by_index=(0, 0))[0] > 0)
 
 
 def _joined(first: ChosenState, second: ChosenState) -> ChosenState:

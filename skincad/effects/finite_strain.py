@@ -47,7 +47,7 @@ class FiniteStrain(Law):
     """Rubber elasticity, neo-Hookean where the design has no [material.law]."""
 
     creases: Literal["stop", "pass"] = Field(
-        default="stop",
+        default="pass",
         description="where the surface folds onto itself: stop there, or pass on without contact in the fold",
     )
     steps: Literal["all", "chosen"] = Field(
@@ -96,7 +96,9 @@ class FiniteStrain(Law):
         )
         narrowest = min(np.ptp(whole.x[whole.ridge == number]) for number in np.unique(whole.ridge))
         interval = None if self.steps == "all" else UPDATE_INTERVAL * float(narrowest)
-        return ChosenPad(whole, strips, pad.young_modulus, self.creases == "pass", interval)
+        fillets = [s.radius for s in pad.section.outline if s.kind in ("tip_fillet", "root_fillet")]
+        through = None if self.creases == "stop" else max(fillets, default=0.0)
+        return ChosenPad(whole, strips, pad.young_modulus, through, interval)
 
     @staticmethod
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:

@@ -10,7 +10,7 @@ smooth state at finite strain.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from math import inf
@@ -149,8 +149,8 @@ def further(
             return on, runs
         notes = runs.notes
         runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
-        # finite strain in each step would stop where no step can be chosen; a law that is named stays
-        if drift.cut or on.model != IN_CHOSEN_STEPS:
+        # each step would end where none can be chosen, and folds as these do; a law that is named stays
+        if drift.cut or _first_fold(runs.march) is not None or on.model != IN_CHOSEN_STEPS:
             return on, runs
         price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count
         price /= len(chosen_steps(runs.march) or [0])
@@ -231,13 +231,19 @@ def chosen_steps(march: March) -> list[int] | None:
     return None if drifts[-1] is None else [i for i, drift in enumerate(drifts) if drift and drift.chosen]
 
 
-def cut_short(march: March) -> list[str]:
-    """Return what to warn of where no more steps could be chosen."""
+def _first_fold(march: March) -> int | None:
+    return next((step for step, reading in enumerate(march.readings) if reading.fold), None)
+
+
+def at_finite_strain(march: March) -> Iterator[str]:
+    """Yield what to warn of where the surface folds, and where no more steps could be chosen."""
+    if (step := _first_fold(march)) is not None:
+        words = f"from step {step} on {march.readings[step].fold}"
+        yield f"{words}; how it folds depends on the fillets and the mesh, and that is in no error"
     drift, chosen = march.readings[-1].drift, chosen_steps(march)
-    if drift is None or not chosen or not drift.cut:
-        return []
-    words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"
-    return [f"{words}; the skin stays linear about that step, and what that misses is in the errors"]
+    if drift is not None and chosen and drift.cut:
+        words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"
+        yield f"{words}; the skin stays linear about that step, and what that misses is in the errors"
 
 
 def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:

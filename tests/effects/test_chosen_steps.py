@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -48,7 +49,7 @@ def pad_of(law: Any, films: bool = True, film: str = "bonded", halved: bool = Fa
     return law.marched(piece, triangles(piece.pad, default_sizes(piece.pad, 0.35)), 2, films, [])
 
 
-def silicone_pad(films: bool = True, creases: str = "stop") -> Any:
+def silicone_pad(films: bool = True, creases: str = "pass") -> Any:
     """Silicone in the slots, finite strain in each step."""
     return pad_of(FiniteStrain(creases=creases), films, "ignored", FiniteStrain.halves)
 
@@ -216,12 +217,47 @@ def test_without_readout_no_film_is_looked_at() -> None:
 def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(folding, "WRINKLES", 0.99)  # a light load's stretch
     drives = [Drive(0.0, 0.0), Drive(0.3, 0.0), Drive(0.6, 0.0)]
-    run = march(silicone_pad(False), np.arange(3.0), drives, [Friction(coefficient=1.0)])
+    run = march(silicone_pad(False, "stop"), np.arange(3.0), drives, [Friction(coefficient=1.0)])
     assert run.failed
     assert run.stopped is not None
     assert "the surface folds onto itself at ridge " in run.stopped
-    passed = march(silicone_pad(False, "pass"), np.arange(3.0), drives, [Friction(coefficient=1.0)])
+    passed = march(silicone_pad(False), np.arange(3.0), drives, [Friction(coefficient=1.0)])
     assert passed.stopped is None
+    assert [reading.fold is None for reading in passed.readings] == [True, False, False]
+    assert "the surface folds onto itself at ridge " in passed.readings[1].fold
+
+
+@pytest.mark.evidence(subject="folds: three ridges to gross slip")
+def test_a_march_goes_on_beyond_the_fold_and_the_corners_that_snap() -> None:
+    """Much friction: at 0.6 of gross slip the surface folds, at 0.7 and 0.8 a corner has no equilibrium nearby;
+    the march ends soon after, where a flank meets the plate. It stopped at the fold before."""
+    pulls = np.linspace(0.0, NORMAL, 60)
+    way = [Drive(NORMAL * i / 8, 0.0) for i in range(9)] + [Drive(NORMAL, float(t)) for t in pulls[1:]]
+    run = march(pad_of(FiniteStrain()), np.arange(float(len(way))), way, [Friction(coefficient=1.0)])
+    pulled = run.column("tangential") / NORMAL
+    folds = [share for share, reading in zip(pulled, run.readings, strict=True) if reading.fold]
+    assert 0.5 < folds[0] < 0.68
+    assert pulled[-1] > 0.78
+    assert run.stopped is not None
+    assert "meets the plate" in run.stopped
+    assert (np.diff(run.column("travel"))[9:] > 0).all()
+    assert run.column("residual").max() <= 1e-9
+
+
+@pytest.mark.slow
+def test_what_is_no_solution_ends_the_march_and_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Silicone pressed to nothing, and a skin that goes through itself: by limits that a light load meets."""
+    drives = [Drive(0.0, 0.0), Drive(0.3, 0.0)]
+
+    def stopped() -> str:
+        return march(silicone_pad(False), np.arange(2.0), drives, [Friction(coefficient=1.0)]).stopped or ""
+
+    assert stopped() == ""
+    with monkeypatch.context() as light:
+        light.setattr(folding, "LEAST_VOLUME", 0.99)
+        assert re.search(r"at ridge [123] silicone is pressed to 0\.\d+ of its volume", stopped())
+    monkeypatch.setattr(folding.plane_body, "crossing", lambda _: (0.2, np.zeros(2)))
+    assert re.search(r"at ridge 2 the skin goes through itself by 0\.\d+ mm, more than a fillet's", stopped())
 
 
 @pytest.mark.parametrize(
@@ -258,11 +294,11 @@ def test_a_step_that_does_not_converge_is_cut(monkeypatch: pytest.MonkeyPatch) -
     knows the way."""
     newton, tries = chosen_steps.newton, list[float]()
 
-    def failing(pad: Any, before: Any, end: Drive, *more: Any) -> FrictionalState:
+    def failing(pad: Any, before: Any, end: Drive, *more: Any, **how: Any) -> FrictionalState:
         tries.append(end.normal)
         if len(tries) in (2, 3):
             raise ContactError("made to fail")
-        return newton(pad, before, end, *more)
+        return newton(pad, before, end, *more, **how)
 
     way = [Drive(0.0, 0.0), Drive(0.2, 0.0), Drive(0.4, 0.0)]
     wanted = march(silicone_pad(), np.arange(3.0), way, [Friction(coefficient=0.5)])
@@ -288,11 +324,11 @@ def test_gross_slip_is_told_whichever_start_finds_it(monkeypatch: pytest.MonkeyP
     """The first start is made to fail: the state that slips is read as any other."""
     newton, tries = chosen_steps.newton, list[float]()
 
-    def failing(pad: Any, before: Any, end: Drive, *more: Any) -> FrictionalState:
+    def failing(pad: Any, before: Any, end: Drive, *more: Any, **how: Any) -> FrictionalState:
         tries.append(end.normal)
         if len(tries) == 2:
             raise ContactError("made to fail")
-        return newton(pad, before, end, *more)
+        return newton(pad, before, end, *more, **how)
 
     monkeypatch.setattr(chosen_steps, "newton", failing)
     monkeypatch.setattr(chosen_steps.ChosenPad, "_linear_state", lambda _, before, *__: before)
@@ -308,9 +344,9 @@ def test_a_chosen_step_begins_without_the_tangent_of_the_one_before(monkeypatch:
     """Which Newton might keep, and the steps that follow are linear about it."""
     newton, tangents = chosen_steps.newton, list[int]()
 
-    def watched(pad: Any, *more: Any) -> FrictionalState:
+    def watched(pad: Any, *more: Any, **how: Any) -> FrictionalState:
         tangents.append(len(pad.tangents))
-        return newton(pad, *more)
+        return newton(pad, *more, **how)
 
     monkeypatch.setattr(chosen_steps, "newton", watched)
     way = [Drive(0.1 * i, 0.0) for i in range(9)] + [Drive(0.8, 0.05 * i) for i in range(1, 5)]

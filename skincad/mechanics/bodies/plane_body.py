@@ -64,6 +64,25 @@ def undetected_contact(
     return None
 
 
+def crossing(loop: Array) -> tuple[float, Array]:
+    """Return how deep a closed loop `(points, 2)` goes through itself, as the diameter of the largest circle
+    in what it goes round twice or the wrong way; and where. 0 without that."""
+    deepest, place = 0.0, np.zeros(2)
+    line = shapely.LinearRing(loop)
+    if line.is_simple:
+        return deepest, place
+    way = np.sign(signed_area(loop))
+    for face in shapely.polygonize([shapely.unary_union(line)]).geoms:
+        inside = np.array(face.representative_point().coords[0])
+        turns = np.unwrap(np.arctan2(*(np.append(loop, loop[:1], axis=0) - inside).T[::-1]))
+        if round(way * (turns[-1] - turns[0]) / (2 * np.pi)) in (0, 1):
+            continue
+        depth = 2 * float(shapely.maximum_inscribed_circle(face).length)
+        if depth > deepest:
+            deepest, place = depth, inside
+    return deepest, place
+
+
 def x_of_largest_displacement(loops: list[Outline]) -> float:
     """Return x at rest of the place that moves furthest."""
     moves = np.concatenate([loop.moved - loop.rest for loop in loops])
@@ -77,6 +96,7 @@ def signed_area(loop: Array) -> float:
 
 
 PLANE = 2  # dimensions
+VOLUME_ORDER = 4  # of the points in which an element's volume is looked at
 PLAIN = ((1.0, 2.0),)  # neo-Hooke's powers
 # Of (d / s)^2 below, up to which a power of both stretches is summed as a series. With TERMS the series is
 # exact to 2e-14 for powers from -14 to 14; above, the root's second derivative loses 3 digits at most
@@ -164,6 +184,19 @@ class NeoHookeBody:
         is inside out."""
         value = float(self.form.Energy(_vector(self, state)))
         return value if np.isfinite(value) else np.inf
+
+    def least_volume(self, state: Array, above: float) -> tuple[float, Array]:
+        """Return the smallest volume ratio of a plane state `(n,)` at points of the elements that lie higher
+        at rest than `above` of the height, and where that is, in units."""
+        moved = ng.GridFunction(self.space)
+        moved.vec.FV().NumPy()[:] = state
+        points = self.mesh.MapToAllElements(ng.IntegrationRule(ng.TRIG, VOLUME_ORDER), ng.VOL)
+        swell = dilatation(ng.Grad(moved.components[0]))
+        values = np.asarray(ng.CF((ng.x, ng.y, swell))(points)).reshape(-1, 3)
+        place, volume = values[:, :2], 1 + values[:, 2]
+        high = place[:, 1] > above * place[:, 1].max()
+        at = int(np.where(high, volume, np.inf).argmin())
+        return float(volume[at]), place[at]
 
     def linearised(
         self, state: Array, residual: Array, order: Index | None = None, contact: int = 0
@@ -375,6 +408,24 @@ def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array
     for part, finer in zip(source.components, target.components, strict=True):
         finer.Set(part)
     return np.array(target.vec.FV().NumPy())
+
+
+def damped(body: NeoHookeBody) -> tuple[NeoHookeBody, Callable[[Array, float], None]]:
+    """Return the body with what resists its movements, and what sets that: from a state `(n,)` on a damping,
+    in E by the unit's square, times half the square of the distance, all over the section."""
+    damping, since = ng.Parameter(0.0), ng.GridFunction(body.space)
+    form = ng.BilinearForm(body.space, symmetric=True, condense=True)
+    for part in body.form.integrators:
+        form += part
+    away = body.space.TrialFunction()[0] - since.components[0]
+    form += ng.SymbolicEnergy(damping / 2 * ng.InnerProduct(away, away))
+    form.AssembleLinearization(since.vec)
+
+    def hold(state: Array, amount: float) -> None:
+        since.vec.FV().NumPy()[:] = state
+        damping.Set(amount)
+
+    return replace(body, form=form), hold
 
 
 def _vector(body: NeoHookeBody, values: Array) -> Any:

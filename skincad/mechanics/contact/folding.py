@@ -21,6 +21,7 @@ from skincad.mechanics.contact.state import ContactState
 
 WRINKLES = 0.544
 CREASES = 0.646
+LEAST_VOLUME = 0.02  # of an element's at rest, at any of its points; less is hardly a solution
 FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh
 
 
@@ -70,20 +71,62 @@ def _lowered(
     ]
 
 
+def fold_of(pad: FrictionalPad, state: FrictionalState) -> str | None:
+    """Return where the free surface is compressed along itself to less than WRINKLES, or None."""
+    return _fold(pad, pinch_of(pad, state))
+
+
+def pinch_of(pad: FrictionalPad, state: FrictionalState) -> Pinch:
+    """Return where the free surface is compressed most along itself."""
+    return pinch(outlines(pad.rest, state.values), _plate(pad, state))
+
+
 def undetected_contact(
-    pad: FrictionalPad, state: FrictionalState, creases: bool, sunk: Array | None = None
+    pad: FrictionalPad,
+    state: FrictionalState,
+    creases: bool,
+    sunk: Array | None = None,
+    deepest: float = 0.0,
 ) -> str | None:
-    """Return what a state has that the model does not know: contact of the skin with itself or, off its
-    crests, with the plate; with `creases` a surface that folds too. `sunk` `(m,)` mm is how much lower masses
-    let the contact points be. None for a sound state."""
-    plate = (pad.top - state.contact.approach) / pad.unit
+    """Return what a state has that the model does not know: contact of the skin, off its crests, with the
+    plate; with `creases` contact with itself and a surface that folds, else one that crosses itself by more
+    than `deepest` mm, or an element pressed to less than LEAST_VOLUME. `sunk` `(m,)` mm is how much lower
+    masses let the contact points be. None for a sound state."""
+    plate = _plate(pad, state)
     loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, sunk)
-    least = pinch(loops, plate)
-    if creases and least.stretch < WRINKLES:
-        ridge = pad.ridge[int(np.abs(pad.x / pad.unit - least.place[0]).argmin())]
-        where = "tip" if least.tip else "flank or root"
+    if creases and (folded := _fold(pad, pinch(loops, plate))):
+        return folded
+    wrong = plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
+    if wrong or creases:
+        return wrong
+    volume, place = pad.body.least_volume(state.values, FOOT)
+    if volume < LEAST_VOLUME:
         return (
-            f"the surface folds onto itself at ridge {ridge}'s {where}: its stretch there is "
-            f"{least.stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
+            f"at ridge {_ridge_at(pad, place)} silicone is pressed to {volume:.2g} of its volume in the model"
         )
-    return plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
+    outer = max(loops, key=lambda loop: abs(plane_body.signed_area(loop.rest)))
+    depth, place = plane_body.crossing(outer.moved)
+    if depth * pad.unit > deepest:
+        where = f"at ridge {_ridge_at(pad, place)} the skin goes through itself by {depth * pad.unit:.2g} mm"
+        return f"{where}, more than a fillet's radius"
+    return None
+
+
+def _plate(pad: FrictionalPad, state: FrictionalState) -> float:
+    """The plate's height, in units."""
+    return (pad.top - state.contact.approach) / pad.unit
+
+
+def _ridge_at(pad: FrictionalPad, place: Array) -> int:
+    """The number of the ridge nearest to a place `(2,)`, in units."""
+    return int(pad.ridge[int(np.abs(pad.x / pad.unit - place[0]).argmin())])
+
+
+def _fold(pad: FrictionalPad, least: Pinch) -> str | None:
+    if least.stretch >= WRINKLES:
+        return None
+    where = "tip" if least.tip else "flank or root"
+    return (
+        f"the surface folds onto itself at ridge {_ridge_at(pad, least.place)}'s {where}: its stretch there "
+        f"is {least.stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
+    )

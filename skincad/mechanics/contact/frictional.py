@@ -11,6 +11,7 @@ Newton, Alart and Curnier, CMAME 92 (1991) 353.
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -103,6 +104,8 @@ def between(a: Drive, b: Drive) -> Drive:
 
 SWEEPS = 40  # with all points updated at once; five to ten are usual, beyond this it cycles
 SINGLE_SWEEPS = 80  # with the worst point alone updated
+SEARCHED = 2500  # sets of those that are searched best first, 1 ms each; one to two thousand are usual
+MOST_WRONG = 4  # points of which each is put elsewhere then
 EASY_COEFFICIENT = 0.3  # a coefficient below which the sets settle by themselves
 START_SHARE = 0.8  # of the coefficient, for a start
 MAX_FACTORISATIONS = 8  # factorisations of the last sets, for the steps in which they stay
@@ -211,7 +214,8 @@ class _Step:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
 
         Much friction makes the sets cycle from where the last step left them, although an equilibrium is
-        near: then the search restarts from all points sliding, and from all sticking.
+        near: then the search restarts from all points sliding, and from all sticking; and at last it tries
+        one set after the other, the least wrong one first.
         """
         starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
         sweeps, slides = 0, 0.0
@@ -225,7 +229,57 @@ class _Step:
             pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
             words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all points slip"
             raise GrossSlip(self.solution(all_slip=slides), words)
+        if not all_slip and (found := self._least_wrong()):
+            return found
         raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
+
+    def _least_wrong(self) -> ContactState | None:
+        """The state of the first sets that are right, of at most SEARCHED, searched best first: next to sets
+        lie those with all wrong points put right, and with one of the most wrong ones put elsewhere.
+
+        A point at a corner may neither stick nor slip among these neighbours, however much the sweeps go on:
+        it has to let go, and some around it with it.
+        """
+        if self.law.has_breakpoints or (self.inert is None and not self.before.touches.any()):
+            return None
+        queue: list[tuple[float, int, Status, Array, Status]] = []
+        seen = set[bytes]()
+
+        def add(status: Status) -> ContactState | None:
+            if (key := status.tobytes()) in seen or not (status != OPEN).any():
+                return None
+            seen.add(key)
+            try:
+                solution = self._solve(status, 0.0)
+            except ContactError:
+                return None
+            wrong, wanted = self._violations(solution, status, 0.0)
+            if self._missing_pull(solution, status):
+                return None
+            if not wrong.any():
+                return self._accepted(solution, status, 0.0)
+            heapq.heappush(queue, (float(wrong.sum()), len(seen), status, wrong, wanted))
+            return None
+
+        found = add(self._start())
+        while found is None and queue and len(seen) < SEARCHED:
+            safe_point()
+            _, _, status, wrong, wanted = heapq.heappop(queue)
+            for change in self._neighbours(status, wrong, wanted):
+                if found := add(change):
+                    break
+        return found
+
+    @staticmethod
+    def _neighbours(status: Status, wrong: Array, wanted: Status) -> Iterator[Status]:
+        """Sets with all wrong points put right, and with one of the most wrong ones put elsewhere."""
+        yield np.where(wrong > 0, wanted, status)
+        for point in np.argsort(-wrong, kind="stable")[: min(MOST_WRONG, np.count_nonzero(wrong))]:
+            for other in (OPEN, STICK, RIGHT, LEFT):
+                if other != status[point]:
+                    moved = status.copy()
+                    moved[point] = other
+                    yield moved
 
     def _starts(self) -> Iterator[Status]:
         """Where the search starts: the sets before; all that touched sliding either way, or sticking; the

@@ -24,7 +24,7 @@ from skincad.mechanics.bodies.condense import fill_order
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.bodies.plane_body import NeoHookeBody, PlaneLinearised
 from skincad.mechanics.contact.frictional import solve_contact
-from skincad.mechanics.contact.newton import equilibrium
+from skincad.mechanics.contact.newton import RESIDUAL, equilibrium
 from skincad.mechanics.contact.state import (
     Compliance,
     ContactState,
@@ -163,9 +163,12 @@ def newton(
     cone: FrictionCoefficients,
     guess: Array | None = None,
     swing: Swing | None = None,
+    accuracy: float = RESIDUAL,
+    steps: int = ITERATIONS,
 ) -> FrictionalState:
-    """Return the equilibrium at a step's end, looked for from `guess` `(n,)`, or where that is None or turns
-    an element inside out from where the step begins; with what masses add if they `swing`.
+    """Return the equilibrium at a step's end, to an `accuracy` of the contact forces' norm and in so many of
+    Newton's `steps` at most; looked for from `guess` `(n,)`, or where that is None or turns an element inside
+    out from where the step begins; with what masses add if they `swing`.
 
     Raises ContactError where there is none to be found, and GrossSlip, whose `last` is the state that just
     slips, where friction cannot hold the tangential force.
@@ -180,7 +183,7 @@ def newton(
         )
         return FrictionalState(np.zeros_like(values), lifted)
     if guess is not None and not np.isfinite(body.energy(values)):
-        return newton(pad, before, drive, cone, None, swing)
+        return newton(pad, before, drive, cone, None, swing, accuracy, steps)
 
     def contact(
         tangent: Tangential, linear: PlaneLinearised, values: Array
@@ -200,7 +203,8 @@ def newton(
         tangent_at=lambda values, unbalanced, _: linearised(pad, values, unbalanced),
         contact=contact,
         keeps=lambda _, history: len(history) == 1 or history[-1] <= SLOW_DECREASE * history[-2],
-        steps=ITERATIONS,
+        steps=steps,
+        accuracy=accuracy,
     )
     found, slipping = balanced.contact
     size, values = balanced.history[-1], balanced.values

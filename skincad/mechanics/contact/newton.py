@@ -107,6 +107,7 @@ def equilibrium(
     contact: Callable[[Any, Any, Array], tuple[Array, Any]],
     keeps: Callable[[Any, list[float]], bool],
     steps: int,
+    accuracy: float = RESIDUAL,
 ) -> Equilibrium:
     """Return the equilibrium of a body and its contact near `start` `(n,)`; the first of at most so many
     `steps` takes a `tangent` from another state, unless it is None.
@@ -116,7 +117,7 @@ def equilibrium(
     tangent, the linearised body rebalanced at the values, and them. It solves the contact with its true gaps
     and total forces, and returns what these add to the residual, with its solution. `keeps` says whether a
     tangent serves on, by the residuals so far. A step is halved while it turns a point of an element inside
-    out. Raises DivergedError when the residual stays above RESIDUAL or grows by MAX_GROWTH.
+    out. Raises DivergedError when the residual stays above `accuracy` or grows by MAX_GROWTH.
     """
     values = start
     history: list[float] = []
@@ -133,8 +134,8 @@ def equilibrium(
         unbalanced = body.residual(values)
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
-        small = history[-1] <= max(RESIDUAL, ROUNDING / scale)
-        if share == 1.0 and small and not _falls(history, steps):
+        rounded = history[-1] <= ROUNDING / scale and not _falls(history, steps)
+        if share == 1.0 and (history[-1] <= accuracy or rounded):
             return Equilibrium(values, solution, unbalanced, tuple(history), tangent)
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
             break

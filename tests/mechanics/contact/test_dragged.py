@@ -13,6 +13,7 @@ from skincad import mechanics as mech
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.contact import folding, frictional_pad
 from skincad.mechanics.contact import newton as pressing
+from skincad.mechanics.contact.relaxation import relaxed
 from tests.mechanics import closed_forms
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.contact.travel import advance_to
@@ -303,6 +304,76 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
     assert state.contact.travel == pytest.approx(wanted.contact.travel, rel=1e-6)
     with pytest.raises(mech.ContactError, match=r"the pull cannot grow beyond 0\.\d+ N|Newton finds no"):
         advance_to(what, start, mech.Drive(1.2, 0.18), mech.Drive(1.2, 0.7), CONE)
+
+
+def test_damping_stores_half_the_square_of_what_moves() -> None:
+    """A rigid shift by (a, b) of all but the clamped back, whose share cancels: two dampings are compared."""
+    what = whole(block(8.0, 0.5, 0.3), sizes=mech.Sizes(0.1, 0.1, 0.1, 0.1))
+    body, hold = plane_body.damped(what.body)
+    rest, moved = np.zeros(what.body.free.size), affine(what, np.diag([0.01, -0.02]), 0.0)
+    hold(rest, 30.0)
+    stored = body.energy(moved) - what.body.energy(moved)
+    x, z = 8.0 / what.unit, 0.5 / what.unit  # of sides x and z, about x = 0 and from z = 0
+    assert stored == pytest.approx(15 * (0.01**2 * x**3 * z / 12 + 0.02**2 * z**3 * x / 3), rel=0.02)
+    hold(moved, 30.0)
+    assert body.energy(moved) == pytest.approx(what.body.energy(moved), rel=1e-9)
+    assert body.residual(moved) == pytest.approx(what.body.residual(moved), abs=1e-12)
+
+
+@pytest.mark.slow
+def test_a_pad_comes_to_rest_where_newton_finds_it() -> None:
+    """Without friction, where no way counts; and a step of a pull, which the way changes a little."""
+    what = three()[1]
+    # frictionless to what the residual leaves of the least stiff forces
+    for before, drive, cone, off in (
+        (frictional_pad.unloaded(what), mech.Drive(0.4, 0.0), SMOOTH, 1e-6),
+        (pulled()[5], mech.Drive(1.2, 0.36), CONE, 0.02),
+    ):
+        what.tangents.clear()
+        wanted = frictional_pad.newton(what, before, drive, cone)
+        found = relaxed(what, before, drive, cone)
+        assert found.residual <= 1e-9
+        assert found.contact.residual <= 1e-9
+        assert found.contact.normal.sum() == pytest.approx(drive.normal, rel=1e-9)
+        assert found.contact.tangential.sum() == pytest.approx(drive.tangential, abs=1e-9)
+        size = np.abs(wanted.contact.force).max()
+        assert np.abs(found.contact.force - wanted.contact.force).max() < off * size
+        if cone is CONE:  # else any will do
+            assert found.contact.travel == pytest.approx(wanted.contact.travel, rel=off)
+
+
+@pytest.mark.slow
+def test_what_never_comes_to_rest_is_refused() -> None:
+    """More than the skin bears."""
+    what = three()[1]
+    with pytest.raises(mech.ContactError, match="does not come to rest"):
+        relaxed(what, frictional_pad.unloaded(what), mech.Drive(60.0, 0.0), SMOOTH)
+
+
+def test_least_volume_is_that_of_a_uniform_strain() -> None:
+    what = whole(block(8.0, 0.5, 0.3), sizes=mech.Sizes(0.1, 0.1, 0.1, 0.1))
+    strained = affine(what, np.array([[0.1, 0.02], [0.0, -0.4]]), 0.0)
+    volume, place = what.body.least_volume(strained, 0.5)
+    assert volume == pytest.approx(1.1 * 0.6, rel=1e-6)
+    assert place[1] > 0.5 * 0.5 / what.unit
+    # lower down the clamped back, which is not strained along with it, counts too
+    assert what.body.least_volume(strained, 0.0)[0] < volume
+
+
+@pytest.mark.parametrize(
+    ("loop", "depth"),
+    [
+        ([(0, 0), (2, 0), (2, 1), (0, 1)], 0.0),
+        # two prongs that overlap by 0.2
+        ([(0, 0), (4, 0), (4, 3), (1.9, 3), (1.9, 1), (2.1, 1), (2.1, 3.5), (0, 3.5)], 0.2),
+    ],
+)
+def test_a_crossing_is_as_deep_as_its_overlap_is_wide(loop: list[tuple[float, float]], depth: float) -> None:
+    for way in (1, -1):
+        found, place = plane_body.crossing(np.array(loop[::way], dtype=float))
+        assert found == pytest.approx(depth, rel=0.02)
+        if depth:
+            assert place[0] == pytest.approx(2.0, abs=0.1)
 
 
 def loop(stretch: float, height: float) -> elements.Outline:

@@ -236,6 +236,26 @@ def assert_contact(pad: Compliance, state: ContactState) -> np.ndarray:
     return moved
 
 
+@pytest.mark.slow
+def test_a_search_of_the_sets_finds_what_sweeps_find(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps of a press and a pull whose sweeps are made to cycle."""
+    drives = press_and_pull(2.0, 0.9, 2)
+    wanted = march(skin(), drives, coulomb(0.5))
+    swept, sweeps = list[int](), frictional._Step._sweep
+
+    def cycling(step: frictional._Step, *more: object) -> tuple[object, int]:
+        swept.append(1)
+        return (0.0, 1) if step.before.touches.any() else sweeps(step, *more)
+
+    monkeypatch.setattr(frictional._Step, "_sweep", cycling)
+    found = march(skin(), drives, coulomb(0.5))
+    assert len(swept) > 4 * (len(drives) - 2)  # each of the starts, but for the first step
+    for state, other in zip(found, wanted, strict=True):
+        assert (state.status == other.status).all()
+        assert state.normal == pytest.approx(other.normal, abs=1e-12)
+        assert state.tangential == pytest.approx(other.tangential, abs=1e-12)
+
+
 def test_same_input_same_bits() -> None:
     one, other = (march(skin(), press_and_pull(1.2, 0.8), coulomb(1.0))[-1] for _ in range(2))
     assert (one.normal == other.normal).all()

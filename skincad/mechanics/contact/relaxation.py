@@ -1,0 +1,103 @@
+"""The equilibrium that a pad snaps to where the one nearby ends: pseudo-transient continuation.
+
+The trailing corner of a tip that is pulled rolls under the points that stick, until the path of equilibria
+turns back: Newton finds none nearby, and the linearised contact has no solution. Masses would carry the
+corner to another equilibrium within microseconds. Here it gets there as through a viscous liquid. Each
+pseudo-step resists what moves since the one before, and the next is damped less; the last one not at all
+(Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Damping resists any movement alike, so it couples
+no tangential force to a gap: damped enough, contact has one solution however much friction there is. Points
+slide, stick and let go on the way.
+
+Which equilibrium masses would lead to is not asked: what snaps falls down the energy's slope.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from skincad.mechanics.bodies.plane_body import damped
+from skincad.mechanics.contact.frictional import joined
+from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState, newton
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients, GrossSlip, Swing
+from skincad.mechanics.problem import ContactError
+
+# Of E by the unit's square. At first only what is smaller than a fiftieth of the unit moves, as a corner
+FIRST, WEAK, STRONGEST = 3e3, 20.0, 1e6
+# Factors of the damping after a step, after one of the next three to a failure, and after a failure
+WEAKER, CAREFUL, STRONGER = 1 / 6, 1 / 2, 4.0
+STEPS = 25  # five to ten are usual
+ACCURACY, ITERATIONS = 1e-3, 6  # of a damped step, which the next one mends
+
+
+def relaxed(
+    pad: FrictionalPad,
+    before: FrictionalState,
+    drive: Drive,
+    cone: FrictionCoefficients,
+    swing: Swing | None = None,
+) -> FrictionalState:
+    """Return the equilibrium that the pad comes to rest in, from a state in which it is none under `drive`.
+    Raises ContactError where it doesn't, and GrossSlip as `newton` does."""
+    body, hold = damped(pad.body)
+    slowed, state = replace(pad, body=body, tangents=[]), _not_yet_moved(before)
+    damping, careful = FIRST, 0
+    held = swing.free + swing.compliance @ before.contact.force if swing else np.empty(0)
+    for _ in range(STEPS):
+        weak = damping < WEAK
+        try:
+            if weak:
+                pad.tangents.clear()
+                return _newton(pad, state, drive, cone, swing)
+        except GrossSlip:
+            raise
+        except ContactError:
+            pass
+        slowed.tangents.clear()
+        hold(state.values, damping)
+        # masses let less move, so that with damping too their part of the compliance would be too much of it
+        behind = swing and replace(swing, compliance=np.zeros_like(swing.compliance), free=held)
+        try:
+            state = _newton(slowed, state, drive, cone, behind, ACCURACY, ITERATIONS)
+        except GrossSlip:
+            raise
+        except ContactError as failure:
+            damping, careful = damping * STRONGER, 3
+            if damping > STRONGEST:
+                raise ContactError(f"a tip's corner snaps and does not come to rest: {failure}") from None
+            continue
+        damping *= CAREFUL if careful else WEAKER
+        careful = max(0, careful - 1)
+    raise ContactError(f"a tip's corner snaps and does not come to rest in {STEPS} steps")
+
+
+def _not_yet_moved(state: FrictionalState) -> FrictionalState:
+    """The state as a step's beginning."""
+    return FrictionalState(state.values, replace(state.contact, slipped=np.zeros_like(state.contact.slipped)))
+
+
+def _newton(
+    pad: FrictionalPad,
+    before: FrictionalState,
+    drive: Drive,
+    cone: FrictionCoefficients,
+    swing: Swing | None,
+    *how: Any,
+) -> FrictionalState:
+    """The state at a step's end; what slides and is dissipated in it and before is added up."""
+
+    def both(after: FrictionalState) -> FrictionalState:
+        return replace(
+            after,
+            contact=replace(joined(before.contact, after.contact), residual=after.contact.residual),
+            dissipated=before.dissipated + after.dissipated,
+            iterations=before.iterations + after.iterations,
+        )
+
+    try:
+        return both(newton(pad, before, drive, cone, None, swing, *how))
+    except GrossSlip as limit:
+        limit.last = both(limit.last)
+        raise
