@@ -292,7 +292,7 @@ class ChosenPad:
             if after is None:
                 cut = replace(before.tangent, cut=str(failure), at=forces)
                 return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
-            return replace(after, tangent=replace(after.tangent, cut=str(failure), at=forces))
+            return self._steady(replace(after, tangent=replace(after.tangent, cut=str(failure), at=forces)))
         if after is None:
             found = self._at(state)
             return replace(found, tangent=replace(found.tangent, stride=SHORT))

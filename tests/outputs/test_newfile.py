@@ -130,9 +130,9 @@ def test_defaults_and_effects_that_a_template_lacks_are_comments(tmp_path: Path)
     voltages = "# Voltages of the strips in the ridges of the readout. Needs film."
     assert f"\n{voltages}\n# [effects.piezo]  # optional\n" in text
     text = text.replace("# [effects.finite_strain]", "[effects.finite_strain]")
-    text = text.replace('# creases = "stop"', 'creases = "pass"')
+    text = text.replace('# creases = "pass"', 'creases = "stop"')
     (tmp_path / "other.toml").write_text(text)
-    assert load_scene(tmp_path / "other.toml").effects["finite_strain"] == {"creases": "pass"}
+    assert load_scene(tmp_path / "other.toml").effects["finite_strain"] == {"creases": "stop"}
 
 
 @pytest.mark.parametrize(
