@@ -229,7 +229,7 @@ def test_where_the_surface_folds_the_march_stops_and_says_so(monkeypatch: pytest
 
 @pytest.mark.evidence(subject="folds: three ridges to gross slip")
 def test_a_march_goes_on_beyond_the_fold_and_the_corners_that_snap() -> None:
-    """Much friction: at 0.6 of gross slip the surface folds, at 0.7 and 0.8 a corner has no equilibrium nearby;
+    """Much friction: at 0.6 of gross slip the surface folds, at 0.7 and 0.8 no equilibrium is near a corner;
     the march ends soon after, where a flank meets the plate. It stopped at the fold before."""
     pulls = np.linspace(0.0, NORMAL, 60)
     way = [Drive(NORMAL * i / 8, 0.0) for i in range(9)] + [Drive(NORMAL, float(t)) for t in pulls[1:]]
