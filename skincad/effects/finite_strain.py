@@ -1,12 +1,13 @@
 """Finite strain, plane strain: for shear and squeeze beyond the linear range.
 
 Range: the design's [material.law], or neo-Hooke, as silicones are up to strains of about 0.5; quasi-static,
-under a flat plate that keeps its angle. Where the skin's surface folds the march stops and says so
-(mechanics/contact/folding.py). A step linearises the body several times, so it costs some hundred times
-one of small strain; with `steps = "chosen"` only a few are taken so (chosen_steps.py). The whole pad is
-meshed: mirrored loads have mirrored results to the mesh's error only. Films: Cauchy stress on the strip as it
-then lies (mechanics/bodies/film_field.py). Reference: the finite-strain model without friction, simple shear
-with, and small strain at small loads (tests/mechanics/contact/test_dragged.py).
+under a flat plate that keeps its angle. Where the skin's surface folds that is told, and the march goes on
+without contact in the fold (mechanics/contact/folding.py). A step linearises the body several times, so it
+costs some hundred times one of small strain; with `steps = "chosen"` only a few are taken so
+(chosen_steps.py). The whole pad is meshed: mirrored loads have mirrored results to the mesh's error only.
+Films: Cauchy stress on the strip as it then lies (mechanics/bodies/film_field.py). Reference: the
+finite-strain model without friction, simple shear with, and small strain at small loads
+(tests/mechanics/contact/test_dragged.py).
 
 P-delta, for what is left out: how much a ridge's normal force increases its bending under a pull. A ridge
 under a normal force P, displaced sideways by a pull, is also bent by P times that displacement. Both grow by

@@ -4,8 +4,8 @@ A scene that names no law is marched in small strain first, on one mesh after th
 finite strain changes more than a tenth, or than the tolerance that is asked, it is marched with finite strain
 in chosen steps (effects/chosen_steps.py), with free ends where they matter, on the coarsest mesh: what mesh
 and time step change is known from small strain. If the drift between chosen steps is more than a tolerance
-too, each step is taken at finite strain, unless that had to stop: where no step can be chosen there is no
-smooth state at finite strain.
+too, each step is taken at finite strain, unless the surface folds or no step could be chosen: a fold depends
+on the mesh in each step too.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def further(
             return on, runs
         notes = runs.notes
         runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
-        # each step would end where none can be chosen, and folds as these do; a law that is named stays
+        # each step folds as these do, and takes long where none can be chosen; a law that is named stays
         if drift.cut or _first_fold(runs.march) is not None or on.model != IN_CHOSEN_STEPS:
             return on, runs
         price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count

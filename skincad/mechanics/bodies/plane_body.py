@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 from types import MappingProxyType
 from typing import Any
@@ -197,6 +197,24 @@ class NeoHookeBody:
         high = place[:, 1] > above * place[:, 1].max()
         at = int(np.where(high, volume, np.inf).argmin())
         return float(volume[at]), place[at]
+
+    @cached_property
+    def damped(self) -> tuple[NeoHookeBody, Callable[[Array, float], None]]:
+        """The body with what resists its movements, and what sets that: from a state `(n,)` on, a damping, E
+        by the unit's square, times half the square of the distance, all over the section."""
+        damping, since = ng.Parameter(0.0), ng.GridFunction(self.space)
+        form = ng.BilinearForm(self.space, symmetric=True, condense=True)
+        for part in self.form.integrators:
+            form += part
+        away = self.space.TrialFunction()[0] - since.components[0]
+        form += ng.SymbolicEnergy(damping / 2 * ng.InnerProduct(away, away))
+        form.AssembleLinearization(since.vec)
+
+        def hold(state: Array, amount: float) -> None:
+            since.vec.FV().NumPy()[:] = state
+            damping.Set(amount)
+
+        return replace(self, form=form), hold
 
     def linearised(
         self, state: Array, residual: Array, order: Index | None = None, contact: int = 0
@@ -408,24 +426,6 @@ def transferred(coarse: NeoHookeBody, state: Array, fine: NeoHookeBody) -> Array
     for part, finer in zip(source.components, target.components, strict=True):
         finer.Set(part)
     return np.array(target.vec.FV().NumPy())
-
-
-def damped(body: NeoHookeBody) -> tuple[NeoHookeBody, Callable[[Array, float], None]]:
-    """Return the body with what resists its movements, and what sets that: from a state `(n,)` on a damping,
-    in E by the unit's square, times half the square of the distance, all over the section."""
-    damping, since = ng.Parameter(0.0), ng.GridFunction(body.space)
-    form = ng.BilinearForm(body.space, symmetric=True, condense=True)
-    for part in body.form.integrators:
-        form += part
-    away = body.space.TrialFunction()[0] - since.components[0]
-    form += ng.SymbolicEnergy(damping / 2 * ng.InnerProduct(away, away))
-    form.AssembleLinearization(since.vec)
-
-    def hold(state: Array, amount: float) -> None:
-        since.vec.FV().NumPy()[:] = state
-        damping.Set(amount)
-
-    return replace(body, form=form), hold
 
 
 def _vector(body: NeoHookeBody, values: Array) -> Any:

@@ -72,13 +72,18 @@ def _lowered(
 
 
 def fold_of(pad: FrictionalPad, state: FrictionalState) -> str | None:
-    """Return where the free surface is compressed along itself to less than WRINKLES, or None."""
-    return _fold(pad, pinch_of(pad, state))
+    """Return where the free surface is compressed along itself to less than WRINKLES, or where the skin goes
+    through itself; None where neither is so."""
+    if folded := _fold(pad, pinch_of(pad, state)):
+        return folded
+    depth, place = _crossing(outlines(pad.rest, state.values))
+    return _through(pad, depth, place) if depth > 0 else None
 
 
 def pinch_of(pad: FrictionalPad, state: FrictionalState) -> Pinch:
     """Return where the free surface is compressed most along itself."""
-    return pinch(outlines(pad.rest, state.values), _plate(pad, state))
+    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, None)
+    return pinch(loops, _plate(pad, state))
 
 
 def undetected_contact(
@@ -104,12 +109,19 @@ def undetected_contact(
         return (
             f"at ridge {_ridge_at(pad, place)} silicone is pressed to {volume:.2g} of its volume in the model"
         )
-    outer = max(loops, key=lambda loop: abs(plane_body.signed_area(loop.rest)))
-    depth, place = plane_body.crossing(outer.moved)
+    depth, place = _crossing(loops)
     if depth * pad.unit > deepest:
-        where = f"at ridge {_ridge_at(pad, place)} the skin goes through itself by {depth * pad.unit:.2g} mm"
-        return f"{where}, more than a fillet's radius"
+        return f"{_through(pad, depth, place)}, more than a fillet's radius of {deepest:.2g} mm"
     return None
+
+
+def _crossing(loops: list[Outline]) -> tuple[float, Array]:
+    """How deep the skin's outline or a slot's goes through itself, in units, and where."""
+    return max((plane_body.crossing(loop.moved) for loop in loops), key=lambda found: found[0])
+
+
+def _through(pad: FrictionalPad, depth: float, place: Array) -> str:
+    return f"at ridge {_ridge_at(pad, place)} the skin goes through itself by {depth * pad.unit:.2g} mm"
 
 
 def _plate(pad: FrictionalPad, state: FrictionalState) -> float:

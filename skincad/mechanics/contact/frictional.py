@@ -209,6 +209,7 @@ class _Step:
         # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
         self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
         self.line = self.law.line(before.normal)
+        self.searches = inert is None and not self.law.has_breakpoints and bool(before.touches.any())
 
     def solution(self, all_slip: float = 0.0) -> ContactState:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
@@ -229,7 +230,7 @@ class _Step:
             pull, normal = abs(self.drive.tangential or 0.0), self.drive.normal
             words = f"{pull:g} N is more than kinetic friction holds at {normal:g} N once all points slip"
             raise GrossSlip(self.solution(all_slip=slides), words)
-        if not all_slip and (found := self._least_wrong()):
+        if self.searches and not all_slip and (found := self._least_wrong()):
             return found
         raise ContactError(f"the sets of open, sticking and slipping points do not settle in {sweeps} sweeps")
 
@@ -238,10 +239,9 @@ class _Step:
         lie those with all wrong points put right, and with one of the most wrong ones put elsewhere.
 
         A point at a corner may neither stick nor slip among these neighbours, however much the sweeps go on:
-        it has to let go, and some around it with it.
+        it has to let go, and some around it with it. From rest, under a law with breakpoints, and of a plate
+        with mass, whose steps are cut instead, nothing is searched.
         """
-        if self.law.has_breakpoints or (self.inert is None and not self.before.touches.any()):
-            return None
         queue: list[tuple[float, int, Status, Array, Status]] = []
         seen = set[bytes]()
 
@@ -251,13 +251,13 @@ class _Step:
             seen.add(key)
             try:
                 solution = self._solve(status, 0.0)
-            except ContactError:
+                wrong, wanted = self._violations(solution, status, 0.0)
+                if self._missing_pull(solution, status):
+                    return None
+                if not wrong.any():
+                    return self._accepted(solution, status, 0.0)
+            except ContactError:  # no solution, or none that is accurate: others are tried
                 return None
-            wrong, wanted = self._violations(solution, status, 0.0)
-            if self._missing_pull(solution, status):
-                return None
-            if not wrong.any():
-                return self._accepted(solution, status, 0.0)
             heapq.heappush(queue, (float(wrong.sum()), len(seen), status, wrong, wanted))
             return None
 
@@ -291,6 +291,7 @@ class _Step:
             yield np.where(first != OPEN, way, OPEN).astype(np.int8)
         if self.cone.static > EASY_COEFFICIENT:
             weak = _Step(self.skin, self.before, self.drive, self.cone.capped(START_SHARE), self.inert)
+            weak.searches = False
             try:
                 yield weak.solution().status
             except ContactError:

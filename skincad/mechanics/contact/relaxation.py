@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from skincad.mechanics.bodies.plane_body import damped
 from skincad.mechanics.contact.frictional import joined
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState, newton
-from skincad.mechanics.contact.state import Drive, FrictionCoefficients, GrossSlip, Swing
+from skincad.mechanics.contact.state import Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
 # Of E by the unit's square. At first only what is smaller than a fiftieth of the unit moves, as a corner
@@ -37,32 +36,27 @@ def relaxed(
     before: FrictionalState,
     drive: Drive,
     cone: FrictionCoefficients,
-    swing: Swing | None = None,
 ) -> FrictionalState:
     """Return the equilibrium that the pad comes to rest in, from a state in which it is none under `drive`.
     Raises ContactError where it doesn't, and GrossSlip as `newton` does."""
-    body, hold = damped(pad.body)
+    body, hold = pad.body.damped
     slowed, state = replace(pad, body=body, tangents=[]), _not_yet_moved(before)
     damping, careful = FIRST, 0
-    held = swing.free + swing.compliance @ before.contact.force if swing else np.empty(0)
     for _ in range(STEPS):
-        weak = damping < WEAK
-        try:
-            if weak:
-                pad.tangents.clear()
-                return _newton(pad, state, drive, cone, swing)
-        except GrossSlip:
-            raise
-        except ContactError:
-            pass
+        if damping < WEAK:
+            pad.tangents.clear()
+            try:
+                return _newton(pad, state, drive, cone)
+            except GrossSlip:
+                raise
+            except ContactError:  # the pad has not come to rest yet
+                pass
         slowed.tangents.clear()
         hold(state.values, damping)
-        # masses let less move, so that with damping too their part of the compliance would be too much of it
-        behind = swing and replace(swing, compliance=np.zeros_like(swing.compliance), free=held)
         try:
-            state = _newton(slowed, state, drive, cone, behind, ACCURACY, ITERATIONS)
-        except GrossSlip:
-            raise
+            state = _newton(slowed, state, drive, cone, ACCURACY, ITERATIONS)
+        except GrossSlip as limit:  # of the damped pad: what it bears without damping is asked at the end
+            state = limit.last
         except ContactError as failure:
             damping, careful = damping * STRONGER, 3
             if damping > STRONGEST:
@@ -83,7 +77,6 @@ def _newton(
     before: FrictionalState,
     drive: Drive,
     cone: FrictionCoefficients,
-    swing: Swing | None,
     *how: Any,
 ) -> FrictionalState:
     """The state at a step's end; what slides and is dissipated in it and before is added up."""
@@ -97,7 +90,7 @@ def _newton(
         )
 
     try:
-        return both(newton(pad, before, drive, cone, None, swing, *how))
+        return both(newton(pad, before, drive, cone, None, None, *how))
     except GrossSlip as limit:
         limit.last = both(limit.last)
         raise

@@ -309,7 +309,7 @@ def test_a_pull_that_does_not_converge_is_driven_by_travel(monkeypatch: pytest.M
 def test_damping_stores_half_the_square_of_what_moves() -> None:
     """A rigid shift by (a, b) of all but the clamped back, whose share cancels: two dampings are compared."""
     what = whole(block(8.0, 0.5, 0.3), sizes=mech.Sizes(0.1, 0.1, 0.1, 0.1))
-    body, hold = plane_body.damped(what.body)
+    body, hold = what.body.damped
     rest, moved = np.zeros(what.body.free.size), affine(what, np.diag([0.01, -0.02]), 0.0)
     hold(rest, 30.0)
     stored = body.energy(moved) - what.body.energy(moved)
