@@ -395,10 +395,9 @@ class ChosenPad:
         skin = Compliance(
             linear.compliance, pad.gap, place - linear.compliance @ force, linear.solved, pad.area
         )
-        old = after.tangent if after is not None else None
+        old = None if after is None else after.tangent
         age = 1.0 if after is None or after.tangent.cut else after.tangent.age + after.distance
-        reused = age < 1.0
-        films, per_force = self._films(state.values, linear, old.per_force if old and reused else None)
+        films, per_force = self._films(state.values, linear, old.per_force if old and age < 1.0 else None)
         correction, film_correction = np.zeros_like(place), np.zeros_like(films)
         drift, stride = Drift(np.zeros((2, pad.ridge.max(initial=0))), np.zeros_like(films)), 1.0
         if after is not None:
@@ -412,7 +411,7 @@ class ChosenPad:
         return FrozenTangent(
             stride=stride,
             steady=(linear.compliance, per_force) if old is None or _is_steady(linear) else old.steady,
-            age=age if reused else 0.0,
+            age=age if age < 1.0 else 0.0,
             measured=1.0 if after is None else max(after.distance, SHORT),
             skin=skin,
             force=force,

@@ -239,7 +239,7 @@ def at_finite_strain(march: March) -> Iterator[str]:
     """Yield what to warn of where the surface folds, and where no more steps could be chosen."""
     if (step := _first_fold(march)) is not None:
         words = f"from step {step} on {march.readings[step].fold}"
-        yield f"{words}; how it folds depends on the fillets and the mesh, and that is in no error"
+        yield f"{words}; how it folds depends on fillets and mesh, which no error includes"
     drift, chosen = march.readings[-1].drift, chosen_steps(march)
     if drift is not None and chosen and drift.cut:
         words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"

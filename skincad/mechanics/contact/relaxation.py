@@ -23,7 +23,7 @@ from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalSt
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients, GrossSlip
 from skincad.mechanics.problem import ContactError
 
-# Of E by the unit's square. At first only what is smaller than a fiftieth of the unit moves, as a corner
+# Of E by the unit's square: at first only what is smaller than a fiftieth of the unit moves, such as a corner
 FIRST, WEAK, STRONGEST = 3e3, 20.0, 1e6
 # Factors of the damping after a step, after one of the next three to a failure, and after a failure
 WEAKER, CAREFUL, STRONGER = 1 / 6, 1 / 2, 4.0
@@ -37,7 +37,7 @@ def relaxed(
     drive: Drive,
     cone: FrictionCoefficients,
 ) -> FrictionalState:
-    """Return the equilibrium that the pad comes to rest in, from a state in which it is none under `drive`.
+    """Return the equilibrium in which the pad comes to rest under `drive`, from a state with none nearby.
     Raises ContactError where it doesn't, and GrossSlip as `newton` does."""
     body, hold = pad.body.damped
     slowed, state = replace(pad, body=body, tangents=[]), _not_yet_moved(before)
