@@ -11,8 +11,7 @@ equilibrium the answer; one that does not converge is cut.
 Where finite strain has no equilibrium nearby, as where a tip's corner snaps, the skin stays linear about that
 state, with the last compliance of which no corner would snap, and the error grows with the square of the
 distance moved since. Without an interval it comes to rest elsewhere (mechanics/contact/relaxation.py).
-Strides are shorter where the surface is about to fold (mechanics/contact/folding.py). Range: a plate that
-keeps its angle; quasi-static, but for what slow modes add.
+Range: a plate that keeps its angle; quasi-static, but for what slow modes add.
 Reference: steps of the plate's travel (tests/mechanics/contact/test_dragged.py), bench/leads.py.
 """
 
@@ -28,7 +27,7 @@ from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import FRICTIONLESS, Discretisation, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
-from skincad.mechanics.contact.folding import CREASES, fold_of, pinch_of, undetected_contact
+from skincad.mechanics.contact.folding import fold_of, undetected_contact
 from skincad.mechanics.contact.frictional import halved, in_halves, joined, solve_contact
 from skincad.mechanics.contact.frictional_pad import (
     ITERATIONS,
@@ -41,6 +40,7 @@ from skincad.mechanics.contact.frictional_pad import (
     newton,
     unloaded,
 )
+from skincad.mechanics.contact.newton import RESIDUAL
 from skincad.mechanics.contact.relaxation import relaxed
 from skincad.mechanics.contact.state import (
     Compliance,
@@ -59,15 +59,12 @@ UPDATE_INTERVAL = 1 / 12
 # the last one's error (in 95 % of 40 slips: the first 8 scenes of bench/leads.py's seed 1, and
 # yamada-2002-slip at friction 0.4)
 STICKING_FACTOR = 2.0
-# Iterations of a chosen step up to which the next stride is twice as long, up to a whole; after more, and
-# where the surface is about to crease, it is SHORT
-EASY, SHORT = 12, 1 / 2
-MOST_ITERATIONS = 20  # of a chosen step; then there is no equilibrium nearby
-# Where no step can be chosen drift grows as if it had been measured over so many intervals; it was over half
-# of one at least, and by that it would be told four times as large. As told, four slips of yamada-2002-slip,
-# with masses and without, hold against each step at finite strain: off by 0 to 39 of 550
-# (docs/evidence/scenes.md)
-CUT_INTERVAL = 1.0
+# A stride is SHORT after one that led further off than OFF of the largest force on a ridge, else twice the
+# last, up to a whole
+SHORT, OFF = 1 / 2, 0.01
+MOST_ITERATIONS = 12  # of a chosen step, five to ten are usual; then there is no equilibrium nearby
+ACCURACY = 1e-6  # of a chosen step's contact forces; its drift is a thousand times as large
+FRESH = 2.0  # intervals, over which a change of the films' stresses by the forces serves on
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
 MAX_HALVINGS = 2  # of a step, where each is a chosen one
 SMALLEST_PART = 1 / 2**MAX_HALVINGS  # of a step; in that it comes to rest somewhere
@@ -99,6 +96,11 @@ class FrozenTangent:
     age: float = 0.0
     cut: str = ""
     at: tuple[float, float] = (np.inf, np.inf)
+
+    def worth_retrying(self, forces: tuple[float, float]) -> bool:
+        """Return whether an equilibrium is to be looked for, after it was not found under larger forces."""
+        normal, pull = forces
+        return not self.cut or (normal <= RETRY_SHARE * self.at[0] and pull <= RETRY_SHARE * self.at[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +182,7 @@ class ChosenPad:
         """
         tangent = state.tangent
         missed, cut = tangent.drift, tangent.cut
-        grown = max(1.0, (state.distance / (CUT_INTERVAL if cut else tangent.measured)) ** 2)
+        grown = max(1.0, (state.distance / tangent.measured) ** 2)
         if not tangent.state.values.any():
             part = UPDATE_INTERVAL * state.distance
             borne = np.abs(self._of_ridges(state.contact.force))
@@ -248,10 +250,10 @@ class ChosenPad:
         """The equilibrium under a drive near `guess`, or where none is and it is wanted the one in which the
         pad `rests`; and the pad's latest tangent near it."""
         start = FrictionalState(before.tangent.state.values, before.contact)
-        steps = ITERATIONS if self.interval is None else MOST_ITERATIONS
+        how = (RESIDUAL, ITERATIONS) if self.interval is None else (ACCURACY, MOST_ITERATIONS)
         try:
             try:
-                state = newton(self.pad, start, end, cone, guess, swing, steps=steps)
+                state = newton(self.pad, start, end, cone, guess, swing, *how)
             except GrossSlip:
                 raise
             except ContactError:
@@ -285,15 +287,15 @@ class ChosenPad:
         """The state at a step's end by the last tangent, with a new one where a point has moved far enough
         and there is an equilibrium."""
         pull = before.contact.tangential.sum() if end.tangential is None else end.tangential
-        after, forces = None, (end.normal, float(abs(pull)))
+        after, tangent, forces = None, before.tangent, (end.normal, float(abs(pull)))
         try:
             after = self._linear_state(before, start, end, cone, swing)
-            if after.distance < after.tangent.stride or not self._worth_retrying(after.tangent, forces):
+            if after.distance < tangent.stride or not tangent.worth_retrying(forces):
                 return after
         except GrossSlip:
             raise
         except ContactError:  # about that state there is none under these forces
-            if not self._worth_retrying(before.tangent, forces):
+            if not tangent.worth_retrying(forces):
                 return self._linear_state(self._steady(before), start, end, cone, swing)
         guess = self._guess(before if after is None else after)
         self.pad.tangents.clear()  # of the step before, a stride away: the next is to be this step's own
@@ -308,12 +310,26 @@ class ChosenPad:
             raise
         except ContactError as failure:
             if after is None:
-                cut = replace(before.tangent, cut=str(failure), at=forces)
+                cut = replace(tangent, cut=str(failure), at=forces)
                 return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
-            return self._steady(replace(after, tangent=replace(after.tangent, cut=str(failure), at=forces)))
-        if after is None:
+            return self._steady(replace(after, tangent=replace(tangent, cut=str(failure), at=forces)))
+        if after is None or self._snapped(after, state):
             return self._jumped(before, state)
         return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
+
+    def _snapped(self, after: ChosenState, state: FrictionalState) -> bool:
+        """Whether an equilibrium is further from where the tangent has led than a stride."""
+        return self._intervals(after, self._place(state)) > after.tangent.stride
+
+    def _intervals(self, state: ChosenState, place: Array) -> float:
+        """How far a touching point is at most from places `(2 m,)`, in update intervals."""
+        away = np.hypot(*(state.place - place).reshape(2, -1))[state.contact.touches].max(initial=0.0)
+        return float(away) / self.interval if self.interval else 0.0
+
+    def _place(self, state: FrictionalState) -> Array:
+        """Where the contact points are at an equilibrium `(2 m,)`, mm."""
+        pad = self.pad
+        return np.asarray(pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ state.contact.force)
 
     def _jumped(self, before: ChosenState, state: FrictionalState) -> ChosenState:
         """The state at an equilibrium that no linear step has led to; the error before it stays."""
@@ -345,14 +361,6 @@ class ChosenPad:
         )
         return replace(state, tangent=steady)
 
-    @staticmethod
-    def _worth_retrying(tangent: FrozenTangent, forces: tuple[float, float]) -> bool:
-        """Whether an equilibrium is to be looked for, after it was not found under larger forces."""
-        normal, pull = forces
-        return not tangent.cut or (
-            normal <= RETRY_SHARE * tangent.at[0] and pull <= RETRY_SHARE * tangent.at[1]
-        )
-
     def _linear_state(
         self,
         before: ChosenState,
@@ -373,10 +381,9 @@ class ChosenPad:
                 tangent.films + tangent.per_force @ (force - tangent.force) + share * tangent.film_correction
             )
             stored = before.elastic + float((force + before.contact.force) @ (place - before.place)) / 2
-            moved = np.hypot(*(place - tangent.place).reshape(2, -1))[contact.touches].max(initial=0.0)
-            distance = max(before.distance, float(moved) / self.interval if self.interval else 0.0)
             spent = dissipated(before.contact, contact)
-            return ChosenState(contact, place, films, stored, spent, tangent, distance, chosen=False)
+            state = ChosenState(contact, place, films, stored, spent, tangent, chosen=False)
+            return replace(state, distance=max(before.distance, self._intervals(state, tangent.place)))
 
         try:
             if swing:
@@ -391,27 +398,27 @@ class ChosenPad:
         what it missed is corrected from here on."""
         pad, linear = self.pad, self.pad.tangents[0]  # of a state that is off by the drift, or nearer
         force = state.contact.force
-        place = pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ force
+        place = self._place(state)
         skin = Compliance(
             linear.compliance, pad.gap, place - linear.compliance @ force, linear.solved, pad.area
         )
         old = None if after is None else after.tangent
-        age = 1.0 if after is None or after.tangent.cut else after.tangent.age + after.distance
-        films, per_force = self._films(state.values, linear, old.per_force if old and age < 1.0 else None)
+        age = FRESH if after is None or after.tangent.cut else after.tangent.age + after.distance
+        films, per_force = self._films(state.values, linear, old.per_force if old and age < FRESH else None)
         correction, film_correction = np.zeros_like(place), np.zeros_like(films)
         drift, stride = Drift(np.zeros((2, pad.ridge.max(initial=0))), np.zeros_like(films)), 1.0
         if after is not None:
-            folding = pinch_of(pad, state).stretch < CREASES
-            stride = SHORT if folding or state.iterations > EASY else min(1.0, 2 * after.tangent.stride)
             led = after.contact.force
+            missed = np.abs(self._of_ridges(led - force))
+            far = missed.max() > OFF * np.abs(self._of_ridges(force)).max()
+            stride = SHORT if far else min(1.0, 2 * after.tangent.stride)
             film_correction = after.films - films - per_force @ (led - force)
             correction = after.place - (linear.compliance @ led + skin.free)
-            forces = STICKING_FACTOR * np.abs(self._of_ridges(led - force))
-            drift = Drift(forces, np.abs(film_correction))
+            drift = Drift(STICKING_FACTOR * missed, np.abs(film_correction))
         return FrozenTangent(
             stride=stride,
             steady=(linear.compliance, per_force) if old is None or _is_steady(linear) else old.steady,
-            age=age if age < 1.0 else 0.0,
+            age=age if age < FRESH else 0.0,
             measured=1.0 if after is None else max(after.distance, SHORT),
             skin=skin,
             force=force,

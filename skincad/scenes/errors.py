@@ -10,13 +10,14 @@ from there on they tell of different states. That change itself is taken, four t
 order in the step: points slip and stick from step to step, so the order is lower. Of yamada-2002-slip with
 110 steps the error, by 550, is 0.06 to 0.96 of the change; of steady-pull and hold, looked at afterwards,
 0.02 to 0.77. What is left out: the relative change of the ridges' loads, taken to be the signal's, of its
-largest.
+largest; and the largest change to a march with other fillets, in the steps that both are near chosen ones.
 
 How wrong the time of a slip may be, and a lead, which is the time between two: by source. Mesh and time step:
 the change to a march on the mesh before, and to one of fewer steps. What is left out: an effect that changes
 a ridge's load by a share c lets it slip when it bears 1 / (1 + c) of what it bore at its slip without that
 effect. How long before the slip the ridge bore that much is how far the slip may move; the same is taken for
-later. Range: marches whose tangential load grows towards the slip.
+later. Other fillets are such an effect: c is the mean change of the friction used over the last fifth of
+those steps, the median of all ridges at least. Range: marches whose tangential load grows towards the slip.
 """
 
 from __future__ import annotations
@@ -138,12 +139,12 @@ def stress_errors(
 ) -> dict[int, BySource]:
     """Return the errors of the `stress` of the march that counts, MPa, by monitored ridge: `change` is what
     is left out, `drift` what drifts between chosen steps."""
-    fewer = _by_fewer(runs, stress)
+    fewer, rounder = _by_fewer(runs, stress), _by_fillets(runs, stress)
     return {
         ridge: BySource(
             None if runs.error is None else runs.error.get(ridge),
             fewer.get(ridge),
-            change * float(np.abs(values).max()),
+            change * float(np.abs(values).max()) + rounder.get(ridge, 0.0),
             drift.get(ridge, 0.0),
         )
         for ridge, values in stress(runs.march).items()
@@ -161,6 +162,25 @@ def _by_fewer(runs: Runs, stress: Callable[[March], Stress]) -> dict[int, float]
     one, other = stress(every), stress(coarse)
     # both start unloaded: that they agree there says nothing
     return {r: float(np.abs(one[r][at] - other[r][indices]).max()) for r in one if at.size > 1}
+
+
+def _by_fillets(runs: Runs, stress: Callable[[March], Stress]) -> dict[int, float]:
+    """What other fillets change by ridge; nothing where no march has them."""
+    if runs.fillets is None:
+        return {}
+    steps = near_chosen(runs.march, runs.fillets)
+    one, other = stress(runs.march), stress(runs.fillets)
+    return {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
+
+
+def near_chosen(*marches: March) -> int:
+    """Return how many steps lie before one of these marches in chosen steps could choose no more."""
+    steps = [len(march.readings) for march in marches]
+    for march in marches:
+        if (drift := march.readings[-1].drift) is not None and drift.cut:
+            chosen = (i for i, reading in enumerate(march.readings) if reading.drift and reading.drift.chosen)
+            steps.append(1 + max(chosen))
+    return min(steps)
 
 
 def _gross(march: March) -> float:
@@ -219,11 +239,30 @@ def slip_errors(
         others = (parts.tolist() for parts in spreads)
         return [BySource(*parts) for parts in zip(mesh, steps, *others, strict=True)]
 
-    moved = spreads(np.full_like(missed, change)), spreads(missed)
+    moved = spreads(np.full_like(missed, change) + _with_other_fillets(runs)), spreads(missed)
     slipped = errors(lambda moments: 1e3 * moments, *moved)
     of_leads = (moved_by[:-1] + moved_by[-1] for moved_by in moved)
     leads = errors(lambda moments: 1e3 * (moments[-1] - moments[:-1]), *of_leads)
     return SlipErrors(slipped[:-1], slipped[-1], leads)
+
+
+def _with_other_fillets(runs: Runs) -> Array:
+    """By how much other fillets change the share of friction that a ridge uses, relative `(ridges,)`.
+
+    The mean of the last fifth of the steps before one of the marches chooses no more; the median of all ridges
+    where that is larger, for a ridge that slips by then uses all of it either way. 0 without other fillets.
+    """
+    if runs.fillets is None:
+        return np.zeros(runs.march.loads.shape[2])
+    steps = near_chosen(runs.march, runs.fillets)
+    used = []
+    for march in (runs.march, runs.fillets):
+        normal, pulled, _ = np.moveaxis(march.loads[4 * steps // 5 : steps], 1, 0)
+        used.append(np.divide(np.abs(pulled), normal, out=np.zeros_like(normal), where=normal > 0))
+    one, other = used
+    own, all_of_it = np.abs(one - other).mean(axis=0), one.mean(axis=0)
+    change = np.divide(own, all_of_it, out=np.zeros_like(own), where=all_of_it > 0)
+    return np.maximum(change, np.median(change))
 
 
 def _drift(march: March) -> Array:

@@ -3,9 +3,11 @@
 A scene that names no law is marched in small strain first, on one mesh after the other. Where leaving out
 finite strain changes more than a tenth, or than the tolerance that is asked, it is marched with finite strain
 in chosen steps (effects/chosen_steps.py), with free ends where they matter, on the coarsest mesh: what mesh
-and time step change is known from small strain. If the drift between chosen steps is more than a tolerance
-too, each step is taken at finite strain, unless the surface folds or no step could be chosen: a fold depends
-on the mesh in each step too.
+and time step change is known from small strain. Where the surface folds it is marched again with rounder
+fillets, to tell what a fold depends on; and where a tip's corner snaps, so that no step can be chosen, that
+march is the one that counts. If the drift between chosen steps is more than a tolerance too, each step is
+taken at finite strain, unless the surface folds or no step could be chosen: a fold depends on the mesh in
+each step too.
 """
 
 from __future__ import annotations
@@ -52,6 +54,8 @@ DEFAULT_TOLERANCE = 0.05
 # two cores of 2026; and each step of finite strain by a chosen one
 DEAR, ENDS_DEAR, OF_UNKNOWNS, DEARER = 25.0, 5.0, 22_676, 1.0
 PROMPT = 60.0  # s
+# Of the radius: rounder fillets, at tips and at roots. Where a tip has less it is that share of its width
+ROUNDER_TIP, ROUNDER_ROOT, LEAST_TIP = 4.0, 1.5, 0.4
 MATTERS = 0.1  # relative; a larger change is warned of
 ENDS_MATTER = 0.02  # relative; a larger change is computed
 
@@ -144,6 +148,7 @@ def further(
                 break
             except (InputError, RefusedError) as refusal:
                 runs = _noted(runs, NO_BETTER.format(refusal))
+        runs = _with_rounder_fillets(on, runs, budget, began)
         drift = runs.march.readings[-1].drift
         if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
             return on, runs
@@ -210,6 +215,60 @@ def _by(
     return replace(better, seconds=on.seconds), replace(runs, march=march, after=runs.after or runs.march)
 
 
+def _with_rounder_fillets(on: MarchSetup, runs: Runs, budget: float | None, began: float) -> Runs:
+    """The runs with a march with rounder fillets too, where the surface folds in chosen steps."""
+    if on.model != IN_CHOSEN_STEPS or not folds(runs.march):
+        return runs
+    price = on.seconds[IN_CHOSEN_STEPS]
+    try:
+        if budget is not None and perf_counter() - began + price > budget:
+            raise RefusedError(f"that would take about {price:.2g} s, more than the budget leaves")
+        scene = with_rounder_fillets(on.scene)
+        piece = piece_for(scene.with_(effects={FREE_ENDS: None}), on.seconds)
+        assert on.piece is not None
+        assert piece is not None
+        piece = replace(piece, pad=replace(piece.pad, ends=on.piece.pad.ends))  # fillets don't change ends
+        march = march_on(LEVELS[0], replace(on, scene=scene, piece=piece, meshes={}))
+    except (InputError, RefusedError) as refusal:
+        return _noted(runs, f"no march with rounder fillets tells what a fold changes: {refusal}")
+    if march.interrupted:
+        raise KeyboardInterrupt
+    return held_against_rounder(runs, march, scene)
+
+
+def folds(march: March) -> bool:
+    """Return whether the surface folds, or no step can be chosen any more."""
+    drift = march.readings[-1].drift
+    return _first_fold(march) is not None or (drift is not None and bool(drift.cut))
+
+
+def with_rounder_fillets(scene: Scene) -> Scene:
+    """Return the scene with rounder fillets. Raises InputError where they do not fit, and RefusedError
+    without ridges."""
+    ridge = scene.design.ridge
+    if ridge is None:
+        raise RefusedError("a skin without ridges has none")
+    tip = max(ROUNDER_TIP * ridge.tip_fillet, LEAST_TIP * ridge.tip_width)
+    return scene.with_(skin={"ridge": {"tip_fillet": tip, "root_fillet": ROUNDER_ROOT * ridge.root_fillet}})
+
+
+def held_against_rounder(runs: Runs, rounder: March, scene: Scene) -> Runs:
+    """Return the runs with a march of a `scene` with rounder fillets: the one that counts if it chooses steps
+    where the fillets as drawn let none be chosen."""
+    march, ridge = runs.march, scene.design.ridge
+    assert ridge is not None
+    last, later = ((chosen_steps(one) or [0])[-1] for one in (march, rounder))
+    drift = march.readings[-1].drift
+    if drift is None or not drift.cut or later <= last:
+        return replace(runs, fillets=rounder)
+    words = (
+        f"with fillets as drawn no step after {last} could be taken at finite strain: {drift.cut}; what is "
+        f"told is of fillets of {ridge.tip_fillet:.2g} mm at the tips and {ridge.root_fillet:.2g} mm at the "
+        "roots, and what these change is in the errors"
+    )
+    return _noted(replace(runs, march=rounder, fillets=march), words)
+
+
 def _drift(on: MarchSetup, march: March) -> float:
     """The largest drift of a monitored ridge's differential stress, of the largest stress."""
     stress = differential(on.piece, on.scene, march)
@@ -235,11 +294,13 @@ def _first_fold(march: March) -> int | None:
     return next((step for step, reading in enumerate(march.readings) if reading.fold), None)
 
 
-def at_finite_strain(march: March) -> Iterator[str]:
+def at_finite_strain(runs: Runs) -> Iterator[str]:
     """Yield what to warn of where the surface folds, and where no more steps could be chosen."""
+    march = runs.march
     if (step := _first_fold(march)) is not None:
         words = f"from step {step} on {march.readings[step].fold}"
-        yield f"{words}; how it folds depends on fillets and mesh, which no error includes"
+        told = "and what rounder ones change is in the errors" if runs.fillets else "which no error includes"
+        yield f"{words}; how it folds depends on fillets and mesh, {told}"
     drift, chosen = march.readings[-1].drift, chosen_steps(march)
     if drift is not None and chosen and drift.cut:
         words = f"after step {chosen[-1]} no step could be taken at finite strain: {drift.cut}"

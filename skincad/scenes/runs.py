@@ -61,8 +61,8 @@ class Runs:
     """A scene's marches: the one that counts, and those that tell its errors, None where there is none:
     `before` on the mesh before; `every` on the coarsest mesh, and `coarse` there with fewer steps; `after` on
     the finer mesh, where the march that counts is by another model; `heavy` under a plate as heavy as the
-    skin, on the coarsest mesh. `error` is the change from the mesh before, MPa by monitored ridge, None with
-    one mesh; `notes` say what falls short."""
+    skin, on the coarsest mesh; `fillets` with other fillets than the march that counts. `error` is the change
+    from the mesh before, MPa by monitored ridge, None with one mesh; `notes` say what falls short."""
 
     march: March
     before: March | None = None
@@ -70,6 +70,7 @@ class Runs:
     every: March | None = None
     coarse: March | None = None
     heavy: March | None = None
+    fillets: March | None = None
     error: dict[int, float] | None = None
     notes: tuple[str, ...] = ()
 

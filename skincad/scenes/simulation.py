@@ -485,7 +485,7 @@ def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
 def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simulation:
     """The result of the march that counts."""
     began = perf_counter()
-    scene, march, notes = on.scene, runs.march, [*runs.notes, *at_finite_strain(runs.march)]
+    scene, march, notes = on.scene, runs.march, [*runs.notes, *at_finite_strain(runs)]
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)

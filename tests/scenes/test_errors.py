@@ -191,6 +191,35 @@ def test_drift_counts_by_what_it_is_of_each_force_at_the_slip() -> None:
         assert errors.slips[1].drift == 0.0
 
 
+def cut_after(run: March, step: int) -> March:
+    """The march in chosen steps, of which this is the last."""
+    drifts = [Drift(np.zeros((2, 2)), np.zeros((1, 3)), i <= step, "") for i in range(len(run.readings))]
+    drifts[-1] = drifts[-1]._replace(cut="a corner snaps")
+    readings = zip(run.readings, drifts, strict=True)
+    return replace(run, readings=tuple(replace(one, drift=drift) for one, drift in readings))
+
+
+def test_other_fillets_count_by_what_they_change_until_one_march_chooses_no_more() -> None:
+    """5 % of the friction used in the last fifth of those steps, 2.5 % of all ridges; what they change later
+    nobody knows."""
+    run = two_ridges(100, 100)
+    loads = np.ones((101, 3, 2))
+    loads[:, 1] = -np.linspace(0.0, 1.0, 101)[:, None]
+    other = loads.copy()
+    other[:, 1, 0] *= np.where(np.arange(101) > 50, 1.5, np.where(np.arange(101) > 30, 1.05, 1.2))
+    march, rounder = replace(run, loads=loads), cut_after(replace(run, loads=other), 50)
+    errors = slip_errors(Runs(march, fillets=rounder), slips_of(run, 2), 0.0, False, COULOMB)
+    assert errors.slips[0].left_out == pytest.approx(10.0 * (1 - 1 / 1.05), abs=0.11)  # a step of 0.1 ms
+    assert errors.slips[1].left_out == pytest.approx(10.0 * (1 - 1 / 1.025), abs=0.11)
+
+
+def test_other_fillets_change_a_stress_by_the_most_until_then() -> None:
+    time = np.arange(11.0)
+    rounder = cut_after(pressed(time, np.where(time > 5, 9.0, 0.25 * time)), 4)
+    errors = stress_errors(Runs(pressed(time, time), fillets=rounder), stress, 0.1, {})
+    assert errors[1].left_out == pytest.approx(0.1 * 10 + 0.75 * 4 * 1.0)
+
+
 def euler(steps: int, gross: float = np.inf) -> March:
     """A stress that grows by 2 t, which steps forward miss by t times the step; of one point that slides from
     `gross` on."""

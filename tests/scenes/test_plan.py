@@ -12,16 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.effects import chosen_steps
+from skincad.base import InputError
+from skincad.effects import Drift, Observables, chosen_steps
 from skincad.outputs.simulations import lines
 from skincad.scenes import (
     LEVELS,
     Level,
     March,
+    Runs,
     Scene,
     SceneRun,
     Simulation,
     expected,
+    held_against_rounder,
     load_scene,
     marched,
     piece_for,
@@ -30,6 +33,7 @@ from skincad.scenes import (
     runs,
     simulate,
     slips_of,
+    with_rounder_fillets,
 )
 from skincad.scenes.march import march
 from tests.small_scene import THIRD, small_scene
@@ -310,6 +314,43 @@ def test_readers_are_told_of_the_march_by_its_model(folder: Path) -> None:
     simulation = read_out(scene, corrected_run(folder))
     assert simulation.as_json()["tier"] == "corrected"
     assert "events" in simulation.read
+
+
+def of_chosen(last: int, cut: str) -> March:
+    """Ten steps, every one up to the last chosen."""
+    one, none = np.ones(1, dtype=bool), np.zeros((2, 1))
+    readings = tuple(
+        Observables(
+            1.0, 1.0, 0.0, 0.0, one, ~one, none, 0.0, 0.0, 0.0, drift=Drift(none, none, i <= last, cut)
+        )
+        for i in range(11)
+    )
+    return March(np.arange(11.0), readings, np.ones(1, dtype=int), 0, None, False, {}, np.zeros((11, 3, 1)))
+
+
+@pytest.mark.parametrize(
+    ("drawn", "rounder", "counts"),
+    [((4, "snaps"), (9, ""), True), ((4, "snaps"), (4, "snaps"), False), ((9, ""), (9, ""), False)],
+)
+def test_rounder_fillets_count_where_those_as_drawn_let_no_step_be_chosen(
+    drawn: tuple[int, str], rounder: tuple[int, str], counts: bool
+) -> None:
+    one, other = of_chosen(*drawn), of_chosen(*rounder)
+    scene = with_rounder_fillets(load_scene("yamada-2002-slip"))
+    runs = held_against_rounder(Runs(one), other, scene)
+    assert (runs.march, runs.fillets) == ((other, one) if counts else (one, other))
+    assert ["0.2 mm at the tips" in note for note in runs.notes] == [True] * counts
+
+
+def test_rounder_fillets_are_larger_and_there_where_none_are_drawn() -> None:
+    scene = load_scene("yamada-2002-slip")
+    drawn, ridge = scene.design.ridge, with_rounder_fillets(scene).design.ridge
+    assert ridge.tip_fillet == pytest.approx(4 * drawn.tip_fillet)
+    assert ridge.root_fillet == pytest.approx(1.5 * drawn.root_fillet)
+    sharp = scene.with_(skin={"ridge": {"tip_fillet": 0.0, "root_fillet": 0.0}})
+    assert with_rounder_fillets(sharp).design.ridge.tip_fillet == pytest.approx(0.4 * drawn.tip_width)
+    with pytest.raises(InputError):  # wider than what is left of a groove
+        with_rounder_fillets(scene.with_(skin={"ridge": {"root_width": 0.84}}))
 
 
 @pytest.mark.evidence(subject="finer steps: chosen steps of scenes")

@@ -2,8 +2,8 @@
 
 A limit of the material, not of the mesh. In plane strain a smooth neo-Hookean surface compressed along itself
 to the stretch WRINKLES is unstable at every wavelength (Biot, Appl. Sci. Res. A 12 (1963) 168; 0.544), so the
-finer the mesh the more surely it folds there. A defect starts a crease from the stretch CREASES on (Hong,
-Zhao and Suo, Appl. Phys. Lett. 95 (2009) 111901; 0.646). A crease is contact of the skin with itself, which
+finer the mesh the more surely it folds there. A defect starts a crease from the stretch 0.646 on (Hong,
+Zhao and Suo, Appl. Phys. Lett. 95 (2009) 111901). A crease is contact of the skin with itself, which
 no model here knows.
 """
 
@@ -20,7 +20,6 @@ from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalSt
 from skincad.mechanics.contact.state import ContactState
 
 WRINKLES = 0.544
-CREASES = 0.646
 LEAST_VOLUME = 0.02  # of an element's at rest, at any of its points; less is hardly a solution
 FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh
 

@@ -394,12 +394,11 @@ def test_pinch_finds_the_most_compressed_free_surface() -> None:
     assert folding.pinch([loop(0.5, 1.0)], 1.0).stretch == np.inf
 
 
-def test_limits_are_biots_and_hongs() -> None:
+def test_the_limit_is_biots() -> None:
     """A half-space in plane strain, l its stretch: surface waves where l^6 + l^4 + 3 l^2 = 1."""
     roots = np.roots([1.0, 1.0, 3.0, -1.0])
     square = roots[np.isreal(roots)].real.max()
     assert np.sqrt(square) == pytest.approx(folding.WRINKLES, abs=5e-4)
-    assert folding.WRINKLES < folding.CREASES == 1 - 0.354
 
 
 @pytest.mark.slow
