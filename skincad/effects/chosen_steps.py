@@ -62,7 +62,7 @@ STICKING_FACTOR = 2.0
 # A stride is SHORT after one that led further off than OFF of the largest force on a ridge, else twice the
 # last, up to a whole
 SHORT, OFF = 1 / 2, 0.01
-MOST_ITERATIONS = 12  # of a chosen step, five to ten are usual; then there is no equilibrium nearby
+MOST_ITERATIONS = 20  # of a chosen step, three to ten are usual; then there is no equilibrium nearby
 ACCURACY = 1e-6  # of a chosen step's contact forces; its drift is a thousand times as large
 FRESH = 2.0  # intervals, over which a change of the films' stresses by the forces serves on
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
@@ -314,7 +314,7 @@ class ChosenPad:
                 return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
             return self._steady(replace(after, tangent=replace(tangent, cut=str(failure), at=forces)))
         if after is None or self._snapped(after, state):
-            return self._jumped(before, state)
+            return self._jumped(before, state, after)
         return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
 
     def _snapped(self, after: ChosenState, state: FrictionalState) -> bool:
@@ -331,9 +331,16 @@ class ChosenPad:
         pad = self.pad
         return np.asarray(pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ state.contact.force)
 
-    def _jumped(self, before: ChosenState, state: FrictionalState) -> ChosenState:
-        """The state at an equilibrium that no linear step has led to; the error before it stays."""
+    def _jumped(self, before: ChosenState, state: FrictionalState, after: ChosenState | None) -> ChosenState:
+        """The state at an equilibrium that no linear step has led to, or one far off, `after`; the error before it
+        stays, or what that missed."""
         found, old, drift = self._at(state), before.tangent, self.drift(before)
+        if after is not None:
+            missed = STICKING_FACTOR * np.abs(self._of_ridges(after.contact.force - state.contact.force))
+            off = np.abs(after.films - found.films)
+            drift = drift._replace(
+                forces=np.maximum(drift.forces, missed), films=np.maximum(drift.films, off)
+            )
         work = float((state.contact.force + before.contact.force) @ (found.place - before.place)) / 2
         tangent = replace(
             found.tangent,

@@ -27,6 +27,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
+from skincad.scenes.errors import near_chosen
 from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
 from skincad.scenes.runs import (
     MarchSetup,
@@ -45,6 +46,7 @@ from skincad.shape.skin import skin_of
 SMALL_STRAIN, FINITE_STRAIN = "small_strain", "finite_strain"
 IN_CHOSEN_STEPS = "corrected"  # as the JSON key `tier` has it; a check's `corrected` is another model
 FREE_ENDS = "free_ends"
+ROUNDER = "rounder fillets"  # stage
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
 DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
 NO_BETTER = "no model beyond this one was marched: {}"
@@ -54,8 +56,8 @@ DEFAULT_TOLERANCE = 0.05
 # two cores of 2026; and each step of finite strain by a chosen one
 DEAR, ENDS_DEAR, OF_UNKNOWNS, DEARER = 25.0, 5.0, 22_676, 1.0
 PROMPT = 60.0  # s
-# Of the radius: rounder fillets, at tips and at roots. Where a tip has less it is that share of its width
-ROUNDER_TIP, ROUNDER_ROOT, LEAST_TIP = 4.0, 1.5, 0.4
+# Rounder fillets: at tips of the width, at roots of the radius. At half as much at tips corners still snap
+ROUNDER_TIP, ROUNDER_ROOT = 0.4, 1.5
 MATTERS = 0.1  # relative; a larger change is warned of
 ENDS_MATTER = 0.02  # relative; a larger change is computed
 
@@ -150,7 +152,13 @@ def further(
                 runs = _noted(runs, NO_BETTER.format(refusal))
         runs = _with_rounder_fillets(on, runs, budget, began)
         drift = runs.march.readings[-1].drift
-        if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
+        # the fillets of each step would be those as drawn
+        if (
+            tol is None
+            or drift is None
+            or runs.fillets is not None
+            or (relative := _drift(on, runs.march)) <= tol
+        ):
             return on, runs
         notes = runs.notes
         runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
@@ -228,7 +236,8 @@ def _with_rounder_fillets(on: MarchSetup, runs: Runs, budget: float | None, bega
         assert on.piece is not None
         assert piece is not None
         piece = replace(piece, pad=replace(piece.pad, ends=on.piece.pad.ends))  # fillets don't change ends
-        march = march_on(LEVELS[0], replace(on, scene=scene, piece=piece, meshes={}))
+        march = march_on(LEVELS[0], replace(on, scene=scene, piece=piece, meshes={}, seconds={}))
+        on.took(ROUNDER, sum(march.seconds.values()))
     except (InputError, RefusedError) as refusal:
         return _noted(runs, f"no march with rounder fillets tells what a fold changes: {refusal}")
     if march.interrupted:
@@ -248,8 +257,10 @@ def with_rounder_fillets(scene: Scene) -> Scene:
     ridge = scene.design.ridge
     if ridge is None:
         raise RefusedError("a skin without ridges has none")
-    tip = max(ROUNDER_TIP * ridge.tip_fillet, LEAST_TIP * ridge.tip_width)
-    return scene.with_(skin={"ridge": {"tip_fillet": tip, "root_fillet": ROUNDER_ROOT * ridge.root_fillet}})
+    tip, root = max(ridge.tip_fillet, ROUNDER_TIP * ridge.tip_width), ROUNDER_ROOT * ridge.root_fillet
+    if (tip, root) == (ridge.tip_fillet, ridge.root_fillet):
+        raise RefusedError("its fillets are as round as can be")
+    return scene.with_(skin={"ridge": {"tip_fillet": tip, "root_fillet": root}})
 
 
 def held_against_rounder(runs: Runs, rounder: March, scene: Scene) -> Runs:
@@ -257,9 +268,14 @@ def held_against_rounder(runs: Runs, rounder: March, scene: Scene) -> Runs:
     where the fillets as drawn let none be chosen."""
     march, ridge = runs.march, scene.design.ridge
     assert ridge is not None
+    if near_chosen(march, rounder) <= 1:
+        return _noted(
+            runs, "no march with rounder fillets tells what a fold changes: no step is common to both"
+        )
+    worse = rounder.failed and len(rounder.readings) < len(march.readings)
     last, later = ((chosen_steps(one) or [0])[-1] for one in (march, rounder))
     drift = march.readings[-1].drift
-    if drift is None or not drift.cut or later <= last:
+    if drift is None or not drift.cut or worse or later <= last:
         return replace(runs, fillets=rounder)
     words = (
         f"with fillets as drawn no step after {last} could be taken at finite strain: {drift.cut}; what is "

@@ -345,10 +345,12 @@ def test_rounder_fillets_count_where_those_as_drawn_let_no_step_be_chosen(
 def test_rounder_fillets_are_larger_and_there_where_none_are_drawn() -> None:
     scene = load_scene("yamada-2002-slip")
     drawn, ridge = scene.design.ridge, with_rounder_fillets(scene).design.ridge
-    assert ridge.tip_fillet == pytest.approx(4 * drawn.tip_fillet)
+    assert ridge.tip_fillet == pytest.approx(0.4 * drawn.tip_width)
     assert ridge.root_fillet == pytest.approx(1.5 * drawn.root_fillet)
     sharp = scene.with_(skin={"ridge": {"tip_fillet": 0.0, "root_fillet": 0.0}})
     assert with_rounder_fillets(sharp).design.ridge.tip_fillet == pytest.approx(0.4 * drawn.tip_width)
+    round_already = scene.with_(skin={"ridge": {"tip_fillet": 0.22}})
+    assert with_rounder_fillets(round_already).design.ridge.tip_fillet == 0.22
     with pytest.raises(InputError):  # wider than what is left of a groove
         with_rounder_fillets(scene.with_(skin={"ridge": {"root_width": 0.84}}))
 
