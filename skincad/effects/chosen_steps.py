@@ -332,8 +332,8 @@ class ChosenPad:
         return np.asarray(pad.rows @ state.values[pad.contact] * pad.unit + pad.ends @ state.contact.force)
 
     def _jumped(self, before: ChosenState, state: FrictionalState, after: ChosenState | None) -> ChosenState:
-        """The state at an equilibrium that no linear step has led to, or one far off, `after`; the error before it
-        stays, or what that missed."""
+        """The state at an equilibrium that no linear step has led to, or one far off, `after`; the error
+        before stays, or what that missed."""
         found, old, drift = self._at(state), before.tangent, self.drift(before)
         if after is not None:
             missed = STICKING_FACTOR * np.abs(self._of_ridges(after.contact.force - state.contact.force))

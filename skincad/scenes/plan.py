@@ -152,18 +152,12 @@ def further(
                 runs = _noted(runs, NO_BETTER.format(refusal))
         runs = _with_rounder_fillets(on, runs, budget, began)
         drift = runs.march.readings[-1].drift
-        # the fillets of each step would be those as drawn
-        if (
-            tol is None
-            or drift is None
-            or runs.fillets is not None
-            or (relative := _drift(on, runs.march)) <= tol
-        ):
+        if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
             return on, runs
         notes = runs.notes
         runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
         # each step folds as these do, and takes long where none can be chosen; a law that is named stays
-        if drift.cut or _first_fold(runs.march) is not None or on.model != IN_CHOSEN_STEPS:
+        if runs.fillets or folds(runs.march) or on.model != IN_CHOSEN_STEPS:
             return on, runs
         price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count
         price /= len(chosen_steps(runs.march) or [0])
@@ -269,9 +263,8 @@ def held_against_rounder(runs: Runs, rounder: March, scene: Scene) -> Runs:
     march, ridge = runs.march, scene.design.ridge
     assert ridge is not None
     if near_chosen(march, rounder) <= 1:
-        return _noted(
-            runs, "no march with rounder fillets tells what a fold changes: no step is common to both"
-        )
+        words = "no march with rounder fillets tells what a fold changes: both have no chosen step in common"
+        return _noted(runs, words)
     worse = rounder.failed and len(rounder.readings) < len(march.readings)
     last, later = ((chosen_steps(one) or [0])[-1] for one in (march, rounder))
     drift = march.readings[-1].drift
