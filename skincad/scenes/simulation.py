@@ -392,8 +392,9 @@ def simulate(
     A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
     strain in chosen steps next, then in each (scenes/plan.py): `model` and `scene` of the result say so.
     Without `tol` chosen steps are taken where they change more than a tenth and are expected to take at most
-    a minute; what free ends change is computed too. With `model="small_strain"` neither is: the effects are
-    the scene's own, for many scenes or for a first look.
+    a minute; what free ends change is computed too. Where the surface folds they are taken again with rounder
+    fillets; where a corner snaps these are what is told, and `warnings` says so. With `model="small_strain"`
+    neither is: the effects are the scene's own, for many scenes or for a first look.
 
     `seconds` are by stage; `effect <name>` are those that an effect's own code took, beside what it makes
     others' work longer, which only a run without it tells (`skincad accuracy --ladder effects`).
