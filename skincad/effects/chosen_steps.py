@@ -64,8 +64,8 @@ STICKING_FACTOR = 2.0
 SHORT, OFF = 1 / 2, 0.01
 MOST_ITERATIONS = 20  # of a chosen step, three to ten are usual; then there is no equilibrium nearby
 ACCURACY = 1e-6  # of a chosen step's contact forces; its drift is a thousand times as large
-# Intervals over which a change of the films' stresses by the forces serves on. Of yamada-2002-slip at friction
-# 0.4 the stress drifts by 2.4 %, with 2 intervals by 6 %
+# Intervals over which a change of the films' stresses by the forces serves on. Of yamada-2002-slip at
+# friction 0.4 the stress drifts by 2.4 %, with 2 intervals by 6 %
 FRESH = 1.0
 RETRY_SHARE = 0.9  # of the forces without an equilibrium; below both of them it is searched for again
 MAX_HALVINGS = 2  # of a step, where each is a chosen one
