@@ -1,10 +1,9 @@
 """Whether leads of slip hold within their errors: small strain's, those of chosen steps, and of slow modes.
 
 `python -m bench.leads 3 20`: 20 random scenes of seed 3, three to seven ridges pulled to gross slip, half of
-them eased on the way. The judge is finite
-strain in each step, with twice the steps and on a mesh twice as fine. Errors are those of `simulate --tol`,
-without what else the scene leaves out. Half a minute to two a scene. STICKING_FACTOR of
-effects/chosen_steps.py was found on seed 1.
+them eased on the way. The judge is finite strain in each step, with twice the steps and on a mesh twice as
+fine. Errors are those of `simulate --tol`, without what else the scene leaves out. Half a minute to two a
+scene. STICKING_FACTOR of effects/chosen_steps.py was found on seed 1.
 
 `python -m bench.leads 7002 20 folds`: such scenes, half of them at a friction of 0.7 to 1.1, at which most
 fold; one to five minutes a scene. Where the judge's own corners snap late, it tells the slips until then. The
@@ -166,10 +165,8 @@ def strain(rng: np.random.Generator, number: int, folding: bool = False) -> tupl
     seconds = ", ".join(f"{took:.0f}" for took in np.diff(clock))
     words = "folds, " if found.fillets else ""
     words += "rounder fillets count, " if found.notes else ""
-    return (
-        rows or None,
-        f"{words}{chosen} steps chosen of {scene.history.steps}; {seconds} s; {judge.stopped}",
-    )
+    words += f"{chosen} steps chosen of {scene.history.steps}; {seconds} s; {judge.stopped}"
+    return rows or None, words
 
 
 def scene_of(rng: np.random.Generator, number: int) -> Scene:

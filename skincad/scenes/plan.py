@@ -150,7 +150,7 @@ def further(
                 break
             except (InputError, RefusedError) as refusal:
                 runs = _noted(runs, NO_BETTER.format(refusal))
-        runs = _with_rounder_fillets(on, runs, budget, began)
+        runs = _marched_rounder(on, runs, budget, began)
         drift = runs.march.readings[-1].drift
         if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
             return on, runs
@@ -217,7 +217,7 @@ def _by(
     return replace(better, seconds=on.seconds), replace(runs, march=march, after=runs.after or runs.march)
 
 
-def _with_rounder_fillets(on: MarchSetup, runs: Runs, budget: float | None, began: float) -> Runs:
+def _marched_rounder(on: MarchSetup, runs: Runs, budget: float | None, began: float) -> Runs:
     """The runs with a march with rounder fillets too, where the surface folds in chosen steps."""
     if on.model != IN_CHOSEN_STEPS or not folds(runs.march):
         return runs

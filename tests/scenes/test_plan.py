@@ -342,6 +342,20 @@ def test_rounder_fillets_count_where_those_as_drawn_let_no_step_be_chosen(
     assert ["0.2 mm at the tips" in note for note in runs.notes] == [True] * counts
 
 
+def test_a_rounder_march_that_fails_early_does_not_count() -> None:
+    one, other = of_chosen(2, "snaps"), of_chosen(5, "")
+    failed = replace(other, failed=True, readings=other.readings[:6])
+    runs = held_against_rounder(Runs(one), failed, with_rounder_fillets(load_scene("yamada-2002-slip")))
+    assert (runs.march, runs.fillets) == (one, failed)
+
+
+def test_without_a_common_chosen_step_what_a_fold_changes_is_said_to_be_unknown() -> None:
+    one, scene = of_chosen(0, "snaps"), with_rounder_fillets(load_scene("yamada-2002-slip"))
+    runs = held_against_rounder(Runs(one), of_chosen(9, ""), scene)
+    assert (runs.march, runs.fillets) == (one, None)
+    assert "no chosen step in common" in runs.notes[0]
+
+
 def test_rounder_fillets_are_larger_and_there_where_none_are_drawn() -> None:
     scene = load_scene("yamada-2002-slip")
     drawn, ridge = scene.design.ridge, with_rounder_fillets(scene).design.ridge
