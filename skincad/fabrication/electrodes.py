@@ -141,6 +141,15 @@ def past_tabs(design: Design) -> str:
     )
 
 
+def masked(job: Job) -> float:
+    """Return how much of lead and tab is masked while a strip is drawn in, mm: no mask passes a notch; 0
+    without film."""
+    if job.design.film is None:
+        return 0.0
+    plate = job.design.mold.end_plate if job.bent else 0.0
+    return tab(job.design.film)[1] + max(0.0, job.lead - plate)
+
+
 def electrode_findings(job: Job) -> list[Finding]:
     """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film."""
     slot = job.skin.slot
@@ -193,6 +202,16 @@ class FanOut(NamedTuple):
     spacing: float
     offset: float
     lead: float
+
+    @property
+    def first(self) -> str:
+        """The first strip's name."""
+        return f"{self.strips[0].feature} {self.strips[0].side}"
+
+    @property
+    def last(self) -> str:
+        """The last strip's name."""
+        return f"{self.strips[-1].feature} {self.strips[-1].side}"
 
 
 def fan_out(job: Job) -> FanOut | None:

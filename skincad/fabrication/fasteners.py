@@ -128,6 +128,37 @@ def purpose(job: Job, part: Part, role: CutRole) -> str:
     return _FOR[role]
 
 
+class Threads(NamedTuple):
+    """Threads that come alike: their name, how their inserts are set, "" where they are tapped, how deep, ""
+    where that is all of their holes, and the parts that have them."""
+
+    name: str
+    how: str
+    deep: str
+    parts: list[str]
+
+
+def threads(job: Job) -> list[Threads]:
+    """Return the threads of all made parts, by what brings them."""
+    where: dict[str, list[str]] = {}
+    for part in job.closed.made:
+        for role in sorted(THREADED, key=lambda role: role.name):
+            if bores(part, role):
+                names = where.setdefault(thread(job, part, role), [])
+                names += [part.name] * (part.name not in names)
+    rows = []
+    for what, names in where.items():
+        kind, _, how = what.partition(" insert, ")
+        name, _, deep = what.partition(" x ")
+        rows.append(Threads(kind if how else name, how, "" if how else deep, names))
+    return rows
+
+
+def press_fits(job: Job) -> list[str]:
+    """Return the parts into which dowels are pressed."""
+    return [p.name for p in job.closed.made if any(is_pressed(p, r) and bores(p, r) for r in PINNED)]
+
+
 def thread(job: Job, part: Part, role: CutRole) -> str:
     """Return the thread of a bore, or what brings one; "" where it has none."""
     if role not in THREADED:

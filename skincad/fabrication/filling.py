@@ -127,11 +127,6 @@ def open_trough(closed: ClosedMold) -> Void:
     return Void((Space("skin", closed.first(PartRole.SKIN).body, PartRole.SKIN, open_at=0.0),))
 
 
-def perforated(closed: ClosedMold) -> bool:
-    """Whether the carrier has holes besides its vent, which silicone fills."""
-    return bool(bores(closed.first(PartRole.CARRIER), CutRole.RIVET))
-
-
 def _gap(design: Design, carrier: Body) -> list[Prism]:
     gap = design.mold.clearance
     if gap == 0.0 or design.skin.round or not isinstance(carrier, Prism):

@@ -5,6 +5,7 @@ Rules, patterns, drawings and the sheet receive it. It plans; what is made by it
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -13,11 +14,13 @@ from skincad.inputs.material import silicone
 from skincad.inputs.process import Process, processes
 from skincad.inputs.silicone import Silicone
 from skincad.shape.skin import Section, Skin, section, skin_of
+from skincad.solids.bone import Bone, bone_of, pinned
+from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.ends import gate
 from skincad.solids.inserts import lead_length
-from skincad.solids.layout import Fits, Layout, fits, is_clamped, layout
+from skincad.solids.layout import Fits, Layout, end_angle, fits, is_clamped, layout
 from skincad.solids.mold import ClosedMold, mold
-from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
+from skincad.solids.plan import CAVITIES, END_PLATES, Bore, CutRole, Part, PartRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
 
@@ -50,6 +53,51 @@ class Job:
         """Whether the skin is curved along y too."""
         return self.design.skin.curvature_radius_y is not None
 
+    @property
+    def rise(self) -> float:
+        """By how much the ends of a doubly curved mold lean, deg."""
+        return math.degrees(end_angle(self.design))
+
+    @property
+    def tips(self) -> bool:
+        """Whether a base of cups closes pins' through holes."""
+        return parts_at_tips(self.cast)
+
+    @property
+    def blind(self) -> bool:
+        """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""
+        return self.skin.symmetry == "revolved" and not self.tips
+
+    @property
+    def split(self) -> bool:
+        """Whether the cavity is in pieces."""
+        return bool(split_ridges(self.design))
+
+    @property
+    def ends(self) -> bool:
+        """Whether end plates close the cavity."""
+        return bool(self.closed.of(*END_PLATES))
+
+    @property
+    def disc(self) -> bool:
+        """Whether the cavity is a disc in a block."""
+        return bool(self.closed.of(PartRole.BLOCK))
+
+    @property
+    def riveted(self) -> bool:
+        """Whether the carrier has holes besides its vent, in which silicone holds the skin like rivets."""
+        return bool(bores(self.closed.first(PartRole.CARRIER), CutRole.RIVET))
+
+    @property
+    def bone(self) -> Bone | None:
+        """What the skin is cast on; None where that is its carrier."""
+        return bone_of(self.cast)
+
+    @cached_property
+    def bone_rods(self) -> list[Bore]:
+        """The rods on which a bone stands under the carrier."""
+        return pinned(self.cast)
+
     @cached_property
     def shrinkage(self) -> float:
         """The linear shrinkage that the mold makes up for."""
@@ -59,6 +107,11 @@ class Job:
     def cast(self) -> Design:
         """What is poured, so that it cures to the design: scaled for shrinkage."""
         return scaled_for_shrinkage(self.design)
+
+    @property
+    def poured_part(self) -> Part:
+        """The skin as poured; the first one's of a gang."""
+        return self.closed.first(PartRole.SKIN)
 
     @cached_property
     def cast_skin(self) -> Skin:

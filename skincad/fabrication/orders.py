@@ -18,7 +18,7 @@ from skincad.fabrication.part_drawing import (
     what_matters,
 )
 from skincad.fabrication.parts_list import Item, parts_list
-from skincad.fabrication.printing import bed_words, face_down, print_plates, print_settings
+from skincad.fabrication.printing import bed_words, face_down, print_plates, print_settings, supported
 from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import display_name
 from skincad.inputs.process import Process
@@ -66,11 +66,10 @@ def _process_order(
     process, closed = job.processes[name], job.closed
     parts = [part for part in closed.made if job.maker(part) == name]
     items = {item.what: item for item in parts_list(job)}
-    supports = any(f.rule == "overhang" and f.where.endswith(f"by {name}") for f in findings)
     return _order(
         job,
         title=process_words(job, parts[0]),
-        settings=print_settings(process, supports) if process.layer else "",
+        settings=print_settings(process, supported(name, findings)) if process.layer else "",
         bed=bed_words(process),
         rows=[_row(job, part, items[part.name], crests, solids) for part in parts],
         general=_general(job, parts, process),

@@ -1,5 +1,5 @@
-"""Papers: texts of templates/papers, filled in with facts of a job. A fact is computed in one place alone, so
-no two papers say two numbers of it."""
+"""Papers: texts of templates/papers, which ask a job and the rooms that plan it. A number is computed in one
+place alone, so no two papers say two of it."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
@@ -47,6 +48,7 @@ DEGAS_MIN, DEGAS_MBAR = 3.0, 50.0  # source: makers' data sheets, 2 to 3 min at 
 USUAL_C, COLD_C = 23.0, 18.0  # C, source: data sheets state pot life at 23; assumption: a cool workshop
 RISE = 4.0  # of its height, to which a mix rises as it is degassed, source: makers' data sheets, 3 to 4
 DOUBLING_K = 10.0  # K, assumption: by which a platinum cure gets twice as fast
+SLOWER = 2 ** ((USUAL_C - COLD_C) / DOUBLING_K)
 LAG = 0.1  # assumption: of the skin's length, by which a groove's front may stay behind
 MOST_MINUTES = 5.0  # assumption: longer than that nobody waits for a groove
 
@@ -144,6 +146,20 @@ def small_batch(material: Silicone) -> float:
     """Return the least that is mixed, g: the smaller portion is still weighed to 2 %."""
     least = 0.0 if material.mix is None else LEAST_PORTION * sum(material.mix) / min(material.mix)
     return float(math.ceil(max(LEAST_MIX, least)))
+
+
+class PostCure(NamedTuple):
+    """A post-cure: C and h, first and second; by how many percent E rises."""
+
+    warm: int
+    hours: int
+    hot: int
+    more: int
+    percent: int
+
+
+# source: silicone makers' technical bulletins have 80 and 100 C; assumption: by how much E rises
+POST_CURE = PostCure(80, 2, 100, 1, 5)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent, laid_on_end, on_end
 from skincad.fabrication.meshes import BedPart, Spot, arranged, plates
 from skincad.fabrication.papers import listed
+from skincad.fabrication.rules import Finding
 from skincad.inputs.process import Process
 from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
 
@@ -43,6 +45,38 @@ def print_plates(job: Job) -> list[PrintPlate]:
         PrintPlate(number, name, tuple(_spots(plate, job.processes[name])))
         for number, (name, plate) in enumerate(rows, 1)
     ]
+
+
+class Prints(NamedTuple):
+    """Prints by one process: the slicer's settings, and the plates in words."""
+
+    process: str
+    settings: str
+    plates: str
+
+
+def prints(job: Job, findings: Iterable[Finding]) -> list[Prints]:
+    """Return how parts are printed, by process; `findings` are the mold's."""
+    rows: dict[str, list[str]] = {}
+    for plate in print_plates(job):
+        names = ", ".join(spot.name for spot in plate.spots)
+        rows.setdefault(plate.process, []).append(f"{plate.file}: {names}")
+    return [
+        Prints(name, print_settings(job.processes[name], supported(name, findings)), "; ".join(on))
+        for name, on in rows.items()
+    ]
+
+
+def supported(process: str, findings: Iterable[Finding]) -> bool:
+    """Whether parts by a process need supports."""
+    return any(f.rule == "overhang" and f.where.endswith(f"by {process}") for f in findings)
+
+
+def printed(job: Job) -> list[str]:
+    """Return which parts of the mold are printed, by what they are called."""
+    makers = {"cavity": job.cavity_process, **({"end plates": job.end_process} if job.ends else {})}
+    makers |= {"cover": job.lid_process, **({"plugs": job.lid_process} if job.closed.plugs else {})}
+    return [name for name, process in makers.items() if process.layer]
 
 
 def _on_bed(job: Job, part: Part) -> BedPart:

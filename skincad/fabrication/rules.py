@@ -102,6 +102,18 @@ def coating(job: Job, process: Process) -> float:
     return process.coating if process.inhibits_platinum and job.silicone.platinum_cure else 0.0
 
 
+def inhibiting(job: Job) -> list[str]:
+    """Return the parts that are washed, cured and baked for the silicone's sake."""
+    if not job.silicone.platinum_cure:
+        return []
+    return [part.name for part in job.closed.made if job.process(part).inhibits_platinum]
+
+
+def coats(job: Job) -> list[float]:
+    """Return the thicknesses of the coats that seal them, mm."""
+    return sorted({coating(job, job.process(part)) for part in job.closed.made} - {0.0})
+
+
 def walls_close(job: Job, process: Process) -> float:
     """Return by how much each wall of a notch comes nearer than it is drawn, mm: growth, and a coat where one
     is needed."""

@@ -6,14 +6,27 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from skincad.base.version import __version__
+from skincad.fabrication import (
+    day_plan,
+    electrodes,
+    fasteners,
+    part_drawing,
+    patterns,
+    pouring,
+    printing,
+    rules,
+    shopping,
+    strips,
+)
 from skincad.fabrication.estimates import ProcessEstimate, lines
-from skincad.fabrication.facts import Facts
 from skincad.fabrication.inspection import Inspection, inspection_lines
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import paper
 from skincad.fabrication.rules import Finding, counted
+from skincad.inputs.catalog import display_name
+from skincad.solids import inserts
 from skincad.solids.mold import Move
-from skincad.solids.plan import END_PLATES, PartRole
+from skincad.solids.plan import END_PLATES, CutRole, PartRole
 
 FIRST = "trial"  # the step that is numbered 0
 OPENS = "cure"  # the step after which the mold is opened
@@ -84,8 +97,22 @@ def _sheet(
 
     text = paper(
         "casting-sheet.md",
-        f=Facts(job, tuple(findings or ())),
+        job=job,
+        title=display_name(job.design),
         step=step,
+        role=PartRole,
+        cut=CutRole,
+        day=day_plan,
+        drawing=part_drawing,
+        electrodes=electrodes,
+        fastening=fasteners,
+        inserts=inserts,
+        patterns=patterns,
+        pouring=pouring,
+        printing=printing,
+        rules=rules,
+        shopping=shopping,
+        strips=strips,
         passed=passed,
         counted=counted(findings or []),
         verdict=verdict,

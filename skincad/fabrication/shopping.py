@@ -13,7 +13,6 @@ from typing import NamedTuple
 from skincad.base.reading import markdown_text
 from skincad.fabrication.electrodes import tab
 from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, screws_to_buy
-from skincad.fabrication.filling import perforated
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import listed
 from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
@@ -76,7 +75,7 @@ def _filling(job: Job) -> Iterator[Need]:
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:
         yield Need(1, "soft brush", "2 mm wide or less", "the mix into the grooves")
-    primed = ["the carrier's lower face"] * (not perforated(job.closed))
+    primed = ["the carrier's lower face"] * (not job.riveted)
     primed += ["the cured layers' backs"] * any(pour.bond == "primer" for pour in made)
     if primed and job.design.film is None:
         yield Need(1, PRIMER, "with a fine brush", " and ".join(primed), "ml")

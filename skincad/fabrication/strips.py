@@ -32,6 +32,7 @@ from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import GUARD_TOLERANCE
 from skincad.solids.cavity import SAFE_SHARE
 from skincad.solids.gate import GRAVITY
+from skincad.solids.plan import CutRole, PartRole, bores
 
 if TYPE_CHECKING:
     pass
@@ -325,6 +326,41 @@ def pull_test(job: Job) -> Pull | None:
     by_film, by_bond = PVDF_YIELD * slot.depth * film.thickness, BOND_STRENGTH * faces
     force = MOST_PULL * min(by_film, by_bond)
     return Pull(force, by_film <= by_bond, force / faces)
+
+
+RIVET_STRAIN = 0.5  # assumption: of a rivet's neck under the test, well below what breaks silicone
+BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed back
+
+
+def pull_off(job: Job) -> float:
+    """Return the pull, N, that shows that the carrier or bone holds the skin: on rivets' necks or a primed
+    face."""
+    bone, skin = job.bone, job.design.skin
+    if bone is not None and job.design.mold.bone_bond != "rivets":
+        return BOND_SHARE * BOND_STRENGTH * float(bone.shadow(2, 0.0).area)
+    necks = bone.rivets if bone else bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET)
+    if necks:
+        area = math.fsum(math.pi * bore.radius**2 for bore in necks)
+        return area * job.silicone.young_modulus.value * RIVET_STRAIN
+    bond = BOND_SHARE * BOND_STRENGTH * job.design.mold.cavities
+    return bond * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
+
+
+def drift_in(job: Job, seconds: float) -> float:
+    """Return by how much strips that are cast in give way, mm, where filling takes this long: as the front's
+    speed, so by less than in `mold.fill_time`."""
+    flow = pour(job)
+    return flow.drift * job.design.mold.fill_time / seconds if flow else 0.0
+
+
+def cure_of_films(job: Job) -> str:
+    """Return how strips that are drawn in cure, as words."""
+    material = job.silicone
+    long = "as long as its data sheet asks" if material.cure_h is None else f"{material.cure_h:g} h"
+    warm = "room temperature" if material.cure_c is None else f"{material.cure_c:g} °C"
+    if material.cure_c is not None and material.cure_c > HIGHEST_FILM_TEMPERATURE:
+        long, warm = "as long as its data sheet asks", f"{HIGHEST_FILM_TEMPERATURE:g} °C or less"
+    return f"{long} at {warm}"
 
 
 def drawing_findings(job: Job) -> list[Finding]:
