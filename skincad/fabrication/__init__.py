@@ -31,6 +31,6 @@ __getattr__, __dir__ = face(
     printing: PrintPlate print_plates
     rules: Finding counted walls_close warning
     sheet: casting_sheet opening_steps sheet_steps
-    strips: strip_findings
+    strips: pull_off strip_findings
     """,
 )

@@ -24,9 +24,16 @@ CHORD = 5e-3  # mm, of arcs in the section: a tenth of a line's width at 10:1
 ASIDE = 1e-3  # mm, by which the cut lies beside the middle, where meshes may have edges
 LEAST_AREA = 0.05  # mm2; what is smaller is no face to be hatched or named
 BESIDE = {"screw", "stud", "nut", "washer", "threaded insert", "dowel pin", "clamp"}
-BESIDE |= {"seal", "shim", "film strip", "core pin"}  # of what is bought: not the bench's consumables
+BESIDE |= {
+    "seal",
+    "shim",
+    "film strip",
+    "core pin",
+    "bone screw",
+    "bone",
+}  # of what is bought: not the bench's consumables
 _HARDWARE = {PartRole.SEAL: "seal", PartRole.SHIM: "shim", PartRole.STRIP: "film strip"}
-_HARDWARE |= {PartRole.CORE_PIN: "core pin"}
+_HARDWARE |= {PartRole.CORE_PIN: "core pin", PartRole.BONE_SCREW: "bone screw", PartRole.BONE: "bone"}
 
 
 class CutFace(NamedTuple):

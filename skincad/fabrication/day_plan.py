@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 from skincad.fabrication.job import Job
-from skincad.fabrication.pouring import DEGAS_MIN, STIR_MIN, filling, layer_name, pours
+from skincad.fabrication.pouring import STIR_MIN, USUAL_CURE_H, LayerPour, layer_name, pours, timeline
 from skincad.fabrication.strips import lap, strip_count, strip_seconds, strips_per_mix
 
 BEGIN, END = 9.0, 17.0  # h of a working day, assumption
-# min of hands, assumption: to close and to open a mold, to lay a shim, to make a strip ready, to glue one, to
-# test and wire one, to prepare parts and to inspect a skin
-CLOSING, OPENING, LAYING, READYING, GLUING, WIRING, PREPARING, INSPECTING = 30, 20, 0.5, 3, 2, 5, 60, 45
+# min of hands, assumption: to open a mold, to lay a shim, to make a strip ready, to glue one, to test and
+# wire one, to prepare parts and to inspect a skin; those of a pour are the clock's (pouring.py)
+OPENING, LAYING, READYING, GLUING, WIRING, PREPARING, INSPECTING = 20, 0.5, 3, 2, 5, 60, 45
 # assumption, as resin makers' guides have it: two baths, drying, ultraviolet light, baking; data sheets count
 BATHS, BATH_MIN, DRYING_MIN, LIGHT_MIN, BAKING_H, BAKING_C = 2, 5, 30, 30, 4, 60
 PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
@@ -49,7 +48,7 @@ class Entry(NamedTuple):
 def tasks(job: Job) -> list[Task]:
     """Return what is done for a cast, in order."""
     material, strips, film = job.silicone, strip_count(job), job.design.film
-    cure = 60 * (material.cure_h or 24.0)
+    cure, made_pours = 60 * (material.cure_h or USUAL_CURE_H), pours(job)
     made = job.closed.made
     resin = material.platinum_cure and any(job.process(part).inhibits_platinum for part in made)
     rows = list[Task]()
@@ -59,12 +58,11 @@ def tasks(job: Job) -> list[Task]:
         rows.append(Task("cast the trial drop", 15, cure))
     rows.append(Task("prepare the parts, try them dry", PREPARING))
     drawn_in = lap(job) is not None
-    pour = CLOSING + LAYING * strips + STIR_MIN + DEGAS_MIN + filling(job).seconds / 60
+    pour = LAYING * strips + _hands(job, made_pours[-1])
     if film is not None and not drawn_in:
         rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, pour))
-    rows += _layers(job)
-    last = pours(job)[-1].silicone
-    rows.append(Task("close the mold, mix and fill it", pour, 60 * (last.cure_h or 24.0)))
+    rows += _layers(job, made_pours)
+    rows.append(Task("close the mold, mix and fill it", pour, 60 * made_pours[-1].cure_h))
     if drawn_in:
         mixes = math.ceil(strips / max(strips_per_mix(job) or strips, 1))
         drawing = strips * strip_seconds(job) / 60 + mixes * STIR_MIN
@@ -78,16 +76,19 @@ def tasks(job: Job) -> list[Task]:
     return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING, a_day_after=True)]
 
 
-def _layers(job: Job) -> list[Task]:
+def _hands(job: Job, pour: LayerPour) -> float:
+    """How long hands are at a pour, min."""
+    return math.fsum(task.minutes for task in timeline(job, pour))
+
+
+def _layers(job: Job, made: list[LayerPour]) -> list[Task]:
     """What is done for the layers before the last; one that is laid on wet cures with the one behind it."""
-    rows, made = list[Task](), pours(job)
-    for front, back in pairwise(made):
-        hands = CLOSING + STIR_MIN + DEGAS_MIN + filling(job).seconds / 60
-        cure = 60 * (front.silicone.cure_h or 24.0) if front.plug else 0.0
-        rows.append(Task(f"cast {layer_name(front)}", hands, cure))
+    rows = list[Task]()
+    for front in made[:-1]:
+        cure = 60 * front.cure_h if front.plug else 0.0
+        rows.append(Task(f"cast {layer_name(front)}", _hands(job, front), cure))
         if front.plug:
-            wait = PRIMER_MIN if back.bond == "primer" else 0.0
-            rows.append(Task(f"pull {front.plug}, make the layer's back ready", OPENING, wait))
+            rows.append(Task(f"pull {front.plug}, make the layer's back ready", OPENING))
     return rows
 
 
@@ -109,10 +110,3 @@ def _working(earliest: float, task: Task) -> float:
     needs = task.hands + (task.wait + task.then if task.then else 0.0)
     late = hour > END or (hour + needs / 60 > END and hour > BEGIN)
     return midnight + (24 + BEGIN if late else hour)
-
-
-def span(minutes: float) -> str:
-    """Return how long something takes, as a plan has it."""
-    if not minutes:
-        return "-"
-    return f"{minutes:.0f} min" if minutes < 90 else f"{minutes / 60:.2g} h"

@@ -50,7 +50,9 @@ _FOR = {
     CutRole.RESERVOIR: "riser cup",
     CutRole.BLEED: "bleed",
     CutRole.EJECT: "to push the cavity out",
-    CutRole.CORE: "core pin, pushed in by hand; ream",
+    CutRole.CORE: "core pin, slides in by hand",
+    CutRole.BONE_SCREW: "screw into the bone",
+    CutRole.ACCESS: "clearance round what stands out of the carrier",
 }
 NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 # mm, source: ISO 8734, nominal lengths of parallel pins of 2 mm
@@ -177,15 +179,18 @@ def limits(job: Job, part: Part, role: CutRole) -> str:
     either, general = f"±{process.tolerance:g}", f"±{process.tolerance:g}" if process.layer else ""
     if role in CLEARING:
         return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
-    if role is CutRole.MOUNT_PIN:
+    pressed = role in PINNED and is_pressed(part, role)
+    if process.layer and (pressed or role is CutRole.CORE):
+        pocket = job.design.features.pocket
+        wide = 2 * PIN_RADIUS if pressed or pocket is None else pocket.diameter
+        return f"we ream Ø{wide:g} H7"
+    if pressed:
+        return PRESSED
+    if role in (CutRole.MOUNT_PIN, CutRole.CORE):
         return either if process.layer else f"+{H7:.3f}/0 (H7)"
-    if role in PINNED and is_pressed(part, role):
-        return f"ream Ø{2 * PIN_RADIUS:g} H7" if process.layer else PRESSED
-    if role in PINNED:
-        return either
     if role in THREADED and (process.thread == "tapped" or role is CutRole.PULL):
         return "6H"
-    return either if role in THREADED else general
+    return either if role in (*PINNED, *THREADED) else general
 
 
 class Screws(NamedTuple):

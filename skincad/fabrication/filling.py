@@ -107,7 +107,9 @@ def void(job: Job) -> Void:
     closed = job.single.closed
     carrier, cover = closed.first(PartRole.CARRIER), closed.first(PartRole.COVER)
     top = cover.body.high if isinstance(cover.body, Prism) else math.inf
-    over = bores(cover, CutRole.RESERVOIR, CutRole.BLEED)
+    open_over = CutRole.RESERVOIR, CutRole.BLEED
+    over = bores(cover, *open_over)
+    through = [bore for part in closed.of(PartRole.SEAL) for bore in bores(part, *open_over)]
     rivets = enumerate(bores(carrier, CutRole.RIVET), 1)
     plates = [cut for part in closed.of(*END_PLATES) for cut in part.cuts]
     spaces = [
@@ -115,7 +117,7 @@ def void(job: Job) -> Void:
         *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
         *(Space("carrier hole", bore, PartRole.CARRIER, number=i) for i, bore in rivets),
         *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(job.cast, carrier.body)),
-        *(Space("seal", bore, PartRole.COVER) for part in closed.of(PartRole.SEAL) for bore in bores(part)),
+        *(Space("seal", bore, PartRole.COVER) for bore in through),
         *(Space("cover", bore, PartRole.COVER, top) for bore in over),
         *(Space("gate", cut, PartRole.END_PLATE) for cut in plates if cut.role is CutRole.GATE),
     ]

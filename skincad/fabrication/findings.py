@@ -11,7 +11,7 @@ from dataclasses import replace
 from skincad.base.errors import InputError
 from skincad.fabrication.electrodes import electrode_findings, fan_out_findings
 from skincad.fabrication.fasteners import end_screws
-from skincad.fabrication.job import Job
+from skincad.fabrication.job import CAP, MAGNETS, SQUEEZE, Job
 from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_RULES, crest_findings
 from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
 from skincad.fabrication.strips import shim_findings
@@ -27,6 +27,7 @@ from skincad.solids.plan import CutRole, PartRole, bores
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)
 _ORDER = {"error": 0, "warning": 1, "note": 2}
+LEAST_RISER = 0.029  # of the skin's volume, a rounding below what a cup is made for (lids.py)
 _ROUNDS = 20  # of a contraction by tan(lean) x root / 2 R, well below 0.2
 
 
@@ -40,6 +41,8 @@ def design_findings(job: Job) -> list[Finding]:
         *mount_findings(job),
         *shim_findings(job),
         *closing_findings(job),
+        *_filler_findings(job),
+        *_riser(job),
         *electrode_findings(job),
         *fan_out_findings(job),
         *_material_findings(job.design),
@@ -80,6 +83,32 @@ def _with_others(finding: Finding, findings_by_process: dict[str, list[Finding]]
         )
     ]
     return replace(finding, remedy=f"{finding.remedy}; or by {' or '.join(able)}") if able else finding
+
+
+def _riser(job: Job) -> Iterator[Finding]:
+    """A note where the cup holds less than shrinkage and bubbles may take."""
+    cups = bores(job.closed.first(PartRole.COVER), CutRole.RESERVOIR)
+    share, least = cups[0].volume / job.poured_part.volume, LEAST_RISER
+    if share < least:
+        remedy = "top it up while the mix flows, as the sheet says, or a thicker mold.cover"
+        yield note("riser", "cup over the vent, by the skin's volume", share, least, "", remedy)
+
+
+def _filler_findings(job: Job) -> Iterator[Finding]:
+    """Yield a warning where a bone's holes are straight, so that no rivet in them holds, and a note where a
+    pocket is for no magnet that is sold."""
+    if job.bone is not None and job.design.mold.bone_bond == "rivets" and not job.bone.locks:
+        where = f"{len(job.bone.rivets)} straight holes of the bone, out of which silicone slides"
+        remedy = "step or countersink them from the back, drill across, or mold.bone_bond = 'primer'"
+        yield warning("bone rivets", where, 0.0, 1.0, "locks", remedy)
+    pocket = job.design.features.pocket
+    if pocket is not None and job.magnet is None:
+        low, high = SQUEEZE
+        near = min(MAGNETS, key=lambda size: abs(size - (low + high) / 2 - pocket.diameter))
+        remedy = f"a magnet of {near:g} mm is held by {job.skin.family}.pocket.diameter of "
+        remedy += f"{near - high:g} to {near - low:g} mm, at least {CAP:g} deeper than it is long"
+        where = f"pockets of {pocket.diameter:g} x {pocket.depth:g} mm, which hold no usual magnet"
+        yield note("pocket fit", where, pocket.diameter, near - low, "mm", remedy)
 
 
 def _material_findings(design: Design) -> Iterator[Finding]:

@@ -14,15 +14,21 @@ from skincad.inputs.material import silicone
 from skincad.inputs.process import Process, processes
 from skincad.inputs.silicone import Silicone
 from skincad.shape.skin import Section, Skin, section, skin_of
-from skincad.solids.bone import Bone, bone_of, pinned
+from skincad.solids.bone import Bone, bone_of
 from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.ends import gate
 from skincad.solids.inserts import lead_length
 from skincad.solids.layout import Fits, Layout, end_angle, fits, is_clamped, layout
+from skincad.solids.lids import bone_screws
 from skincad.solids.mold import ClosedMold, mold
 from skincad.solids.plan import CAVITIES, END_PLATES, Bore, CutRole, Part, PartRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
+
+# mm, source: makers' lists, diameters and lengths of small disc and rod magnets
+MAGNETS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+SQUEEZE = 0.1, 0.2  # mm, assumption: by which a pocket is narrower than its magnet, so that it holds it
+CAP = 0.2  # mm, assumption: least silicone over a magnet that closes its pocket
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +99,29 @@ class Job:
         """What the skin is cast on; None where that is its carrier."""
         return bone_of(self.cast)
 
-    @cached_property
-    def bone_rods(self) -> list[Bore]:
-        """The rods on which a bone stands under the carrier."""
-        return pinned(self.cast)
+    @property
+    def bone_screws(self) -> list[tuple[Bore, str]]:
+        """The cores of the screws that hold a bone under the carrier, and their threads."""
+        return bone_screws(self.cast)
+
+    @property
+    def bone_out(self) -> float:
+        """How far a bone stands out of the cover, mm."""
+        return (
+            -float(self.bone.corners[:, :, 2].min()) - self.place.top - self.place.lid if self.bone else 0.0
+        )
+
+    @property
+    def magnet(self) -> tuple[float, float] | None:
+        """Diameter and length of the disc magnet that a pocket holds by its squeeze, mm: the largest that is
+        sold; None where none fits, and without pockets."""
+        pocket = self.design.features.pocket
+        if pocket is None:
+            return None
+        low, high = SQUEEZE
+        wide = [size for size in MAGNETS if low - 1e-9 <= size - pocket.diameter <= high + 1e-9]
+        long = [size for size in MAGNETS if size <= pocket.depth - CAP + 1e-9]
+        return (wide[-1], long[-1]) if wide and long else None
 
     @cached_property
     def shrinkage(self) -> float:

@@ -215,8 +215,15 @@ def extent(part: Part) -> tuple[float, float, float]:
     body = unturned(part).body
     if not isinstance(body, Prism):
         raise ValueError("a made part is a prism less its cuts")
-    (a, b), along = np.ptp(polygon(body.outline, PIXEL_CHORD), axis=0).tolist(), body.high - body.low
-    return {"x": (along, a, b), "y": (a, along, b), "z": (a, b, along)}[body.axis]
+    flat = polygon(body.outline, PIXEL_CHORD)
+    (a, b), along = np.ptp(flat, axis=0).tolist(), body.high - body.low
+    x, y, z = {"x": (along, a, b), "y": (a, along, b), "z": (a, b, along)}[body.axis]
+    if part.adds:  # a plug's, under it
+        low, top = (
+            (body.low, body.high) if body.axis == "z" else (float(flat[:, 1].min()), float(flat[:, 1].max()))
+        )
+        z = top - min(low, *(added.origin[2] - max(s.end.z for s in added.outline) for added in part.adds))
+    return x, y, z
 
 
 def _sides(part: Part, process: Process) -> list[tuple[float, float]]:

@@ -19,7 +19,6 @@ from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.fabrication.rules import Finding, error
 from skincad.shape.curves import polygon
-from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
     PINS,
@@ -34,6 +33,7 @@ from skincad.solids.plan import (
     RotatedBody,
     TurnedBody,
     bores,
+    plain,
 )
 from skincad.solids.skin import Way, swept
 
@@ -302,19 +302,16 @@ def _turned_cuts(part: Part) -> dict[TurnedBody, TurnedBody]:
 
 def _pressed(shape: _Shape, other: _Shape) -> _Shape:
     """A pin as it is in a part that it is pressed into, whose hole is smaller; any other shape as it is."""
-    least = min((bore.radius for bore in bores(other.part, *PINNED)), default=PIN_RADIUS)
-    if shape.part.role not in PINS or least >= PIN_RADIUS:
+    roles = PINNED if shape.part.role in PINS else (CutRole.CORE,)
+    body, pin = shape.part.body, plain(shape.part.body)
+    if shape.part.role not in (*PINS, PartRole.CORE_PIN) or not isinstance(pin, Bore):
         return shape
-    body = shape.part.body
-    slim: Body
-    if isinstance(body, RotatedBody) and isinstance(body.body, Bore):
-        slim = replace(body, body=replace(body.body, radius=least))
-    elif isinstance(body, Bore):
-        slim = replace(body, radius=least)
-    else:
+    least = min((bore.radius for bore in bores(other.part, *roles)), default=pin.radius)
+    if least >= pin.radius:
         return shape
-    part = replace(shape.part, body=slim)
-    return _Shape(part, shape.tolerance)
+    slim = replace(pin, radius=least)
+    turned = replace(body, body=slim) if isinstance(body, RotatedBody) else slim
+    return _Shape(replace(shape.part, body=turned), shape.tolerance)
 
 
 def _turned_alike(a: RevolvedBody, b: RevolvedBody, tolerance: float) -> float:

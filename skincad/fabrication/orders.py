@@ -22,7 +22,7 @@ from skincad.fabrication.printing import bed_words, face_down, print_plates, pri
 from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import display_name
 from skincad.inputs.process import Process
-from skincad.solids.plan import Part
+from skincad.solids.plan import CutRole, Part
 
 SHEET_GOODS = {  # what is cut by a pattern: the file of each
     "film strip": "film/strips.dxf",
@@ -111,6 +111,8 @@ def _general(job: Job, parts: list[Part], process: Process) -> list[str]:
         rows.append("Threads: 6H, cut; a blind one as deep as its drawing says.")
     if any(role in PINNED and is_pressed(part, role) for part, role in roles if role):
         rows.append("Dowels of 2 mm, ISO 8734, are pressed in by us; don't widen their holes.")
+    if process.layer and any(role in (*PINNED, CutRole.CORE) for _, role in roles):
+        rows.append("Holes of dowels and core pins are drawn narrower and reamed by us.")
     return rows
 
 

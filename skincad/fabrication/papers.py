@@ -9,7 +9,6 @@ from typing import Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from skincad.base.reading import markdown_text
-from skincad.fabrication.day_plan import span
 from skincad.inputs.shipped import templates_folder
 
 
@@ -21,6 +20,13 @@ def paper(name: str, **facts: Any) -> str:
 def listed(words: list[str]) -> str:
     """Return words as a sentence lists them: "a, b and c"."""
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
+
+
+def span(minutes: float) -> str:
+    """Return how long something takes, as a plan has it."""
+    if not minutes:
+        return "-"
+    return f"{minutes:.0f} min" if minutes < 90 else f"{minutes / 60:.2g} h"
 
 
 @cache

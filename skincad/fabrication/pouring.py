@@ -12,18 +12,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
+from skincad.fabrication.fasteners import cover_screws, end_screws
 from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
-from skincad.fabrication.rules import Finding, error, warning
+from skincad.fabrication.papers import listed
+from skincad.fabrication.rules import Finding, error, note, warning
 from skincad.fabrication.strips import pour
 from skincad.inputs.material import layers
 from skincad.inputs.silicone import Silicone
 from skincad.shape.shots import face
-from skincad.solids.bone import bone_of
 from skincad.solids.gate import (
     GRAVITY,
     LUER,
@@ -39,6 +40,7 @@ from skincad.solids.gate import (
 from skincad.solids.plan import CutRole, PartRole, bores
 from skincad.solids.shots import bond_of, room
 
+USUAL_CURE_H = 24.0  # h, assumption: of a silicone whose cure is not known
 DEAD_VOLUME = 8.0  # g, assumption: stays in cup and syringe; less can't be weighed or degassed well
 SCALE = 0.01  # g, assumption: what the scale shows
 LEAST_PORTION = 0.5  # g, assumption: of A or B; the scale knows it to 2 %
@@ -51,15 +53,19 @@ DOUBLING_K = 10.0  # K, assumption: by which a platinum cure gets twice as fast
 SLOWER = 2 ** ((USUAL_C - COLD_C) / DOUBLING_K)
 LAG = 0.1  # assumption: of the skin's length, by which a groove's front may stay behind
 MOST_MINUTES = 5.0  # assumption: longer than that nobody waits for a groove
+# min of the clock, assumption: to pump a chamber down, to load a brush, to draw up a syringe, to lay on a
+# carrier or a plug, foam and cover, and an end plate, and for each screw
+PUMP_MIN, LOAD_MIN, SYRINGE_MIN, LAY_MIN, LID_MIN, END_MIN, SCREW_MIN = 2, 1, 1, 1, 1, 1, 0.1
+BRUSH, STROKE = 2.0, 60.0  # mm and mm/min, assumption: width of a brush, and how fast it fills what it passes
+FRESH_H = 24  # h, assumption: within which silicone still bonds well to cured platinum silicone
 
 
 def poured_volume(job: Job) -> float:
     """Return the volume that the silicone fills, mm3: skin, gate, vent and reservoir, the carrier's holes and
     their bleeds, and the flash in the gap round the carrier; for all skins of a gang, whose cover and seal
     are thicker than those of one."""
-    spaces, bone = void(job).spaces, bone_of(job.cast)
-    below = -(bone.inside if bone else 0.0)
-    below += math.fsum(space.body.volume for space in spaces if space.beside is not PartRole.COVER)
+    beside = (space for space in void(job).spaces if space.beside not in (PartRole.COVER, PartRole.SKIN))
+    below = job.poured_part.volume + math.fsum(space.body.volume for space in beside)
     lids = job.closed.of(PartRole.COVER, PartRole.SEAL)
     over = [bore.volume for part in lids for bore in bores(part, CutRole.RESERVOIR, CutRole.BLEED)]
     return job.design.mold.cavities * below + math.fsum(over)
@@ -71,7 +77,7 @@ class LayerPour:
     front; `volume` the layer's and `filled` all that it fills, mm3, of all skins; `plug` what lies over it
     while it cures, "" where the next is laid on it wet or the carrier closes it; `bond` that to the layer in
     front, "" without one; `level` how far under the ledge it ends, mm, where that is poured by eye; `cored`
-    whether core pins stand in the plug."""
+    whether core pins stand in the plug; `wet` the silicones that are wet together, its own too."""
 
     number: int
     silicone: Silicone
@@ -81,6 +87,7 @@ class LayerPour:
     bond: str = ""
     level: float | None = None
     cored: bool = False
+    wet: tuple[Silicone, ...] = ()
 
     @property
     def mass(self) -> float:
@@ -104,8 +111,23 @@ class LayerPour:
 
     @property
     def cure(self) -> str:
-        """How long it cures, and how warm, as words."""
-        return cure_words(self.silicone)
+        """How long it cures with what is wet with it, and how warm, as words: at one temperature the longest
+        time counts, and what needs warmth has it at last."""
+        return ", then ".join(map(cure_words, self._slowest))
+
+    @property
+    def cure_h(self) -> float:
+        """The same in h; `USUAL_CURE_H` for each that is not known."""
+        return math.fsum(material.cure_h or USUAL_CURE_H for material in self._slowest)
+
+    @property
+    def _slowest(self) -> list[Silicone]:
+        """The slowest silicone at each temperature, the coolest first; one whose data sheet has to be asked
+        counts as slowest."""
+        by: dict[float, Silicone] = {}
+        for material in sorted(self.wet, key=lambda each: each.cure_h or math.inf):
+            by[material.cure_c or 0.0] = material
+        return [by[warm] for warm in sorted(by)]
 
 
 def layer_name(layer: LayerPour) -> str:
@@ -139,7 +161,17 @@ def pours(job: Job) -> list[LayerPour]:
         with_plug = (stage for stage in job.closed.earlier if plug in [p.name for p in stage.parts])
         cored = any(stage.of(PartRole.CORE_PIN) for stage in with_plug)
         found.append(LayerPour(number, stuff, volume, filled, plug, bond, level, cored))
-    return found
+    return [replace(one, wet=tuple(each.silicone for each in wet_with(found, one))) for one in found]
+
+
+def wet_with(made: list[LayerPour], layer: LayerPour) -> list[LayerPour]:
+    """Return the pours that are wet together with one of them, which is among them."""
+    first = last = made.index(layer)
+    while made[first].bond == "wet":
+        first -= 1
+    while last + 1 < len(made) and made[last + 1].bond == "wet":
+        last += 1
+    return made[first : last + 1]
 
 
 def small_batch(material: Silicone) -> float:
@@ -148,18 +180,25 @@ def small_batch(material: Silicone) -> float:
     return float(math.ceil(max(LEAST_MIX, least)))
 
 
-class PostCure(NamedTuple):
-    """A post-cure: C and h, first and second; by how many percent E rises."""
-
-    warm: int
-    hours: int
-    hot: int
-    more: int
-    percent: int
+# source: silicone makers' technical bulletins have 80 and 100 C. A printed carrier stays on the skin: source:
+# makers' data sheets, heat deflection of PETG at 65 to 75 C, of resins at 46 to 62; assumption: 60 C, no load
+HOT_CURE, MILD_CURE = "2 h at 80 °C and 1 h at 100 °C", "8 h at 60 °C, no more"
+STIFFER = 5  # %, assumption: by which a post-cure raises E
 
 
-# source: silicone makers' technical bulletins have 80 and 100 C; assumption: by how much E rises
-POST_CURE = PostCure(80, 2, 100, 1, 5)
+def post_cure(job: Job) -> str:
+    """Return a post-cure, as words: a mild one where print or magnets would suffer by more."""
+    mild = job.lid_process.layer or job.magnet is not None or job.bone is not None
+    return MILD_CURE if mild else HOT_CURE
+
+
+def veiled(job: Job) -> list[str]:
+    """Return the printed plugs whose face gets parting film and no release agent: a layer has to hold on
+    what they leave, without a lock."""
+    made = pours(job)
+    if not job.lid_process.layer:
+        return []
+    return [front.plug for front, back in pairwise(made) if front.plug and back.bond == "primer"]
 
 
 @dataclass(frozen=True)
@@ -177,8 +216,9 @@ class Filling:
 def filling(job: Job) -> Filling:
     """Return how long filling takes, and how hard it is."""
     level, groove = front_time(job), groove_time(job)
-    blind = job.skin.symmetry == "revolved"  # a pin's hole keeps its air under a rising front
-    brushed = blind or groove / LAG > max(level, 60 * MOST_MINUTES)
+    # a pin's hole and a ring's groove have no end towards which a front could drive their air
+    closed = job.skin.symmetry in ("revolved", "concentric")
+    brushed = closed or groove / LAG > max(level, 60 * MOST_MINUTES)
     seconds = max(level, 0.0 if brushed else groove / LAG, job.design.mold.fill_time)
     if job.gate is None:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)
@@ -234,15 +274,70 @@ def mixing(material: Silicone, total: float) -> tuple[str, str]:
 
 def cure_words(material: Silicone) -> str:
     """Return as words how long a silicone cures, and how warm."""
-    cure = f"{material.cure_h:g} h" if material.cure_h else "by its data sheet"
+    cure = f"{material.cure_h:g} h" if material.cure_h else "as long as its data sheet says"
     warm = f"room temperature ({USUAL_C:g} °C)" if material.cure_c is None else f"{material.cure_c:g} °C"
     return f"{cure} at {warm}"
 
 
-def minutes_left(job: Job) -> float | None:
-    """Return what is left of the pot life when the mold is full, min; None where it is not known."""
-    pot = job.silicone.pot_life_min
-    return None if pot is None else pot - STIR_MIN - DEGAS_MIN - filling(job).seconds / 60
+class Task(NamedTuple):
+    """What is done at the mold, as the sheet names its step, and for how many min; `on` the clock of a mix or
+    before it."""
+
+    step: str
+    minutes: float
+    on: bool
+
+
+def timeline(job: Job, layer: LayerPour) -> list[Task]:
+    """Return what is done for a pour in order, until its mold is closed or the next is laid on it."""
+    made, how = pours(job), filling(job)
+    first, last, by_gate = layer.number == made[0].number, layer == made[-1], job.gate is not None
+    ends = Task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces, on=False)
+    screws = cover_screws(job)
+    lid = Task("lid", LID_MIN + SCREW_MIN * (screws.pieces if screws else 2), on=True)
+    mix = Task("mix", STIR_MIN + PUMP_MIN + DEGAS_MIN, on=True)
+    vacuum = Task("vacuum", PUMP_MIN + DEGAS_MIN, on=True)
+    brush, fill = Task("brush", _brushing(job), on=True), Task("pour", how.seconds / 60, on=True)
+    if not first:
+        fill = fill._replace(minutes=job.design.mold.fill_time / 60)
+    brushes, vacuums = [brush] * (first and how.brushed), [vacuum] * (first and open_back(job))
+    front = [mix, *brushes, *vacuums]
+    lay = Task("carrier", LAY_MIN, on=True)
+    begin = [ends] if first and job.ends else []
+    if by_gate:
+        syringe = Task("syringe", SYRINGE_MIN * how.fills, on=True)
+        closing = [lay, lid]
+        if not how.brushed:
+            return [*begin, *(task._replace(on=False) for task in closing), *front, syringe, fill]
+        late = [task._replace(on=True) for task in begin] if job.bent else []
+        return [*([] if late else begin), *front, *late, *closing, syringe, fill]
+    return [*begin, *front, fill, *([lay, lid] if layer.plug or last else [])]
+
+
+def open_back(job: Job) -> bool:
+    """Whether the trough stands open when the first mix comes in, or its holes or rings are brushed full, so
+    that a vacuum draws their air."""
+    return job.gate is None or job.skin.symmetry in ("revolved", "concentric")
+
+
+def _brushing(job: Job) -> float:
+    """How long all features are brushed full, min."""
+    skin = job.design.skin
+    area = skin.width * skin.length * (math.pi / 4 if skin.round else 1)
+    return LOAD_MIN + area * job.design.mold.cavities / BRUSH / STROKE
+
+
+def clock(job: Job, layer: LayerPour) -> float:
+    """Return how many min after A meets B a pour's mold is closed and full, or the mix is laid down."""
+    return math.fsum(task.minutes for task in timeline(job, layer) if task.on)
+
+
+def minutes_left(job: Job, layer: LayerPour | None = None) -> float | None:
+    """Return what is left of a pour's pot life, the last one's if none is given, when its mold is closed and
+    full, min; None where it is not known."""
+    layer = layer or pours(job)[-1]
+    pot = layer.silicone.pot_life_min
+    return None if pot is None else pot - clock(job, layer)
 
 
 def time_words(seconds: float) -> str:
@@ -252,12 +347,28 @@ def time_words(seconds: float) -> str:
 
 def pouring_findings(job: Job) -> list[Finding]:
     """Return the rule `pot life`: that the mold is full before the mix thickens."""
-    left, pot, findings = minutes_left(job), job.silicone.pot_life_min, list[Finding]()
-    if left is not None and pot is not None and left < 0:
+    findings = list[Finding]()
+    for one in pours(job):
+        left, pot = minutes_left(job, one), one.silicone.pot_life_min
+        if left is None or pot is None or left >= 0:
+            continue
         remedy = "a thinner silicone or one with a longer pot life, a wider mold.gate, or a thicker skin"
-        where = "stirring, degassing and filling"
+        steps = listed([_DOING[task.step] for task in timeline(job, one) if task.on])
+        where = steps if len(pours(job)) == 1 else f"{layer_name(one)}: {steps}"
         findings.append(warning("pot life", where, pot - left, pot, "min", remedy))
     return [*findings, *_between_layers(job)]
+
+
+_DOING = {
+    "mix": "stirring and degassing",
+    "brush": "brushing",
+    "vacuum": "a second vacuum",
+    "ends": "end plates",
+    "carrier": "carrier",
+    "lid": "foam, cover and screws",
+    "syringe": "syringe",
+    "pour": "filling",
+}
 
 
 def _between_layers(job: Job) -> Iterator[Finding]:
@@ -275,13 +386,22 @@ def _between_layers(job: Job) -> Iterator[Finding]:
             where = f"shot {back.number}, {back.silicone.name}, poured on {front.silicone.name}"
             remedy = "a tin cure keeps a platinum silicone sticky; take silicones of one cure"
             yield error("cure inhibition", where, 1.0, 0.0, "", remedy)
+        below, above = front.silicone.density, back.silicone.density
+        if back.bond == "wet" and above > below:
+            where = f"shot {back.number}, {back.silicone.name}, wet on the lighter {front.silicone.name}"
+            remedy = "the layers turn over while both flow; let the front one cure: shot.bond = 'primer'"
+            yield warning("wet layers", where, above, below, "kg/m3", remedy)
+        if front.plug and back.bond == "primer":
+            where = f"shot {back.number} on cured {front.silicone.name}, which it holds on without a lock"
+            remedy = "pour within a day and test the peel, as the sheet says; or shot.bond = 'rivets'"
+            yield note("layer bond", where, 1.0, 0.0, "", remedy)
 
 
 def minutes_to_lay_on(job: Job, front: LayerPour) -> float:
     """Return when the next layer is on one that is still wet, min from when that was mixed: both are stirred,
     degassed and poured, one after the other."""
-    first = filling(job).seconds if front.number == 0 else job.design.mold.fill_time
-    return 2 * (STIR_MIN + DEGAS_MIN) + (first + job.design.mold.fill_time) / 60
+    second = STIR_MIN + PUMP_MIN + DEGAS_MIN + job.design.mold.fill_time / 60
+    return clock(job, front) + second
 
 
 def _rounded(seconds: float) -> float:

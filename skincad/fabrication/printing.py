@@ -125,6 +125,8 @@ def lapping_words(job: Job) -> str:
 
 def face_down(job: Job, part: Part) -> str:
     """Return which face of a part lies on the plate."""
+    if part.role is PartRole.PLUG:
+        return "upper face"
     if not on_end(part, job.process(part)):
         return "lower face"
     if part.role in END_PLATES:

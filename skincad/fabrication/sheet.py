@@ -25,6 +25,8 @@ from skincad.fabrication.papers import paper
 from skincad.fabrication.rules import Finding, counted
 from skincad.inputs.catalog import display_name
 from skincad.solids import inserts
+from skincad.solids.bone import LEAST_GRIP
+from skincad.solids.lids import PROUD
 from skincad.solids.mold import Move
 from skincad.solids.plan import END_PLATES, CutRole, PartRole
 
@@ -107,6 +109,8 @@ def _sheet(
         electrodes=electrodes,
         fastening=fasteners,
         inserts=inserts,
+        LEAST_GRIP=LEAST_GRIP,
+        PROUD=PROUD,
         patterns=patterns,
         pouring=pouring,
         printing=printing,

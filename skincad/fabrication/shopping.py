@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 from skincad.base.reading import markdown_text
@@ -16,7 +17,7 @@ from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_scre
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import listed
 from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
-from skincad.fabrication.pouring import filling, outlet_words, pours, small_batch
+from skincad.fabrication.pouring import filling, outlet_words, pours, small_batch, veiled
 from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
 from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
 from skincad.solids.gate import GRAVITY
@@ -74,9 +75,20 @@ def _filling(job: Job) -> Iterator[Need]:
     yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:
-        yield Need(1, "soft brush", "2 mm wide or less", "the mix into the grooves")
-    primed = ["the carrier's lower face"] * (not job.riveted)
-    primed += ["the cured layers' backs"] * any(pour.bond == "primer" for pour in made)
+        pins = job.skin.symmetry == "revolved"
+        size = f"{min(2.0, job.skin.profile.tip_width):g} mm wide or less" if pins else "2 mm wide or less"
+        yield Need(1, "soft brush", size, f"the mix into the {'holes' if pins else 'grooves'}")
+    if plugs := veiled(job):
+        yield Need(
+            5, "parting film", "PVA in solution, with a brush", f"the lower face of {listed(plugs)}", "ml"
+        )
+    if any(pour.bond == "primer" and front.plug for front, pour in pairwise(made)):
+        yield Need(1, "silicone adhesive", "one component", "a layer's back, where its test peels", "tube")
+    primed = []
+    if job.bone is None:
+        primed = ["the carrier's lower face"] * (not job.riveted)
+    elif job.design.mold.bone_bond != "rivets":
+        primed = ["the bone"]
     if primed and job.design.film is None:
         yield Need(1, PRIMER, "with a fine brush", " and ".join(primed), "ml")
 

@@ -27,6 +27,7 @@ import shapely
 
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, error, note, slit_play, walls_close, warning
+from skincad.inputs.material import layers
 from skincad.shape.curves import polygon
 from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import GUARD_TOLERANCE
@@ -334,14 +335,15 @@ BOND_SHARE = 1 / 3  # assumption: of the least bond worth having, on a primed ba
 
 def pull_off(job: Job) -> float:
     """Return the pull, N, that shows that the carrier or bone holds the skin: on rivets' necks or a primed
-    face."""
+    face; 0 where a bone's holes are straight, which promise nothing."""
     bone, skin = job.bone, job.design.skin
     if bone is not None and job.design.mold.bone_bond != "rivets":
         return BOND_SHARE * BOND_STRENGTH * float(bone.shadow(2, 0.0).area)
-    necks = bone.rivets if bone else bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET)
-    if necks:
-        area = math.fsum(math.pi * bore.radius**2 for bore in necks)
-        return area * job.silicone.young_modulus.value * RIVET_STRAIN
+    rivets = bores(job.closed.first(PartRole.CARRIER), CutRole.RIVET)
+    necks = bone.locks if bone else [math.pi * bore.radius**2 for bore in rivets]
+    if bone or necks:
+        behind = layers(job.design)[0] if job.design.shot else job.silicone
+        return math.fsum(necks) * behind.young_modulus.value * RIVET_STRAIN
     bond = BOND_SHARE * BOND_STRENGTH * job.design.mold.cavities
     return bond * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
 

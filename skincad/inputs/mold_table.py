@@ -140,14 +140,16 @@ class Mold(Table):
     )
     vent: float | None = quantity(
         "mm",
-        "diameter of the vent; 1, or the largest tenth that fits on the skin's back, if not given",
+        "diameter of the vent; 1, over a skin of more than 5 cm3 2.5, or the largest tenth that fits on the "
+        "skin's back, if not given",
         gt=0.2,
         le=10.0,
         default=None,
     )
     reservoir: float | None = quantity(
         "mm",
-        "upper diameter of the cup over the vent; 5, or what covers the vent, if not given",
+        "upper diameter of the cup over the vent; 5, or what covers the vent and holds 3 % of the skin's "
+        "volume, if not given",
         gt=0.2,
         le=50.0,
         default=None,

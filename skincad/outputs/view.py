@@ -191,6 +191,7 @@ def explosion_offset(part: Part, closed: ClosedMold) -> Array:
         PartRole.BONE: (0.0, 0.0, 1.45 * high),
         PartRole.STRIP: (0.0, 0.0, 1.0 * high),
         PartRole.CORE_PIN: (0.0, 0.0, 1.9 * high),
+        PartRole.BONE_SCREW: (0.0, 0.0, 1.9 * high),
         PartRole.SHIM: (0.0, 2.4 * side, 0.0),
         PartRole.BLOCK: (0.0, 0.0, -0.9 * high),
         PartRole.BASE: (0.0, 0.0, -0.7 * high),

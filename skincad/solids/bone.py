@@ -2,9 +2,10 @@
 
 It stands in the skin from behind. What of it is behind the back goes through a window of the carrier, its
 print, as wide as its shadow there and a clearance more; seal and cover have the same window. A bone that ends
-at the back stands on the carrier by pins in holes of its own that open there. Silicone holds on it by a
-primer, or by filling holes of its own. Once it has cured, the carrier comes off, and the bone is the skin's
-mount.
+at the back is screwed under the carrier, into holes of its own that open there. One that reaches through is
+held over the cover: by a clamp or collar round it, or by a screw in its end and a bar across the window.
+Silicone holds on it by a primer, or by filling holes of its own that no straight pull empties. Once it has
+cured, the carrier comes off, and the bone is the skin's mount.
 
 How thin silicone gets is measured in the skin's section. Of a skin that is straight along y the distance of a
 bone to its outline, slots and ends is that of the bone's shadow along y, and of its reach along y; of a round
@@ -33,6 +34,7 @@ from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, loop, polygon
 from skincad.shape.shots import face
 from skincad.shape.skin import Section, section
+from skincad.solids.fasteners import METRIC, thread_in
 from skincad.solids.layout import EDGE
 from skincad.solids.pins import pockets
 from skincad.solids.plan import Bore, CutRole, ExtendedCut, GivenBody, Part, PartRole, Prism, moved
@@ -41,11 +43,13 @@ CHORD = 0.01  # mm, of the mesh that shadows are taken of
 LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and bubbles show in it
 BEHIND = 1e-4  # mm, behind the back: less is on it
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
-LEAST_RIM = 0.1  # mm, assumption: of the bone's back round a hole in which a pin stands
+LEAST_RIM = 0.1  # mm, assumption: of the bone's back round a hole into which a screw goes
+LEAST_GRIP = 1.5  # mm, assumption: of a bone over the cover, for a collar or a clamp's jaws
+ROUND = 0.98  # of its circle, assumption: what fills that much can be turned in its window
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
 TURN_EDGE = 0.25  # mm, between slices of a triangle that is turned: a chord is 2 um off at 5 mm from the axis
 FLAT = 1e-9  # mm, a triangle's height: it has no slices
-PLAY = 0.02  # mm a side, assumption: of a ground rod in a bone's hole
+PLAY = 0.02  # mm a side, assumption: of a screw's core in a bone's hole
 SAME = 0.01  # mm, to which a hole opens at the back
 KEY = "mold.bone"
 DEEPEST = 100  # parentheses in each other, assumption: CAD programs write up to 6
@@ -54,13 +58,15 @@ DEEPEST = 100  # parentheses in each other, assumption: CAD programs write up to
 @dataclass(frozen=True, eq=False)
 class Bone:
     """A bone in its pose, in the design's frame, mm: its mesh's triangles `(f, 3, 3)`, the whole volume and
-    that in front of the back, mm3, the radii, lowest places (x, y, z) and tops of round holes along z."""
+    that in front of the back, mm3, the radii, lowest places (x, y, z) and tops of round holes along z; and
+    `locks`, the necks of holes in front of the back that no straight pull along z empties: areas, mm2."""
 
     body: GivenBody
     corners: Array
     volume: float
     inside: float
     holes: tuple[tuple[float, tuple[float, float, float], float], ...]
+    locks: tuple[float, ...] = ()
 
     @property
     def printed(self) -> bool:
@@ -69,16 +75,23 @@ class Bone:
 
     @property
     def pin_holes(self) -> list[Bore]:
-        """The two holes along z that open at the back, closed all round, and lie furthest apart: pins of the
-        carrier stand in them. Fewer where there are fewer. Silicone fills the others."""
+        """The two holes along z that open at the back, closed all round, take a thread and lie furthest
+        apart: screws through the carrier hold in them. Fewer where there are fewer. Silicone fills the
+        others."""
         back = self.shadow(2, -BEHIND, SAME)
         found = [
             Bore((x, y, 0.0), "z", high, radius, role=CutRole.CORE)
             for radius, (x, y, low), high in self.holes
-            if abs(low) < SAME and high > 0 and _closed(back, x, y, radius)
+            if abs(low) < SAME and high > 0 and thread_in(2 * radius) and _closed(back, x, y, radius)
         ]
         pairs = combinations(found, LEAST_HOLES)
         return list(max(pairs, key=lambda two: math.dist(two[0].start, two[1].start), default=found))
+
+    @property
+    def end_thread(self) -> str | None:
+        """The thread of a hole along z in the end of a bone that reaches behind the back; None without."""
+        end = float(self.corners[:, :, 2].min())
+        return next((thread_in(2 * r) for r, (_, _, low), _ in self.holes if abs(low - end) < SAME), None)
 
     @property
     def rivets(self) -> list[Bore]:
@@ -192,14 +205,14 @@ Place = tuple[float, float, float]
 
 @lru_cache(maxsize=4)
 def _bone(path: str, changed: int, size: int, at: Place, turn: Place) -> Bone:
-    from skincad.solids.occ import given_solid, holes_of, volume_in_front
+    from skincad.solids.occ import given_solid, holes_of, locks_of, volume_in_front
 
     if (depth := _depth(path)) > DEEPEST:
         raise InputError(KEY, f"must not nest more than {DEEPEST} deep", depth, "export it again")
     body = GivenBody(path, _pose(at, turn), 0.0, (changed, size))
     shape = given_solid(body, KEY)
     whole, inside = float(shape.Volume()), volume_in_front(shape)
-    return Bone(replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape))
+    return Bone(replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape), locks_of(shape))
 
 
 def _depth(path: str) -> int:
@@ -303,8 +316,8 @@ def clear_of(design: Design, low: float, at: tuple[float, float], radius: float)
 
 
 def pinned(design: Design) -> list[Bore]:
-    """Return the holes of a bone that ends at the back, in which pins stand, in the mold's frame; none of a
-    bone that is held by its print."""
+    """Return the cores of the screws that hold a bone that ends at the back, in the mold's frame; none of a
+    bone that reaches through the carrier."""
     bone = bone_of(design)
     if bone is None or bone.printed:
         return []
@@ -333,8 +346,12 @@ def check_bone(design: Design) -> Iterator[InputError]:
     if not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
         many = len(bone.pin_holes)
         holes = f"{many} hole{'s' * (many != 1)}"
-        rule = f"ends at the back, and has {holes} along z that open there, closed all round"
-        remedy = f"give it {LEAST_HOLES} or more for the carrier's pins, or let it reach behind the back"
+        rule = (
+            f"ends at the back, and has {holes} along z that open there, closed all round, to be tapped for"
+        )
+        rule += " a screw that holds it"
+        drills = ", ".join(f"{metric.drill:g} for {name}" for name, metric in METRIC.items())
+        remedy = f"give it {LEAST_HOLES} or more ({drills}), or let it reach behind the back"
         yield InputError(KEY, rule, choice.bone, remedy)
     if bone.printed:
         through = bone.shadow(2, -math.inf, -BEHIND).buffer(choice.clearance)
@@ -343,9 +360,31 @@ def check_bone(design: Design) -> Iterator[InputError]:
             yield InputError(
                 KEY, rule, choice.bone, "give it one that lies on the carrier, or move it along z"
             )
-    if choice.bone_bond == "rivets" and not bone.rivets:
-        rule = "'rivets' need a round hole of the bone along z that silicone fills, and it has none"
+    if choice.bone_bond == "rivets" and not bone.rivets and not bone.locks:
+        rule = "'rivets' need a round hole of the bone that silicone fills, and it has none"
         yield InputError("mold.bone_bond", rule, "rivets", "take 'primer', or drill the bone")
+
+
+def check_hold(design: Design, top: float) -> None:
+    """Raise InputError where nothing holds a bone that reaches through its carrier, while silicone cures, or
+    keeps it from turning; `top` is the cover's upper face over the back, mm."""
+    bone = bone_of(design)
+    if bone is None or not bone.printed:
+        return
+    out = -float(bone.corners[:, :, 2].min()) - top
+    if out < LEAST_GRIP and bone.end_thread is None:
+        rule = (
+            f"ends {abs(out):.3g} mm {'over' if out > 0 else 'under'} the cover's top, where a clamp needs "
+        )
+        rule += f"{LEAST_GRIP:g} of it, and has no hole in its end for a screw: nothing would hold it"
+        longer = math.ceil(10 * (LEAST_GRIP - out)) / 10
+        remedy = f"make it {longer:g} mm longer behind, or drill its end, {METRIC['M3'].drill:g} for M3"
+        raise InputError(KEY, rule, design.mold.bone, remedy)
+    shadow = bone.shadow(2, -math.inf, -BEHIND)
+    circle = math.pi * shapely.minimum_bounding_radius(shadow) ** 2
+    if shadow.area > ROUND * circle and design.features.family != "ring":
+        rule = "is round where it passes the carrier, and turns in its window"
+        raise InputError(KEY, rule, design.mold.bone, "give it a flat there")
 
 
 def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputError]:

@@ -20,6 +20,7 @@ from skincad.solids.shrinkage import on_grid
 DIAMETER, PITCH = 3.0, 0.5  # mm, source: ISO 261, M3 coarse
 TAP_RADIUS = 1.25  # mm, source: ISO 2306, drill before tapping M3
 LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30)  # mm, source: ISO 4762, M3; a longer one is a stud with nuts
+SHORT = 3, 4  # mm, source: ISO 4762, M2 and M2.5
 TIP_ROOM = 1.0  # mm, assumption: least between a screw's tip and the thread's end; screws come 0.3 longer
 RUN_OUT = 2.5  # mm, source: DIN 76-1, short: five pitches below the last full thread, for the tap's lead
 INSERT = 5.7  # mm, source: makers' tables, length of a threaded M3 insert
@@ -49,6 +50,11 @@ def standard_length(least: float) -> float:
     return float(LENGTHS[i]) if i < len(LENGTHS) else math.ceil(least)
 
 
+def standard_below(most: float) -> float:
+    """Return the longest length of a short screw that is at most this, mm; the shortest where none is."""
+    return max((long for long in (*SHORT, *LENGTHS) if long <= most + 1e-9), default=SHORT[0])
+
+
 def blind_depth(grip: float, process: Process) -> float:
     """Return the depth of a blind thread's hole under what a screw clamps: that of the shortest screw that
     is long enough. An insert goes in whole."""
@@ -75,7 +81,8 @@ def torque(process: Process) -> float:
 class Metric(NamedTuple):
     """A coarse thread (ISO 261): diameter and pitch, the drill before tapping (ISO 2306), the clearance hole
     (ISO 273, medium), and by makers' tables a threaded insert's length, its outer diameter and hole where it
-    is melted in, and the outer diameter of a slimmer one that is glued in."""
+    is melted in, and the outer diameter of a slimmer one that is glued in; a cylinder head's diameter (ISO
+    4762)."""
 
     diameter: float
     pitch: float
@@ -85,14 +92,27 @@ class Metric(NamedTuple):
     insert_outer: float
     insert_hole: float
     glued_outer: float
+    head: float
 
 
 METRIC = {
-    "M2": Metric(2.0, 0.4, 1.6, 2.4, 4.0, 3.6, 3.2, 3.2),
-    "M2.5": Metric(2.5, 0.45, 2.05, 2.9, 5.7, 4.6, 4.0, 3.6),
-    "M3": Metric(DIAMETER, PITCH, 2 * TAP_RADIUS, 3.4, INSERT, 4.6, 4.0, 3.9),
-    "M4": Metric(4.0, 0.7, 3.3, 4.5, 8.1, 6.3, 5.6, 5.4),
+    "M2": Metric(2.0, 0.4, 1.6, 2.4, 4.0, 3.6, 3.2, 3.2, 3.8),
+    "M2.5": Metric(2.5, 0.45, 2.05, 2.9, 5.7, 4.6, 4.0, 3.6, 4.5),
+    "M3": Metric(DIAMETER, PITCH, 2 * TAP_RADIUS, 3.4, INSERT, 4.6, 4.0, 3.9, HEAD),
+    "M4": Metric(4.0, 0.7, 3.3, 4.5, 8.1, 6.3, 5.6, 5.4, 7.0),
 }
+# by the thread's diameter, source: ISO 965-1, 6H: from its minor diameter, less a drill that is a twentieth
+# of a millimetre small, to what leaves 60 % of the thread
+TAPPED = 0.79, 0.88
+
+
+def thread_in(hole: float) -> str | None:
+    """Return the thread that a hole of this diameter, mm, is tapped for; None where there is none."""
+    low, high = TAPPED
+    fits = (name for name, m in METRIC.items() if low * m.diameter <= hole <= high * m.diameter)
+    return next(fits, None)
+
+
 GLUE_GAP = 0.05  # mm a side, assumption: round an insert that is glued in
 
 

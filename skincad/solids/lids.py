@@ -18,16 +18,34 @@ from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
 from skincad.inputs.mold_table import Mount
 from skincad.shape.curves import Point, loop, rectangle
-from skincad.solids.bone import clear_of, pinned, windowed
-from skincad.solids.fasteners import LEAST_UNDER_HOLE, TAP_RADIUS, blind_thread, pin_depth
+from skincad.solids.bone import KEY, PLAY, check_hold, clear_of, pinned, windowed
+from skincad.solids.fasteners import (
+    LEAST_UNDER_HOLE,
+    METRIC,
+    TAP_RADIUS,
+    blind_thread,
+    pin_depth,
+    thread_in,
+)
 from skincad.solids.inserts import pin
-from skincad.solids.layout import BOLT_RADIUS, EDGE, PIN_DEPTH, Layout, cover_pins, lid_fits, lid_process
+from skincad.solids.layout import (
+    BOLT_RADIUS,
+    EDGE,
+    PIN_DEPTH,
+    PRESS_PRINT,
+    Layout,
+    cover_pins,
+    lid_fits,
+    lid_process,
+)
 from skincad.solids.pins import pockets
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, disc, drilled, moved
 from skincad.solids.shrinkage import on_grid
 
 SCREWS = 4  # source: ISO 9409-1, on the smaller of its bolt circles
-STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken
+STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken, and a cup grows
+PROUD = 8.0  # mm, assumption: of a core pin over its carrier, for pliers
+ACCESS_PLAY = 0.3  # mm a side, assumption: of cover and seal round what stands out of a carrier
 TENTHS = 10  # a mm, assumption: a fiducial's place is written in tenths
 # assumption: a fiducial's distance from the middle is at least its corner's by this
 INSET_DIVISOR = 3.0
@@ -179,7 +197,11 @@ HOLD = (0.75, 1.25, 4.0)  # mm, assumption: radius at the skin, at the cover, sp
 # assumption: a large carrier spaces its holes wider; the kernel's time grows with their square
 MOST_HOLES = 24
 BLEED = 0.4  # mm, assumption: least radius of the cover's bleed over each of them, which would keep its air
-VENT = 1.0  # mm, assumption: through which silicone rises without much pressure
+VENT, WIDE_VENT = 1.0, 2.5  # mm, assumption: through which silicone rises without much pressure
+LARGE = 5000.0  # mm3, assumption: a skin that shrinks by more than a narrow vent passes before it sets
+RISER_SHARE = (
+    0.033  # assumption: of its base's volume, that the cup holds, 3 % of the skin: a third is shrinkage
+)
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
@@ -193,7 +215,8 @@ def vent_bore(design: Design, place: Layout) -> Bore:
     gap = design.mold.clearance
     narrow = min(design.skin.width, 2 * place.end)
     room = narrow - 2 * (gap + EDGE)
-    wide = design.mold.vent or min(VENT, math.floor(10 * room) / 10)  # a drill
+    usual = VENT if _skin_volume(design) <= LARGE else WIDE_VENT
+    wide = design.mold.vent or min(usual, math.floor(10 * room) / 10)  # a drill
     if design.mold.vent is None and wide < LEAST_VENT:
         key = "skin.width" if narrow == design.skin.width else "skin.length"
         rule = f"leaves {room:.4g} mm for the vent in the carrier, which needs {LEAST_VENT:g} mm"
@@ -202,6 +225,17 @@ def vent_bore(design: Design, place: Layout) -> Bore:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
     y = place.end - wide / 2 - (0.0 if design.skin.round else gap + EDGE / 2)
     return Bore((0.0, y, 0.0), "z", place.back, wide / 2, role=CutRole.VENT)
+
+
+def _web(cup: Bore, hole: Bore) -> float:
+    """What the cover keeps between its cup and another hole, mm."""
+    return math.dist(hole.start[:2], cup.start[:2]) - hole.radius - max(cup.radius, cup.far_radius)
+
+
+def _skin_volume(design: Design) -> float:
+    """About how large the skins' base is, mm3."""
+    skin = design.skin
+    return skin.width * skin.length * skin.thickness * (math.pi / 4 if skin.round else 1.0)
 
 
 def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
@@ -213,15 +247,29 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     if design.skin.round:  # no gap at its end: the carrier lies on its ledge all round
         end, inner, rim = vent.start[1], inner - OVERLAP, place.cover - EDGE / 2
     most = min(most, rim)  # and off the cover's edge at end a
+
+    def cup(wide: float) -> Bore:
+        y = min(end, rim - wide)
+        need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
+        return Bore((0.0, y, place.top), "z", place.lid, need, wide, role=CutRole.RESERVOIR)
+
+    def fits(wide: float) -> bool:
+        over = cup(wide)
+        return over.radius <= wide <= most and all(_web(over, hole) >= EDGE / 2 for hole in standing)
+
+    standing = _access(design, place.top, place.lid)
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
-    y = min(end, rim - wide)
-    need = max(y - inner, vent.start[1] + vent.radius - y, end + OVERLAP - y)
+    while not chosen and not fits(wide) and cup(wide - STEP).radius <= wide - STEP:
+        wide = round(wide - STEP, 6)
+    while not chosen and cup(wide).volume < RISER_SHARE * _skin_volume(design) and fits(wide + STEP):
+        wide = round(wide + STEP, 6)
+    need = cup(wide).radius
     if not need <= wide <= most:
         least = max(end - inner, vent.start[1] + vent.radius - end, OVERLAP)
         least = least if least <= rim - end else (rim - inner) / 2
         rule = f"must be from {2 * least:.4g} to {2 * most:.4g} mm, over vent and gap and clear of the bolts"
         raise InputError("mold.reservoir", rule, 2 * wide)
-    return Bore((0.0, y, place.top), "z", place.lid, need, wide, role=CutRole.RESERVOIR)
+    return cup(wide)
 
 
 def _bleed_radius(design: Design) -> float:
@@ -286,7 +334,8 @@ def openings(design: Design, place: Layout) -> _Openings:
         raise InputError("mold.bone_at", rule, design.mold.bone_at, "move it, or take a longer skin")
     named = ("the vent", vent), ("the cup", cup), *(("a core pin", core) for core in cores)
     check_mount(design, place, mount, [(name, bore.start, bore.radius) for name, bore in named])
-    _check_cores(design, cores, vent)
+    _check_cores(design, vent, cup)
+    check_hold(design, place.top + place.lid)
     all_holes = [
         at
         for at in all_holes
@@ -307,38 +356,73 @@ def openings(design: Design, place: Layout) -> _Openings:
 
 
 def core_bores(design: Design, place: Layout) -> list[Bore]:
-    """Return the carrier's through holes in which the pockets' core pins stand, as wide as these: reamed,
-    so that they stay where they are pushed in, flush with the carrier's top."""
-    return [
-        Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius, role=CutRole.CORE)
-        for bore in (*pockets(design, -1.0), *pinned(design))
+    """Return the carrier's through holes in which the pockets' core pins stand, reamed, so narrower in a
+    print; and clearance holes of the screws that hold a bone."""
+    narrower = PRESS_PRINT if lid_process(design).layer else 0.0
+    pins = [
+        Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius - narrower, role=CutRole.CORE)
+        for bore in pockets(design, -1.0)
     ]
+    screws = [
+        Bore((*bore.start[:2], 0.0), "z", place.back, METRIC[name].clearance / 2, role=CutRole.BONE_SCREW)
+        for bore, name in bone_screws(design)
+    ]
+    return [*pins, *screws]
+
+
+def bone_screws(design: Design) -> list[tuple[Bore, str]]:
+    """Return the cores of the screws that hold a bone under its carrier, and their threads."""
+    return [(bore, thread_in(2 * (bore.radius + PLAY)) or "") for bore in pinned(design)]
 
 
 def core_pins(design: Design, place: Layout) -> list[Part]:
-    """Return the rods that keep the pockets free, from a pocket's end to the carrier's top."""
+    """Return the rods that keep the pockets free, from a pocket's end to where pliers grip them over the
+    carrier."""
     return [
         Part(
             f"core-pin-{i}",
             PartRole.CORE_PIN,
-            replace(bore, length=on_grid(bore.length) + place.back, role=None),
+            replace(bore, length=on_grid(bore.length) + place.back + PROUD, role=None),
         )
-        for i, bore in enumerate((*pockets(design, -1.0), *pinned(design)), 1)
+        for i, bore in enumerate(pockets(design, -1.0), 1)
     ]
 
 
-def _check_cores(design: Design, cores: list[Bore], vent: Bore) -> None:
-    """Raise InputError for a pocket whose core pin finds no room in the carrier beside its vent."""
-    for core in cores:
-        web = math.dist(core.start[:2], vent.start[:2]) - core.radius - vent.radius
-        if web < EDGE / 2:
-            x, y, _ = core.start
-            rule = (
-                f"puts a core pin at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from the carrier's vent, "
-                f"needed are {EDGE / 2:g}"
-            )
-            key = f"{design.features.family}.pocket"
-            raise InputError(key, rule, remedy="move the pockets, or take a smaller mold.vent")
+def screws_of_bone(design: Design, place: Layout) -> list[Part]:
+    """Return the screws that hold a bone, from its holes' ends to the carrier's top, without their heads."""
+    return [
+        Part(
+            f"bone-screw-{i}", PartRole.BONE_SCREW, replace(bore, length=bore.length + place.back, role=None)
+        )
+        for i, (bore, _) in enumerate(bone_screws(design), 1)
+    ]
+
+
+def _access(design: Design, low: float, thick: float) -> list[Bore]:
+    """The holes of seal or cover round what stands out of a carrier."""
+    pins = [(bore.start, bore.radius) for bore in pockets(design, -1.0)]
+    screws = [(bore.start, METRIC[name].head / 2) for bore, name in bone_screws(design)]
+    return [
+        Bore((x, y, low), "z", thick, radius + ACCESS_PLAY, role=CutRole.ACCESS)
+        for (x, y, _), radius in (*pins, *screws)
+    ]
+
+
+def _check_cores(design: Design, vent: Bore, cup: Bore) -> None:
+    """Raise InputError for a core pin or a bone's screw that finds no room in the carrier beside its vent, or
+    in the cover beside its cup."""
+    key, least = KEY if design.mold.bone else f"{design.features.family}.pocket", EDGE / 2
+    what = "a screw's head" if design.mold.bone else "a core pin"
+    for hole in _access(design, 0.0, 1.0):
+        (x, y, _), at_vent = hole.start, _web(vent, hole) + ACCESS_PLAY
+        if at_vent < least:
+            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_vent, 0.0):.3g} mm from the carrier's vent, "
+            rule += f"needed are {least:g}"
+            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent")
+        if (at_cup := _web(cup, hole)) < least:
+            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_cup, 0.0):.3g} mm from the riser's cup in the "
+            rule += f"cover, needed are {least:g}"
+            raise InputError(key, rule, remedy="move it, or take a smaller mold.reservoir")
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
@@ -415,7 +499,7 @@ def cover(design: Design, place: Layout) -> Part:
     cuts = (
         *drilled(CutRole.COVER_BOLT, "z", place.bolts, low, thick, BOLT_RADIUS),
         *drilled(CutRole.COVER_PIN, "z", cover_pins(place), low, thick, press),
-        *(moved(bore, x) for x in place.centres for bore in over),
+        *(moved(bore, x) for x in place.centres for bore in (*over, *_access(design, low, thick))),
     )
     part = Part("cover", PartRole.COVER, box(place.half, (-end, end), (low, low + thick)), cuts)
     return windowed(part, design, low, low + thick, place.centres)
@@ -437,6 +521,7 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))
+    over += _access(design, low, thick)
     cuts = tuple(moved(bore, x) for x in place.centres for bore in over)
     return windowed(Part("seal", PartRole.SEAL, body, cuts), design, low, place.top, place.centres)
 

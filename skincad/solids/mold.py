@@ -56,7 +56,15 @@ from skincad.solids.cavity import (
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
-from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, refused_lids, seal_sheet
+from skincad.solids.lids import (
+    carrier,
+    core_pins,
+    cover,
+    cover_dowels,
+    refused_lids,
+    screws_of_bone,
+    seal_sheet,
+)
 from skincad.solids.pins import on_plane
 from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
 from skincad.solids.round import check_round, lids_layout, round_parts
@@ -151,7 +159,7 @@ def mold(design: Design) -> ClosedMold:
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
     rest = [
-        *_gang(place, [carrier(design, place), *core_pins(design, place)]),
+        *_gang(place, [carrier(design, place), *core_pins(design, place), *screws_of_bone(design, place)]),
         cover(design, place),
         *_pins(design, place),
     ]
@@ -167,15 +175,18 @@ def mold(design: Design) -> ClosedMold:
 def _with_plugs(closed: ClosedMold, place: Layout, stages: list[list[Part]]) -> ClosedMold:
     """The mold with what it is before the last layer: plugs, and core pins in them, in the place of skin,
     carrier and what is in it.
-    They leave upward, once the cover is off; nothing else is opened then."""
-    gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.BONE)
+    Plugs leave upward, once the cover is off; core pins stay, and nothing else is opened then."""
+    gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.BONE, PartRole.BONE_SCREW)
     kept = [part for part in closed.parts if part.role not in gone]
     lid = (PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     high = 2 * (place.top - place.bottom)
     off = Move(tuple(part.name for part in kept if part.role in lid), "z", high)
     earlier = tuple(
-        ClosedMold((*kept, *plugs), (off, Move(tuple(plug.name for plug in plugs), "z", high)))
-        for plugs in stages
+        ClosedMold(
+            (*kept, *stage),
+            (off, Move(tuple(part.name for part in stage if part.role is PartRole.PLUG), "z", high)),
+        )
+        for stage in stages
     )
     return replace(closed, earlier=earlier)
 
@@ -221,7 +232,8 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     if not ridges:
         if closed.of(PartRole.BASE):
             steps.append(leave("z", -high, PartRole.BASE, PartRole.END_PIN, PartRole.BASE_PIN))
-        out = (PartRole.SKIN, PartRole.CARRIER, PartRole.BONE, PartRole.CORE_PIN, PartRole.STRIP)
+        standing = PartRole.BONE, PartRole.CORE_PIN, PartRole.BONE_SCREW
+        out = (PartRole.SKIN, PartRole.CARRIER, *standing, PartRole.STRIP)
         steps.append(leave("z", high, *out))
         steps += [leave("z", high, PartRole.CAVITY)] if closed.of(PartRole.BLOCK) else []
         return replace(closed, opening=tuple(steps))

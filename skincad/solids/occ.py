@@ -60,7 +60,7 @@ try:
     )
     from OCP.BRepTools import BRepTools
     from OCP.Geom import Geom_BezierCurve
-    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Cylinder, GeomAbs_Line
+    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Line
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.HLRAlgo import HLRAlgo_Projector
@@ -361,6 +361,40 @@ def holes_of(shape: cq.Solid) -> tuple[Hole, ...]:
             row = upright.setdefault(key, [math.inf, -math.inf])
             row[:] = [min(row[0], box.zmin), max(row[1], box.zmax)]
     return tuple((radius, (x, y, low), high) for (radius, x, y), (low, high) in upright.items())
+
+
+def locks_of(shape: cq.Solid) -> tuple[float, ...]:
+    """Return the necks of the holes in front of the back (z > 0) that no straight pull along z empties, as
+    areas, mm2: holes across, and of holes along z those with a wider part nearer to the back than a narrower
+    one, countersunk or stepped."""
+    across = dict[tuple[float, ...], float]()  # a hole may be in several faces of one cylinder
+    along = dict[tuple[float, float], list[tuple[float, float]]]()
+    for face in shape.Faces():
+        surface = BRepAdaptor_Surface(face.wrapped)
+        kind, box = surface.GetType(), face.BoundingBox()
+        if kind not in (GeomAbs_Cylinder, GeomAbs_Cone) or face.wrapped.Orientation() != TopAbs_REVERSED:
+            continue
+        axis = (surface.Cylinder() if kind == GeomAbs_Cylinder else surface.Cone()).Axis()
+        way, place = axis.Direction(), axis.Location()
+        if math.hypot(way.X(), way.Y()) < 1e-6:
+            ends = (surface.Value(0.0, v) for v in (surface.FirstVParameter(), surface.LastVParameter()))
+            rims = [(p.Z(), math.hypot(p.X() - place.X(), p.Y() - place.Y())) for p in ends]
+            along.setdefault((round(place.X(), 6), round(place.Y(), 6)), []).extend(rims)
+        elif box.zmin > 0.0 and kind == GeomAbs_Cylinder and abs(way.Z()) < _STEEP:
+            radius = surface.Cylinder().Radius()
+            spot = (place.X(), place.Y(), place.Z(), way.X(), way.Y(), way.Z(), radius)
+            across[tuple(round(v, 6) for v in spot)] = math.pi * radius**2
+    necks = []
+    for rims in along.values():
+        inside = [(z, r) for z, r in rims if z > -1e-6]
+        narrow = [r for z, r in inside if any(low < z - 1e-6 and wide > r + _LIP for low, wide in inside)]
+        if narrow:
+            necks.append(math.pi * min(narrow) ** 2)
+    return (*across.values(), *necks)
+
+
+_STEEP = math.cos(math.radians(45.0))  # a hole at less than 45 degrees to the back counts as across
+_LIP = 0.1  # mm, assumption: by which a hole is wider, so that silicone is held behind it
 
 
 def _body(body: Body) -> TopoDS_Shape:  # one a kind

@@ -56,6 +56,7 @@ class PartRole(Enum):
     BONE = "what the skin is cast on, the user's own", "bone", "bought", _STEEL
     PLUG = "what keeps the room of a layer that is poured later", "plug", "made", _GREEN
     CORE_PIN = "what keeps a pocket free", "core pin", "bought", _STEEL
+    BONE_SCREW = "what holds the bone under its carrier", "screw", "bought", _STEEL
     BASE_PIN = "dowel between the base and a piece of a split cavity", "pin", "bought", _STEEL
 
     def __init__(self, what: str, label: str, made: MadeBy, colour: tuple[float, float, float]) -> None:
@@ -92,6 +93,8 @@ class CutRole(Enum):
     EJECT = auto()  # a block's hole, to push the cavity out through
     WINDOW = auto()  # a lid's, through which a bone reaches
     CORE = auto()  # a carrier's hole for the pin that keeps a pocket free
+    BONE_SCREW = auto()  # and for a screw into a bone
+    ACCESS = auto()  # a lid's hole round what stands out of the carrier: a core pin, or such a screw's head
 
 
 CAVITIES = frozenset({PartRole.CAVITY, PartRole.BASE, PartRole.LEFT, PartRole.BETWEEN, PartRole.RIGHT})

@@ -32,7 +32,7 @@ from skincad.shape.skin import Section, summit
 from skincad.solids.bone import bone_part
 from skincad.solids.cavity import cavity, negative
 from skincad.solids.layout import STOCK, Layout
-from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, seal_sheet
+from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, screws_of_bone, seal_sheet
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, TurnedBody, box, disc
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
@@ -71,7 +71,12 @@ def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     """Return the closed mold's parts; `design` is what is poured. Raises InputError if one has no room."""
     lids, whole = lids_layout(design, place), _block(design, shape, place)
     blocks = [whole] if design.mold.block_process is None else _parted(design, shape, place, whole)
-    rest = [carrier(design, lids), *core_pins(design, lids), cover(design, lids)]
+    rest = [
+        carrier(design, lids),
+        *core_pins(design, lids),
+        *screws_of_bone(design, lids),
+        cover(design, lids),
+    ]
     rest += [*cover_dowels(design, lids), seal_sheet(design, lids)]
     rest += [bone] if (bone := bone_part(design)) else []
     return [cast_skin(design, shape), *blocks, *rest]
