@@ -174,8 +174,8 @@ class Mold(Table):
     )
     bone_bond: Literal["primer", "rivets"] | None = Field(
         default=None,
-        description="how silicone holds on the bone: a primer, or rivets, holes of its own that fill; primer "
-        "if not given",
+        description="how silicone holds on the bone: a primer, or rivets, holes of its own that fill and "
+        "that no straight pull empties; primer if not given",
     )
 
     @model_validator(mode="after")

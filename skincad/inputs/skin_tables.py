@@ -190,8 +190,9 @@ class Shot(Material):
     )
     bond: Literal["primer", "rivets", "wet"] | None = Field(
         default=None,
-        description="to the layer in front of it: primer on it once it is cured; rivets, which this silicone "
-        "fills behind necks; or wet, poured on it within its pot life; primer if not given",
+        description="to the layer in front of it: primer, on its clean face within a day of its cure; "
+        "rivets, which this silicone fills behind necks; or wet, poured on it within its pot life; primer if "
+        "not given",
     )
 
     @model_validator(mode="after")
