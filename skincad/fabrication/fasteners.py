@@ -49,6 +49,7 @@ _FOR = {
     CutRole.FIDUCIAL: "fiducial for a camera",
     CutRole.RESERVOIR: "riser cup",
     CutRole.BLEED: "bleed",
+    CutRole.MARK: "mark, in line with the other part's",
     CutRole.EJECT: "to push the cavity out",
     CutRole.CORE: "core pin, slides in by hand",
     CutRole.BONE_SCREW: "screw into the bone",

@@ -205,6 +205,7 @@ RISER_SHARE = (
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
+MARK = 1.0  # mm, assumption: diameter of a dimple that lines two parts up
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
@@ -463,8 +464,30 @@ def carrier(design: Design, place: Layout) -> Part:
     half, flat = place.end - gap, (0.0, place.back)
     wide = place.trough - gap
     body = disc(wide, *flat) if design.skin.round else box(wide, (-half, half), flat)
-    part = Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores))
+    marks = round_marks(design, place)[:1]
+    part = Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores, *marks))
     return windowed(part, design, 0.0, place.back)
+
+
+def round_marks(design: Design, place: Layout) -> list[Bore]:
+    """Return the dimples in a round carrier's top and in its block's, which lie in line once it is turned as
+    its skin is; none of a square one, whose vent tells which of two ways is right."""
+    if not design.skin.round:
+        return []
+    vent, _, rivets, pulls, mount, cores = openings(design, place)
+    radius, inner = MARK / 2, place.trough - design.mold.clearance - EDGE - MARK / 2
+    taken = [(hole.start, hole.radius) for hole in (vent, *pulls, *mount, *cores)] + _filled(rivets)
+    outer = [(*at, 0.0) for at in (*place.bolts, *cover_pins(place))]
+    for turn in np.radians(np.arange(0.0, 360.0, 5.0)).tolist():
+        way = math.cos(turn), math.sin(turn)
+        (x, y), (u, v) = ((arm * way[0], arm * way[1]) for arm in (inner, place.trough + EDGE + radius))
+        free = all(_clear((x, y), radius, other, r) for other, r in taken)
+        free = free and all(_clear((u, v), radius, other, BOLT_RADIUS) for other in outer)
+        if free and clear_of(design, 0.0, (x, y), radius):
+            deep = MARK / 2
+            on_carrier = Bore((x, y, place.back - deep), "z", deep, radius, role=CutRole.MARK)
+            return [on_carrier, Bore((u, v, place.top - deep), "z", deep, radius, role=CutRole.MARK)]
+    return []
 
 
 def pull_threads(design: Design, place: Layout, filled: list[tuple[Vector, float]]) -> list[Bore]:

@@ -86,7 +86,7 @@ class CutRole(Enum):
     RESERVOIR = auto()
     BLEED = auto()
     PRY = auto()  # notch for a screwdriver
-    MARK = auto()  # nick that tells the ends apart
+    MARK = auto()  # nick that tells the ends apart, or dimple that lines up with another part's
     BEVEL = auto()  # of a leaning end plate
     FEATURE = auto()  # the negative of a pin
     POCKET = auto()  # a skin's, for what it senses by

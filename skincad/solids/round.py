@@ -32,13 +32,21 @@ from skincad.shape.skin import Section, summit
 from skincad.solids.bone import bone_part
 from skincad.solids.cavity import cavity, negative
 from skincad.solids.layout import STOCK, Layout
-from skincad.solids.lids import carrier, core_pins, cover, cover_dowels, screws_of_bone, seal_sheet
+from skincad.solids.lids import (
+    carrier,
+    core_pins,
+    cover,
+    cover_dowels,
+    round_marks,
+    screws_of_bone,
+    seal_sheet,
+)
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, TurnedBody, box, disc
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
 
-_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
+_OF_BLOCK = (CutRole.COVER_THREAD, CutRole.COVER_PIN, CutRole.MARK)
 UNDER_GROOVES = 3.0  # mm, assumption: of a disc under its deepest groove, to be held by while it is turned
 EJECT = 2.5  # mm, assumption: radius of the hole for a rod that pushes the disc out; a disc is wider than 8
 
@@ -89,7 +97,13 @@ def _block(design: Design, shape: Section, place: Layout) -> Part:
     half = right_half(flipped(shape.outline))
     trough = TurnedBody(half, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), role=CutRole.TROUGH)
     seat = replace(disc(place.trough, 0.0, place.top), role=CutRole.SEAT)
-    cuts = (trough, seat, *(cut for cut in straight.cuts if cut.role in (*_OF_BLOCK, CutRole.FEATURE)))
+    marks = round_marks(design, lids_layout(design, place))[1:]
+    cuts = (
+        trough,
+        seat,
+        *(cut for cut in straight.cuts if cut.role in (*_OF_BLOCK, CutRole.FEATURE)),
+        *marks,
+    )
     return Part("cavity", PartRole.CAVITY, body, cuts, straight=straight)
 
 

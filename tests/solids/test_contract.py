@@ -43,11 +43,11 @@ PARTS = {
     "pockets": {**PLAIN, "CORE_PIN": 4},
     "layers over pins": PLAIN | PLUG,
     "layers over pockets": {**PLAIN, **PLUG, "CORE_PIN": 4},
-    "bone on pins": {**COMBED, **BONE, "CORE_PIN": 2},
+    "bone on pins": {**COMBED, **BONE, "BONE_SCREW": 2},
     "bones of a gang": {**COMBED, "SKIN": 2, "CARRIER": 2, "SHIM": 12, "BONE": 2},
     "bone behind a layer": COMBED | BONE | PLUG,
     "bone in a round skin": LIDS | BONE,
-    "bone on pins in a round skin": {**LIDS, **BONE, **PLUG, "CORE_PIN": 2},
+    "bone on pins in a round skin": {**LIDS, **BONE, **PLUG, "BONE_SCREW": 2},
 }
 
 
