@@ -47,12 +47,14 @@ from matplotlib import colormaps, rc_context, rcParamsDefault  # noqa: E402
 from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
-from matplotlib.collections import EllipseCollection, PolyCollection  # noqa: E402
+from matplotlib.collections import EllipseCollection, PathCollection, PolyCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
+from matplotlib.path import Path as Curve  # noqa: E402
 from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.transforms import Affine2D  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [
@@ -90,7 +92,9 @@ __all__ = [
     "THIN",
     "TITLE",
     "VERMILION",
+    "Affine2D",
     "Axes",
+    "Curve",
     "EllipseCollection",
     "Figure",
     "FixedLocator",
@@ -102,6 +106,7 @@ __all__ = [
     "NullFormatter",
     "NullLocator",
     "Patch",
+    "PathCollection",
     "Picture",
     "PolyCollection",
     "ScalarMappable",
@@ -110,6 +115,7 @@ __all__ = [
     "colormaps",
     "legend",
     "own_style",
+    "pdf",
     "png",
     "save",
     "sheet",
@@ -229,4 +235,13 @@ def svg(figure: Picture) -> bytes:
     written = BytesIO()
     with own_style(), rc_context({"svg.hashsalt": "skincad"}):
         figure.savefig(written, metadata={"Date": None, "Creator": "skincad"}, format="svg")
+    return written.getvalue()
+
+
+def pdf(figure: Picture, title: str) -> bytes:
+    """Return a figure as PDF, the same bytes for the same figure; letters are text in a font of every reader
+    (ISO 32000-1, 9.6.2.2)."""
+    written, said = BytesIO(), {"Title": title, "Creator": "skincad", "Producer": None, "CreationDate": None}
+    with own_style(), rc_context({"pdf.use14corefonts": True, "path.simplify": False}):
+        figure.savefig(written, metadata=said, format="pdf")
     return written.getvalue()
