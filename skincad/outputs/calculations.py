@@ -1,18 +1,22 @@
-"""The closed forms behind a verdict, of casting and of a film strip, as a calculation report has them.
+"""The closed forms behind a verdict, of casting and of a film strip, as lines of formula, number and source.
 
-Each result comes from the function that the program itself uses; tests hold it against its formula and the
-numbers that are printed.
+Each result comes from the function that the program itself uses; tests hold it against its formula, which is
+Python's arithmetic, and the numbers that are printed.
 """
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
 from statistics import median
+from types import MappingProxyType
 
 import numpy as np
 
 from skincad.base.arrays import Array, Mask
-from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.network import PICO, charge, electrode
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import DEAD_VOLUME, LayerPour, pours
@@ -22,6 +26,7 @@ from skincad.mechanics.models import winkler
 from skincad.mechanics.models.winkler import compliances
 from skincad.mechanics.problem import Answer, Request
 from skincad.mechanics.validity import limits, plane_modulus
+from skincad.outputs.pages import paragraph, rounded, table
 from skincad.shape.curves import area
 from skincad.shape.skin import skin_of
 from skincad.solids.plan import PartRole
@@ -32,54 +37,106 @@ PIEZO = "IEEE Std 176-1987: D₃ = d₃₁T₁ + d₃₂T₂ + d₃₃T₃"
 MM3 = 1e-3  # cm3
 
 
+SIGNS = {  # of the symbols and functions that are no letters of ours
+    "E1": "E\u2032",
+    "delta": "δ",
+    "epsilon": "ε",
+    "nu": "\u03bd",
+    "phi": "φ",
+    "pi": "π",
+    "rho": "\u03c1",
+    "sigma": "\u03c3",
+    "sqrt": "√",
+    "sum": "∑",
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number in its unit, or one of each ridge, as `symbol` in a formula: `c_r` has an index."""
+
+    symbol: str
+    meaning: str
+    value: float | tuple[float, ...]
+    unit: str
+
+    def __str__(self) -> str:
+        """The number with its unit; of what each ridge has, the unit."""
+        number = "" if isinstance(self.value, tuple) else rounded(self.value)
+        return f"{number} {'' if self.unit == '1' else self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Calculation:
+    """A result by a formula of what is given; `source` is author, year and place."""
+
+    title: str
+    result: Quantity
+    formula: str
+    given: tuple[Quantity, ...]
+    source: str
+    remark: str = ""
+
+
+def calculation(step: Calculation) -> str:
+    """Return a step as lines of HTML: formula, numbers put in, result; symbols; source."""
+    numbers = {term.symbol: rounded(term.value) for term in step.given if not isinstance(term.value, tuple)}
+    many = "" if len(numbers) == len(step.given) else " with the ridges' values of the table below"
+    symbols = [
+        signs(term.symbol) + escape(f" = {term}, " if term.symbol in numbers else " ") + escape(term.meaning)
+        for term in step.given
+    ]
+    return (
+        f'<div class="step">\n<h3>{escape(step.title)}</h3>\n'
+        f'<p class="formula">{signs(step.result.symbol)} = {signs(step.formula)}<br>\n'
+        f"= {signs(step.formula, numbers)}{many} "
+        f'<span class="result">= {escape(str(step.result))}</span></p>\n'
+        f'<p class="small">{"; ".join(symbols)}.<br>Source: {escape(step.source)}.</p>\n'
+        f"{paragraph(step.remark, 'small') if step.remark else ''}</div>\n"
+    )
+
+
+def signs(formula: str, numbers: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Return a formula as HTML, with numbers in the place of some symbols."""
+
+    def sign(match: re.Match[str]) -> str:
+        letter, _, index = match[0].partition("_")
+        number = numbers.get(match[0], "")
+        symbol = SIGNS.get(letter, letter) + (f"<sub>{index}</sub>" if index else "")
+        return f"({number})" if number.startswith("−") else number or symbol  # noqa: RUF001
+
+    powers = re.sub(r"\*\*(\d)", r"<sup>\1</sup>", re.sub(r"[A-Za-z]\w*", sign, formula))
+    return powers.replace("*", "·").replace("-", "−")  # noqa: RUF001
+
+
+def ridge_table(quantities: Sequence[Quantity]) -> str:
+    """Return the table of what differs from ridge to ridge."""
+    columns = [quantity.value for quantity in quantities if isinstance(quantity.value, tuple)]
+    heads = ["ridge i", *(", ".join(filter(None, (term.symbol, str(term)))) for term in quantities)]
+    rows = [(ridge, *row) for ridge, row in enumerate(zip(*columns, strict=True), 1)]
+    return table(heads, rows, "small")
+
+
 def contact_calculations(design: Design, share: float | None = None) -> list[Calculation]:
     """Return the foundation's verdict, step by step; `share` N is the force on the most loaded ridge by the
     verdict's model, for its strain."""
-    modulus, stiffness = _modulus(design), _stiffness(design)
-    steps = [modulus, *stiffness, *_gap(design)]
+    steps = [*_stiffness(design), *_gap(design)]
     if design.skin.curvature_radius_y is None:
         verdict = winkler.answer(design, Request(design.contact.force))
         steps += [_all_touch(design, verdict), _approach(design, verdict)]
     return steps if share is None else [*steps, _strain(design, share)]
 
 
-def _modulus(design: Design) -> Calculation:
-    material = silicone(design)
-    return Calculation(
-        "Modulus in plane strain",
-        Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
-        "E / (1 - nu**2)",
-        (
-            Quantity("E", f"Young's modulus of {material.name}", material.young_modulus.value, "MPa"),
-            Quantity("nu", "Poisson's ratio", material.poisson_ratio, "1"),
-        ),
-        "plane strain: Johnson, Contact Mechanics, 1985, ch. 2",
-    )
-
-
 def _stiffness(design: Design) -> list[Calculation]:
-    """The two springs of a ridge, and both in series."""
-    base, column = compliances(design)
+    """The modulus, the two springs of a ridge, and both in series."""
+    material, skin, (base, column) = silicone(design), skin_of(design), compliances(design)
+    modulus = Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa")
     base_compliance = Quantity("c_b", "compliance of the base under a ridge", base, "1")
     ridge_compliance = Quantity("c_r", "compliance of the ridge, of median height", column, "1")
-    series = Calculation(
-        "Stiffness of a ridge on its foundation",
-        Quantity("k", "stiffness of a ridge", winkler.ridge_stiffness(design), "N/mm"),
-        "E1 * L / (c_b + c_r)",
-        (
-            Quantity("E1", "plane-strain modulus", plane_modulus(design), "MPa"),
-            Quantity("L", "skin.length", design.skin.length, "mm"),
-            base_compliance,
-            ridge_compliance,
-        ),
-        FOUNDATION,
-        "Base and ridge are two springs in series.",
+    young = (
+        Quantity("E", f"Young's modulus of {material.name}", material.young_modulus.value, "MPa"),
+        Quantity("nu", "Poisson's ratio", material.poisson_ratio, "1"),
     )
-    return [*_compliance_calculations(design, base_compliance, ridge_compliance), series]
-
-
-def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -> list[Calculation]:
-    skin = skin_of(design)
     under = (
         Quantity("n", "ridges", skin.count, "1"),
         Quantity("T", "skin.thickness", skin.base.thickness, "mm"),
@@ -90,9 +147,24 @@ def _compliance_calculations(design: Design, base: Quantity, column: Quantity) -
         Quantity("b_r", "ridge.root_width", skin.profile.root_width, "mm"),
         Quantity("b_t", "ridge.tip_width", skin.profile.tip_width, "mm"),
     )
+    plane_strain = "plane strain: Johnson, Contact Mechanics, 1985, ch. 2"
     return [
-        Calculation("A ridge's part of the base", base, "n * T / W", under, FOUNDATION),
-        Calculation("The ridge itself", column, "2 * h / (b_r + b_t)", itself, FOUNDATION),
+        Calculation("Modulus in plane strain", modulus, "E / (1 - nu**2)", young, plane_strain),
+        Calculation("A ridge's part of the base", base_compliance, "n * T / W", under, FOUNDATION),
+        Calculation("The ridge itself", ridge_compliance, "2 * h / (b_r + b_t)", itself, FOUNDATION),
+        Calculation(
+            "Stiffness of a ridge on its foundation",
+            Quantity("k", "stiffness of a ridge", winkler.ridge_stiffness(design), "N/mm"),
+            "E1 * L / (c_b + c_r)",
+            (
+                modulus,
+                Quantity("L", "skin.length", design.skin.length, "mm"),
+                base_compliance,
+                ridge_compliance,
+            ),
+            FOUNDATION,
+            "Base and ridge are two springs in series.",
+        ),
     ]
 
 
@@ -206,8 +278,8 @@ def _strain(design: Design, share: float) -> Calculation:
 
 def casting_calculations(job: Job) -> list[Calculation]:
     """Return the cavity's volume by the shrinkage, and the silicone to weigh."""
-    cavity = [] if job.bent and job.skin.slot else [_cavity(job)]
-    return [*cavity, *_mass(job)]
+    cavity, layers = [] if job.bent and job.skin.slot else [_cavity(job)], pours(job)
+    return [*cavity, *(step for layer in layers for step in _mass(layer, len(layers) > 1))]
 
 
 def _cavity(job: Job) -> Calculation:
@@ -232,11 +304,7 @@ def _cavity(job: Job) -> Calculation:
     )
 
 
-def _mass(job: Job) -> list[Calculation]:
-    return [calculation for layer in pours(job) for calculation in _mass_of(layer, len(pours(job)) > 1)]
-
-
-def _mass_of(layer: LayerPour, one_of_several: bool) -> list[Calculation]:
+def _mass(layer: LayerPour, one_of_several: bool) -> list[Calculation]:
     material, grams = layer.silicone, layer.mass
     whose = f"the layer of {material.name}" if one_of_several else "the mold"
     mold_mass = Quantity("m", f"silicone that {whose} takes", grams, "g")
