@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
@@ -23,6 +23,7 @@ from skincad.outputs.drawing.marks import (
     Fill,
     Ink,
     Mark,
+    Outline,
     Sheet,
     Words,
 )
@@ -46,29 +47,20 @@ _ANCHORS = {
 }
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 _SIDES = {"start": "left", "middle": "center", "end": "right"}
+THIN = 0.03  # mm of the part, no outline is drawn wider in a picture: strips are 0.25 mm wide
 INCH = 25.4  # mm
 POINT = 72 / INCH  # points in a millimetre
 
 
-def write_dxf(
-    path: Path,
-    marks: Iterable[Mark],
-    scale: float = 1.0,
-    loops: Iterable[tuple[str, Loop]] = (),
-    notes: Iterable[str] = (),
-) -> None:
-    """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part; and closed
-    outlines with true arcs, mm of the part, on these layers. Notes are the file's properties, which a
-    program shows without drawing them."""
+def write_dxf(path: Path, marks: Iterable[Mark], scale: float = 1.0, notes: Iterable[str] = ()) -> None:
+    """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part. Notes are the
+    file's properties, which a program shows without drawing them."""
     with _no_clock():
-        marks, outlines = list(marks), list(loops)
-        document = _dxf_document(scale, {name for name, _ in outlines} | {_layer(mark) for mark in marks})
+        marks = sorted(marks, key=lambda mark: not isinstance(mark, Outline))
+        document = _dxf_document(scale, {_layer(mark) for mark in marks})
         for number, note in enumerate(notes, 1):
             document.header.custom_vars.append(f"note {number}", note)
         space = document.modelspace()
-        for layer, outline in outlines:
-            corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
-            space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
         for mark in marks:
             if isinstance(mark, Dimension):
                 _dxf_dimension(document, space, mark, scale)
@@ -86,7 +78,7 @@ def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
         Words(note, (FIRST_NOTE[0], FIRST_NOTE[1] - 4.0 * i), 2.0, "TEXT")
         for i, note in enumerate(sheet.notes)
     ]
-    write_dxf(path, [*sheet.marks, *texts], sheet.scale, sheet.loops, sheet.notes)
+    write_dxf(path, [*sheet.cut, *sheet.marks, *texts], sheet.scale, sheet.notes)
 
 
 def _layer(mark: Mark) -> str:
@@ -110,9 +102,12 @@ def _dxf_document(scale: float, used: set[str]) -> Drawing:
     return document
 
 
-def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None:
+def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Outline | Words, scale: float) -> None:
     layer = {"layer": mark.layer}
-    if isinstance(mark, Ink):
+    if isinstance(mark, Outline):
+        corners = [(s.start.x, s.start.z, s.bulge) for s in mark.loop]
+        space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs=layer)
+    elif isinstance(mark, Ink):
         _dxf_stroke(space, mark.stroke, layer, scale)
     elif isinstance(mark, Fill):
         a, b, c = (_scaled(point, scale) for point in mark.points)
@@ -186,26 +181,31 @@ def _no_clock() -> Iterator[None]:
             ezdxf.options.write_fixed_meta_data_for_testing = before
 
 
-def sheet_svg(sheet: Sheet) -> str:
-    """Return a sheet as an SVG document of its size; groups carry the layers' names."""
-    wide, tall = sheet.size
+def sheet_svg(sheet: Sheet, size: float = 1.0) -> str:
+    """Return a sheet as an SVG document, `size` times as large as its paper; groups bear layers' names."""
+    (left, low), (wide, tall) = sheet.corner, sheet.size
+
+    def at(point: Place) -> Place:
+        """Where a point is on the page, from its upper left corner."""
+        return point[0] - left, low + tall - point[1]
+
     rows: dict[str, list[str]] = {}
     for mark in primitives(sheet.marks):
-        rows.setdefault(mark.layer, []).append(svg_row(mark, tall))
+        rows.setdefault(mark.layer, []).append(_svg_row(mark, at, sheet.scale))
     groups = [
-        f'<g id="{name}" {svg_style(name)}>\n' + "\n".join(rows[name]) + "\n</g>"
+        f'<g id="{name}" {_svg_style(name)}>\n' + "\n".join(rows[name]) + "\n</g>"
         for name in LAYERS
         if name in rows
     ]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:g}mm" height="{tall:g}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size * wide:g}mm" height="{size * tall:g}mm" '
         f'viewBox="0 0 {wide:g} {tall:g}" font-family="Arial, Helvetica, sans-serif">\n'
         f"<title>{escape(sheet.title)}</title>\n"
         f'<rect width="{wide:g}" height="{tall:g}" fill="#fff"/>\n' + "\n".join(groups) + "\n</svg>\n"
     )
 
 
-def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
+def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Outline | Words]:
     """Yield what is drawn: of a dimension its lines, arrows and words."""
     for mark in marks:
         if isinstance(mark, Dimension):
@@ -215,41 +215,57 @@ def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
             yield mark
 
 
-def svg_style(name: str) -> str:
-    """Return a layer's colour, width and dashes as SVG's attributes."""
+def _svg_style(name: str) -> str:
+    """A layer's fill, colour, width and dashes as SVG's attributes."""
     layer = LAYERS[name]
     dashes = " ".join(f"{abs(length):g}" for length in LINES[layer.line])
     dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
-    return f'fill="none" stroke="{layer.ink}" stroke-width="{layer.width:g}"{dashed}'
+    clear = f' fill-opacity="{layer.opacity:g}"' if layer.opacity < 1 else ""
+    return f'fill="{layer.fill}"{clear} stroke="{layer.ink}" stroke-width="{layer.width:g}"{dashed}'
 
 
-def svg_row(mark: Ink | Fill | Words, tall: float) -> str:
-    """Return a mark on paper that is `tall` mm high."""
-    ink = LAYERS[mark.layer].ink
+def _svg_row(mark: Ink | Fill | Outline | Words, at: Callable[[Place], Place], scale: float) -> str:
+    layer = LAYERS[mark.layer]
     if isinstance(mark, Ink):
-        return _svg_stroke(mark.stroke, tall)
+        return _svg_stroke(mark.stroke, at)
+    if isinstance(mark, Outline):
+        thin = f' stroke-width="{min(layer.width, scale * THIN):g}"'
+        return f'<path d="{_svg_path(mark.loop, at, scale)}"{thin}/>'
     if isinstance(mark, Fill):
-        points = " ".join(f"{x:.3f},{tall - y:.3f}" for x, y in mark.points)
-        return f'<polygon points="{points}" fill="{ink}" stroke="none"/>'
-    x, y = mark.at[0], tall - mark.at[1]
+        return f'<polygon points="{_svg_points(mark.points, at)}" fill="{layer.ink}" stroke="none"/>'
+    x, y = at(mark.at)
     turn = f' transform="rotate({-mark.turn:.3f} {x:.3f} {y:.3f})"' if mark.turn else ""
     return (
         f'<text x="{x:.3f}" y="{y:.3f}" style="font-size:{mark.height / CAP:.3f}px" '
-        f'text-anchor="{mark.anchor}" fill="{ink}" stroke="none"{turn}>{escape(mark.text)}</text>'
+        f'text-anchor="{mark.anchor}" fill="{layer.ink}" stroke="none"{turn}>{escape(mark.text)}</text>'
     )
 
 
-def _svg_stroke(stroke: Stroke, tall: float) -> str:
+def _svg_points(points: Iterable[Place], at: Callable[[Place], Place]) -> str:
+    return " ".join(f"{x:.3f},{y:.3f}" for x, y in map(at, points))
+
+
+def _svg_stroke(stroke: Stroke, at: Callable[[Place], Place]) -> str:
     if not isinstance(stroke, Arc):
-        points = " ".join(f"{x:.3f},{tall - y:.3f}" for x, y in stroke.points)
-        return f'<polyline points="{points}"/>'
-    x, y = stroke.centre
-    if stroke.whole:
-        return f'<circle cx="{x:.3f}" cy="{tall - y:.3f}" r="{stroke.radius:.3f}"/>'
-    (a, b), (c, d) = stroke.at(0.0), stroke.at(1.0)
-    wide = int(stroke.sweep > math.pi)
+        return f'<polyline points="{_svg_points(stroke.points, at)}"/>'
     r = f"{stroke.radius:.3f}"
-    return f'<path d="M{a:.3f} {tall - b:.3f} A{r} {r} 0 {wide} 0 {c:.3f} {tall - d:.3f}"/>'
+    if stroke.whole:
+        x, y = at(stroke.centre)
+        return f'<circle cx="{x:.3f}" cy="{y:.3f}" r="{r}"/>'
+    (a, b), (c, d) = at(stroke.at(0.0)), at(stroke.at(1.0))
+    return f'<path d="M{a:.3f} {b:.3f} A{r} {r} 0 {int(stroke.sweep > math.pi)} 0 {c:.3f} {d:.3f}"/>'
+
+
+def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
+    """A closed outline's steps; of an arc that is nearly straight, its chord."""
+    steps = []
+    for segment in loop:
+        x, y = at((scale * segment.end.x, scale * segment.end.z))
+        arc, r = segment.bulge != 0.0 and math.isfinite(segment.radius), scale * segment.radius
+        sides = f"{int(abs(segment.sweep) > math.pi)} {int(segment.bulge < 0)}"
+        steps.append(f"A{r:.6g} {r:.6g} 0 {sides} {x:.4f} {y:.4f}" if arc else f"L{x:.4f} {y:.4f}")
+    x, y = at((scale * loop[0].start.x, scale * loop[0].start.z))
+    return " ".join([f"M{x:.4f} {y:.4f}", *steps, "Z"])
 
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
