@@ -112,9 +112,9 @@ def _section(design: Design, layer: str) -> Sheet:
     marks: tuple[Mark, ...] = (
         Outline(shape.outline, layer),
         *(Outline(slot.loop(), "SLOTS") for slot in shape.slots),
-        linear(((-half, 0.0), (half, 0.0)), -6.0, True, scale, number(skin.width), SIZE),
-        linear(((-half, 0.0), (-half, thick)), -half - 4.0, False, scale, number(skin.thickness), SIZE),
-        linear(((half, 0.0), (half, top)), half + 5.0, False, scale, number(shape.top), SIZE),
+        linear(((-half, 0.0), (half, 0.0)), -6.0, True, scale, number(skin.width)),
+        linear(((-half, 0.0), (-half, thick)), -half - 4.0, False, scale, number(skin.thickness)),
+        linear(((half, 0.0), (half, top)), half + 5.0, False, scale, number(shape.top)),
         *_ridge(design, scale),
     )
     size = 2 * (half + beside), top + over + beside
@@ -131,31 +131,21 @@ def _ridge(design: Design, scale: float) -> list[Dimension]:
         point = skin.placed[number_ - 1].frame.at(t, n)
         return scale * point.x, scale * point.z
 
+    def across(half: float, height: float, out: float, words: str) -> Dimension:
+        ends = on_paper(middle, -half, height), on_paper(middle, half, height)
+        return aligned(ends, out, scale, f"{words} {number(2 * half)}")
+
     high, first = skin.heights[middle - 1], skin.heights[0]
-    root, tip = profile.root_width / 2, profile.tip_width / 2
+    root, upright = profile.root_width / 2, (on_paper(1, 0.0, 0.0), on_paper(1, 0.0, first))
     rows = [
-        aligned(
-            (on_paper(middle, -root, 0.0), on_paper(middle, root, 0.0)),
-            -3.2,
-            scale,
-            f"root {number(2 * root)}",
-            SIZE,
-        ),
-        aligned(
-            (on_paper(middle, -tip, high), on_paper(middle, tip, high)),
-            2.8,
-            scale,
-            f"tip {number(2 * tip)}",
-            SIZE,
-        ),
-        aligned(
-            (on_paper(1, 0.0, 0.0), on_paper(1, 0.0, first)), scale * root + 3.0, scale, number(first), SIZE
-        ),
+        across(root, 0.0, -3.2, "root"),
+        across(profile.tip_width / 2, high, 2.8, "tip"),
+        aligned(upright, scale * root + 3.0, scale, number(first)),
     ]
     if middle > 1:
         ends = on_paper(middle - 1, 0.0, skin.heights[middle - 2]), on_paper(middle, 0.0, high)
         words = f"{number(math.dist(*ends) / scale)} (pitch {number(skin.pitch)})"
-        rows.append(aligned(ends, 6.6, scale, words, SIZE))
+        rows.append(aligned(ends, 6.6, scale, words))
     return rows
 
 
@@ -168,7 +158,7 @@ def _strip_dimensions(strip: StripPattern, scale: float) -> list[Dimension]:
     def over(a: float, b: float, level: int, words: str) -> None:
         (a, b), top = sorted((a, b)), high + 6.0 + 6.0 * level
         label = f"{words} {number((b - a) / scale)}".strip()
-        rows.append(linear(((a, high), (b, high)), top, True, scale, label, SIZE))
+        rows.append(linear(((a, high), (b, high)), top, True, scale, label))
 
     sensed, pad, other = ([scale * v for v in _extent(o)] for o in (strip.overlap, *strip.pads))
     cuts = [scale * line.start.x for line in strip.cut_off]
@@ -180,14 +170,14 @@ def _strip_dimensions(strip: StripPattern, scale: float) -> list[Dimension]:
     centres = [((p[0] + p[2]) / 2, (p[1] + p[3]) / 2) for p in (other, pad)]
     line_x = left - 6.0 if wired_a else right + 6.0
     words = f"pads {number((centres[1][1] - centres[0][1]) / scale)}"
-    rows.append(linear((centres[0], centres[1]), line_x, False, scale, words, SIZE))
+    rows.append(linear((centres[0], centres[1]), line_x, False, scale, words))
     line = strip.cut_off[0]
     x, (_, z0), (_, z1) = cuts[0] + 5.0, *(tuple(scale * v for v in point) for point in line)
     wide = abs(z1 - z0)
-    rows.append(linear(((x, z0), (x, z1)), x, False, scale, number(wide / scale), SIZE))
+    rows.append(linear(((x, z0), (x, z1)), x, False, scale, number(wide / scale)))
     if high - low > wide + 1e-9:
         words = number((high - low) / scale)
-        rows.append(linear(((right, low), (right, high)), right + 16.0, False, scale, words, SIZE))
+        rows.append(linear(((right, low), (right, high)), right + 16.0, False, scale, words))
     for hole in strip.holes[:1]:
         a, b, c, d = (scale * v for v in _extent(hole))
         text = f"{len(strip.holes)}x Ø{number((c - a) / scale)}"
@@ -271,8 +261,8 @@ def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
     (left, low), (right, high) = pattern.box
     marks: list[Mark] = [
         *(Outline(loop, "CUT") for loop in pattern.loops),
-        linear(((left, high), (right, high)), high + 6.0, True, 1.0, number(right - left), SIZE),
-        linear(((right, low), (right, high)), right + 8.0, False, 1.0, number(high - low), SIZE),
+        linear(((left, high), (right, high)), high + 6.0, True, 1.0, number(right - left)),
+        linear(((right, low), (right, high)), right + 8.0, False, 1.0, number(high - low)),
         *_note_words(pattern.notes, (left, low - SEAL_NOTES_GAP), SIZE),
     ]
     write_dxf(path, marks, notes=pattern.notes)

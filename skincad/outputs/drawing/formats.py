@@ -40,11 +40,6 @@ FONT = "SKINCAD"  # text style, in Arial
 ROTATED, DIAMETER, OWN_BLOCK, PLACED = 0, 3, 32, 128  # source: DXF reference, group 70 of DIMENSION
 DEGREES = 180 / math.pi
 FIRST_NOTE = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
-_ANCHORS = {
-    "start": TextEntityAlignment.LEFT,
-    "middle": TextEntityAlignment.CENTER,
-    "end": TextEntityAlignment.RIGHT,
-}
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 _SIDES = {"start": "left", "middle": "center", "end": "right"}
 THIN = 0.03  # mm of the part, no outline is drawn wider in a picture: strips are 0.25 mm wide
@@ -115,7 +110,7 @@ def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Outline | Words, scale: floa
     else:
         attributes = {**layer, "style": FONT, "rotation": mark.turn}
         text = space.add_text(mark.text, height=mark.height / scale, dxfattribs=attributes)
-        text.set_placement(_scaled(mark.at, scale), align=_ANCHORS[mark.anchor])
+        text.set_placement(_scaled(mark.at, scale), align=TextEntityAlignment[_SIDES[mark.anchor].upper()])
 
 
 def _dxf_stroke(space: BaseLayout, stroke: Stroke, layer: dict[str, str], scale: float) -> None:
@@ -269,7 +264,7 @@ def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
 
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
-    """Write a sheet as PDF of its size, mm; its words are text in Helvetica, which every reader has."""
+    """Write a sheet without outlines as PDF of its size, mm; its words are text in Helvetica."""
     marks, (wide, tall) = list(primitives(sheet.marks)), sheet.size
     with own_style():
         figure = Picture(figsize=(wide / INCH, tall / INCH), frameon=False)
