@@ -32,9 +32,9 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.outputs.drawing.formats import sheet_svg, write_dxf
 from skincad.outputs.drawing.marks import (
+    Contour,
     Dimension,
     Mark,
-    Outline,
     Sheet,
     Words,
     aligned,
@@ -110,8 +110,8 @@ def _section(design: Design, layer: str) -> Sheet:
     half, thick, top = scale * skin.width / 2, scale * skin.thickness, scale * shape.top
     beside, over = max(scale, ROOM_BESIDE), max(scale, ROOM_OVER)
     marks: tuple[Mark, ...] = (
-        Outline(shape.outline, layer),
-        *(Outline(slot.loop(), "SLOTS") for slot in shape.slots),
+        Contour(shape.outline, layer),
+        *(Contour(slot.loop(), "SLOTS") for slot in shape.slots),
         linear(((-half, 0.0), (half, 0.0)), -6.0, True, scale, number(skin.width)),
         linear(((-half, 0.0), (-half, thick)), -half - 4.0, False, scale, number(skin.thickness)),
         linear(((half, 0.0), (half, top)), half + 5.0, False, scale, number(shape.top)),
@@ -214,8 +214,8 @@ def _strips(job: Job) -> Sheet:
     strips, notes = strip_patterns(job), pattern_notes(job)
     marks: list[Mark] = []
     for strip in strips:
-        marks += [Outline(outline, "CUT") for outline in (strip.cut, *strip.holes)]
-        marks += [Outline(strip.front, "FRONT"), Outline(strip.back, "BACK")]
+        marks += [Contour(outline, "CUT") for outline in (strip.cut, *strip.holes)]
+        marks += [Contour(strip.front, "FRONT"), Contour(strip.back, "BACK")]
     marks += [
         line((STRIPS * a.x, STRIPS * a.z), (STRIPS * b.x, STRIPS * b.z), "MARK")
         for strip in strips
@@ -246,7 +246,7 @@ def write_shims_dxf(job: Job, path: Path) -> None:
     """Write the cutting pattern of one skin's shims as DXF, mm: CUT, ENGRAVE (ridge and slot, beside each),
     MARK (where a tail is thinned, at +x) and TEXT."""
     shims, notes = shim_patterns(job), shim_notes(job)
-    marks: list[Mark] = [Outline(shim.cut, "CUT") for shim in shims]
+    marks: list[Mark] = [Contour(shim.cut, "CUT") for shim in shims]
     marks += [Words(shim.label, shim.label_at, 1.0, "ENGRAVE") for shim in shims]
     marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
     low = min(s.start.z for shim in shims for s in shim.cut)
@@ -260,7 +260,7 @@ def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
     pattern = seal_pattern(closed)
     (left, low), (right, high) = pattern.box
     marks: list[Mark] = [
-        *(Outline(loop, "CUT") for loop in pattern.loops),
+        *(Contour(loop, "CUT") for loop in pattern.loops),
         linear(((left, high), (right, high)), high + 6.0, True, 1.0, number(right - left)),
         linear(((right, low), (right, high)), right + 8.0, False, 1.0, number(high - low)),
         *_note_words(pattern.notes, (left, low - SEAL_NOTES_GAP), SIZE),

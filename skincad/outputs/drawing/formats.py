@@ -19,11 +19,11 @@ from skincad.outputs.drawing.marks import (
     CAP,
     LAYERS,
     LINES,
+    Contour,
     Dimension,
     Fill,
     Ink,
     Mark,
-    Outline,
     Sheet,
     Words,
 )
@@ -42,7 +42,7 @@ DEGREES = 180 / math.pi
 FIRST_NOTE = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
 _SIDES = {"start": "left", "middle": "center", "end": "right"}
-THIN = 0.03  # mm of the part, no outline is drawn wider in a picture: strips are 0.25 mm wide
+THIN = 0.03  # mm of the part, no contour is drawn wider in a picture: strips are 0.25 mm wide
 INCH = 25.4  # mm
 POINT = 72 / INCH  # points in a millimetre
 
@@ -51,7 +51,7 @@ def write_dxf(path: Path, marks: Iterable[Mark], scale: float = 1.0, notes: Iter
     """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part. Notes are the
     file's properties, which a program shows without drawing them."""
     with _no_clock():
-        marks = sorted(marks, key=lambda mark: not isinstance(mark, Outline))
+        marks = sorted(marks, key=lambda mark: not isinstance(mark, Contour))
         document = _dxf_document(scale, {_layer(mark) for mark in marks})
         for number, note in enumerate(notes, 1):
             document.header.custom_vars.append(f"note {number}", note)
@@ -97,9 +97,9 @@ def _dxf_document(scale: float, used: set[str]) -> Drawing:
     return document
 
 
-def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Outline | Words, scale: float) -> None:
+def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Contour | Words, scale: float) -> None:
     layer = {"layer": mark.layer}
-    if isinstance(mark, Outline):
+    if isinstance(mark, Contour):
         corners = [(s.start.x, s.start.z, s.bulge) for s in mark.loop]
         space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs=layer)
     elif isinstance(mark, Ink):
@@ -200,7 +200,7 @@ def sheet_svg(sheet: Sheet, size: float = 1.0) -> str:
     )
 
 
-def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Outline | Words]:
+def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Contour | Words]:
     """Yield what is drawn: of a dimension its lines, arrows and words."""
     for mark in marks:
         if isinstance(mark, Dimension):
@@ -219,11 +219,11 @@ def _svg_style(name: str) -> str:
     return f'fill="{layer.fill}"{clear} stroke="{layer.ink}" stroke-width="{layer.width:g}"{dashed}'
 
 
-def _svg_row(mark: Ink | Fill | Outline | Words, at: Callable[[Place], Place], scale: float) -> str:
+def _svg_row(mark: Ink | Fill | Contour | Words, at: Callable[[Place], Place], scale: float) -> str:
     layer = LAYERS[mark.layer]
     if isinstance(mark, Ink):
         return _svg_stroke(mark.stroke, at)
-    if isinstance(mark, Outline):
+    if isinstance(mark, Contour):
         thin = f' stroke-width="{min(layer.width, scale * THIN):g}"'
         return f'<path d="{_svg_path(mark.loop, at, scale)}"{thin}/>'
     if isinstance(mark, Fill):
@@ -252,7 +252,7 @@ def _svg_stroke(stroke: Stroke, at: Callable[[Place], Place]) -> str:
 
 
 def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
-    """A closed outline's steps; of an arc that is nearly straight, its chord."""
+    """A contour's steps; of an arc that is nearly straight, its chord."""
     steps = []
     for segment in loop:
         x, y = at((scale * segment.end.x, scale * segment.end.z))
@@ -264,7 +264,7 @@ def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
 
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
-    """Write a sheet without outlines as PDF of its size, mm; its words are text in Helvetica."""
+    """Write a sheet without contours as PDF of its size, mm; its words are text in Helvetica."""
     marks, (wide, tall) = list(primitives(sheet.marks)), sheet.size
     with own_style():
         figure = Picture(figsize=(wide / INCH, tall / INCH), frameon=False)

@@ -62,8 +62,8 @@ class Fill(NamedTuple):
     layer: str
 
 
-class Outline(NamedTuple):
-    """A closed outline with true arcs on a layer: mm of the part, whose numbers a file has as they are."""
+class Contour(NamedTuple):
+    """A closed line with true arcs on a layer: mm of the part, whose numbers a file has as they are."""
 
     loop: Loop
     layer: str
@@ -105,7 +105,7 @@ class Dimension:
     drawn: tuple[Ink | Fill, ...]
 
 
-Mark = Ink | Fill | Outline | Words | Dimension
+Mark = Ink | Fill | Contour | Words | Dimension
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Sheet:
     size: tuple[float, float]
     scale: float
     marks: tuple[Mark, ...]
-    cut: tuple[Outline, ...] = ()
+    cut: tuple[Contour, ...] = ()
     notes: tuple[str, ...] = ()
     corner: Place = (0.0, 0.0)
 

@@ -94,7 +94,7 @@ def _ridge_view(design: Design) -> list[Mark]:
             [points @ np.array(ridge_frame.tangent), points @ np.array(ridge_frame.normal)]
         )
         part = shapely.Polygon(local).intersection(window)
-        return _ring(view, shapely.get_coordinates(part)[:-1], layer)
+        return _ring(view, shapely.get_coordinates(part), layer)
 
     slots = [s for s in section(design).slots if s.feature == number]
     (root, foot), (tip, crest) = view.at((ridge.root_width / 2, 0.0)), view.at((ridge.tip_width / 2, height))
@@ -203,7 +203,7 @@ def _extent(body: Prism) -> tuple[tuple[float, float, float], tuple[float, float
 def _ring(view: ViewPlacement, points: Array, layer: str) -> Ink:
     """A closed polygon of points `(n, 2)` mm of the part."""
     places = [view.at((x, z)) for x, z in points.tolist()]
-    return Ink(Polyline((*places, places[0])), layer)
+    return Ink(Polyline((*places, *places[:1])), layer)
 
 
 def _across(view: ViewPlacement, ends: Place, start: float, out: float, words: str) -> Mark:

@@ -18,9 +18,9 @@ from skincad.fabrication.drawn_features import FRONT, Groove, Slit, number
 from skincad.fabrication.part_drawing import DrawingTable, PartDrawing, Titled
 from skincad.outputs.drawing.marks import (
     Box,
+    Contour,
     Ink,
     Mark,
-    Outline,
     Sheet,
     Words,
     aligned,
@@ -125,12 +125,12 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     )
 
 
-def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[Outline, ...]:
+def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[Contour, ...]:
     """What is cut through, where its view lies, mm of the part."""
     if drawing.cut is None:
         return ()
     (x, y), scale = placements[drawing.cut.view].origin, placements[drawing.cut.view].scale
-    return tuple(Outline(shifted(loop, x / scale, y / scale), "CUT") for loop in drawing.cut.loops)
+    return tuple(Contour(shifted(loop, x / scale, y / scale), "CUT") for loop in drawing.cut.loops)
 
 
 def _area(drawing: PartDrawing, paper: Paper) -> Box:

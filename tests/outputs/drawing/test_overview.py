@@ -18,13 +18,13 @@ from skincad.outputs import PAGE
 from skincad.outputs.drawing.marks import Dimension, Fill, Ink, Words
 from skincad.outputs.drawing.overview import overview
 from skincad.shape import section
-from skincad.solids import ClosedMold, Part
-from skincad.solids.projection import Place, Polyline
+from skincad.solids import Arc, ClosedMold, Part
 from tests.designs import KINDS, three_ridges
 
 NAMES = ("yamada-2002", "plain-ridges", "steep-fingertip", "bent")
 DIGITS = 1e-6  # page mm; places are rounded to as many decimals
 KIND = {"SKIN": "skin", "SLOTS": "slot", "MOLD": "mold", "OPENING": "hole"}
+Place = tuple[float, float]
 Ends = tuple[Place, Place]
 
 
@@ -66,7 +66,7 @@ def page(name: str) -> Page:
             if isinstance(part, Words):
                 left, low, right, high = part.box()
                 texts[part.text] = np.array([down((left, high)), down((right, low))])
-            elif isinstance(part, Ink) and isinstance(part.stroke, Polyline):
+            elif isinstance(part, Ink) and not isinstance(part.stroke, Arc):
                 points = [down(point) for point in part.stroke.points]
                 if part.layer in KIND:
                     outlines.setdefault(KIND[part.layer], []).append(np.array(points))
