@@ -27,7 +27,6 @@ from skincad.outputs.drawing.marks import (
     Sheet,
     Words,
 )
-from skincad.outputs.figures.canvas import Affine2D, Curve, PathCollection, Picture, own_style, pdf
 from skincad.shape.curves import Loop
 from skincad.solids.projection import Arc, Place, Stroke
 
@@ -265,6 +264,16 @@ def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
     """Write a sheet without contours as PDF of its size, mm; its words are text in Helvetica."""
+    # here, because DXF and SVG, which a notebook shows at once, need none of it
+    from skincad.outputs.figures.canvas import Affine2D, Curve, PathCollection, Picture, own_style, pdf
+
+    def curve(stroke: Stroke) -> Curve:
+        if not isinstance(stroke, Arc):
+            return Curve(stroke.points)
+        unit = Curve.unit_circle() if stroke.whole else Curve.arc(0.0, DEGREES * stroke.sweep)
+        at_its_place = Affine2D().rotate(stroke.start).scale(stroke.radius).translate(*stroke.centre)
+        return unit.transformed(at_its_place)
+
     marks, (wide, tall) = list(primitives(sheet.marks)), sheet.size
     with own_style():
         figure = Picture(figsize=(wide / INCH, tall / INCH), frameon=False)
@@ -273,22 +282,13 @@ def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
             dashes = [abs(length) / layer.width for length in LINES[layer.line]]
             look: dict[str, Any] = {"edgecolor": layer.ink, "linestyle": (0, dashes) if dashes else "-"}
             look |= {"capstyle": "round", "joinstyle": "round", "transform": on_paper}
-            strokes = [_curve(m.stroke) for m in marks if m.layer == name and isinstance(m, Ink)]
+            strokes = [curve(m.stroke) for m in marks if m.layer == name and isinstance(m, Ink)]
             fills = [Curve(m.points) for m in marks if m.layer == name and isinstance(m, Fill)]
-            figure.add_artist(
-                PathCollection(strokes, facecolor="none", linewidth=layer.width * POINT, **look)
-            )
+            edge: dict[str, Any] = {"facecolor": "none", "linewidth": layer.width * POINT}
+            figure.add_artist(PathCollection(strokes, **edge, **look))
             figure.add_artist(PathCollection(fills, facecolor=layer.ink, linewidth=0.0, **look))
             for mark in (m for m in marks if m.layer == name and isinstance(m, Words)):
                 words = figure.text(*mark.at, mark.text, size=mark.height / CAP * POINT, color=layer.ink)
                 words.set(family="Helvetica", weight="medium", parse_math=False, transform=on_paper)
                 words.set(ha=_SIDES[mark.anchor], va="baseline", rotation=mark.turn, rotation_mode="anchor")
         path.write_bytes(pdf(figure, sheet.title))
-
-
-def _curve(stroke: Stroke) -> Curve:
-    """A stroke; an arc as Bezier curves."""
-    if not isinstance(stroke, Arc):
-        return Curve(stroke.points)
-    unit = Curve.unit_circle() if stroke.whole else Curve.arc(0.0, DEGREES * stroke.sweep)
-    return unit.transformed(Affine2D().rotate(stroke.start).scale(stroke.radius).translate(*stroke.centre))
