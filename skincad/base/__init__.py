@@ -12,7 +12,6 @@ __getattr__, __dir__ = face(
     errors: ExhaustedError FaultError InputError LONGEST_LINE MOST_TOLD RefusedError UnclearError
         did_you_mean exhausted refusals require_goals require_number resource_guard shown together
     estimate: Estimate
-    formula: Calculation Quantity rounded
     interrupt: INTERRUPTED ignore listen safe_point
     machine: one_blas_thread
     outfolder: COMMANDS checked_folder checked_fresh files_below fresh manifest_name manifest_text

@@ -25,7 +25,7 @@ __getattr__, __dir__ = face(
     orders: Order
     part_drawing: CrestAllowance DrawingTable PartDrawing Titled
     parts_list: parts_csv
-    patterns: GLUED_LENGTH HOLE SealPattern StripPattern pattern_notes seal_pattern shim_notes
+    patterns: GLUED_LENGTH HOLE StripPattern pattern_notes seal_pattern shim_notes
         shim_patterns strip_patterns
     pouring: DEAD_VOLUME LayerPour layer_name poured_volume pours
     printing: PrintPlate print_plates

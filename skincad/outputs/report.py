@@ -24,12 +24,17 @@ from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import checks
-from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
+from skincad.outputs.calculations import (
+    calculation,
+    casting_calculations,
+    contact_calculations,
+    ridge_table,
+    strip_calculations,
+)
 from skincad.outputs.checks import passing_share
 from skincad.outputs.figures.canvas import svg
 from skincad.outputs.figures.results import models_figure, ridge_force_figure, sensitivity_figure
 from skincad.outputs.pages import (
-    calculation,
     command_line,
     data_url,
     document,
@@ -37,7 +42,6 @@ from skincad.outputs.pages import (
     heading,
     markdown_html,
     paragraph,
-    ridge_table,
     table,
 )
 from skincad.scenes.scene import PIN_EFFECTS

@@ -12,18 +12,17 @@ from html import escape
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.base.formula import Calculation, Quantity
 from skincad.circuit.bode import CircuitGain, gain, without_rig
 from skincad.circuit.model import Circuit, constants, load_circuit
 from skincad.circuit.network import PICO, Constants, capacitance, electrode
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.inputs.catalog import retyped, template_names
 from skincad.outputs import gains, simulations
-from skincad.outputs.calculations import PIEZO
+from skincad.outputs.calculations import PIEZO, Calculation, Quantity, calculation
 from skincad.outputs.figures.canvas import png, svg
 from skincad.outputs.figures.results import gain_figure
 from skincad.outputs.figures.scenes import scene_figure
-from skincad.outputs.pages import calculation, data_url, figure, heading, paragraph, table
+from skincad.outputs.pages import data_url, figure, heading, paragraph, table
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation
 

@@ -145,10 +145,13 @@ def test_the_schema_is_json(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_svg_draws_outline_and_slots_to_scale(made: Made) -> None:
     root = ET.parse(made.folder / "drawings/section.svg").getroot()
-    paths = root.findall("{http://www.w3.org/2000/svg}path")
-    assert len(paths) == 19
+    space = "{http://www.w3.org/2000/svg}"
+    groups = {group.attrib["id"]: group.findall(f"{space}path") for group in root.findall(f"{space}g")}
+    (outline,) = groups["SKIN"]
+    assert len(groups["SLOTS"]) == 18
     assert root.attrib["width"] == "13mm"
-    assert re.search(r"A60 60 0 0 0", paths[0].attrib["d"])
+    assert root.attrib["viewBox"].startswith("0 0 130 ")  # ten times as large
+    assert re.search(r"A600 600 0 0 0", outline.attrib["d"])
 
 
 def test_step_time_is_source_date_epoch(

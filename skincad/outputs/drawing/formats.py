@@ -1,14 +1,9 @@
-"""Marks and sheets as files: DXF, SVG and PDF, by layer; same input, same bytes.
-
-A sheet as PDF takes 2 ms: it is lines, filled triangles and words in Helvetica, one of the fonts that every
-reader of PDF has (ISO 32000-1, 9.6.2.2). matplotlib took 0.1 s a sheet, and `make` writes one for each part.
-"""
+"""Marks and sheets as files: DXF, SVG and PDF, by layer; same input, same bytes."""
 
 from __future__ import annotations
 
 import math
-import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
@@ -24,13 +19,13 @@ from skincad.outputs.drawing.marks import (
     CAP,
     LAYERS,
     LINES,
+    Contour,
     Dimension,
     Fill,
     Ink,
     Mark,
     Sheet,
     Words,
-    width,
 )
 from skincad.shape.curves import Loop
 from skincad.solids.projection import Arc, Place, Stroke
@@ -44,34 +39,22 @@ FONT = "SKINCAD"  # text style, in Arial
 ROTATED, DIAMETER, OWN_BLOCK, PLACED = 0, 3, 32, 128  # source: DXF reference, group 70 of DIMENSION
 DEGREES = 180 / math.pi
 FIRST_NOTE = 20.0, 4.0  # mm of paper: the first note of a sheet, under its frame
-_ANCHORS = {
-    "start": TextEntityAlignment.LEFT,
-    "middle": TextEntityAlignment.CENTER,
-    "end": TextEntityAlignment.RIGHT,
-}
 _ONE_AT_A_TIME = Lock()  # the DXF library's options are the process's
-POINT = 72 / 25.4  # points in a millimetre
+_SIDES = {"start": "left", "middle": "center", "end": "right"}
+THIN = 0.03  # mm of the part, no contour is drawn wider in a picture: strips are 0.25 mm wide
+INCH = 25.4  # mm
+POINT = 72 / INCH  # points in a millimetre
 
 
-def write_dxf(
-    path: Path,
-    marks: Iterable[Mark],
-    scale: float = 1.0,
-    loops: Iterable[tuple[str, Loop]] = (),
-    notes: Iterable[str] = (),
-) -> None:
-    """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part; and closed
-    outlines with true arcs, mm of the part, on these layers. Notes are the file's properties, which a
-    program shows without drawing them."""
+def write_dxf(path: Path, marks: Iterable[Mark], scale: float = 1.0, notes: Iterable[str] = ()) -> None:
+    """Write marks on paper as DXF in the part's own millimetres: `scale` is paper by part. Notes are the
+    file's properties, which a program shows without drawing them."""
     with _no_clock():
-        marks, outlines = list(marks), list(loops)
-        document = _dxf_document(scale, {name for name, _ in outlines} | {_layer(mark) for mark in marks})
+        marks = sorted(marks, key=lambda mark: not isinstance(mark, Contour))
+        document = _dxf_document(scale, {_layer(mark) for mark in marks})
         for number, note in enumerate(notes, 1):
             document.header.custom_vars.append(f"note {number}", note)
         space = document.modelspace()
-        for layer, outline in outlines:
-            corners = [(s.start.x, s.start.z, s.bulge) for s in outline]
-            space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": layer})
         for mark in marks:
             if isinstance(mark, Dimension):
                 _dxf_dimension(document, space, mark, scale)
@@ -89,7 +72,7 @@ def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
         Words(note, (FIRST_NOTE[0], FIRST_NOTE[1] - 4.0 * i), 2.0, "TEXT")
         for i, note in enumerate(sheet.notes)
     ]
-    write_dxf(path, [*sheet.marks, *texts], sheet.scale, sheet.loops, sheet.notes)
+    write_dxf(path, [*sheet.cut, *sheet.marks, *texts], sheet.scale, sheet.notes)
 
 
 def _layer(mark: Mark) -> str:
@@ -113,9 +96,12 @@ def _dxf_document(scale: float, used: set[str]) -> Drawing:
     return document
 
 
-def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None:
+def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Contour | Words, scale: float) -> None:
     layer = {"layer": mark.layer}
-    if isinstance(mark, Ink):
+    if isinstance(mark, Contour):
+        corners = [(s.start.x, s.start.z, s.bulge) for s in mark.loop]
+        space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs=layer)
+    elif isinstance(mark, Ink):
         _dxf_stroke(space, mark.stroke, layer, scale)
     elif isinstance(mark, Fill):
         a, b, c = (_scaled(point, scale) for point in mark.points)
@@ -123,7 +109,7 @@ def _dxf_mark(space: BaseLayout, mark: Ink | Fill | Words, scale: float) -> None
     else:
         attributes = {**layer, "style": FONT, "rotation": mark.turn}
         text = space.add_text(mark.text, height=mark.height / scale, dxfattribs=attributes)
-        text.set_placement(_scaled(mark.at, scale), align=_ANCHORS[mark.anchor])
+        text.set_placement(_scaled(mark.at, scale), align=TextEntityAlignment[_SIDES[mark.anchor].upper()])
 
 
 def _dxf_stroke(space: BaseLayout, stroke: Stroke, layer: dict[str, str], scale: float) -> None:
@@ -189,26 +175,31 @@ def _no_clock() -> Iterator[None]:
             ezdxf.options.write_fixed_meta_data_for_testing = before
 
 
-def sheet_svg(sheet: Sheet) -> str:
-    """Return a sheet as an SVG document of its size; groups carry the layers' names."""
-    wide, tall = sheet.size
+def sheet_svg(sheet: Sheet, size: float = 1.0) -> str:
+    """Return a sheet as an SVG document, `size` times as large as its paper; groups bear layers' names."""
+    (left, low), (wide, tall) = sheet.corner, sheet.size
+
+    def at(point: Place) -> Place:
+        """Where a point is on the page, from its upper left corner."""
+        return point[0] - left, low + tall - point[1]
+
     rows: dict[str, list[str]] = {}
     for mark in primitives(sheet.marks):
-        rows.setdefault(mark.layer, []).append(svg_row(mark, tall))
+        rows.setdefault(mark.layer, []).append(_svg_row(mark, at, sheet.scale))
     groups = [
-        f'<g id="{name}" {svg_style(name)}>\n' + "\n".join(rows[name]) + "\n</g>"
+        f'<g id="{name}" {_svg_style(name)}>\n' + "\n".join(rows[name]) + "\n</g>"
         for name in LAYERS
         if name in rows
     ]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:g}mm" height="{tall:g}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size * wide:g}mm" height="{size * tall:g}mm" '
         f'viewBox="0 0 {wide:g} {tall:g}" font-family="Arial, Helvetica, sans-serif">\n'
         f"<title>{escape(sheet.title)}</title>\n"
         f'<rect width="{wide:g}" height="{tall:g}" fill="#fff"/>\n' + "\n".join(groups) + "\n</svg>\n"
     )
 
 
-def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
+def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Contour | Words]:
     """Yield what is drawn: of a dimension its lines, arrows and words."""
     for mark in marks:
         if isinstance(mark, Dimension):
@@ -218,128 +209,86 @@ def primitives(marks: Iterable[Mark]) -> Iterable[Ink | Fill | Words]:
             yield mark
 
 
-def svg_style(name: str) -> str:
-    """Return a layer's colour, width and dashes as SVG's attributes."""
+def _svg_style(name: str) -> str:
+    """A layer's fill, colour, width and dashes as SVG's attributes."""
     layer = LAYERS[name]
     dashes = " ".join(f"{abs(length):g}" for length in LINES[layer.line])
     dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
-    return f'fill="none" stroke="{layer.ink}" stroke-width="{layer.width:g}"{dashed}'
+    clear = f' fill-opacity="{layer.opacity:g}"' if layer.opacity < 1 else ""
+    return f'fill="{layer.fill}"{clear} stroke="{layer.ink}" stroke-width="{layer.width:g}"{dashed}'
 
 
-def svg_row(mark: Ink | Fill | Words, tall: float) -> str:
-    """Return a mark on paper that is `tall` mm high."""
-    ink = LAYERS[mark.layer].ink
+def _svg_row(mark: Ink | Fill | Contour | Words, at: Callable[[Place], Place], scale: float) -> str:
+    layer = LAYERS[mark.layer]
     if isinstance(mark, Ink):
-        return _svg_stroke(mark.stroke, tall)
+        return _svg_stroke(mark.stroke, at)
+    if isinstance(mark, Contour):
+        thin = f' stroke-width="{min(layer.width, scale * THIN):g}"'
+        return f'<path d="{_svg_path(mark.loop, at, scale)}"{thin}/>'
     if isinstance(mark, Fill):
-        points = " ".join(f"{x:.3f},{tall - y:.3f}" for x, y in mark.points)
-        return f'<polygon points="{points}" fill="{ink}" stroke="none"/>'
-    x, y = mark.at[0], tall - mark.at[1]
+        return f'<polygon points="{_svg_points(mark.points, at)}" fill="{layer.ink}" stroke="none"/>'
+    x, y = at(mark.at)
     turn = f' transform="rotate({-mark.turn:.3f} {x:.3f} {y:.3f})"' if mark.turn else ""
     return (
         f'<text x="{x:.3f}" y="{y:.3f}" style="font-size:{mark.height / CAP:.3f}px" '
-        f'text-anchor="{mark.anchor}" fill="{ink}" stroke="none"{turn}>{escape(mark.text)}</text>'
+        f'text-anchor="{mark.anchor}" fill="{layer.ink}" stroke="none"{turn}>{escape(mark.text)}</text>'
     )
 
 
-def _svg_stroke(stroke: Stroke, tall: float) -> str:
+def _svg_points(points: Iterable[Place], at: Callable[[Place], Place]) -> str:
+    return " ".join(f"{x:.3f},{y:.3f}" for x, y in map(at, points))
+
+
+def _svg_stroke(stroke: Stroke, at: Callable[[Place], Place]) -> str:
     if not isinstance(stroke, Arc):
-        points = " ".join(f"{x:.3f},{tall - y:.3f}" for x, y in stroke.points)
-        return f'<polyline points="{points}"/>'
-    x, y = stroke.centre
-    if stroke.whole:
-        return f'<circle cx="{x:.3f}" cy="{tall - y:.3f}" r="{stroke.radius:.3f}"/>'
-    (a, b), (c, d) = stroke.at(0.0), stroke.at(1.0)
-    wide = int(stroke.sweep > math.pi)
+        return f'<polyline points="{_svg_points(stroke.points, at)}"/>'
     r = f"{stroke.radius:.3f}"
-    return f'<path d="M{a:.3f} {tall - b:.3f} A{r} {r} 0 {wide} 0 {c:.3f} {tall - d:.3f}"/>'
+    if stroke.whole:
+        x, y = at(stroke.centre)
+        return f'<circle cx="{x:.3f}" cy="{y:.3f}" r="{r}"/>'
+    (a, b), (c, d) = at(stroke.at(0.0)), at(stroke.at(1.0))
+    return f'<path d="M{a:.3f} {b:.3f} A{r} {r} 0 {int(stroke.sweep > math.pi)} 0 {c:.3f} {d:.3f}"/>'
+
+
+def _svg_path(loop: Loop, at: Callable[[Place], Place], scale: float) -> str:
+    """A contour's steps; of an arc that is nearly straight, its chord."""
+    steps = []
+    for segment in loop:
+        x, y = at((scale * segment.end.x, scale * segment.end.z))
+        arc, r = segment.bulge != 0.0 and math.isfinite(segment.radius), scale * segment.radius
+        sides = f"{int(abs(segment.sweep) > math.pi)} {int(segment.bulge < 0)}"
+        steps.append(f"A{r:.6g} {r:.6g} 0 {sides} {x:.4f} {y:.4f}" if arc else f"L{x:.4f} {y:.4f}")
+    x, y = at((scale * loop[0].start.x, scale * loop[0].start.z))
+    return " ".join([f"M{x:.4f} {y:.4f}", *steps, "Z"])
 
 
 def write_sheet_pdf(sheet: Sheet, path: Path) -> None:
-    """Write a sheet as PDF."""
-    wide, tall = (f"{POINT * size:.3f}" for size in sheet.size)
-    content = zlib.compress("\n".join(_pdf_content(sheet)).encode("cp1252", "replace"), 9)
-    objects = [
-        b"<< /Type /Catalog /Pages 2 0 R >>",
-        b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {wide} {tall}] /Contents 4 0 R "
-        "/Resources << /Font << /F 5 0 R >> >> >>".encode(),
-        b"<< /Length %d /Filter /FlateDecode >>\nstream\n%b\nendstream" % (len(content), content),
-        b"<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
-        b"<< /Title %b /Creator (skincad) >>" % _pdf_string(sheet.title).encode("cp1252", "replace"),
-    ]
-    path.write_bytes(_pdf_file(objects))
+    """Write a sheet without contours as PDF of its size, mm; its words are text in Helvetica."""
+    # here, because DXF and SVG, which a notebook shows at once, need none of it
+    from skincad.outputs.figures.canvas import Affine2D, Curve, PathCollection, Picture, own_style, pdf
 
+    def curve(stroke: Stroke) -> Curve:
+        if not isinstance(stroke, Arc):
+            return Curve(stroke.points)
+        unit = Curve.unit_circle() if stroke.whole else Curve.arc(0.0, DEGREES * stroke.sweep)
+        at_its_place = Affine2D().rotate(stroke.start).scale(stroke.radius).translate(*stroke.centre)
+        return unit.transformed(at_its_place)
 
-def _pdf_file(objects: list[bytes]) -> bytes:
-    """The objects, numbered from 1, the table of where they begin, and the trailer."""
-    written, places = b"%PDF-1.4\n%\xe2\xe3\xcf\xd3\n", []
-    for number, body in enumerate(objects, 1):
-        places.append(len(written))
-        written += b"%d 0 obj\n%b\nendobj\n" % (number, body)
-    table = b"".join(b"%010d 00000 n \n" % place for place in places)
-    count = len(objects) + 1
-    return (
-        written
-        + b"xref\n0 %d\n0000000000 65535 f \n%b" % (count, table)
-        + b"trailer\n<< /Size %d /Root 1 0 R /Info %d 0 R >>\n" % (count, len(objects))
-        + b"startxref\n%d\n%%%%EOF\n" % len(written)
-    )
-
-
-def _pdf_content(sheet: Sheet) -> Iterator[str]:
-    """The page's operators; lengths are scaled to millimetres at once."""
-    yield f"{POINT:.6f} 0 0 {POINT:.6f} 0 0 cm 1 J 1 j"
-    marks = list(primitives(sheet.marks))
-    for name, layer in LAYERS.items():
-        layer_marks = [mark for mark in marks if mark.layer == name]
-        if not layer_marks:
-            continue
-        red, green, blue = (int(layer.ink[i : i + 2], 16) / 255 for i in (1, 3, 5))
-        dashes = " ".join(f"{abs(length):g}" for length in LINES[layer.line])
-        yield f"{red:.3f} {green:.3f} {blue:.3f} RG {red:.3f} {green:.3f} {blue:.3f} rg"
-        yield f"{layer.width:g} w [{dashes}] 0 d"
-        for mark in layer_marks:
-            if isinstance(mark, Ink):
-                yield f"{_pdf_path(mark.stroke)} S"
-            elif isinstance(mark, Fill):
-                yield f"{_pdf_lines(mark.points)} f"
-            else:
-                yield _pdf_text(mark)
-
-
-def _pdf_lines(points: tuple[Place, ...]) -> str:
-    steps = [f"{x:.4f} {y:.4f} {'l' if i else 'm'}" for i, (x, y) in enumerate(points)]
-    return " ".join(steps)
-
-
-def _pdf_path(stroke: Stroke) -> str:
-    """A stroke; an arc as Bezier curves of a quarter circle at most, within 0.03 % of its radius."""
-    if not isinstance(stroke, Arc):
-        return _pdf_lines(stroke.points)
-    count = max(1, math.ceil(stroke.sweep / (math.pi / 2) - 1e-9))
-    step = stroke.sweep / count
-    handle = 4 / 3 * math.tan(step / 4) * stroke.radius
-    x, y = stroke.at(0.0)
-    steps = [f"{x:.4f} {y:.4f} m"]
-    for i in range(count):
-        (a, b), (c, d) = stroke.at(i / count), stroke.at((i + 1) / count)
-        start, end = stroke.start + i * step, stroke.start + (i + 1) * step
-        p, q = a - handle * math.sin(start), b + handle * math.cos(start)
-        r, s = c + handle * math.sin(end), d - handle * math.cos(end)
-        steps.append(f"{p:.4f} {q:.4f} {r:.4f} {s:.4f} {c:.4f} {d:.4f} c")
-    return " ".join(steps)
-
-
-def _pdf_text(words: Words) -> str:
-    back = {"start": 0.0, "middle": 0.5, "end": 1.0}[words.anchor] * width(words.text, words.height)
-    way = math.radians(words.turn)
-    c, s = math.cos(way), math.sin(way)
-    x, y = words.at[0] - back * c, words.at[1] - back * s
-    turned = f"{c:.5f} {s:.5f} {-s:.5f} {c:.5f} {x:.4f} {y:.4f} Tm"
-    return f"BT /F {words.height / CAP:.4f} Tf {turned} {_pdf_string(words.text)} Tj ET"
-
-
-def _pdf_string(text: str) -> str:
-    escaped = text.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
-    return f"({escaped})"
+    marks, (wide, tall) = list(primitives(sheet.marks)), sheet.size
+    with own_style():
+        figure = Picture(figsize=(wide / INCH, tall / INCH), frameon=False)
+        on_paper = Affine2D().scale(1 / INCH) + figure.dpi_scale_trans
+        for name, layer in LAYERS.items():
+            dashes = [abs(length) / layer.width for length in LINES[layer.line]]
+            look: dict[str, Any] = {"edgecolor": layer.ink, "linestyle": (0, dashes) if dashes else "-"}
+            look |= {"capstyle": "round", "joinstyle": "round", "transform": on_paper}
+            strokes = [curve(m.stroke) for m in marks if m.layer == name and isinstance(m, Ink)]
+            fills = [Curve(m.points) for m in marks if m.layer == name and isinstance(m, Fill)]
+            edge: dict[str, Any] = {"facecolor": "none", "linewidth": layer.width * POINT}
+            figure.add_artist(PathCollection(strokes, **edge, **look))
+            figure.add_artist(PathCollection(fills, facecolor=layer.ink, linewidth=0.0, **look))
+            for mark in (m for m in marks if m.layer == name and isinstance(m, Words)):
+                words = figure.text(*mark.at, mark.text, size=mark.height / CAP * POINT, color=layer.ink)
+                words.set(family="Helvetica", weight="medium", parse_math=False, transform=on_paper)
+                words.set(ha=_SIDES[mark.anchor], va="baseline", rotation=mark.turn, rotation_mode="anchor")
+        path.write_bytes(pdf(figure, sheet.title))

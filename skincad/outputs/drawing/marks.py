@@ -62,6 +62,13 @@ class Fill(NamedTuple):
     layer: str
 
 
+class Contour(NamedTuple):
+    """A closed line with true arcs on a layer: mm of the part, whose numbers a file has as they are."""
+
+    loop: Loop
+    layer: str
+
+
 class Words(NamedTuple):
     """A line of text: where its foot's start, middle or end is, the height of its capitals, mm, and by how
     much it is turned counterclockwise, degrees."""
@@ -98,20 +105,21 @@ class Dimension:
     drawn: tuple[Ink | Fill, ...]
 
 
-Mark = Ink | Fill | Words | Dimension
+Mark = Ink | Fill | Contour | Words | Dimension
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A sheet of paper, mm, what is on it, the scale of its views, paper by part, and closed outlines by
-    layer, which are cut: mm of the part, as they lie in their view; and what is said of them."""
+    """A sheet of paper, mm, what is on it, the scale of its views, paper by part, what is cut, which its DXF
+    alone shows besides, what is said of that, and where the paper's lower left corner is."""
 
     title: str
     size: tuple[float, float]
     scale: float
     marks: tuple[Mark, ...]
-    loops: tuple[tuple[str, Loop], ...] = ()
+    cut: tuple[Contour, ...] = ()
     notes: tuple[str, ...] = ()
+    corner: Place = (0.0, 0.0)
 
 
 def width(text: str, height: float) -> float:
@@ -235,21 +243,37 @@ def diameter(centre: Place, radius: float, angle: float, scale: float, words: Wo
 
 
 class Layer(NamedTuple):
-    """A layer: ACI colour, line type, its lines' width on paper, mm, and colour there, and what is on it."""
+    """A layer: ACI colour, line type, its lines' width on paper, mm, and colour there, what is on it, and the
+    colour and opacity that fill its closed lines in a picture."""
 
     aci: int
     line: str
     width: float
     ink: str
     what: str
+    fill: str = "none"
+    opacity: float = 1.0
 
 
 LAYERS = {
+    "MOLD": Layer(252, "CONTINUOUS", 0.25, "#222222", "the mold's parts", "#dde1e6"),
+    "OPENING": Layer(254, "CONTINUOUS", 0.25, "#222222", "bores, and the carrier's place", "#ffffff"),
+    "SKIN": Layer(31, "CONTINUOUS", 0.25, "#222222", "the skin", "#f3d3c4"),
     "OUTLINE": Layer(7, "CONTINUOUS", 0.35, "#000000", "visible edges; the skin's outline: not for cutting"),
-    "SLOTS": Layer(30, "CONTINUOUS", 0.25, "#000000", "slots of the skin's section: not for cutting"),
+    "SLOTS": Layer(
+        30, "CONTINUOUS", 0.25, "#000000", "slots of the skin's section: not for cutting", "#ffffff"
+    ),
     "CUT": Layer(1, "CONTINUOUS", 0.25, "#c00000", "what is cut through, at nominal size: no kerf taken off"),
-    "FRONT": Layer(3, "CONTINUOUS", 0.18, "#707040", "metal on the film's front, its + side: keep it"),
-    "BACK": Layer(4, "CONTINUOUS", 0.18, "#2a7f9e", "metal on its back, as seen through it: keep it"),
+    "FRONT": Layer(
+        *(3, "CONTINUOUS", 0.18, "#707040", "metal on the film's front, its + side: keep it"),
+        fill="#d08020",
+        opacity=0.5,
+    ),
+    "BACK": Layer(
+        *(4, "CONTINUOUS", 0.18, "#2a7f9e", "metal on its back, as seen through it: keep it"),
+        fill="#2080c0",
+        opacity=0.5,
+    ),
     "ENGRAVE": Layer(2, "CONTINUOUS", 0.18, "#1f3f68", "what stays to be read: engraved or inked"),
     "MARK": Layer(5, "CONTINUOUS", 0.18, "#1f3f68", "lines that are only marked: cut off or thinned there"),
     "HIDDEN": Layer(8, "HIDDEN", 0.18, "#707070", "edges behind what is seen: off for cutting"),

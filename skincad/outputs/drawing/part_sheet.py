@@ -16,9 +16,19 @@ import shapely
 from skincad.base.arrays import Array
 from skincad.fabrication.drawn_features import FRONT, Groove, Slit, number
 from skincad.fabrication.part_drawing import DrawingTable, PartDrawing, Titled
-from skincad.outputs.drawing.marks import Box, Ink, Mark, Sheet, Words, aligned, line, rectangle, width
+from skincad.outputs.drawing.marks import (
+    Box,
+    Contour,
+    Ink,
+    Mark,
+    Sheet,
+    Words,
+    aligned,
+    line,
+    rectangle,
+    width,
+)
 from skincad.outputs.drawing.part_views import ViewPlacement, corner_of, places, size_of, view_marks
-from skincad.shape.curves import Loop
 from skincad.solids.plan import shifted
 from skincad.solids.projection import Arc, Place, Polyline, Stroke
 
@@ -115,12 +125,12 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     )
 
 
-def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[tuple[str, Loop], ...]:
+def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[Contour, ...]:
     """What is cut through, where its view lies, mm of the part."""
     if drawing.cut is None:
         return ()
     (x, y), scale = placements[drawing.cut.view].origin, placements[drawing.cut.view].scale
-    return tuple(("CUT", shifted(loop, x / scale, y / scale)) for loop in drawing.cut.loops)
+    return tuple(Contour(shifted(loop, x / scale, y / scale), "CUT") for loop in drawing.cut.loops)
 
 
 def _area(drawing: PartDrawing, paper: Paper) -> Box:

@@ -47,50 +47,20 @@ from matplotlib import colormaps, rc_context, rcParamsDefault  # noqa: E402
 from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
-from matplotlib.collections import EllipseCollection, PolyCollection  # noqa: E402
+from matplotlib.collections import EllipseCollection, PathCollection, PolyCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
+from matplotlib.path import Path as Curve  # noqa: E402
 from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.transforms import Affine2D  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
-__all__ = [
-    "AROUND",
-    "BLACK",
-    "BLUE",
-    "CURVE",
-    "FILM",
-    "FLOOR",
-    "FRAME",
-    "FRONT",
-    "GREEN",
-    "GREY",
-    "GRID",
-    "HEAD",
-    "LABEL",
-    "MAP",
-    "NOTE",
-    "OPEN",
-    "ORANGE",
-    "OUTLINE",
-    "PALE",
-    "PHASE_A",
-    "PHASE_B",
-    "PLATE",
-    "PURPLE",
-    "SIGNED_MAP",
-    "SKIN",
-    "SKY",
-    "SMALL",
-    "STICK",
-    "STRIP",
-    "STYLE",
-    "STYLES",
-    "THIN",
-    "TITLE",
-    "VERMILION",
+__all__ = [  # of matplotlib, for the figures
+    "Affine2D",
     "Axes",
+    "Curve",
     "EllipseCollection",
     "Figure",
     "FixedLocator",
@@ -102,18 +72,11 @@ __all__ = [
     "NullFormatter",
     "NullLocator",
     "Patch",
-    "Picture",
+    "PathCollection",
     "PolyCollection",
     "ScalarMappable",
     "Triangulation",
-    "agg",
     "colormaps",
-    "legend",
-    "own_style",
-    "png",
-    "save",
-    "sheet",
-    "svg",
     "to_rgb",
 ]
 # Distinct for colour-blind people: Okabe and Ito, Color Universal Design, 2008; vermilion a little darker,
@@ -229,4 +192,13 @@ def svg(figure: Picture) -> bytes:
     written = BytesIO()
     with own_style(), rc_context({"svg.hashsalt": "skincad"}):
         figure.savefig(written, metadata={"Date": None, "Creator": "skincad"}, format="svg")
+    return written.getvalue()
+
+
+def pdf(figure: Picture, title: str) -> bytes:
+    """Return a figure as PDF, the same bytes for the same figure; letters are text in a font of every reader
+    (ISO 32000-1, 9.6.2.2)."""
+    written, said = BytesIO(), {"Title": title, "Creator": "skincad", "Producer": None, "CreationDate": None}
+    with own_style(), rc_context({"pdf.use14corefonts": True, "path.simplify": False}):
+        figure.savefig(written, metadata=said, format="pdf")
     return written.getvalue()

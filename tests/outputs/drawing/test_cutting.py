@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -50,6 +50,7 @@ PITCH = 2.54  # mm, of pins
 LEAD = 36.0  # mm, of yamada-2002: 17 tabs of 2.54, less the slots, aside by 30 degrees
 FILMS = [template(name) for name in template_names() if skincad.load(name).film]
 SIDES = pytest.mark.parametrize("side", ["a", "b"])
+SVG = "{http://www.w3.org/2000/svg}"
 ROUND = 1e-9  # mm2, sixteen digits of places below 100 mm: a sliver of 1e-14 mm along a lead of 100
 Loops = dict[str, list[tuple[Segment, ...]]]
 
@@ -259,28 +260,33 @@ def test_a_hooks_hole_is_its_radius_from_its_tabs_end(side: str) -> None:
 @pytest.mark.slow
 def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
     root = ET.parse(made.folder / "film/strips.svg").getroot()
-    space = "{http://www.w3.org/2000/svg}"
-    classes = [path.attrib["class"] for path in root.findall(f"{space}path")]
-    assert Counter(classes) == dict.fromkeys(("cut", "front", "back", "mark"), 18)
+    groups = {group.attrib["id"]: group for group in root.findall(f"{SVG}g")}
+    paths = {name: len(group.findall(f"{SVG}path")) for name, group in groups.items() if name != "DIMENSIONS"}
+    assert {name: n for name, n in paths.items() if n} == dict.fromkeys(("CUT", "FRONT", "BACK"), 18)
+    assert len(groups["MARK"].findall(f"{SVG}polyline")) == 18
     left, top, wide, high = map(float, root.attrib["viewBox"].split())
-    assert root.attrib["width"] == f"{wide:g}mm"
-    for text in root.findall(f"{space}text"):
+    assert root.attrib["width"] == f"{wide / flat.STRIPS:g}mm"
+    texts = [text for name in ("ENGRAVE", "TEXT") for text in groups[name].findall(f"{SVG}text")]
+    for text in texts:
         assert left < float(text.attrib["x"]) < left + wide
         assert top < float(text.attrib["y"]) < top + high
-    words = [text.text or "" for text in root.findall(f"{space}text")]
+    words = [text.text or "" for text in texts]
     assert "9 S2" in words
     assert any("+ side, which faces +x" in text for text in words)
     assert any("draw axis (d31) along the strips" in text for text in words)
 
 
 def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
-    """It is far longer than a strip; letters of 1 mm are half as wide as high, and up to 0.7 times."""
+    """It is far longer than a strip; letters are half as wide as high, and up to 0.7 times."""
     short = yamada.with_(film={"lead": 8.0})
     flat.write_strips_svg(Job(short), tmp_path / "strips.svg")
     root = ET.parse(tmp_path / "strips.svg").getroot()
     left, _, wide, _ = map(float, root.attrib["viewBox"].split())
-    texts = root.findall("{http://www.w3.org/2000/svg}text")
-    begin, letters = max((float(t.attrib["x"]), len(t.text or "")) for t in texts if len(t.text or "") > 60)
+    begin, letters = max(
+        (float(t.attrib["x"]), len(t.text or "") * float(t.attrib["style"][len("font-size:") : -len("px")]))
+        for t in root.iter(f"{SVG}text")
+        if len(t.text or "") > 60
+    )
     assert begin + 0.5 * letters < left + wide < begin + 0.7 * letters
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import cache
-from itertools import chain, combinations
+from itertools import chain, combinations, pairwise
 
 import numpy as np
 import pytest
@@ -16,39 +15,30 @@ import skincad
 from skincad.fabrication import Job, manifold
 from skincad.inputs import Design
 from skincad.outputs import PAGE
-from skincad.outputs.drawing.overview import drawing
+from skincad.outputs.drawing.marks import Dimension, Fill, Ink, Words
+from skincad.outputs.drawing.overview import overview
 from skincad.shape import section
-from skincad.solids import ClosedMold, Part
+from skincad.solids import Arc, ClosedMold, Part
 from tests.designs import KINDS, three_ridges
 
-SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ("yamada-2002", "plain-ridges", "steep-fingertip", "bent")
-DIGITS = 2e-3  # page mm; the file has three decimals
-Ends = tuple[tuple[float, float], tuple[float, float]]
+DIGITS = 1e-6  # page mm; places are rounded to as many decimals
+KIND = {"SKIN": "skin", "SLOTS": "slot", "MOLD": "mold", "OPENING": "hole"}
+Place = tuple[float, float]
+Ends = tuple[Place, Place]
 
 
 @dataclass(frozen=True)
 class Page:
-    """What is on a page: lines by their ends, texts by their place, outlines `(n, 2)` and boxes by kind."""
+    """What is on a page, mm from its upper left corner: lines by their ends, texts by their boxes, lowest and
+    highest corner, outlines `(n, 2)` by kind; and dimensions, as they lie on the sheet."""
 
     design: Design
     closed: ClosedMold
     lines: list[Ends]
-    texts: dict[str, tuple[float, float, str]]
+    texts: dict[str, np.ndarray]
     outlines: dict[str, list[np.ndarray]]
-
-    def dimension(self, words: str) -> Ends:
-        """The line that a text stands at, found by its place: over its middle, or beside it."""
-        x, y, anchor = self.texts[words]
-        boxes = []
-        for (x0, y0), (x1, y1) in self.lines:
-            over = abs((x0 + x1) / 2 - x) < DIGITS and y0 == y1 and abs(y0 - y - 0.9) < DIGITS
-            offset = x - x0 if anchor == "start" else x0 - x
-            beside = x0 == x1 and abs(offset - 1.2) < DIGITS and abs((y0 + y1) / 2 + 1 - y) < DIGITS
-            if over or beside:
-                boxes.append(((x0, y0), (x1, y1)))
-        (line,) = boxes
-        return line
+    dimensions: dict[str, Dimension]
 
     def scale(self, begin: str) -> float:
         (words,) = (text for text in self.texts if text.startswith(begin))
@@ -67,39 +57,47 @@ def page(name: str) -> Page:
     designs = {"bent": three_ridges, "wide": wide_skin}
     design = designs[name]() if name in designs else skincad.load(name)
     closed = Job(design).closed
-    root = ET.fromstring(drawing(design, closed))
-    lines = [
-        ((float(n.attrib["x1"]), float(n.attrib["y1"])), (float(n.attrib["x2"]), float(n.attrib["y2"])))
-        for n in root.iter(f"{SVG}line")
-    ]
-    texts = {
-        n.text or "": (float(n.attrib["x"]), float(n.attrib["y"]), n.attrib["text-anchor"])
-        for n in root.iter(f"{SVG}text")
-    }
-    outlines: dict[str, list[np.ndarray]] = {}
-    for n in root.iter(f"{SVG}polygon"):
-        points = [tuple(map(float, pair.split(","))) for pair in n.attrib["points"].split()]
-        outlines.setdefault(n.attrib["class"], []).append(np.array(points))
-    for n in root.iter(f"{SVG}rect"):
-        x, y, wide, high = (float(n.attrib[key]) for key in ("x", "y", "width", "height"))
-        outlines.setdefault(n.attrib["class"], []).append(np.array([[x, y], [x + wide, y + high]]))
-    return Page(design, closed, lines, texts, outlines)
+    lines, outlines = list[Ends](), dict[str, list[np.ndarray]]()
+    texts, dimensions = dict[str, np.ndarray](), dict[str, Dimension]()
+    for mark in overview(design, closed).marks:
+        if isinstance(mark, Dimension):
+            dimensions[mark.words.text] = mark
+        for part in (*mark.drawn, mark.words) if isinstance(mark, Dimension) else (mark,):
+            if isinstance(part, Words):
+                left, low, right, high = part.box()
+                texts[part.text] = np.array([down((left, high)), down((right, low))])
+            elif isinstance(part, Ink) and not isinstance(part.stroke, Arc):
+                points = [down(point) for point in part.stroke.points]
+                if part.layer in KIND:
+                    outlines.setdefault(KIND[part.layer], []).append(np.array(points))
+                else:
+                    lines += pairwise(points)
+    return Page(design, closed, lines, texts, outlines, dimensions)
+
+
+def down(place: Place) -> Place:
+    """A place of the sheet from its upper left corner, mm."""
+    return round(float(place[0]), 6), round(float(PAGE[1] - place[1]), 6)
 
 
 def drawn_as_told(page: Page, words: str, value: float, scale: float, figure: np.ndarray) -> Ends:
-    """A dimension's line is as long as the value, has extension lines and ticks, and lies off its figure."""
-    (x0, y0), (x1, y1) = page.dimension(words)
+    """A dimension's line is as long as the value, has arrows and extension lines, and lies off its figure."""
+    dimension = page.dimensions[words]
+    assert dimension.measured == pytest.approx(value, rel=1e-6)
+    (x0, y0), (x1, y1) = (down(arrow.points[0]) for arrow in dimension.drawn if isinstance(arrow, Fill))
     assert math.hypot(x1 - x0, y1 - y0) == pytest.approx(
         scale * value, rel=5e-3, abs=DIGITS
     )  # scale: 3 digits
-    for x, y in ((x0, y0), (x1, y1)):
-        tick = np.array([[x - 0.8, y + 0.8], [x + 0.8, y - 0.8]])
-        assert any(np.abs(tick - line).max() < 1.5 * DIGITS for line in page.lines)
-        extended = [line for line in page.lines if line[1] == (x, y) and line[0] not in ((x0, y0), (x1, y1))]
-        assert extended
-        assert all((a == x) == (y0 == y1) and (b == y) == (x0 == x1) for (a, b), _ in extended)
+    level = y0 == y1
+    own = [mark.stroke for mark in dimension.drawn if isinstance(mark, Ink)]
+    extensions = [[down(point) for point in stroke.points] for stroke in own[:-1]]  # then its line
+    assert len(extensions) == 2
+    for (x, y), ((a, b), (c, d)) in zip(((x0, y0), (x1, y1)), extensions, strict=True):
+        assert (a, c) == pytest.approx((x, x)) if level else (b, d) == pytest.approx((y, y))
+        assert math.dist((x, y), (c, d)) == pytest.approx(1.2, abs=1e-5)  # beyond the arrow
+        assert math.dist((a, b), (c, d)) > 1.2
     low, high = figure.min(axis=0), figure.max(axis=0)
-    assert not low[1] <= y0 <= high[1] if y0 == y1 else not low[0] <= x0 <= high[0]
+    assert not low[1] <= y0 <= high[1] if level else not low[0] <= x0 <= high[0]
     return (x0, y0), (x1, y1)
 
 
@@ -171,7 +169,7 @@ def test_the_mold_from_above_has_its_outer_size(name: str) -> None:
     corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
     frame = [{corners[i], corners[(i + 1) % 4]} for i in range(4)]  # round all parts
     assert all(any(side == set(line) for line in seen.lines) for side in frame)
-    for (x0, y0), (x1, y1) in seen.outlines["hole"]:
+    for (x0, y0), (x1, y1) in ((hole.min(axis=0), hole.max(axis=0)) for hole in seen.outlines["hole"]):
         assert wide[0][0] < x0 < x1 < wide[1][0]
         assert long[1][1] < y0 < y1 < long[0][1]
     carrier = np.ptp(extent([seen.closed.part("carrier")]), axis=0)
@@ -197,19 +195,9 @@ def test_all_lines_outlines_and_words_are_on_the_page(name: str) -> None:
     points = np.vstack([*(np.array(line) for line in seen.lines), *chain(*seen.outlines.values())])
     assert (points >= 0).all()
     assert (points <= PAGE).all()
-    for words, place in seen.texts.items():
-        (left, _), (right, _) = words_box(words, place)
-        assert left > 0
-        assert right < PAGE[0]
-        assert 2.8 < place[1] < PAGE[1]
-
-
-def words_box(words: str, place: tuple[float, float, str]) -> np.ndarray:
-    """Lowest and highest corner of a text, `(2, 2)`: letters are half as wide as high, about."""
-    x, y, anchor = place
-    long = 0.5 * 2.8 * len(words)
-    left = {"start": x, "middle": x - long / 2, "end": x - long}[anchor]
-    return np.array([[left, y - 2.0], [left + long, y]])
+    for (left, top), (right, bottom) in seen.texts.values():
+        assert 0 < left < right < PAGE[0]
+        assert 0 < top < bottom < PAGE[1]
 
 
 def apart(one: np.ndarray, other: np.ndarray) -> bool:
@@ -223,14 +211,14 @@ def test_views_and_words_lie_apart_each_caption_under_its_view(name: str) -> Non
     views = [kinds["skin"][0], kinds["skin"][1], np.vstack([*kinds["mold"], *kinds.get("hole", [])])]
     boxes = [np.array([points.min(axis=0), points.max(axis=0)]) for points in views]
     assert all(apart(one, other) for one, other in combinations(boxes, 2))
-    words = {text: words_box(text, place) for text, place in seen.texts.items()}
+    words = seen.texts
     assert all(apart(one, other) for one, other in combinations(words.values(), 2))
     assert all(apart(box, text) for box in boxes for text in words.values())
     ridges = seen.design.ridge.count
     for begin, box in zip(("section", f"ridge {math.ceil(ridges / 2)}", "closed mold"), boxes, strict=True):
         (caption,) = (text for text in words if text.startswith(begin))
-        assert seen.texts[caption][0] == pytest.approx(box[:, 0].mean(), abs=0.02)  # chords, enlarged
-        assert 0 < seen.texts[caption][1] - box[1, 1] < 35
+        assert words[caption][:, 0].mean() == pytest.approx(box[:, 0].mean(), abs=0.02)  # chords, enlarged
+        assert 0 < words[caption][1, 1] - box[1, 1] < 35
     size = np.ptp(boxes[0], axis=0)
     assert size == pytest.approx([120.0, 45.0], abs=0.02) or (size <= (120.02, 45.02)).all()
     assert (size >= (119.9, 44.9)).any()  # as large as the page has room
