@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import re
 import secrets
@@ -27,24 +28,10 @@ from skincad.base.interrupt import safe_point
 from skincad.base.reading import strict_json
 from skincad.base.version import __version__
 
-# each owns the files that its manifest lists
-COMMANDS = (
-    "make",
-    "simulate",
-    "circuit",
-    "accuracy",
-    "check",
-    "film-stress",
-    "fit-material",
-    "solve",
-    "sweep",
-    "optimise",
-    "coupon",
-    "coupon-reading",
-    "package",
-)
-
-
+COMMANDS = (  # each owns the files that its manifest lists
+    "make", "simulate", "circuit", "accuracy", "check", "film-stress", "fit-material", "solve", "sweep",
+    "optimise", "coupon", "coupon-reading", "package",
+)  # fmt: skip
 # a result may have folders of these names, one deep, and no others
 FOLDERS = ("solids", "drawings", "film", "orders")
 
@@ -55,7 +42,7 @@ def manifest_name(command: str) -> str:
 
 
 def write_manifest(staging: Path, command: str, data: Mapping[str, Any]) -> None:
-    """Write the manifest of all files in a folder, with the further keys `told`.
+    """Write the manifest of all files in a folder, with the further keys of `data`.
 
     Raises RefusedError for a number that is not finite, which JSON has not.
     """
@@ -123,7 +110,7 @@ def checked_fresh(path: Path, suffix: str, key: str) -> None:
     try:
         there = path.exists() or path.is_symlink()
     except OSError as failure:
-        raise _unwritable_file(path, key, failure) from None
+        raise _unwritable(path, key, failure) from None
     if there:
         raise InputError(key, f"{str(path)[:80]} exists already", remedy="name another file, or remove it")
     if path.suffix != suffix:
@@ -145,13 +132,13 @@ def fresh(path: Path, key: str) -> Iterator[Path]:
         checked_fresh(path, path.suffix, key)  # a person may have written it meanwhile
         staging.replace(path)
     except OSError as failure:
-        raise _unwritable_file(path, key, failure) from None
+        raise _unwritable(path, key, failure) from None
     finally:
         with suppress(OSError):
             staging.unlink(missing_ok=True)
 
 
-def _unwritable_file(path: Path, key: str, failure: OSError) -> InputError:
+def _unwritable(path: Path, key: str, failure: OSError) -> InputError:
     return InputError(key, f"{str(path)[:80]} cannot be written ({failure.strerror or failure})")
 
 
@@ -175,8 +162,9 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
     """
     try:
         real = Path(os.path.realpath(folder))
-        if _working_in(real):
-            raise InputError("folder", f"{folder} is the folder you are in", remedy="name one below it")
+        with suppress(FileNotFoundError):  # a working directory that was deleted lies nowhere
+            if Path.cwd().is_relative_to(real):
+                raise InputError("folder", f"{folder} is the folder you are in", remedy="name one below it")
         there = next(path for path in (real, *real.parents) if os.path.lexists(path))
         if there == real:
             if not real.is_dir():
@@ -191,7 +179,7 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
                     os.lstat(there / part)  # tells a name that is too long
             _try_to_write(there, command)
     except OSError as failure:
-        raise _unwritable(folder, failure) from None
+        raise _unwritable(folder, "folder", failure) from None
     return real
 
 
@@ -199,10 +187,10 @@ def checked_folder(folder: Path, command: str = "make", names: Iterable[str] = (
 def replaced(folder: Path, command: str = "make", data: Mapping[str, Any] | None = None) -> Iterator[Path]:
     """Yield an empty folder to write into; when the block ends well its files replace the earlier result's.
 
-    `told` are the manifest's keys beside the files. Of two runs at once the later one's result
+    `data` are the manifest's keys beside the files. Of two runs at once the later one's result
     stays. Raises InputError, with nothing changed, when `folder` cannot be written, runs out of space, holds
     things and no earlier result, or holds a file of these names that is not as this command wrote it;
-    RefusedError when `told` holds a number that is not finite.
+    RefusedError when `data` holds a number that is not finite.
     """
     real = checked_folder(folder, command)
     new_folders = [path for path in (real, *real.parents) if not path.exists()]
@@ -219,21 +207,13 @@ def replaced(folder: Path, command: str = "make", data: Mapping[str, Any] | None
             with _locked(real):
                 _put_in_place(run, command)
     except OSError as failure:
-        raise _unwritable(folder, failure) from failure
+        raise _unwritable(folder, "folder", failure) from failure
     finally:
         if not (run / "old").exists():  # else what it holds could not go back: the next run tries again
             _discard(run)
         with suppress(OSError):  # not empty: there is a result, or another run
             for path in new_folders:
                 path.rmdir()
-
-
-def _working_in(folder: Path) -> bool:
-    """Whether the working directory is this folder or lies in it; one that was deleted lies nowhere."""
-    try:
-        return Path.cwd().is_relative_to(folder)
-    except FileNotFoundError:
-        return False
 
 
 def _try_to_write(folder: Path, command: str) -> None:
@@ -248,16 +228,6 @@ def _run_name(command: str) -> str:
     return f"{OURS}{command}-{secrets.token_hex(4)}"
 
 
-def _runs(folder: Path) -> list[Path]:
-    """Folders of runs that are under way or were killed."""
-    folders = [path for path in folder.iterdir() if RUN.fullmatch(path.name)]
-    return [path for path in folders if path.is_dir() and not path.is_symlink()]
-
-
-def _unwritable(folder: Path, failure: OSError) -> InputError:
-    return InputError("folder", f"{str(folder)[:80]} cannot be written ({failure.strerror or failure})")
-
-
 def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     """File names of the command's earlier result, the manifest first.
 
@@ -267,23 +237,18 @@ def _earlier(folder: Path, command: str, names: Iterable[str]) -> list[str]:
     manifest, hashes = manifest_name(command), listed(folder, command)
     if hashes is None and os.path.lexists(folder / manifest):
         raise _in_the_way(folder / manifest)
-    others = [
-        item.name for item in folder.iterdir() if not item.name.startswith(OURS) and item.name not in BESIDE
-    ]
-    if others and all(listed(folder, command_name) is None for command_name in COMMANDS):
+    others = any(not item.name.startswith(OURS) and item.name not in BESIDE for item in folder.iterdir())
+    if others and all(listed(folder, other) is None for other in COMMANDS):
         raise InputError(
             "folder", f"{folder} holds files but no earlier result", remedy="name a new or empty folder"
         )
-    if hashes is None:
-        hashes, earlier = {}, []
-    else:
-        earlier = [manifest, *(name for name in hashes if os.path.lexists(folder / name))]
-    for name in earlier[1:]:
-        if not unchanged(folder / name, hashes[name]):
-            raise _in_the_way(folder / name)
-    for name in names:
-        if name not in earlier and os.path.lexists(folder / name):
-            raise _in_the_way(folder / name)
+    earlier = [] if hashes is None else [manifest]
+    for name in dict.fromkeys((*(hashes or ()), *names)):
+        path = folder / name
+        if name != manifest and os.path.lexists(path):
+            if hashes is None or name not in hashes or not unchanged(path, hashes[name]):
+                raise _in_the_way(path)
+            earlier.append(name)
     for below in {(folder / name).parent for name in (*names, *earlier)}:
         if os.path.lexists(below) and not _is_plain_folder(below):
             raise _in_the_way(below)
@@ -350,7 +315,7 @@ def _move(source: Path, target: Path) -> None:
 
 def _put_right(folder: Path) -> None:
     """Undo or finish what killed runs had begun to put in place, and remove what they left."""
-    for run in _runs(folder):
+    for run in [path for path in folder.iterdir() if RUN.fullmatch(path.name) and _is_plain_folder(path)]:
         if (run / "old").exists():  # only while the folder is locked, by us now
             _settle(run)
             continue
@@ -389,10 +354,8 @@ def _locked(folder: Path, wait: bool = True) -> Iterator[bool]:
 
 
 def _lock(handle: int, folder: Path, wait: bool) -> bool:
-    if fcntl is None:
-        return False
-    told_at: float | None = time.monotonic() + PATIENCE
-    while True:
+    patient_until = time.monotonic() + PATIENCE
+    while fcntl is not None:
         safe_point()
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -403,8 +366,9 @@ def _lock(handle: int, folder: Path, wait: bool) -> bool:
             return False
         else:
             return True
-        if told_at is not None and time.monotonic() >= told_at:
-            told_at = None
+        if time.monotonic() >= patient_until:
+            patient_until = math.inf
             if sys.stderr is not None:
                 print(f"skincad: waiting for another skincad run in {folder}", file=sys.stderr)
         time.sleep(POLL)
+    return False

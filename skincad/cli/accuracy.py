@@ -4,38 +4,26 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.progress import stage_bar
-from skincad.cli.options import (
-    DesignArgument,
-    JsonOption,
-    OutOption,
-    SetOption,
-    SiliconesOption,
-    deliver,
-    out_folder,
-)
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import deliver, out_folder
 
 
 def accuracy(
-    source: DesignArgument,
-    settings: SetOption = [],  # noqa: B006
+    source: options.DesignSource,
+    settings: options.Settings = [],  # noqa: B006
     ladders: Annotated[
         list[str],
-        typer.Option(
-            "--ladder",
-            metavar="NAME",
-            help="Only these: tessellation, contact, circuit, slip, effects; repeat for several.",
+        option(
+            "--ladder NAME", "Only these: tessellation, contact, circuit, slip, effects; repeat for several."
         ),
     ] = [],  # noqa: B006
-    silicones: SiliconesOption = None,
-    repeats: Annotated[
-        int, typer.Option("--repeats", metavar="N", help="Runs of each setting, whose median is taken.")
-    ] = 3,
-    folder: OutOption = None,
-    as_json: JsonOption = False,
+    silicones: options.Silicones = None,
+    repeats: Annotated[int, option("--repeats N", "Runs of each setting, whose median is taken.")] = 3,
+    folder: options.Out = None,
+    as_json: options.Json = False,
 ) -> None:
     """Show what accuracy costs in time on this design.
 
@@ -47,4 +35,4 @@ def accuracy(
     target = out_folder(folder, design.name, accuracies.COMMAND, accuracies.names(ladders))
     with stage_bar(1) as progress:
         result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
-    deliver(result, as_json, skincad.write(result, target))
+    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

@@ -17,6 +17,7 @@ from skincad.cli.live import live
 from skincad.cli.make import make
 from skincad.cli.new import new
 from skincad.cli.optimise import optimise
+from skincad.cli.options import expanded
 from skincad.cli.package import package
 from skincad.cli.simulate import simulate
 from skincad.cli.solve import solve
@@ -34,7 +35,7 @@ app = typer.Typer(
     name="skincad", help=HELP, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False
 )
 for command in COMMANDS:
-    app.command(command.__name__.replace("_", "-"))(command)
+    app.command(command.__name__.replace("_", "-"))(expanded(command))
 
 
 def _version(wanted: bool) -> None:

@@ -7,29 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import one_by_one, stage_bar
-from skincad.cli.options import (
-    AdviceOption,
-    BudgetOption,
-    DesignArgument,
-    ForceOption,
-    GrippersOption,
-    JsonOption,
-    ModelOption,
-    PrinterOption,
-    SetOption,
-    SiliconesOption,
-    VerboseOption,
-    as_typed,
-    leave,
-    report,
-    say,
-    show,
-)
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import as_typed, leave, report, say, show
 
 if TYPE_CHECKING:
     from skincad.inputs.design import Design
@@ -43,36 +26,28 @@ ADVICE_STAGES = 9  # of its bar at first: checks and searches for them, about tw
 
 
 def check(
-    source: DesignArgument,
-    settings: SetOption = [],  # noqa: B006
-    force: ForceOption = None,
+    source: options.DesignSource,
+    settings: options.Settings = [],  # noqa: B006
+    force: options.Force = None,
     tol: Annotated[
-        float | None,
-        typer.Option("--tol", metavar="REL", help="Relative error to meet; with --model, the mesh's alone."),
+        float | None, option("--tol REL", "Relative error to meet; with --model, the mesh's alone.")
     ] = None,
-    budget: BudgetOption = None,
+    budget: options.Budget = None,
     measured: Annotated[
-        Path | None, typer.Option("--measured", metavar="CSV", help="Judge a cast part by its crest heights.")
+        Path | None, option("--measured CSV", "Judge a cast part by its crest heights.")
     ] = None,
-    model: ModelOption = "auto",
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
+    model: options.Model = "auto",
+    *,
+    workshop: options.Workshop,
     stress: Annotated[
-        Path | None,
-        typer.Option("--stress", metavar="PNG", help="Draw the stress at S1 and S2 of each ridge."),
+        Path | None, option("--stress PNG", "Draw the stress at S1 and S2 of each ridge.")
     ] = None,
     tangential: Annotated[
         float | None,
-        typer.Option(
-            "--pull",
-            metavar="N",
-            help="With --stress: tangential force; default: a quarter of the normal one.",
-        ),
+        option("--pull N", "With --stress: tangential force; default: a quarter of the normal one."),
     ] = None,
-    advice: AdviceOption = None,
-    verbose: VerboseOption = False,
-    as_json: JsonOption = False,
+    advice: options.Advice = None,
+    display: options.Display,
 ) -> None:
     """Say whether all ridges touch a plate.
 
@@ -84,7 +59,7 @@ def check(
         raise InputError("tangential", "needs --stress", tangential, "name the picture with --stress")
     if stress is not None:
         checked_fresh(stress, ".png", "stress")
-    design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
+    design = skincad.load(source, settings, **vars(workshop))
     if stress is not None:
         from skincad.mechanics.film.stress import check_request
 
@@ -97,27 +72,20 @@ def check(
         if stress is not None:
             films = skincad.film_stress(design, result.force, tangential, progress=progress)
             skincad.save_picture(films, stress, key="stress")
-    typed = as_typed(
-        source,
-        settings,
-        force,
-        printer=printer,
-        silicones=silicones,
-        grippers=grippers,
-        model=None if model == "auto" else model,
-    )
-    waits = measured is None and waits_for_advice(result, advice, budget, full=verbose or as_json)
-    if not as_json:
+    typed = as_typed(source, settings, force, **vars(workshop), model=model)
+    full = display.verbose or display.as_json
+    waits = measured is None and waits_for_advice(result, advice, budget, full=full)
+    if not display.as_json:
         more = [] if films is None else [str(films), f"  picture        {stress}"]
         more += [] if measured is None else [NEXT_OF_PART[result.passed]]
         last = measured is None and not waits
-        say("\n".join(report(result, typed, verbose=verbose, more=more, last=last)))
+        say(*report(result, typed, verbose=display.verbose, more=more, last=last))
     if waits:
-        result = advised(design, result, advice, budget, full=verbose or as_json, quiet=as_json)
-        if not as_json:
-            say("\n".join(result.next_line(typed)))
-    if as_json:
-        show(result.as_json() | (films.as_json() if films else {}), True, "")
+        result = advised(design, result, advice, budget, full=full, quiet=display.as_json)
+        if not display.as_json:
+            say(*result.next_line(typed))
+    if display.as_json:
+        show(result.as_json() | (films.as_json() if films else {}), True, ())
     leave(result)
 
 
@@ -155,5 +123,5 @@ def advised(
             lines = advice_lines(result)[printed:]
             printed += len(lines)
             if lines and whole and not quiet:
-                say("\n".join(lines))
+                say(*lines)
     return result

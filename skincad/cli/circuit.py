@@ -5,29 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.progress import stage_bar
-from skincad.cli.options import JsonOption, OutOption, deliver, out_folder, source_argument
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import deliver, out_folder
 
 
 def circuit(
-    source: Annotated[str, source_argument("CIRCUIT", "circuits")],
-    settings: Annotated[
-        list[str],
-        typer.Option("--set", metavar="KEY=VALUE", help="Override a key: amplifier.gain=1e6."),
-    ] = [],  # noqa: B006
+    source: Annotated[str, options.argument("CIRCUIT", autocompletion=options.completes("circuits"))],
+    settings: Annotated[list[str], option("--set KEY=VALUE", "Override a key: amplifier.gain=1e6.")] = [],  # noqa: B006
     measured: Annotated[
         Path | None,
-        typer.Option(
-            "--measured",
-            metavar="CSV",
-            help="Calibrate to a measured curve: columns frequency_Hz, gain_dB; any level.",
-        ),
+        option("--measured CSV", "Calibrate to a measured curve: columns frequency_Hz, gain_dB; any level."),
     ] = None,
-    folder: OutOption = None,
-    as_json: JsonOption = False,
+    folder: options.Out = None,
+    as_json: options.Json = False,
 ) -> None:
     """Show how film and amplifier respond to frequency.
 
@@ -40,4 +33,4 @@ def circuit(
     target = out_folder(folder, loaded.name, gains.COMMAND, gains.names(measured is not None))
     with stage_bar(2) as progress:
         result = skincad.gain(loaded, measured, progress)
-    deliver(result, as_json, skincad.write(result, target))
+    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

@@ -2,54 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
-
-import typer
 
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar
-from skincad.cli.options import (
-    JsonOption,
-    OutOption,
-    PrinterOption,
-    SiliconesOption,
-    completes,
-    deliver,
-    out_folder,
-)
-
-
-def _processes() -> Iterable[str]:
-    from skincad.inputs.process import PROCESSES
-
-    return PROCESSES
+from skincad.cli import options
+from skincad.cli.options import argument, completes, option
+from skincad.cli.printing import deliver, out_folder
 
 
 def coupon(
     process: Annotated[
         str,
-        typer.Argument(
-            metavar="PROCESS",
-            help="fdm, sla, cnc, edm, or one of yours.",
-            autocompletion=completes(_processes),
-        ),
+        argument("PROCESS", "fdm, sla, cnc, edm, or one of yours.", autocompletion=completes("processes")),
     ],
-    silicone: Annotated[
-        str | None, typer.Option("--silicone", metavar="NAME", help="What bars and pad are cast in.")
-    ] = None,
+    silicone: Annotated[str | None, option("--silicone NAME", "What bars and pad are cast in.")] = None,
     measured: Annotated[
-        Path | None,
-        typer.Option(
-            "--measured", metavar="DIR", help="Read the forms in this folder back; printer.toml goes there."
-        ),
+        Path | None, option("--measured DIR", "Read the forms in this folder back; printer.toml goes there.")
     ] = None,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    folder: OutOption = None,
-    as_json: JsonOption = False,
+    printer: options.Printer = None,
+    silicones: options.Silicones = None,
+    folder: options.Out = None,
+    as_json: options.Json = False,
 ) -> None:
     """Measure your own machine and silicone once.
 
@@ -65,7 +41,7 @@ def coupon(
         target = out_folder(folder, f"coupon-{process}", COMMAND, files(kit))
         with stage_bar(2) as progress:
             written = skincad.write(kit, target, progress=progress)
-        deliver(kit, as_json, written)
+        deliver(kit, written, options.Display(as_json=as_json))
         return
     for name, value in (("silicone", silicone), ("silicones", silicones)):
         if value is not None:
@@ -73,4 +49,4 @@ def coupon(
     from skincad.fabrication.coupon_reading import read_coupon
 
     reading = read_coupon(process, measured, printer=printer)
-    deliver(reading, as_json, skincad.write(reading, folder or measured))
+    deliver(reading, skincad.write(reading, folder or measured), options.Display(as_json=as_json))

@@ -5,48 +5,39 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar
-from skincad.cli.options import JsonOption, SetOption, SiliconesOption, show
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import show
 
 
 def fit_material(
     file: Annotated[
         Path,
-        typer.Argument(
-            metavar="CSV",
-            help="Columns approach_mm, force_N (a pad); strain, stress_MPa or extension_mm, force_N (a bar).",
+        options.argument(
+            "CSV",
+            "Columns approach_mm, force_N (a pad); strain, stress_MPa or extension_mm, force_N (a bar).",
         ),
     ],
     design: Annotated[
-        str | None,
-        typer.Option("--design", metavar="DESIGN", help="The design of the pad that a flat plate pressed."),
+        str | None, option("--design DESIGN", "The design of the pad that a flat plate pressed.")
     ] = None,
-    settings: SetOption = [],  # noqa: B006
-    silicones: SiliconesOption = None,
+    settings: options.Settings = [],  # noqa: B006
+    silicones: options.Silicones = None,
     up_to: Annotated[
         float | None,
-        typer.Option(
-            "--up-to",
-            metavar="X",
-            help="Largest strain used (default: 0.3) or, for a pad, largest force in N.",
-        ),
+        option("--up-to X", "Largest strain used (default: 0.3) or, for a pad, largest force in N."),
     ] = None,
     gauge_length: Annotated[
-        float | None,
-        typer.Option("--gauge-length", metavar="MM", help="Gauge length of a bar, with extension_mm."),
+        float | None, option("--gauge-length MM", "Gauge length of a bar, with extension_mm.")
     ] = None,
-    area: Annotated[
-        float | None, typer.Option("--area", metavar="MM2", help="Cross-section of a bar, with extension_mm.")
-    ] = None,
+    area: Annotated[float | None, option("--area MM2", "Cross-section of a bar, with extension_mm.")] = None,
     copy: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Write a copy of the design with modulus and law."),
+        Path | None, option("-o --out FILE", "Write a copy of the design with modulus and law.")
     ] = None,
-    as_json: JsonOption = False,
+    as_json: options.Json = False,
 ) -> None:
     """Find the silicone's modulus and its error from a test, and from a bar's its law.
 
@@ -65,11 +56,11 @@ def fit_material(
         fit = skincad.fit_material(
             file, loaded, up_to=up_to, gauge_length=gauge_length, area=area, progress=progress
         )
-    written = ""
+    lines = [str(fit)]
     if copy is not None and design is not None:
         from skincad.outputs.tomls import write_with_modulus
 
         said = f"measured: {fit.kind} test {file.name}"
         write_with_modulus(copy, design, settings, fit.ranged, fit.law, said, silicones)
-        written = f"\nwritten to {copy}"
-    show({**fit.as_json(), "file": str(copy) if copy else None}, as_json, f"{fit}{written}")
+        lines.append(f"written to {copy}")
+    show({**fit.as_json(), "file": str(copy) if copy else None}, as_json, lines)

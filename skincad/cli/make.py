@@ -12,58 +12,45 @@ import typer
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar, step_bar
+from skincad.cli import options
 from skincad.cli.check import advised, waits_for_advice
-from skincad.cli.options import (
-    AdviceOption,
-    BudgetOption,
-    DesignArgument,
-    FormatOption,
-    GrippersOption,
-    JsonOption,
-    ModelOption,
-    OpenOption,
-    OutOption,
-    PrinterOption,
-    ScenesOption,
-    SetOption,
-    SiliconesOption,
-    VerboseOption,
-    as_typed,
-    deliver,
-    leave,
-    out_folder,
-    say,
-)
+from skincad.cli.options import option
+from skincad.cli.printing import as_typed, deliver, leave, out_folder, say
 
 VIEW = "view.html"
 
 
 def make(
-    source: DesignArgument,
-    settings: SetOption = [],  # noqa: B006
-    folder: OutOption = None,
-    formats: FormatOption = [],  # noqa: B006
-    strict: Annotated[bool, typer.Option("--strict", help="Warnings count as failures.")] = False,
+    source: options.DesignSource,
+    settings: options.Settings = [],  # noqa: B006
+    folder: options.Out = None,
+    formats: options.Formats = [],  # noqa: B006
+    strict: Annotated[bool, option("--strict", "Warnings count as failures.")] = False,
     checked: Annotated[
-        bool, typer.Option("--check/--no-check", help="Ask whether all ridges touch, or leave that out.")
+        bool, option("--check/--no-check", "Ask whether all ridges touch, or leave that out.")
     ] = True,
-    model: ModelOption = "auto",
-    budget: BudgetOption = None,
+    model: options.Model = "auto",
+    budget: options.Budget = None,
     preview: Annotated[
         bool,
-        typer.Option(
+        option(
             "--preview",
-            help="Meshes, pictures and findings alone, in seconds: no check, STEP only by --format step.",
+            "Meshes, pictures and findings alone, in seconds: no check, STEP only by --format step.",
         ),
     ] = False,
-    opened: OpenOption = False,
-    advice: AdviceOption = None,
-    scenes: ScenesOption = [],  # noqa: B006
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
-    verbose: VerboseOption = False,
-    as_json: JsonOption = False,
+    opened: options.View = False,
+    advice: options.Advice = None,
+    scenes: Annotated[
+        list[str],
+        option(
+            "--scene SCENE",
+            "A scene's template or TOML file, run with this skin for report.html; repeat for several.",
+            autocompletion=options.completes("scenes"),
+        ),
+    ] = [],  # noqa: B006
+    *,
+    workshop: options.Workshop,
+    display: options.Display,
 ) -> None:
     """Make skin and mold, check both, and write all files.
 
@@ -73,7 +60,7 @@ def make(
     from skincad.fabrication.making import STAGES
     from skincad.outputs.delivery import of_formats
 
-    design = skincad.load(source, settings, printer=printer, silicones=silicones, grippers=grippers)
+    design = skincad.load(source, settings, **vars(workshop))
     check_opened(opened, formats)
     from skincad.outputs import makes  # loads what draws: only for a design that is one
 
@@ -101,27 +88,20 @@ def make(
             progress=progress,
         )
         written = skincad.write(result, target, formats=formats, progress=progress)
-    typed = as_typed(
-        source,
-        settings,
-        printer=printer,
-        silicones=silicones,
-        grippers=grippers,
-        model=None if model == "auto" else model,
-    )
-    full = verbose or as_json
+    typed = as_typed(source, settings, **vars(workshop), model=model)
+    full = display.verbose or display.as_json
     waits = result.check is not None and waits_for_advice(result.check, advice, budget, full=full)
-    if not as_json:
-        deliver(result, False, written, typed, verbose=verbose, last=not waits)
+    if not display.as_json:
+        deliver(result, written, display, typed, last=not waits)
     if opened:
         open_view(target)
     if waits and result.check is not None:
-        check = advised(design, result.check, advice, budget, full=full, quiet=as_json)
+        check = advised(design, result.check, advice, budget, full=full, quiet=display.as_json)
         result = replace(result, check=check)
-        if not as_json:
-            say("\n".join(result.next_line(typed)))
-    if as_json:
-        deliver(result, True, written)
+        if not display.as_json:
+            say(*result.next_line(typed))
+    if display.as_json:
+        deliver(result, written, display)
     leave(result)
 
 

@@ -4,90 +4,69 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+import skincad
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.interrupt import at_once
 from skincad.base.progress import stage_bar
-from skincad.cli.options import (
-    GrippersOption,
-    JsonOption,
-    PrinterOption,
-    SiliconesOption,
-    completes,
-    leave,
-    report,
-    say,
-    show,
-)
+from skincad.cli import options
+from skincad.cli.options import completes, option
+from skincad.cli.printing import leave, report, say, show
 
 WISH_STAGES = 5  # of its bar at first: shape, two checks of the curvature, the last check
 
 
-def _starts() -> Iterable[str]:
-    from skincad.outputs.tomls import start_names
-
-    return start_names()
-
-
-def _listed(table: str) -> Callable[[], Iterable[str]]:
-    def names() -> Iterable[str]:
-        from skincad.outputs.tomls import listing
-
-        return list(listing(table)[0]["entries"])
-
-    return names
+def _wish(head: str, text: str, kind: str = "") -> Any:
+    """An option of the wish, completed by the names of a kind."""
+    completion = completes(kind) if kind else None
+    return option(head, text, autocompletion=completion, rich_help_panel="Wish")
 
 
-def _wish(name: str, metavar: str, words: str, table: str = "") -> Any:
-    """An option of the wish; its names are completed from a table that ships."""
-    names = completes(_listed(table)) if table else None
-    return typer.Option(name, metavar=metavar, help=words, autocompletion=names, rich_help_panel="Wish")
+@dataclass(frozen=True, kw_only=True)
+class WishOptions:
+    """A pad as a person wishes it; what is None is chosen."""
+
+    size: Annotated[
+        str | None, _wish("--size WxL", "The pad, across and along its ridges: 24x30, in mm, or 2.4x3cm.")
+    ] = None
+    touch: Annotated[
+        str | None, _wish("--touch N", "The force at which all features are to touch: 1N or 500mN.")
+    ] = None
+    silicone: Annotated[str | None, _wish("--silicone NAME", "Cast in this silicone.", "silicones")] = None
+    process: Annotated[str | None, _wish("--process NAME", "Make the mold by this.", "processes")] = None
+    gripper: Annotated[
+        str | None, _wish("--gripper NAME", "Drill the carrier for this gripper.", "grippers")
+    ] = None
+    film: Annotated[str | None, _wish("--film NAME", "Slots for this film, as pvdf-28um, or none.")] = None
+    family: Annotated[
+        str | None, _wish("--family NAME", "What stands on the skin: ridge, pin, ring or flat.")
+    ] = None
+    thickness: Annotated[
+        str | None, _wish("--thickness MM", "Thickness of the skin under its features: 8, in mm, or 8mm.")
+    ] = None
 
 
 def new(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write.")],
+    file: Annotated[Path, options.argument("FILE", "The TOML file to write.")],
     template: Annotated[
         str | None,
-        typer.Option(
-            "--template",
-            metavar="NAME",
-            help="Start from this design, scene or circuit, or a table: silicones, processes or grippers.",
-            autocompletion=completes(_starts),
+        option(
+            "--template NAME",
+            "Start from this design, scene or circuit, or a table: silicones, processes or grippers.",
+            autocompletion=completes("starts"),
         ),
     ] = None,
-    size: Annotated[
-        str | None,
-        _wish("--size", "WxL", "The pad, across and along its ridges: 24x30, in mm, or 2.4x3cm."),
-    ] = None,
-    touch: Annotated[
-        str | None, _wish("--touch", "N", "The force at which all features are to touch: 1N or 500mN.")
-    ] = None,
-    silicone: Annotated[
-        str | None, _wish("--silicone", "NAME", "Cast in this silicone.", "silicones")
-    ] = None,
-    process: Annotated[str | None, _wish("--process", "NAME", "Make the mold by this.", "processes")] = None,
-    gripper: Annotated[
-        str | None, _wish("--gripper", "NAME", "Drill the carrier for this gripper.", "grippers")
-    ] = None,
-    film: Annotated[
-        str | None, _wish("--film", "NAME", "Slots for this film, as pvdf-28um, or none.")
-    ] = None,
-    family: Annotated[
-        str | None, _wish("--family", "NAME", "What stands on the skin: ridge, pin, ring or flat.")
-    ] = None,
-    thickness: Annotated[
-        str | None, _wish("--thickness", "MM", "Thickness of the skin under its features: 8, in mm, or 8mm.")
-    ] = None,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
-    full: Annotated[bool, typer.Option("--full", help="Write every key with its meaning.")] = False,
-    as_json: JsonOption = False,
+    *,
+    wish: WishOptions,
+    workshop: options.Workshop,
+    full: Annotated[bool, option("--full", "Write every key with its meaning.")] = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a TOML file to edit, and its JSON schema: from a wish, or after a template.
 
@@ -98,60 +77,40 @@ def new(
 
     An editor that knows the schema completes and checks the file.
     """
-    from skincad.outputs.tomls import HOME, check_new, first_of, write_new
+    from skincad.outputs.tomls import HOME, check_new, document_name, first_of, write_new
 
     check_new(file)
-    wish = {
-        "size": size,
-        "touch": touch,
-        "silicone": silicone,
-        "process": process,
-        "gripper": gripper,
-        "film": film,
-        "thickness": thickness,
-    }
-    given: dict[str, Any] = {key: value for key, value in wish.items() if value is not None}
-    own = {"printer": printer, "silicones": silicones, "grippers": grippers}
-    if family is not None and template is not None:
-        raise InputError("family", "does not go with a template", family, "leave one of them out")
-    if given and template is not None:
+    given: dict[str, Any] = {key: value for key, value in vars(wish).items() if value is not None}
+    if template is not None and given:
+        if wish.family is not None:
+            raise InputError("family", "does not go with a template", wish.family, "leave one of them out")
         raise InputError("template", "does not go with a wish", template, f"leave out --{next(iter(given))}")
-    if not given and family is not None:
-        template = first_of(family)
-    elif family is not None:
-        given["family"] = family
-    if not given and template is None and not as_json and _at_a_terminal():
+    if [*given] == ["family"]:
+        template = first_of(given.pop("family"))
+    terminal = all(stream and stream.isatty() for stream in (sys.stdin, sys.stdout))  # a closed one is None
+    if not given and template is None and not as_json and terminal:
         given = _asked()
     if not given:
-        if used := [key for key, value in own.items() if value is not None]:
+        if used := [key for key, value in vars(workshop).items() if value is not None]:
             raise InputError(used[0], "needs a wish", remedy="give one of --size, --touch, ... too")
         paths = [str(path) for path in write_new(file, HOME if template is None else template)]
-        show({"files": paths}, as_json, "\n".join(paths))
+        show({"files": paths}, as_json, paths)
         return
-    _write_wish(file, given, own, full, as_json)
-
-
-def _write_wish(file: Path, given: dict[str, Any], own: dict[str, Any], full: bool, as_json: bool) -> None:
-    import skincad
-    from skincad.outputs.tomls import document_name
     from skincad.outputs.wishes import write_wish
 
     with stage_bar(WISH_STAGES) as progress:
-        result = skincad.design_for(**given, **own, name=document_name(file.stem), progress=progress)
+        name = document_name(file.stem)
+        result = skincad.design_for(**given, **vars(workshop), name=name, progress=progress)
     paths = [str(path) for path in write_wish(file, result, full)]
     written = [f"  {'written':22} {' and '.join(paths)}"]
     lines = report(result, lambda step: step.replace("{design}", shlex.quote(paths[0])), more=written)
-    show({**result.as_json(), "files": paths}, as_json, "\n".join(lines))
+    show({**result.as_json(), "files": paths}, as_json, lines)
     leave(result)
-
-
-def _at_a_terminal() -> bool:
-    """Whether a person can be asked; a closed stream is None."""
-    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout))
 
 
 def _asked() -> dict[str, str]:
     """Ask for each part of the wish; an answer that is none is asked again."""
+    from skincad.outputs.tomls import listing
     from skincad.studies.wish import USUAL_FILM, USUAL_PROCESS, USUAL_TOUCH, film_of, force_of, size_of
 
     def ask(words: str, usual: str, check: Callable[[str], str]) -> str:
@@ -165,7 +124,7 @@ def _asked() -> dict[str, str]:
                 raise InputError("FILE", "needs an answer to each question", remedy=remedy) from None
 
     def choose(words: str, table: str, usual: str) -> str:
-        known = dict.fromkeys([*_listed(table)(), usual])
+        known = dict.fromkeys([*listing(table)[0]["entries"], usual])
 
         def named(text: str) -> str:
             if text not in known:

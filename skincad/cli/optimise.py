@@ -6,28 +6,17 @@ from typing import Annotated
 
 import skincad
 from skincad.base.progress import step_bar
-from skincad.cli.options import (
-    DaskOption,
-    FreshOption,
-    JsonOption,
-    OutOption,
-    SetOption,
-    WorkersOption,
-    deliver,
-    leave,
-    out_folder,
-    source_argument,
-)
+from skincad.cli import options
+from skincad.cli.printing import deliver, leave, out_folder
 
 
 def optimise(
-    source: Annotated[str, source_argument("STUDY", "studies")],
-    settings: SetOption = [],  # noqa: B006
-    workers: WorkersOption = 1,
-    dask: DaskOption = None,
-    fresh: FreshOption = False,
-    folder: OutOption = None,
-    as_json: JsonOption = False,
+    source: Annotated[str, options.argument("STUDY", autocompletion=options.completes("studies"))],
+    settings: options.Settings = [],  # noqa: B006
+    *,
+    evaluations: options.Evaluations,
+    folder: options.Out = None,
+    as_json: options.Json = False,
 ) -> None:
     """Find the best design of a study, or the front of several objectives.
 
@@ -40,6 +29,6 @@ def optimise(
     study = skincad.load_study(source, settings)
     target = out_folder(folder, study.name, "optimise", front_names())
     with step_bar(study.evaluations) as tick:
-        result = skincad.optimise(study, folder=target, fresh=fresh, workers=workers, dask=dask, tick=tick)
-    deliver(result, as_json, skincad.write(result, target))
+        result = skincad.optimise(study, folder=target, **vars(evaluations), tick=tick)
+    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))
     leave(result)

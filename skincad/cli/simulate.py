@@ -4,51 +4,33 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import step_bar
-from skincad.cli.options import (
-    BudgetOption,
-    JsonOption,
-    OutOption,
-    SetOption,
-    SiliconesOption,
-    VerboseOption,
-    as_typed,
-    deliver,
-    leave,
-    out_folder,
-    source_argument,
-)
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import as_typed, deliver, leave, out_folder
 
 
 def simulate(
-    source: Annotated[str, source_argument("SCENE", "scenes")],
-    settings: SetOption = [],  # noqa: B006
-    silicones: SiliconesOption = None,
+    source: Annotated[str, options.argument("SCENE", autocompletion=options.completes("scenes"))],
+    settings: options.Settings = [],  # noqa: B006
+    silicones: options.Silicones = None,
     tol: Annotated[
-        float | None,
-        typer.Option("--tol", metavar="REL", help="Relative error of the differential stress to meet."),
+        float | None, option("--tol REL", "Relative error of the differential stress to meet.")
     ] = None,
-    budget: BudgetOption = None,
+    budget: options.Budget = None,
     model: Annotated[
         str,
-        typer.Option(
-            "--model", help="auto: with finite strain and free ends where they matter; or small_strain alone."
-        ),
+        option("--model", "auto: with finite strain and free ends where they matter; or small_strain alone."),
     ] = "auto",
     at: Annotated[
-        list[int],
-        typer.Option(
-            "--at", metavar="STEP", help="Draw the section with its stress at this step; repeat for several."
-        ),
+        list[int], option("--at STEP", "Draw the section with its stress at this step; repeat for several.")
     ] = [],  # noqa: B006
-    gif: Annotated[bool, typer.Option("--gif", help="Animate the section over the scene.")] = False,
-    folder: OutOption = None,
-    verbose: VerboseOption = False,
-    as_json: JsonOption = False,
+    gif: Annotated[bool, option("--gif", "Animate the section over the scene.")] = False,
+    folder: options.Out = None,
+    *,
+    display: options.Display,
 ) -> None:
     """Run a scene, and say which ridge slips when.
 
@@ -57,9 +39,9 @@ def simulate(
     """
     from skincad.inputs.catalog import setting_key
 
-    for key, option, value in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
+    for key, name, value in (("readout.steps", "at", at), ("readout.frames", "gif", gif)):
         if value and key in map(setting_key, settings):
-            raise InputError(option, f"gives {key}, and --set does too", remedy="leave one of them out")
+            raise InputError(name, f"gives {key}, and --set does too", remedy="leave one of them out")
     drawn = [f"readout.steps={at}"] * bool(at) + ["readout.frames=24"] * gif
     try:
         scene = skincad.load_scene(source, [*settings, *drawn], silicones=silicones)
@@ -80,5 +62,5 @@ def simulate(
             model=model,  # type: ignore[arg-type]
         )
     typed = as_typed(source, settings, silicones=silicones)
-    deliver(result, as_json, skincad.write(result, target), typed, verbose=verbose)
+    deliver(result, skincad.write(result, target), display, typed)
     leave(result)

@@ -8,76 +8,47 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.errors import InputError
 from skincad.base.progress import stage_bar
-from skincad.cli.options import (
-    ForceOption,
-    GrippersOption,
-    JsonOption,
-    PrinterOption,
-    SetOption,
-    SiliconesOption,
-    SubjectArgument,
-    VerboseOption,
-    as_typed,
-    leave,
-    report,
-    show,
-)
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import as_typed, leave, report, show
 
 
 def solve(
-    source: SubjectArgument,
+    source: options.Subject,
     target: Annotated[
         list[str],
-        typer.Option(
-            "--target",
-            metavar="KEY=VALUE",
-            help="What a result is to be, by its key in --json: all_touch_force=3, or a limit as "
+        option(
+            "--target KEY=VALUE",
+            "What a result is to be, by its key in --json: all_touch_force=3, or a limit as "
             "all_touch_force<=3; repeat for several.",
         ),
     ],
     vary: Annotated[
         list[str],
-        typer.Option(
-            "--vary",
-            metavar="KEY=LOW:HIGH",
-            help="A key and its range, or its choices as A,B,C or all; repeat for several.",
+        option(
+            "--vary KEY=LOW:HIGH", "A key and its range, or its choices as A,B,C or all; repeat for several."
         ),
     ],
-    settings: SetOption = [],  # noqa: B006
-    force: ForceOption = None,
+    settings: options.Settings = [],  # noqa: B006
+    force: options.Force = None,
     model: Annotated[
         str | None,
-        typer.Option(
-            "--model",
-            "--tier",
-            help="The model of all checks; default: corrected, where that takes the design.",
-        ),
+        option("--model --tier", "The model of all checks; default: corrected, where that takes the design."),
     ] = None,
-    tol: Annotated[
-        float, typer.Option("--tol", metavar="REL", help="How near to the target is enough, relative.")
-    ] = 0.005,
+    tol: Annotated[float, option("--tol REL", "How near to the target is enough, relative.")] = 0.005,
     evaluations: Annotated[
-        int | None,
-        typer.Option("--evaluations", metavar="N", help="At most so many; default: 40, of several keys 100."),
+        int | None, option("--evaluations N", "At most so many; default: 40, of several keys 100.")
     ] = None,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
-    copy: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Write the first solution as a TOML file."),
-    ] = None,
+    *,
+    workshop: options.Workshop,
+    copy: Annotated[Path | None, option("-o --out FILE", "Write the first solution as a TOML file.")] = None,
     picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="PNG", help="Draw the result against the one key that is varied."),
+        Path | None, option("--picture PNG", "Draw the result against the one key that is varied.")
     ] = None,
-    verbose: VerboseOption = False,
-    as_json: JsonOption = False,
+    display: options.Display,
 ) -> None:
     """Find the values that give a wanted result.
 
@@ -99,7 +70,7 @@ def solve(
         side = typed_key.removeprefix(key).strip()
         wishes[key] = f"{side}={text}" if side else text
     varied = texts(vary, "vary")
-    subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
+    subject = load_subject(source, settings, **vars(workshop))
     if picture is not None and (len(varied) > 1 or knobs(subject, varied)[0].choices):
         raise InputError("picture", "is drawn of one key with a range", remedy="leave it out")
     with stage_bar(8) as progress:
@@ -122,9 +93,9 @@ def solve(
     if picture is not None and skincad.save_picture(solution, picture, key="picture"):
         written.append(f"  picture        {picture}")
     file = str(copy) if copy and solution.solutions else None
-    typed = as_typed(source, settings, force, printer=printer, silicones=silicones, grippers=grippers)
+    typed = as_typed(source, settings, force, **vars(workshop))
     if file is not None:  # which has the values that the next step sets
         typed = partial(re.sub, r"\{design\}( --set [^\s`]+)*", shlex.quote(file).replace("\\", "/"))
-    lines = report(solution, typed, verbose=verbose, more=written)
-    show({**solution.as_json(), "file": file}, as_json, "\n".join(lines))
+    lines = report(solution, typed, verbose=display.verbose, more=written)
+    show({**solution.as_json(), "file": file}, display.as_json, lines)
     leave(solution)

@@ -4,72 +4,43 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 import skincad
 from skincad.base.progress import step_bar
-from skincad.cli.options import (
-    DaskOption,
-    ForceOption,
-    FreshOption,
-    GrippersOption,
-    JsonOption,
-    OutOption,
-    PrinterOption,
-    SetOption,
-    SiliconesOption,
-    SubjectArgument,
-    VerboseOption,
-    WorkersOption,
-    as_typed,
-    deliver,
-    leave,
-    out_folder,
-)
+from skincad.cli import options
+from skincad.cli.options import option
+from skincad.cli.printing import as_typed, deliver, leave, out_folder
 
 
 def sweep(
-    source: SubjectArgument,
+    source: options.Subject,
     vary: Annotated[
         list[str],
-        typer.Option(
-            "--vary",
-            metavar="KEY=LOW:HIGH:N",
-            help="A key and its N values, or its choices as A,B,C or all; repeat for several.",
+        option(
+            "--vary KEY=LOW:HIGH:N",
+            "A key and its N values, or its choices as A,B,C or all; repeat for several.",
         ),
     ],
-    settings: SetOption = [],  # noqa: B006
+    settings: options.Settings = [],  # noqa: B006
     sample: Annotated[
-        int | None,
-        typer.Option(
-            "--sample", metavar="N", help="N points spread over the ranges (Sobol), not their grid."
-        ),
+        int | None, option("--sample N", "N points spread over the ranges (Sobol), not their grid.")
     ] = None,
     rank: Annotated[
         list[str],
-        typer.Option(
-            "--rank",
-            metavar="KEY=min|max",
-            help="What rows are ranked by; default of a design: all_touch_force=min; twice: their front too.",
+        option(
+            "--rank KEY=min|max",
+            "What rows are ranked by; default of a design: all_touch_force=min; twice: their front too.",
         ),
     ] = [],  # noqa: B006
-    force: ForceOption = None,
+    force: options.Force = None,
     model: Annotated[
-        str | None,
-        typer.Option("--model", "--tier", help="The model of all checks; default: linear."),
+        str | None, option("--model --tier", "The model of all checks; default: linear.")
     ] = None,
-    tol: Annotated[
-        float | None, typer.Option("--tol", metavar="REL", help="Relative error of each mesh to meet.")
-    ] = None,
-    workers: WorkersOption = 1,
-    dask: DaskOption = None,
-    fresh: FreshOption = False,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
-    folder: OutOption = None,
-    verbose: VerboseOption = False,
-    as_json: JsonOption = False,
+    tol: Annotated[float | None, option("--tol REL", "Relative error of each mesh to meet.")] = None,
+    *,
+    evaluations: options.Evaluations,
+    workshop: options.Workshop,
+    folder: options.Out = None,
+    display: options.Display,
 ) -> None:
     """Evaluate many designs side by side, and rank them.
 
@@ -81,7 +52,7 @@ def sweep(
     from skincad.studies.sweeping import points_of
 
     varied, ranks = texts(vary, "vary"), texts(rank, "rank")
-    subject = load_subject(source, settings, printer=printer, silicones=silicones, grippers=grippers)
+    subject = load_subject(source, settings, **vars(workshop))
     count = len(points_of(subject, varied, sample))
     target = out_folder(folder, subject.name, "sweep", sweep_names())
     with step_bar(count) as tick:
@@ -94,11 +65,9 @@ def sweep(
             tol=tol,
             force=force,
             folder=target,
-            fresh=fresh,
-            workers=workers,
-            dask=dask,
+            **vars(evaluations),
             tick=tick,
         )
-    typed = as_typed(source, settings, force, printer=printer, silicones=silicones, grippers=grippers)
-    deliver(result, as_json, skincad.write(result, target), typed, verbose=verbose)
+    typed = as_typed(source, settings, force, **vars(workshop))
+    deliver(result, skincad.write(result, target), display, typed)
     leave(result)

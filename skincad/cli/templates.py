@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Annotated
 
-import typer
-
-from skincad.cli.options import JsonOption, completes, show
-
-
-def _kinds() -> Iterable[str]:
-    from skincad.outputs.tomls import LISTS
-
-    return LISTS
+from skincad.cli import options
+from skincad.cli.options import argument, completes
+from skincad.cli.printing import show
 
 
 def templates(
     kind: Annotated[
         str | None,
-        typer.Argument(
-            metavar="KIND",
-            help="List one kind: designs, scenes, circuits, studies, silicones, processes or grippers.",
-            autocompletion=completes(_kinds),
+        argument(
+            "KIND",
+            "List one kind: designs, scenes, circuits, studies, silicones, processes or grippers.",
+            autocompletion=completes("kinds"),
         ),
     ] = None,
-    as_json: JsonOption = False,
+    as_json: options.Json = False,
 ) -> None:
     """List the templates, silicones, processes and grippers that ship.
 
@@ -35,4 +28,4 @@ def templates(
     from skincad.outputs.tomls import listing
 
     data, lines = listing(kind)
-    show(data, as_json, "\n".join(lines))
+    show(data, as_json, lines)

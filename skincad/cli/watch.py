@@ -10,32 +10,20 @@ import typer
 import skincad
 from skincad.base.errors import InputError, RefusedError, shown
 from skincad.base.progress import stage_bar
+from skincad.cli import options
 from skincad.cli.make import check_opened, open_view
-from skincad.cli.options import (
-    FormatOption,
-    GrippersOption,
-    OpenOption,
-    OutOption,
-    PrinterOption,
-    SetOption,
-    SiliconesOption,
-    VerboseOption,
-    as_typed,
-    deliver,
-    say,
-)
+from skincad.cli.printing import as_typed, deliver, say
 
 
 def watch(
-    source: Annotated[Path, typer.Argument(metavar="DESIGN", help="A design's TOML file.")],
-    settings: SetOption = [],  # noqa: B006
-    folder: OutOption = None,
-    formats: FormatOption = [],  # noqa: B006
-    opened: OpenOption = False,
-    printer: PrinterOption = None,
-    silicones: SiliconesOption = None,
-    grippers: GrippersOption = None,
-    verbose: VerboseOption = False,
+    source: Annotated[Path, options.argument("DESIGN", "A design's TOML file.")],
+    settings: options.Settings = [],  # noqa: B006
+    folder: options.Out = None,
+    formats: options.Formats = [],  # noqa: B006
+    opened: options.View = False,
+    *,
+    workshop: options.Workshop,
+    verbose: options.Verbose = False,
 ) -> None:
     """Preview a design again at each save of its file.
 
@@ -49,17 +37,15 @@ def watch(
     if not source.is_file():
         remedy = "write one to edit: skincad new my-skin.toml --template NAME"
         raise InputError("source", "must be a design's file", str(source), remedy)
-    for _ in saves([path for path in (source, printer, silicones, grippers) if path]):
+    for _ in saves([path for path in (source, *vars(workshop).values()) if path]):
         try:
-            design = skincad.load(
-                str(source), settings, printer=printer, silicones=silicones, grippers=grippers
-            )
+            design = skincad.load(str(source), settings, **vars(workshop))
             with stage_bar(len(STAGES)) as progress:
                 result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
                 target = folder or Path("out") / design.name
                 written = skincad.write(result, target, formats=formats, progress=progress)
-            typed = as_typed(str(source), settings, printer=printer, silicones=silicones, grippers=grippers)
-            deliver(result, False, written, typed, verbose=verbose)
+            typed = as_typed(str(source), settings, **vars(workshop))
+            deliver(result, written, options.Display(verbose=verbose), typed)
             if opened:
                 open_view(target)
             opened = False  # from now on a person loads the page again

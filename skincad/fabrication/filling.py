@@ -6,11 +6,11 @@ well.
 
 The seats (carrier on ledge, cover on carrier) and the shims' slits in the end plates count as tight.
 
-To which level air escapes from every place of a void while a liquid rises in it: a merge tree. The void is
-cut into convex cells. In a convex cell a straight way leads from any point to any other and never below the
-lower of them, so a cell needs one number: the level of the best way out of it. That way's lowest passage is
-as high as can be (a widest path; Pollack 1960), and passages are the faces that cells share, each as high as
-its highest corner. Exact but for arcs as chords.
+To which level air escapes from every place of a void while a liquid rises in it: the void is cut into convex
+cells. In a convex cell a straight way leads from any point to any other and never below the lower of them, so
+a cell needs one number: the level of the best way out of it. That way's lowest passage is as high as can be
+(a widest path; Pollack 1960), and passages are the faces that cells share, each as high as its highest
+corner. Levels spread from the outlets, cell by cell, until none rises. Exact but for arcs as chords.
 
 Statics: the level rises slowly, wets everything and leaves no bubble of its own; what silicone's viscosity
 catches besides, and what the mix holds, has to be taken out of it before. An open pour is two fillings: the
@@ -19,7 +19,6 @@ level trough with its back open, then the closed mold at the tilt at which the c
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -30,6 +29,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import shapely
 from manifold3d import Manifold, triangulate
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
@@ -164,7 +165,7 @@ class Cells:
 
     corners: tuple[Points, ...]
     space: tuple[int, ...]  # of each cell
-    pairs: tuple[tuple[int, int], ...]  # cells that share a face
+    pairs: Array  # (n, 2), cells that share a face
     passages: tuple[Points, ...]  # that face
     outlets: tuple[tuple[int, Points], ...]  # cell and its face to the open air
     rim: Points | None
@@ -221,27 +222,21 @@ def cells(space: Void, tolerance: float) -> Cells:
     for a, b, shared in _contacts(faces):
         links.append((a, b))
         passages.append(shared)
-    return Cells(tuple(corners), tuple(owner), tuple(links), tuple(passages), tuple(outlets), space.rim)
+    pairs = np.array(links, dtype=int).reshape(-1, 2)
+    return Cells(tuple(corners), tuple(owner), pairs, tuple(passages), tuple(outlets), space.rim)
 
 
 def escape(partition: Cells, up: Points) -> Array:
     """Return for each cell the level above which its air can't leave, mm along `up`; -inf: no way out."""
-    around: dict[int, list[tuple[int, float]]] = defaultdict(list)
-    for (a, b), height in zip(partition.pairs, _tops(partition.passages, up), strict=True):
-        around[a].append((b, height))
-        around[b].append((a, height))
-    level = np.full(len(partition.corners), -np.inf)
-    queue = [(-float((corners @ up).max()), cell) for cell, corners in partition.outlets]
-    heapq.heapify(queue)
-    while queue:
-        height, cell = heapq.heappop(queue)
-        if -height <= level[cell]:
-            continue
-        level[cell] = -height
-        for other, passage in around[cell]:
-            reached = min(-height, passage)
-            if reached > level[other]:
-                heapq.heappush(queue, (-reached, other))
+    one, other = partition.pairs.T
+    passage = _tops(partition.passages, up)
+    level, before = np.full(len(partition.corners), -np.inf), None
+    for cell, corners in partition.outlets:
+        level[cell] = max(level[cell], float((corners @ up).max()))
+    while before is None or (level > before).any():
+        before = level.copy()
+        np.maximum.at(level, one, np.minimum(before[other], passage))
+        np.maximum.at(level, other, np.minimum(before[one], passage))
     return level if partition.rim is None else np.minimum(level, (partition.rim @ up).min())
 
 
@@ -249,26 +244,15 @@ def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset())
     """Return the air that stays when a liquid rises along `up`, the largest first; none of the spaces
     `ignored`. Statics only: no viscosity, no wetting, and air is not compressed."""
     level = escape(partition, up)
-    tops = np.array(_tops(partition.corners, up))
-    airy = [i for i in np.flatnonzero(tops > level + LEVEL) if partition.space[i] not in ignored]
-    group = {int(i): int(i) for i in airy}
-
-    def root(i: int) -> int:
-        while group[i] != i:
-            group[i] = group[group[i]]
-            i = group[i]
-        return i
-
-    for (a, b), height in zip(partition.pairs, _tops(partition.passages, up), strict=True):
-        if a in group and b in group and height > max(level[a], level[b]) + LEVEL:
-            group[root(a)] = root(b)
-    members: dict[int, list[int]] = defaultdict(list)
-    for cell in group:
-        members[root(cell)].append(cell)
-    pockets = [
-        _trapped(partition, up, tuple(group_cells), float(level[group_cells[0]]))
-        for group_cells in members.values()
-    ]
+    airy = _tops(partition.corners, up) > level + LEVEL
+    airy &= ~np.isin(partition.space, list(ignored))
+    one, other = partition.pairs.T
+    above = _tops(partition.passages, up) > np.maximum(level[one], level[other]) + LEVEL
+    joined = airy[one] & airy[other] & above
+    links = coo_array((joined[joined], (one[joined], other[joined])), shape=(len(level), len(level)))
+    group = connected_components(links, directed=False)[1]
+    members = [tuple(np.flatnonzero(airy & (group == i)).tolist()) for i in np.unique(group[airy])]
+    pockets = [_trapped(partition, up, inside, float(level[inside[0]])) for inside in members]
     return sorted(pockets, key=lambda air: -air.volume)
 
 
@@ -288,12 +272,9 @@ def _above(corners: Points, up: Points, level: float) -> float:
     return float((whole.trim_by_plane(tuple(up), level) if np.isfinite(level) else whole).volume())
 
 
-def _tops(shapes: tuple[Points, ...], up: Points) -> list[float]:
-    if not shapes:
-        return []
+def _tops(shapes: tuple[Points, ...], up: Points) -> Array:
     starts = np.cumsum([0, *(len(points) for points in shapes[:-1])])
-    tops: list[float] = np.maximum.reduceat(np.vstack(shapes) @ up, starts).tolist()
-    return tops
+    return np.maximum.reduceat(np.vstack(shapes) @ up, starts) if shapes else np.empty(0)
 
 
 class _CellMesh(NamedTuple):
