@@ -6,17 +6,33 @@ import math
 from typing import NamedTuple
 
 from skincad.fabrication.job import Job
-from skincad.fabrication.pouring import STIR_MIN, USUAL_CURE_H, LayerPour, layer_name, pours, timeline
+from skincad.fabrication.papers import listed
+from skincad.fabrication.pouring import (
+    STIR_MIN,
+    USUAL_CURE_H,
+    LayerPour,
+    in_two_pucks,
+    layer_name,
+    pours,
+    timeline,
+    wet_with,
+)
 from skincad.fabrication.strips import lap, strip_count, strip_seconds, strips_per_mix
+from skincad.solids.plan import PartRole
 
 BEGIN, END = 9.0, 17.0  # h of a working day, assumption
 # min of hands, assumption: to open a mold, to lay a shim, to make a strip ready, to glue one, to test and
-# wire one, to prepare parts and to inspect a skin; those of a pour are the clock's (pouring.py)
-OPENING, LAYING, READYING, GLUING, WIRING, PREPARING, INSPECTING = 20, 0.5, 3, 2, 5, 60, 45
+# wire one, to put a magnet in, to prepare parts and to inspect a skin; those of a pour are the clock's
+OPENING, LAYING, READYING, GLUING, WIRING, MAGNET, PREPARING, INSPECTING = 20, 0.5, 3, 2, 5, 1, 60, 45
 # assumption, as resin makers' guides have it: two baths, drying, ultraviolet light, baking; data sheets count
 BATHS, BATH_MIN, DRYING_MIN, LIGHT_MIN, BAKING_H, BAKING_C = 2, 5, 30, 30, 4, 60
 PRIMER_MIN, PRIMER_H = 60, 8  # assumption: makers ask for 30 to 120 min to dry, and to use it the same day
 GLUE_MIN = 10  # min, assumption: thin cyanoacrylate between metal and film, to full grip
+
+
+def primed(job: Job) -> bool:
+    """Whether a primer binds the skin to its carrier or bone."""
+    return job.design.mold.bone_bond != "rivets" if job.bone else not job.riveted
 
 
 class Task(NamedTuple):
@@ -55,8 +71,16 @@ def tasks(job: Job) -> list[Task]:
     if resin:
         wait = DRYING_MIN + LIGHT_MIN + 60 * BAKING_H
         rows.append(Task("wash, light and bake the printed parts", BATHS * BATH_MIN, wait))
-        rows.append(Task("cast the trial drop", 15, cure))
+        slowest = max(pour.silicone.cure_h or USUAL_CURE_H for pour in made_pours)
+        rows.append(
+            Task("cast the trial drops" if len(made_pours) > 1 else "cast the trial drop", 15, 60 * slowest)
+        )
+    if in_two_pucks(job):
+        cures = math.fsum(pour.cure_h for pour in made_pours)
+        rows.append(Task("cast a puck on a puck, and peel them", 15, 60 * cures))
     rows.append(Task("prepare the parts, try them dry", PREPARING))
+    if primed(job):
+        rows.append(Task(f"prime the {'bone' if job.bone else 'carrier'}", 5, PRIMER_MIN))
     drawn_in = lap(job) is not None
     pour = LAYING * strips + _hands(job, made_pours[-1])
     if film is not None and not drawn_in:
@@ -71,24 +95,27 @@ def tasks(job: Job) -> list[Task]:
         rows.append(Task("take the end plates off, glue the strips", gluing, GLUE_MIN))
         rows.append(Task("draw the strips in", drawing, cure))
     rows.append(Task("open the mold, take the skin out", OPENING))
+    if job.magnet is not None:
+        many = len(job.closed.of(PartRole.CORE_PIN))
+        rows.append(Task("put the magnets in, and cap them", 5 + MAGNET * many, 60 * made_pours[-1].cure_h))
     if film is not None:
         rows.append(Task("test the strips, lead them to the board", WIRING * strips))
     return [*rows, Task("inspect the skin, a day after the last cure", INSPECTING, a_day_after=True)]
 
 
 def _hands(job: Job, pour: LayerPour) -> float:
-    """How long hands are at a pour, min."""
+    """How long hands are at a pour, and at those that are wet with it, min."""
     return math.fsum(task.minutes for task in timeline(job, pour))
 
 
 def _layers(job: Job, made: list[LayerPour]) -> list[Task]:
-    """What is done for the layers before the last; one that is laid on wet cures with the one behind it."""
+    """What is done for the layers before the last, and those that are wet with it."""
     rows = list[Task]()
-    for front in made[:-1]:
-        cure = 60 * front.cure_h if front.plug else 0.0
-        rows.append(Task(f"cast {layer_name(front)}", _hands(job, front), cure))
-        if front.plug:
-            rows.append(Task(f"pull {front.plug}, make the layer's back ready", OPENING))
+    for pour in made[:-1]:
+        if pour.plug:
+            names = listed([layer_name(each) for each in wet_with(made, pour)])
+            rows.append(Task(f"cast {names}", _hands(job, pour), 60 * pour.cure_h))
+            rows.append(Task(f"pull {pour.plug}, make the layer's back ready", OPENING))
     return rows
 
 

@@ -21,6 +21,7 @@ from skincad.solids.fasteners import (
     standard_length,
 )
 from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.lids import core_hole
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import CAVITIES, END_PLATES, PINS, Bore, CutRole, Part, PartRole, bores, unturned
 
@@ -142,11 +143,13 @@ class Threads(NamedTuple):
 
 
 def threads(job: Job) -> list[Threads]:
-    """Return the threads of all made parts, by what brings them."""
+    """Return the threads that are still to be made, by what brings them: a shop taps those of metal."""
     where: dict[str, list[str]] = {}
     for part in job.closed.made:
+        process = job.process(part)
         for role in sorted(THREADED, key=lambda role: role.name):
-            if bores(part, role):
+            # a shop that cuts metal cuts its threads too
+            if bores(part, role) and (process.layer or process.thread != "tapped"):
                 names = where.setdefault(thread(job, part, role), [])
                 names += [part.name] * (part.name not in names)
     rows = []
@@ -182,8 +185,7 @@ def limits(job: Job, part: Part, role: CutRole) -> str:
         return f"+{H13:g}/0 (H13)" if process.tolerance <= H13 / 2 else either
     pressed = role in PINNED and is_pressed(part, role)
     if process.layer and (pressed or role is CutRole.CORE):
-        pocket = job.design.features.pocket
-        wide = 2 * PIN_RADIUS if pressed or pocket is None else pocket.diameter
+        wide = 2 * PIN_RADIUS if pressed else core_hole(job.design)
         return f"we ream Ø{wide:g} H7"
     if pressed:
         return PRESSED
@@ -240,7 +242,7 @@ def end_screws(job: Job) -> Screws:
     sunk, tapped = cuts.count(CutRole.NUT), cuts.count(CutRole.END_THREAD)
     count = cuts.count(CutRole.END_BOLT) + tapped
     through = job.cast.skin.length + 2 * job.design.mold.end_plate
-    long = standard_length(through + (0 if tapped else PITCH if sunk else NUT + PITCH))
+    long = standard_length(through + (0 if tapped else PITCH if sunk == count else NUT + PITCH))
     if long <= LENGTHS[-1]:
         return Screws(count, long, nuts=0 if tapped else count)
     return Screws(count, math.ceil(long + NUT), nuts=count * (1 if tapped else 2))

@@ -11,7 +11,7 @@ from dataclasses import replace
 from skincad.base.errors import InputError
 from skincad.fabrication.electrodes import electrode_findings, fan_out_findings
 from skincad.fabrication.fasteners import end_screws
-from skincad.fabrication.job import CAP, MAGNETS, SQUEEZE, Job
+from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_RULES, crest_findings
 from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
 from skincad.fabrication.strips import shim_findings
@@ -23,6 +23,7 @@ from skincad.shape.skin import VISIBLE, skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain, split_ridges
 from skincad.solids.fasteners import WASHER, run_out_room
 from skincad.solids.layout import MOST_BOW, SEAL_PLAY, SHEETS, STOCK, bow, stack_error, thick_enough
+from skincad.solids.pins import CAP, MAGNETS, SQUEEZE
 from skincad.solids.plan import CutRole, PartRole, bores
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)

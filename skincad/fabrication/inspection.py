@@ -145,7 +145,9 @@ def _mass(job: Job, crests: Crests) -> Measure:
     spread = math.hypot(rubber * DENSITY, rubber * 3 * SHRINKAGE_SCATTER, shape, BALANCE) * crests.deviations
     its = [word for word, there in (("rivets", len(holes) > 1), ("films", films > 0)) if there]
     what = "mass of the skin" + (f" with {' and '.join(its)}" if its else "")
-    how = "balance, cut flush with the carrier's top, less what the carrier weighed"
+    holder = "carrier" if job.bone is None else "bone"
+    flush = "cut flush with the carrier's top, " if job.bone is None else ""
+    how = f"balance, {flush}less what the {holder} weighed{', without magnets' if job.magnet else ''}"
     nominal = rubber + films
     return Measure(what, nominal, nominal - spread, nominal + spread + FLASH_SHARE * rubber, "g", how)
 

@@ -21,14 +21,10 @@ from skincad.solids.inserts import lead_length
 from skincad.solids.layout import Fits, Layout, end_angle, fits, is_clamped, layout
 from skincad.solids.lids import bone_screws
 from skincad.solids.mold import ClosedMold, mold
+from skincad.solids.pins import magnet_of
 from skincad.solids.plan import CAVITIES, END_PLATES, Bore, CutRole, Part, PartRole, bores
 from skincad.solids.shrinkage import scaled_for_shrinkage, shrinkage
 from skincad.solids.skin import skin_part
-
-# mm, source: makers' lists, diameters and lengths of small disc and rod magnets
-MAGNETS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-SQUEEZE = 0.1, 0.2  # mm, assumption: by which a pocket is narrower than its magnet, so that it holds it
-CAP = 0.2  # mm, assumption: least silicone over a magnet that closes its pocket
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,15 +109,8 @@ class Job:
 
     @property
     def magnet(self) -> tuple[float, float] | None:
-        """Diameter and length of the disc magnet that a pocket holds by its squeeze, mm: the largest that is
-        sold; None where none fits, and without pockets."""
-        pocket = self.design.features.pocket
-        if pocket is None:
-            return None
-        low, high = SQUEEZE
-        wide = [size for size in MAGNETS if low - 1e-9 <= size - pocket.diameter <= high + 1e-9]
-        long = [size for size in MAGNETS if size <= pocket.depth - CAP + 1e-9]
-        return (wide[-1], long[-1]) if wide and long else None
+        """Diameter and length of the magnet that a pocket holds by its squeeze, mm; None where none fits."""
+        return magnet_of(self.design)
 
     @cached_property
     def shrinkage(self) -> float:

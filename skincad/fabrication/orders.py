@@ -111,8 +111,10 @@ def _general(job: Job, parts: list[Part], process: Process) -> list[str]:
         rows.append("Threads: 6H, cut; a blind one as deep as its drawing says.")
     if any(role in PINNED and is_pressed(part, role) for part, role in roles if role):
         rows.append("Dowels of 2 mm, ISO 8734, are pressed in by us; don't widen their holes.")
-    if process.layer and any(role in (*PINNED, CutRole.CORE) for _, role in roles):
-        rows.append("Holes of dowels and core pins are drawn narrower and reamed by us.")
+    narrow = ["dowels"] * any(role in PINNED and is_pressed(part, role) for part, role in roles if role)
+    narrow += ["core pins"] * any(role is CutRole.CORE for _, role in roles)
+    if process.layer and narrow:
+        rows.append(f"Holes of {' and '.join(narrow)} are drawn narrower and reamed by us.")
     return rows
 
 

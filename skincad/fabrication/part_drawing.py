@@ -59,6 +59,7 @@ ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.KEEPER: "inner face and the edge on the comb",
     PartRole.END_PLATE: "inner face and lower face",
     PartRole.CARRIER: "lower face, length and width",
+    PartRole.PLUG: "lower face, the face on the ledge, length and width",
     PartRole.COVER: "lower face",
     PartRole.BASE: "upper face",
 }
@@ -185,7 +186,8 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
 def _accurate(job: Job, part: Part) -> str:
     """Which faces the process's own tolerance is for; all others have the general one."""
     process = job.process(part)
-    faces = ACCURATE.get(part.role, "seat, trough, grooves, both ends and the top")
+    carved = {"revolved": "holes, ", "none": ""}.get(job.skin.symmetry, "grooves, ")
+    faces = ACCURATE.get(part.role, f"seat, trough, {carved}both ends and the top")
     if not job.closed.of(*END_PLATES):
         faces = faces.replace("length and width", "diameter").replace(", both ends", "")
     smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import PurePath
 from typing import NamedTuple
 
 from skincad.base.reading import csv_text
@@ -17,10 +16,10 @@ from skincad.fabrication.patterns import shim_length
 from skincad.fabrication.pouring import pours
 from skincad.fabrication.shopping import consumables
 from skincad.inputs.catalog import display_name
-from skincad.solids.fasteners import METRIC, insert_outer, pin_depth, standard_below
+from skincad.solids.fasteners import METRIC, insert_outer, pin_depth
 from skincad.solids.inserts import PIN_RADIUS
 from skincad.solids.layout import SQUEEZED_SHARE
-from skincad.solids.plan import Bore, PartRole, Prism
+from skincad.solids.plan import PartRole, Prism
 
 HEADS = ("item", "quantity", "what", "designation", "made_by", "material", "volume_cm3", "place")
 ESTIMATED = ("mass_g", "mass_error_g", "time_h", "time_error_h", "cost_EUR", "cost_error_EUR", "basis")
@@ -111,7 +110,6 @@ def _bought_items(job: Job) -> Iterator[Item]:
     if shims and slot is not None:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         yield _item(shims, "shim", size, SHIM_STEEL, "slots", SHIM_TOLERANCE, shim_edges(job))
-    yield from _in_the_skin(job)
     grams = dict[str, float]()
     for pour in pours(job):
         grams[pour.silicone.name] = grams.get(pour.silicone.name, 0.0) + pour.batch
@@ -129,30 +127,6 @@ def _bought_items(job: Job) -> Iterator[Item]:
     for need in consumables(job):
         row = _item(need.quantity, need.what, need.size, "", need.use, need.tolerance, need.condition)
         yield row._replace(unit=need.unit)
-
-
-def _in_the_skin(job: Job) -> Iterator[Item]:
-    """What keeps pockets free and what goes into them, a bone and its screws."""
-    cores = job.closed.of(PartRole.CORE_PIN)
-    if cores and isinstance(rod := cores[0].body, Bore):
-        size = (
-            f"gauge pin or drill blank {2 * rod.radius:g}, {rod.length:.2f} long or longer, lower end square"
-        )
-        what = "reamed holes of carrier and plugs; they keep the pockets free"
-        yield _item(len(cores), "core pin", size, "steel", what)
-    if (magnet := job.magnet) is not None:
-        size = f"disc {magnet[0]:g} x {magnet[1]:g}, N45, magnetised along its axis, nickel-plated"
-        yield _item(len(cores), "magnet", size, "NdFeB", "pockets, all with the same pole down")
-    if (bone := job.bone) is None:
-        return
-    many, file = job.design.mold.cavities, PurePath(bone.body.file).name
-    yield _item(many, "bone", file, "your own", "in the skin, where it stays")
-    threads: dict[str, list[float]] = {}
-    for core, name in job.bone_screws:
-        threads.setdefault(name, []).append(core.length)
-    for name, lengths in threads.items():
-        size = f"ISO 4762 {name} x {standard_below(job.place.back + min(lengths)):g}"
-        yield _item(many * len(lengths), "bone screw", size, "steel", "through the carrier into the bone")
 
 
 def _screws(screws: Screws, place: str) -> Iterator[Item]:

@@ -19,7 +19,6 @@ from typing import NamedTuple
 from skincad.fabrication.fasteners import cover_screws, end_screws
 from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
-from skincad.fabrication.papers import listed
 from skincad.fabrication.rules import Finding, error, note, warning
 from skincad.fabrication.strips import pour
 from skincad.inputs.material import layers
@@ -192,6 +191,11 @@ def post_cure(job: Job) -> str:
     return MILD_CURE if mild else HOT_CURE
 
 
+def in_two_pucks(job: Job) -> bool:
+    """Whether layers hold on each other without a lock, which a trial of two pucks shows."""
+    return any(front.plug and back.bond == "primer" for front, back in pairwise(pours(job)))
+
+
 def veiled(job: Job) -> list[str]:
     """Return the printed plugs whose face gets parting film and no release agent: a layer has to hold on
     what they leave, without a lock."""
@@ -280,38 +284,51 @@ def cure_words(material: Silicone) -> str:
 
 
 class Task(NamedTuple):
-    """What is done at the mold, as the sheet names its step, and for how many min; `on` the clock of a mix or
-    before it."""
+    """What is done at the mold, as the sheet names its step, for how many min, and for which pour."""
 
     step: str
     minutes: float
-    on: bool
+    number: int
 
 
 def timeline(job: Job, layer: LayerPour) -> list[Task]:
-    """Return what is done for a pour in order, until its mold is closed or the next is laid on it."""
+    """Return in order what is done for a pour and those that are wet with it, until their mold is closed and
+    full. What is poured last is mixed first: it waits, and the one in front does not."""
     made, how = pours(job), filling(job)
-    first, last, by_gate = layer.number == made[0].number, layer == made[-1], job.gate is not None
-    ends = Task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces, on=False)
+    group = wet_with(made, layer)
+    number, first, by_gate = group[0].number, group[0] == made[0], job.gate is not None
+
+    def task(step: str, minutes: float, number: int = number) -> Task:
+        return Task(step, minutes, number)
+
     screws = cover_screws(job)
-    lid = Task("lid", LID_MIN + SCREW_MIN * (screws.pieces if screws else 2), on=True)
-    mix = Task("mix", STIR_MIN + PUMP_MIN + DEGAS_MIN, on=True)
-    vacuum = Task("vacuum", PUMP_MIN + DEGAS_MIN, on=True)
-    brush, fill = Task("brush", _brushing(job), on=True), Task("pour", how.seconds / 60, on=True)
-    if not first:
-        fill = fill._replace(minutes=job.design.mold.fill_time / 60)
-    brushes, vacuums = [brush] * (first and how.brushed), [vacuum] * (first and open_back(job))
-    front = [mix, *brushes, *vacuums]
-    lay = Task("carrier", LAY_MIN, on=True)
-    begin = [ends] if first and job.ends else []
-    if by_gate:
-        syringe = Task("syringe", SYRINGE_MIN * how.fills, on=True)
-        closing = [lay, lid]
-        if not how.brushed:
-            return [*begin, *(task._replace(on=False) for task in closing), *front, syringe, fill]
-        late = [task._replace(on=True) for task in begin] if job.bent else []
-        return [*([] if late else begin), *front, *late, *closing, syringe, fill]
-    return [*begin, *front, fill, *([lay, lid] if layer.plug or last else [])]
+    ends = [task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces)] * (first and job.ends)
+    lid = task("lid", LID_MIN + SCREW_MIN * (screws.pieces if screws else 2))
+    hold = [task("hold", LAY_MIN)] * bool(job.bone and job.bone.printed)
+    closing = [task("carrier", LAY_MIN), lid, *hold]
+    mixes = [task("mix", STIR_MIN + PUMP_MIN + DEGAS_MIN, each.number) for each in reversed(group)]
+    brushing = (_brushing(job) if first and how.brushed else 0.0) + LOAD_MIN * brushed_holes(job, group[0])
+    front = [task("brush", brushing)] * bool(brushing)
+    front += [task("vacuum", PUMP_MIN + DEGAS_MIN)] * (first and open_back(job))
+    usual = job.design.mold.fill_time
+    fills = [task("pour", (how.seconds if each == made[0] else usual) / 60, each.number) for each in group]
+    if not by_gate:
+        return [*ends, *mixes, *front, *fills, *closing]
+    fills = [task("syringe", SYRINGE_MIN * how.fills), *fills]
+    if not mixed_first(job):
+        return [*ends, *closing, *mixes, *front, *fills]
+    return [*([] if job.bent else ends), *mixes, *front, *(ends if job.bent else []), *closing, *fills]
+
+
+def mixed_first(job: Job) -> bool:
+    """Whether silicone is mixed before a mold with a gate is closed, to be brushed in where no front goes."""
+    return filling(job).brushed or (job.bone is not None and job.design.mold.bone_bond == "rivets")
+
+
+def brushed_holes(job: Job, layer: LayerPour) -> bool:
+    """Whether rivets' holes are brushed full before a pour: of the layer in front, or of a bone."""
+    of_bone = job.bone is not None and job.design.mold.bone_bond == "rivets" and layer == pours(job)[-1]
+    return of_bone or layer.bond == "rivets"
 
 
 def open_back(job: Job) -> bool:
@@ -328,8 +345,14 @@ def _brushing(job: Job) -> float:
 
 
 def clock(job: Job, layer: LayerPour) -> float:
-    """Return how many min after A meets B a pour's mold is closed and full, or the mix is laid down."""
-    return math.fsum(task.minutes for task in timeline(job, layer) if task.on)
+    """Return how many min after A meets B a pour's mold is closed and full, or the next is laid on it."""
+    tasks, group = timeline(job, layer), wet_with(pours(job), layer)
+    begin = tasks.index(next(task for task in tasks if (task.step, task.number) == ("mix", layer.number)))
+    end, place = len(tasks), group.index(layer)
+    if place + 1 < len(group):
+        after = ("pour", group[place + 1].number)
+        end = 1 + tasks.index(next(task for task in tasks if (task.step, task.number) == after))
+    return math.fsum(task.minutes for task in tasks[begin:end])
 
 
 def minutes_left(job: Job, layer: LayerPour | None = None) -> float | None:
@@ -347,28 +370,20 @@ def time_words(seconds: float) -> str:
 
 def pouring_findings(job: Job) -> list[Finding]:
     """Return the rule `pot life`: that the mold is full before the mix thickens."""
-    findings = list[Finding]()
-    for one in pours(job):
+    findings, made = list[Finding](), pours(job)
+    for one in made:
         left, pot = minutes_left(job, one), one.silicone.pot_life_min
         if left is None or pot is None or left >= 0:
             continue
         remedy = "a thinner silicone or one with a longer pot life, a wider mold.gate, or a thicker skin"
-        steps = listed([_DOING[task.step] for task in timeline(job, one) if task.on])
-        where = steps if len(pours(job)) == 1 else f"{layer_name(one)}: {steps}"
-        findings.append(warning("pot life", where, pot - left, pot, "min", remedy))
+        where, fails = "mixing, filling and closing", warning
+        if len(made) > 1:
+            where = f"{layer_name(one)}: {where}"
+        if one.level is not None:  # else it is no longer wet as the next comes on it
+            remedy, fails = "a silicone with a longer pot life in front, or shot.bond = 'primer'", error
+            where = f"{layer_name(one)}, on which the next is laid wet"
+        findings.append(fails("pot life", where, pot - left, pot, "min", remedy))
     return [*findings, *_between_layers(job)]
-
-
-_DOING = {
-    "mix": "stirring and degassing",
-    "brush": "brushing",
-    "vacuum": "a second vacuum",
-    "ends": "end plates",
-    "carrier": "carrier",
-    "lid": "foam, cover and screws",
-    "syringe": "syringe",
-    "pour": "filling",
-}
 
 
 def _between_layers(job: Job) -> Iterator[Finding]:
@@ -376,12 +391,6 @@ def _between_layers(job: Job) -> Iterator[Finding]:
     on wet, and a tin cure, which keeps platinum silicone from curing."""
     made = pours(job)
     for front, back in pairwise(made):
-        needed = minutes_to_lay_on(job, front)
-        pot = front.silicone.pot_life_min
-        if back.bond == "wet" and pot is not None and needed > pot:
-            where = f"shot {back.number}, laid wet on {front.silicone.name}"
-            remedy = "a silicone with a longer pot life in front, or shot.bond = 'primer'"
-            yield error("pot life", where, needed, pot, "min", remedy)
         if not front.silicone.platinum_cure and back.silicone.platinum_cure:
             where = f"shot {back.number}, {back.silicone.name}, poured on {front.silicone.name}"
             remedy = "a tin cure keeps a platinum silicone sticky; take silicones of one cure"
@@ -392,16 +401,9 @@ def _between_layers(job: Job) -> Iterator[Finding]:
             remedy = "the layers turn over while both flow; let the front one cure: shot.bond = 'primer'"
             yield warning("wet layers", where, above, below, "kg/m3", remedy)
         if front.plug and back.bond == "primer":
-            where = f"shot {back.number} on cured {front.silicone.name}, which it holds on without a lock"
-            remedy = "pour within a day and test the peel, as the sheet says; or shot.bond = 'rivets'"
+            where = f"shot {back.number}, which nothing locks to the layer in front"
+            remedy = "pour it within a day and test the peel, as the sheet says; or shot.bond = 'rivets'"
             yield note("layer bond", where, 1.0, 0.0, "", remedy)
-
-
-def minutes_to_lay_on(job: Job, front: LayerPour) -> float:
-    """Return when the next layer is on one that is still wet, min from when that was mixed: both are stirred,
-    degassed and poured, one after the other."""
-    second = STIR_MIN + PUMP_MIN + DEGAS_MIN + job.design.mold.fill_time / 60
-    return clock(job, front) + second
 
 
 def _rounded(seconds: float) -> float:

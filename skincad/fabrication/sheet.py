@@ -26,7 +26,7 @@ from skincad.fabrication.rules import Finding, counted
 from skincad.inputs.catalog import display_name
 from skincad.solids import inserts
 from skincad.solids.bone import LEAST_GRIP
-from skincad.solids.lids import PROUD
+from skincad.solids.lids import core_hole, core_proud
 from skincad.solids.mold import Move
 from skincad.solids.plan import END_PLATES, CutRole, PartRole
 
@@ -110,7 +110,8 @@ def _sheet(
         fastening=fasteners,
         inserts=inserts,
         LEAST_GRIP=LEAST_GRIP,
-        PROUD=PROUD,
+        proud=core_proud(job.place),
+        core_hole=core_hole(job.design) if job.design.features.pocket else 0.0,
         patterns=patterns,
         pouring=pouring,
         printing=printing,

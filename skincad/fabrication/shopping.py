@@ -9,28 +9,39 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import PurePath
 from typing import NamedTuple
 
 from skincad.base.reading import markdown_text
 from skincad.fabrication.electrodes import tab
-from skincad.fabrication.fasteners import Screws, cover_screws, dowels, end_screws, screws_to_buy
+from skincad.fabrication.fasteners import (
+    Screws,
+    cover_screws,
+    dowels,
+    end_screws,
+    pin_length,
+    screws_to_buy,
+)
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import listed
 from skincad.fabrication.patterns import arc_length, arc_radius, shim_length
-from skincad.fabrication.pouring import filling, outlet_words, pours, small_batch, veiled
+from skincad.fabrication.pouring import filling, in_two_pucks, outlet_words, pours, small_batch, veiled
 from skincad.fabrication.strips import lap, pull_test, shim_bend, strip, strip_count, strips_per_mix
-from skincad.solids.fasteners import BEARING, TAP_RADIUS, torque
+from skincad.solids.bone import LEAST_GRIP
+from skincad.solids.fasteners import BEARING, TAP_RADIUS, standard_below, torque
 from skincad.solids.gate import GRAVITY
 from skincad.solids.inserts import GRIP, PIN_RADIUS, PITCH
 from skincad.solids.layout import SQUEEZED_SHARE, block_fits
 from skincad.solids.mold import ClosedMold
-from skincad.solids.plan import END_PLATES, CutRole, PartRole, Prism
+from skincad.solids.plan import END_PLATES, Bore, CutRole, PartRole, Prism, bores
+from skincad.solids.shots import NECK
 
 PRIMER = "primer that bonds silicone to plastics and metal (silane or titanate type)"
 PRIMER_ML = 0.02  # ml/cm2, assumption: a thin coat, most of which stays in the brush
 THREAD_LENGTH = 0.3  # m, assumption: over a rod and tied twice
 ALCOHOL_ML = 10.0, 0.5  # ml, assumption: spilt, and for each wipe
 SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
+TAPE = 0.05  # mm, source: makers' data sheets, polyimide tape with its adhesive
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
 
 
@@ -58,13 +69,73 @@ class Need(NamedTuple):
 
 def consumables(job: Job) -> list[Need]:
     """Return what is used up in a cast, and small tools for it."""
-    return [*_filling(job), *_films(job)]
+    return [*_in_the_skin(job), *_filling(job), *_bench(job), *_films(job)]
+
+
+def _in_the_skin(job: Job) -> Iterator[Need]:
+    """What keeps pockets free and what goes into them, a bone and what holds it."""
+    cores = job.closed.of(PartRole.CORE_PIN)
+    if cores and isinstance(rod := cores[0].body, Bore):
+        size = f"gauge pin or drill blank {2 * rod.radius:g} x {rod.length:.2f}, lower end square"
+        holes = (
+            "holes of carrier and plugs" if any(pour.cored for pour in pours(job)) else "holes of the carrier"
+        )
+        yield Need(len(cores), "core pin", size, f"keeps a pocket free, in the reamed {holes}")
+    if (magnet := job.magnet) is not None:
+        size = f"{magnet[0]:g} x {magnet[1]:g}, N45, magnetised along its axis, nickel-plated"
+        yield Need(len(cores), "magnet", size, "in the pockets, all with the same pole down")
+        yield Need(
+            1, "polyimide tape", f"{TAPE:g} mm", "round the core pins, in holes that let magnets through"
+        )
+    if (bone := job.bone) is None:
+        return
+    many = job.design.mold.cavities
+    yield Need(many, "bone", PurePath(bone.body.file).name, "your own, in the skin, where it stays")
+    threads: dict[str, list[float]] = {}
+    for core, name in job.bone_screws:
+        threads.setdefault(name, []).append(core.length)
+    for name, lengths in threads.items():
+        size = f"ISO 4762 {name}, {standard_below(job.place.back + min(lengths)):g} mm long"
+        yield Need(many * len(lengths), "bone screw", size, "through the carrier into the bone")
+    if bone.printed and job.bone_out >= LEAST_GRIP:
+        yield Need(many, "collar or small clamp", "", "holds the bone up, over the cover")
+    elif bone.printed:
+        size = f"{bone.end_thread}, with a bar across the cover's window"
+        yield Need(many, "screw", size, "holds the bone up")
+
+
+def _bench(job: Job) -> Iterator[Need]:
+    """What parts are made ready with."""
+    made = [job.process(part) for part in job.closed.made]
+    if any(process.layer for process in made):
+        yield Need(1, "sheet of abrasive paper", "400 grit", "laps printed joints, on a glass plate")
+        yield Need(1, "petroleum jelly", "a thin coat", "seals printed joints", "g")
+    if any(process.thread == "glued" for process in made):
+        yield Need(1, "epoxy glue", "", "sets the threaded inserts", "g")
+    if bores(job.closed.first(PartRole.CARRIER), CutRole.PULL):
+        yield Need(2, "jack screw", "M3, 16 mm long", "lift carrier" + " and plugs" * bool(job.closed.plugs))
+    if job.closed.of(PartRole.CORE_PIN) or job.bone:
+        yield Need(
+            1,
+            "wax",
+            "",
+            "keeps silicone off " + ("core pins" if job.bone is None else "the bone's hold"),
+            "g",
+        )
 
 
 def _filling(job: Job) -> Iterator[Need]:
     made = pours(job)
     size = f"clear, {max(pour.cup for pour in made)} ml or more"
-    yield Need(len(made), "mixing cup", size, "a mix rises to four times its height")
+    small = (lap(job) is not None) + (job.magnet is not None) + in_two_pucks(job)
+    yield Need(len(made) + small, "mixing cup", size, "a mix rises to four times its height")
+    if small:
+        names = listed([*dict.fromkeys(pour.silicone.name for pour in made)])
+        what = [*["a trial puck of each"] * in_two_pucks(job), *["magnets' caps"] * (job.magnet is not None)]
+        if what:
+            yield Need(
+                math.ceil(small_batch(job.silicone)), "more silicone", names, f"for {listed(what)}", "g"
+            )
     if job.gate is not None:
         yield Need(1, "syringe", f"{filling(job).syringe} ml, {outlet_words(job.gate)}", "")
         yield Need(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
@@ -72,25 +143,30 @@ def _filling(job: Job) -> Iterator[Need]:
         yield Need(1, "release agent", "for silicone, with a brush", "printed parts")
     if job.silicone.platinum_cure and any(job.process(part).inhibits_platinum for part in job.closed.made):
         yield Need(BATHS_ML, "isopropanol", "", "washes resin parts", "ml")
-    yield Need(1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone")
+    if job.gate is not None and job.riveted:
+        yield Need(
+            1, "tape", "acrylic adhesive", "bleeds; rubber adhesive, as on crepe tape, inhibits silicone"
+        )
     yield Need(1, "pair of gloves", "nitrile", "latex inhibits silicone")
     if filling(job).brushed:
         pins = job.skin.symmetry == "revolved"
         size = f"{min(2.0, job.skin.profile.tip_width):g} mm wide or less" if pins else "2 mm wide or less"
         yield Need(1, "soft brush", size, f"the mix into the {'holes' if pins else 'grooves'}")
+    if any(pour.bond == "rivets" for pour in made):
+        yield Need(1, "fine brush", f"{2 * NECK:g} mm wide or less", "the mix into the rivets' holes")
     if plugs := veiled(job):
         yield Need(
             5, "parting film", "PVA in solution, with a brush", f"the lower face of {listed(plugs)}", "ml"
         )
     if any(pour.bond == "primer" and front.plug for front, pour in pairwise(made)):
         yield Need(1, "silicone adhesive", "one component", "a layer's back, where its test peels", "tube")
-    primed = []
-    if job.bone is None:
-        primed = ["the carrier's lower face"] * (not job.riveted)
-    elif job.design.mold.bone_bond != "rivets":
-        primed = ["the bone"]
-    if primed and job.design.film is None:
-        yield Need(1, PRIMER, "with a fine brush", " and ".join(primed), "ml")
+    primed, area = _primed(job)
+    if primed:
+        many = max(1, math.ceil(PRIMER_ML * area / 100))
+        yield Need(many, PRIMER, "with a fine brush", listed(primed), "ml")
+    if job.bone is not None or len(made) > 1:
+        what = ["the bone"] * (job.bone is not None) + ["the layers' backs"] * (len(made) > 1)
+        yield Need(math.ceil(ALCOHOL_ML[0]), "isopropanol", "", f"cleans {listed(what)}", "ml")
 
 
 def _films(job: Job) -> Iterator[Need]:
@@ -99,7 +175,6 @@ def _films(job: Job) -> Iterator[Need]:
         return
     strips, cavities, cast_in = strip_count(job), job.design.mold.cavities, lap(job) is None
     wiped, spare = strips * (1 if cast_in else 3), math.ceil(SPARE_SHARE * strips)
-    coat = PRIMER_ML * 2 * (strips + spare) * slot.depth * job.design.skin.length / 100
     masked = 2 * (job.lead + tab(film)[1] + (20 if cast_in else 0))  # mm, folded over
     sheets = f"film/strips.dxf {cavities} times" if cavities > 1 else "film/strips.dxf"
     yield Need(
@@ -122,7 +197,6 @@ def _films(job: Job) -> Iterator[Need]:
         tolerance="thickness ±10 %",
         condition="tinned or gold pads",
     )
-    yield Need(max(1, math.ceil(coat)), PRIMER, "with a fine brush", "the strips' faces", "ml")
     yield Need(
         math.ceil(ALCOHOL_ML[0] + ALCOHOL_ML[1] * wiped), "isopropanol", "", "wipes strips and shims", "ml"
     )
@@ -147,10 +221,25 @@ def _films(job: Job) -> Iterator[Need]:
     yield Need(1, "film clip and weight", hung, f"pull test, on {THREAD_LENGTH:g} m of thread")
 
 
+def _primed(job: Job) -> tuple[list[str], float]:
+    """What is primed, and about how large that is, mm2: carrier or bone, and the strips' faces."""
+    film, slot, skin = job.design.film, job.skin.slot, job.design.skin
+    what, area = list[str](), 0.0
+    if job.bone is not None and job.design.mold.bone_bond != "rivets":
+        what, area = ["the bone"], 3 * float(job.bone.shadow(2, 0.0).area)
+    elif job.bone is None and not job.riveted:
+        what, area = ["the carrier's lower face"], skin.width * skin.length
+    if film is not None and slot is not None:
+        strips = strip_count(job)
+        what.append("the strips' faces")
+        area += 2 * (strips + math.ceil(SPARE_SHARE * strips)) * slot.depth * skin.length
+    return what, area
+
+
 def to_buy(job: Job) -> list[str]:
     """Return what is bought for a mold and its cast, a line each: what holds and seals the mold, what keeps
     slots free, the mount's screws, and what is used up."""
-    lengths = ", ".join(f"{count} of at most {size:g} mm" for size, count in dowels(job.closed).items())
+    lengths = ", ".join(f"{count} x {pin_length(size):g} mm" for size, count in dowels(job.closed).items())
     return [
         *_bolts(job),
         *_seal(job.closed),
@@ -173,8 +262,9 @@ def _bolts(job: Job) -> list[str]:
     makers = {job.maker(part): job.process(part) for part in job.closed.made}
     tightest = min(map(torque, makers.values()))
     tight = (
-        f"for all screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which a head "
-        f"presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa (metal)"
+        f"for the mold's screws a torque of {tightest:g} N m, dry: 0.2 times 3 mm times the tension at which "
+        f"a head presses on its part by {BEARING['plastic']:g} MPa (plastic) or {BEARING['metal']:g} MPa "
+        "(metal)"
     )
     ends = end_screws(job)
     if not ends.pieces:

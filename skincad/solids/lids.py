@@ -38,13 +38,13 @@ from skincad.solids.layout import (
     lid_fits,
     lid_process,
 )
-from skincad.solids.pins import pockets
+from skincad.solids.pins import MAGNET_PLAY, magnet_of, pockets
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, disc, drilled, moved
 from skincad.solids.shrinkage import on_grid
 
 SCREWS = 4  # source: ISO 9409-1, on the smaller of its bolt circles
 STEP = 0.1  # mm, assumption: by which a fiducial goes aside where its corner is taken, and a cup grows
-PROUD = 8.0  # mm, assumption: of a core pin over its carrier, for pliers
+PROUD, OUT = 8.0, 2.0  # mm, assumption: of a core pin over its carrier and its cover, for pliers
 ACCESS_PLAY = 0.3  # mm a side, assumption: of cover and seal round what stands out of a carrier
 TENTHS = 10  # a mm, assumption: a fiducial's place is written in tenths
 # assumption: a fiducial's distance from the middle is at least its corner's by this
@@ -262,6 +262,7 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
     while not chosen and not fits(wide) and cup(wide - STEP).radius <= wide - STEP:
         wide = round(wide - STEP, 6)
+    standing += mount_bores(design, place)
     while not chosen and cup(wide).volume < RISER_SHARE * _skin_volume(design) and fits(wide + STEP):
         wide = round(wide + STEP, 6)
     need = cup(wide).radius
@@ -344,7 +345,8 @@ def openings(design: Design, place: Layout) -> _Openings:
     ]
     rivets = _beside_mount(design, all_holes, mount)
     beside = [(vent.start, vent.radius), (cup.start, cup.radius)]
-    beside += [(hole.start, hole.radius + EDGE / 2) for hole in (*mount, *cores)]
+    heads = _access(design, 0.0, 1.0) if design.mold.bone else []
+    beside += [(hole.start, hole.radius + EDGE / 2) for hole in (*mount, *cores, *heads)]
     pulls = pull_threads(design, place, [*beside, *_filled(rivets)])
     if not pulls and (alone := pull_threads(design, place, beside)):
         least_distance = TAP_RADIUS + HOLD[1] + EDGE / 2
@@ -358,10 +360,10 @@ def openings(design: Design, place: Layout) -> _Openings:
 
 def core_bores(design: Design, place: Layout) -> list[Bore]:
     """Return the carrier's through holes in which the pockets' core pins stand, reamed, so narrower in a
-    print; and clearance holes of the screws that hold a bone."""
+    print, and wide enough for magnets; and clearance holes of the screws that hold a bone."""
     narrower = PRESS_PRINT if lid_process(design).layer else 0.0
     pins = [
-        Bore((*bore.start[:2], 0.0), "z", place.back, bore.radius - narrower, role=CutRole.CORE)
+        Bore((*bore.start[:2], 0.0), "z", place.back, core_hole(design) / 2 - narrower, role=CutRole.CORE)
         for bore in pockets(design, -1.0)
     ]
     screws = [
@@ -369,6 +371,20 @@ def core_bores(design: Design, place: Layout) -> list[Bore]:
         for bore, name in bone_screws(design)
     ]
     return [*pins, *screws]
+
+
+def core_hole(design: Design) -> float:
+    """Return the diameter of a core pin's hole once it is reamed, mm: the pin's, or what lets the magnet
+    through that goes into its pocket; tape round the pin fills it meanwhile."""
+    magnet, pocket = magnet_of(design), design.features.pocket
+    if pocket is None:
+        raise ValueError("without pockets there are no core pins")
+    return pocket.diameter if magnet is None else magnet[0] + MAGNET_PLAY
+
+
+def core_proud(place: Layout) -> float:
+    """Return how far a core pin stands over its carrier, mm: out of the cover, for pliers."""
+    return max(PROUD, on_grid(place.top - place.back + place.lid + OUT))
 
 
 def bone_screws(design: Design) -> list[tuple[Bore, str]]:
@@ -383,7 +399,7 @@ def core_pins(design: Design, place: Layout) -> list[Part]:
         Part(
             f"core-pin-{i}",
             PartRole.CORE_PIN,
-            replace(bore, length=on_grid(bore.length) + place.back + PROUD, role=None),
+            replace(bore, length=on_grid(bore.length) + place.back + core_proud(place), role=None),
         )
         for i, bore in enumerate(pockets(design, -1.0), 1)
     ]
@@ -401,7 +417,7 @@ def screws_of_bone(design: Design, place: Layout) -> list[Part]:
 
 def _access(design: Design, low: float, thick: float) -> list[Bore]:
     """The holes of seal or cover round what stands out of a carrier."""
-    pins = [(bore.start, bore.radius) for bore in pockets(design, -1.0)]
+    pins = [(bore.start, core_hole(design) / 2) for bore in pockets(design, -1.0)]
     screws = [(bore.start, METRIC[name].head / 2) for bore, name in bone_screws(design)]
     return [
         Bore((x, y, low), "z", thick, radius + ACCESS_PLAY, role=CutRole.ACCESS)

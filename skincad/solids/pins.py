@@ -25,8 +25,38 @@ from skincad.solids.plan import Bore, CutRole, TurnedBody, shifted
 from skincad.solids.shrinkage import on_grid
 
 SUNK = 0.2  # mm, by which a pin's cylinder goes at least into a curved base
+# mm, source: makers' lists, small disc and rod magnets: lengths by diameter
+MAGNETS = {
+    1.0: (1.0, 2.0),
+    1.5: (0.5, 1.0, 1.5),
+    2.0: (1.0, 2.0, 4.0),
+    3.0: (1.0, 2.0, 3.0, 4.0, 6.0),
+    4.0: (1.0, 2.0, 3.0, 4.0, 5.0),
+    5.0: (1.0, 2.0, 3.0, 5.0),
+    6.0: (1.0, 2.0, 3.0, 5.0, 6.0),
+    8.0: (1.0, 2.0, 3.0, 5.0, 8.0),
+    10.0: (1.0, 2.0, 3.0, 5.0, 10.0),
+}
+SQUEEZE = 0.1, 0.2  # mm, assumption: by which a pocket is narrower than its magnet, so that it holds it
+CAP = 0.2  # mm, assumption: least silicone over a magnet that closes its pocket
+MAGNET_PLAY = (
+    0.1  # mm, assumption: by which a carrier's hole is wider than the magnet that goes in through it
+)
 _TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature over a foot; smooth, so exact
 _STEPS, _STILL = 60, 1e-14  # of the way down to the base; mm
+
+
+def magnet_of(design: Design) -> tuple[float, float] | None:
+    """Return diameter and length of the magnet that a design's pockets hold by their squeeze, mm, the longest
+    that is sold; None where none fits, and without pockets."""
+    pocket, (low, high) = design.features.pocket, SQUEEZE
+    if pocket is None:
+        return None
+    for wide, lengths in MAGNETS.items():
+        long = [each for each in lengths if each <= pocket.depth - CAP + 1e-9]
+        if low - 1e-9 <= wide - pocket.diameter <= high + 1e-9 and long:
+            return wide, long[-1]
+    return None
 
 
 def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:

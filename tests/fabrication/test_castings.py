@@ -195,7 +195,8 @@ def two_values(job: Job) -> Iterator[str]:
         ):
             yield f"{part.name}: no face on the plate in its order"
         for bore in bores(part, CutRole.CORE):
-            wide = 2 * job.closed.of(PartRole.CORE_PIN)[0].body.radius  # type: ignore[union-attr]
+            magnet = job.magnet
+            wide = magnet[0] + 0.1 if magnet else job.design.features.pocket.diameter
             narrower = wide - 2 * bore.radius
             if (narrower > 1e-9) != bool(job.process(part).layer):
                 yield f"{part.name}: a core pin's hole of {2 * bore.radius} mm by {job.maker(part)}"

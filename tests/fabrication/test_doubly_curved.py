@@ -109,7 +109,12 @@ def test_the_sheet_says_screws_arcs_and_the_order(design: Design, closed: Closed
     assert "M3 screws, ISO 4762: 8 M3 x 8 for the end plates" in text
     assert "bottoming tap at last, 2 washers under each head" in text  # a plate of 4 and a hole of 4.5
     assert "cut or etched as arcs" in text
-    order = ["Screw both combs", "Lay the carrier", "Then the keepers", "Then the foam, cover and bolts"]
+    order = [
+        "Screw both combs",
+        "Lay the carrier",
+        "Then screw the keepers on",
+        "Then the foam, cover and bolts",
+    ]
     order += ["along its arc", "Take the cover's bolts out", "Take the end plates' screws out"]
     order += ["Pull the carrier up"]
     places = [text.index(words) for words in order]

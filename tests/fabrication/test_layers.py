@@ -16,7 +16,6 @@ from skincad.fabrication.pouring import (
     clock,
     filling,
     minutes_left,
-    minutes_to_lay_on,
     pouring_findings,
     timeline,
 )
@@ -73,29 +72,39 @@ def test_core_pins_stay_in_the_layer_from_which_a_plug_is_pulled() -> None:
     that are drawn and pushed in again would be pistons in blind pockets full of silicone."""
     job = Job(skincad.load("pillars-9").with_(shot=({**CORE, "thickness": 1.0}, {**CORE, "thickness": 2.0})))
     steps = sheet_steps(job)
-    assert "push them into plug-2 from above, until they stand 3.00 mm out below" in steps["prepare"]
+    assert "Push them into plug-2 from above, until they stand 8.00 mm out above it" in steps["core pins"]
     assert "its holes slide over the core pins" in steps["pour shot 2"]
+    assert "level over the core pins" in steps["carrier"]
     for cured in ("cure the layer in front", "cure shot 2"):
         assert "The core pins stay in the layer" in steps[cured]
     inside = Job(
         job.design.with_(shot=({**CORE, "thickness": 2.0},), pin={"pocket": {"diameter": 1.6, "depth": 1.0}})
     )
-    assert "push them into the carrier from above" in sheet_steps(inside)["prepare"]
+    assert "Push them into the carrier from above" in sheet_steps(inside)["core pins"]
+
+
+def brushing(job: Job) -> float:
+    skin = job.design.skin
+    return 1 + skin.width * skin.length / 2 / 60 if filling(job).brushed else 0.0
 
 
 def test_wet_on_wet_has_to_be_on_within_the_pot_life() -> None:
-    """The front mix is good for 45 min, or, of a silicone that sets within 3, too short for two mixes."""
+    """The front mix is good for 45 min. The next is mixed before it and waits, so on the clock in front are
+    its own mix, brushing, a vacuum and two pours; on that of the next all of these, and closing the mold."""
     calm = Job(layered({**CORE, "bond": "wet"}))
-    # twice 8 min of stirring and degassing, 5 of vacuum, 2 of brushing, and two pours
-    assert minutes_to_lay_on(calm, pours(calm)[0]) < 26
+    front, back = pours(calm)
+    assert [task.number for task in timeline(calm, front) if task.step == "mix"] == [1, 0]
+    assert clock(calm, front) == pytest.approx(8 + brushing(calm) + 5 + 2 * 1.0)
+    assert clock(calm, back) == pytest.approx(8 + clock(calm, front) + 1 + 1.2)
+    steps = [*sheet_steps(calm)]
+    assert steps.index("mix shot 1") < steps.index("mix the layer in front") < steps.index("pour shot 1")
     assert not [f for f in pouring_findings(calm) if f.rule == "pot life"]
     quick = silicones()["dragon-skin-10"]
     assert quick.pot_life_min == 20
-    slow = layered({**CORE, "bond": "wet"}, material=QUICK, mold={"fill_time": 900.0})
-    brushing = 1 + slow.skin.width * slow.skin.length / 2 / 60 if filling(Job(slow)).brushed else 0.0
-    (finding,) = [f for f in pouring_findings(Job(slow)) if f.where.startswith("shot 1, laid wet")]
+    slow = Job(layered({**CORE, "bond": "wet"}, material=QUICK, mold={"fill_time": 900.0}))
+    (finding,) = [f for f in pouring_findings(slow) if f.where.startswith("the layer in front, on which")]
     assert finding.severity == "error"
-    assert finding.measured == pytest.approx(2 * 8 + 5 + 30 + brushing, rel=1e-6)
+    assert finding.measured == pytest.approx(8 + brushing(slow) + 5 + 30, rel=1e-6)
 
 
 def test_platinum_silicone_does_not_cure_on_a_tin_cure() -> None:
@@ -212,7 +221,8 @@ def test_one_timeline_feeds_clock_and_day_plan() -> None:
     for job in (Job(layered(CORE)), Job(skincad.load("pins-dome")), Job(skincad.load("yamada-2002"))):
         for pour in pours(job):
             tasks_of = timeline(job, pour)
-            assert clock(job, pour) == pytest.approx(math.fsum(t.minutes for t in tasks_of if t.on))
+            begin = [task.step for task in tasks_of].index("mix")
+            assert clock(job, pour) == pytest.approx(math.fsum(t.minutes for t in tasks_of[begin:]))
             hands = {task.what: task.hands for task in tasks(job)}
             first = "close the mold, mix and fill it" if pour == pours(job)[-1] else "cast the layer in front"
             laid = 0.5 * strip_count(job) if pour == pours(job)[-1] else 0.0

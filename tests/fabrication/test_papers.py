@@ -173,7 +173,7 @@ def disagreements(job: Job) -> Iterator[str]:
     pins = [(i["quantity"], i["designation"]) for i in items.get("dowel pin", [])]
     if pins != [(str(count), f"ISO 8734 2 x {pin_length(size):g}") for size, count in rooms]:
         yield f"dowels: {rooms}, {pins}"
-    if not all(f"{count} of at most {size:g} mm" in sheet for size, count in rooms):
+    if not all(f"{count} x {pin_length(size):g} mm" in sheet for size, count in rooms):
         yield "dowels on the sheet"
     for part in made_parts(job):
         yield from _of_part(

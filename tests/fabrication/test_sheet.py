@@ -161,7 +161,7 @@ def test_a_carrier_is_pulled_by_what_its_rivets_or_its_primer_bear() -> None:
     """Necks of 0.75 mm at half of E, or a third of 0.1 MPa on the back."""
 
     def force(design: Design) -> str:
-        return re.search(r"pull the carrier off it with ([\d.]+) N", sheet(design))[1]
+        return re.search(r"pull at the carrier with ([\d.]+) N", sheet(design))[1]
 
     riveted = load("yamada-2002")
     necks = bores(mold(riveted).part("carrier"), CutRole.RIVET)

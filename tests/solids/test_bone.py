@@ -208,11 +208,14 @@ def test_the_sheet_says_what_to_do_with_a_bone(tmp_path: Path) -> None:
     steps = sheet_steps(Job(boned(tmp_path, stem())))
     assert "Prime the bone" in steps["bone"]
     assert "window" in steps["bone"]
-    assert "Slide the carrier up off the bone" in steps["skin out"]
+    assert "draw the skin out of the cavity by the bone" in steps["skin out"]
+    assert "small clamp round the 1.9 mm" in steps["hold"]
     steps = sheet_steps(Job(boned(tmp_path, plate(), bone_bond="rivets")))
-    assert "screw it under the carrier by 2 screws" in steps["bone"]
-    assert "M2.5" in steps["bone"]
-    assert "brush it into the bone's holes" in steps["bone holes"]
+    assert "Screw it under the carrier by 2 screws" in steps["bone"]
+    assert "Tap the bone's two holes for M2.5" in steps["prepare"]
+    assert "Brush the mix into the bone's holes" in steps["bone holes"]
+    order = [*steps]
+    assert order.index("release") < order.index("bone") < order.index("mix") < order.index("bone holes")
     assert "pockets" not in steps["skin out"]
 
 
