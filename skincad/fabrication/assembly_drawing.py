@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from manifold3d import Manifold
 
 from skincad.fabrication.fasteners import NUT
 from skincad.fabrication.job import Job
@@ -19,6 +20,7 @@ from skincad.inputs.catalog import display_name
 from skincad.solids.fasteners import HEAD
 from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, PartRole, bores
 from skincad.solids.projection import Arc, Place, Polyline, Stroke
+from skincad.solids.shots import room
 
 CHORD = 5e-3  # mm, of arcs in the section: a tenth of a line's width at 10:1
 ASIDE = 1e-3  # mm, by which the cut lies beside the middle, where meshes may have edges
@@ -55,10 +57,12 @@ class Balloon(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class AssemblyDrawing(Titled):
-    """The closed mold: the section's faces, y to the right and z up; the view from above, x to the right and
-    y up, and its balloons; where the section is cut, x, and whether a gate lies there."""
+    """The closed mold: the section's faces, y to the right and z up, and those of plugs, which lie in the
+    carrier's place while layers cure; the view from above, x to the right and y up, and its balloons; where
+    the section is cut, x, and whether a gate lies there."""
 
     faces: tuple[CutFace, ...]
+    plugs: tuple[CutFace, ...]
     plan: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
     balloons: tuple[Balloon, ...]
@@ -94,6 +98,11 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
         surface="",
         cut_from_solid=False,
         faces=tuple(_faces(job, cut_at + ASIDE, made)),
+        plugs=tuple(
+            face
+            for plug in (stage.first(PartRole.PLUG) for stage in job.closed.earlier)
+            for face in _cut(plug.name, made.get(plug.name, ""), manifold(plug, CHORD), cut_at + ASIDE)
+        ),
         plan=plan,
         hidden=hidden,
         balloons=tuple(_balloons(job, in_it)),
@@ -103,21 +112,41 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
 
 
 def _faces(job: Job, x: float, made: dict[str, str]) -> Iterator[CutFace]:
-    """What the plane across x cuts of each part."""
-    plane = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, -x]])
+    """What the plane across x cuts of each part, and of the skin layer by layer."""
     for part in job.closed.parts:
-        rings = manifold(part, CHORD).transform(plane).slice(0.0).to_polygons()
-        region = shapely.Polygon()
-        for ring in rings:
-            region = region.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+        if part.role is PartRole.SKIN and job.cast.shot:
+            continue
         item = made.get(part.name) or made.get(_HARDWARE.get(part.role, ""), "")
-        for piece in getattr(region, "geoms", [region]):
-            if piece.area < LEAST_AREA:
-                continue
-            inside = piece.representative_point()
-            outline = tuple(map(_place, piece.exterior.coords))
-            holes = tuple(tuple(map(_place, hole.coords)) for hole in piece.interiors)
-            yield CutFace(part.name, item, (outline, *holes), (inside.x, inside.y))
+        yield from _cut(part.name, item, manifold(part, CHORD), x)
+    for name, body in _layers(job):
+        yield from _cut(name, "", body, x)
+
+
+def _layers(job: Job) -> Iterator[tuple[str, Manifold]]:
+    """The layers of the first skin, by name, from the front; none where it is cast of one silicone."""
+    rest, shots = manifold(job.poured_part, CHORD), job.cast.shot or ()
+    for number in range(len(shots), 0, -1):
+        behind = manifold(room(job.cast, number), CHORD).rotate((180.0, 0.0, 0.0))
+        behind = behind.translate((job.place.centres[0], 0.0, 0.0))
+        yield ("skin" if number == len(shots) else f"shot {number + 1}"), rest - behind
+        rest ^= behind
+    if shots:
+        yield "shot 1", rest
+
+
+def _cut(name: str, item: str, body: Manifold, x: float) -> Iterator[CutFace]:
+    """What the plane across x cuts of a body."""
+    plane = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, -x]])
+    region = shapely.Polygon()
+    for ring in body.transform(plane).slice(0.0).to_polygons():
+        region = region.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    for piece in getattr(region, "geoms", [region]):
+        if piece.area < LEAST_AREA:
+            continue
+        inside = piece.representative_point()
+        outline = tuple(map(_place, piece.exterior.coords))
+        holes = tuple(tuple(map(_place, hole.coords)) for hole in piece.interiors)
+        yield CutFace(name, item, (outline, *holes), (inside.x, inside.y))
 
 
 def _place(point: tuple[float, ...]) -> Place:

@@ -28,6 +28,7 @@ BALLOON = 3.2  # mm, radius
 OVER = 16.0  # mm of paper over a view, for its balloons; as much under it, for dimension and caption
 HATCH = 2.0, 3.0  # mm of paper, between lines: narrow for what is small
 SMALL = 40.0  # mm2 of paper; a smaller face has narrow hatching
+BESIDE_MOLD = 6.0  # mm of the part, between the mold and its plugs
 SOFT = {"seal", "skin"}  # shown without hatching: they are squeezed or poured
 
 
@@ -39,7 +40,7 @@ def assembly_sheet(drawing: AssemblyDrawing, version: str, date: str) -> Sheet:
     left, low, right, high = paper.frame
     area = left + 4.0, low + 4.0, right - COLUMN - VIEW_GAP, high - 4.0
     scale = next((s for s in SCALES if _fits(drawing, area, s)), SCALES[-1])
-    (y_low, z_low), (y_high, z_high) = _box(drawing.faces)
+    (y_low, z_low), (y_high, z_high) = _box([*drawing.faces, *_beside(drawing)])
     plan_low, plan_high = extent([*drawing.plan, *drawing.hidden])
     middle = (area[0] + area[2]) / 2
     section = ViewPlacement((middle - scale * (y_low + y_high) / 2, area[3] - OVER - scale * z_high), scale)
@@ -61,7 +62,7 @@ def _box(faces: Iterable[CutFace]) -> tuple[Place, Place]:
 
 
 def _fits(drawing: AssemblyDrawing, area: Box, scale: float) -> bool:
-    (y_low, z_low), (y_high, z_high) = _box(drawing.faces)
+    (y_low, z_low), (y_high, z_high) = _box([*drawing.faces, *_beside(drawing)])
     (x_low, v_low), (x_high, v_high) = extent([*drawing.plan, *drawing.hidden])
     wide = max(y_high - y_low, x_high - x_low) * scale + 4 * BALLOON
     tall = (z_high - z_low + v_high - v_low) * scale + 4 * OVER
@@ -70,28 +71,53 @@ def _fits(drawing: AssemblyDrawing, area: Box, scale: float) -> bool:
 
 def _section_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[Mark]:
     """The cut faces, hatched in turn, their balloons over them, and the overall size."""
-    names = list(dict.fromkeys(face.part for face in drawing.faces))
-    for face in drawing.faces:
+    faces = [*drawing.faces, *_beside(drawing)]
+    names = list(dict.fromkeys(face.part for face in faces))
+    for face in faces:
         for ring in face.rings:
             yield Ink(place.stroke(Polyline(ring)), "OUTLINE")
         yield from _hatching(face, place, 45.0 if names.index(face.part) % 2 else -45.0)
     (left, low), (right, high) = _box(drawing.faces)
+    (_, _), (far, _) = _box(faces)
     top = place.at((0.0, high))[1] + OVER - BALLOON - 2.0
-    shown = {face.item: face for face in sorted(drawing.faces, key=_area) if face.item}
+    shown = {face.item: face for face in sorted(faces, key=_area) if face.item}
     pointed = sorted((place.at(face.middle)[0], item) for item, face in shown.items())
-    span = place.at((left, 0.0))[0], place.at((right, 0.0))[0]
+    span = place.at((left, 0.0))[0], place.at((far, 0.0))[0]
     for (x, item), at in zip(pointed, _spread(len(pointed), *span), strict=True):
         yield from _balloon(item, (at, top), (x, place.at(shown[item].middle)[1]))
     a, b = place.at((left, low)), place.at((right, low))
     yield linear((a, b), a[1] - 7.0, True, place.scale, number(right - left))
     a, b = place.at((left, low)), place.at((left, high))
     yield linear((a, b), a[0] - 7.0, False, place.scale, number(high - low))
-    skin = next((face for face in drawing.faces if face.part == "skin"), None)
-    if skin is not None:
-        yield Words("skin", place.at(skin.middle), 2.0, "TEXT", "middle")
+    cast = {face.part: face for face in sorted(drawing.faces, key=_area) if _is_cast(face)}
+    for name, face in cast.items():
+        yield Words(name, place.at(face.middle), 2.0, "TEXT", "middle")
+    for plug in dict.fromkeys(face.part for face in drawing.plugs):
+        (first, under), (last, _) = _box(face for face in faces if face.part == plug)
+        foot = place.at(((first + last) / 2, under))
+        yield Words(f"{plug}, before the carrier", (foot[0], foot[1] - 4.0), 2.0, "TEXT", "middle")
     through = "gate, vent and riser cup" if drawing.gate else "vent and riser cup"
     caption = f"section A-A ({scale_words(place.scale)}), through {through}"
     yield Words(caption, (sum(span) / 2, a[1] - 14.0), 2.5, "TEXT", "middle")
+
+
+def _is_cast(face: CutFace) -> bool:
+    """Whether a face is the skin's, or one of its layers'."""
+    return face.part == "skin" or face.part.startswith("shot ")
+
+
+def _beside(drawing: AssemblyDrawing) -> list[CutFace]:
+    """The plugs' faces to the right of the mold's, one after the other, as high as they lie in it."""
+    moved, (_, (right, _)) = list[CutFace](), _box(drawing.faces)
+    for name in dict.fromkeys(face.part for face in drawing.plugs):
+        faces = [face for face in drawing.plugs if face.part == name]
+        (left, _), (end, _) = _box(faces)
+        by = right + BESIDE_MOLD - left
+        right = end + by
+        for face in faces:
+            rings = tuple(tuple((y + by, z) for y, z in ring) for ring in face.rings)
+            moved.append(face._replace(rings=rings, middle=(face.middle[0] + by, face.middle[1])))
+    return moved
 
 
 def _area(face: CutFace) -> float:
@@ -108,7 +134,7 @@ def _spread(count: int, low: float, high: float) -> list[float]:
 
 
 def _hatching(face: CutFace, place: ViewPlacement, angle: float) -> Iterator[Mark]:
-    if face.part in SOFT or face.item == "":
+    if face.part in SOFT or _is_cast(face) or face.item == "":
         return
     outline, *holes = ([place.at(point) for point in ring] for ring in face.rings)
     region = shapely.Polygon(outline, holes)
