@@ -62,7 +62,7 @@ PROCESSES: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "finite elements": [
         (run("check", "plain-ridges", *ONE_RIDGE, *FEW_ELEMENTS), (*CAD, *MESHES)),
         # words are printed without what draws
-        ("import skincad.outputs.fits, skincad.outputs.simulations", (*CAD, "matplotlib")),
+        ("import skincad.outputs.measurements, skincad.outputs.simulations", (*CAD, "matplotlib")),
     ],
     "solids": [
         (

@@ -109,10 +109,3 @@ def _working(earliest: float, task: Task) -> float:
     needs = task.hands + (task.wait + task.then if task.then else 0.0)
     late = hour > END or (hour + needs / 60 > END and hour > BEGIN)
     return midnight + (24 + BEGIN if late else hour)
-
-
-def span(minutes: float) -> str:
-    """Return how long something takes, as a plan has it."""
-    if not minutes:
-        return "-"
-    return f"{minutes:.0f} min" if minutes < 90 else f"{minutes / 60:.2g} h"

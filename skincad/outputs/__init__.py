@@ -10,7 +10,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    checks: advice_lines allowance awaits_advice details number_lines
+    checks: CHECK advice_lines allowance awaits_advice
     coupons: files
     delivery: Delivery of_formats ready save_picture write
     drawing.flat: write_shims_dxf

@@ -127,7 +127,7 @@ def _no_scene(design: Design, source: str) -> str:
 def _head(build: Build, make_command: str) -> str:
     """Name, passed or failed, and verdict."""
     passed = passes(build.check, build.findings, strict=False)
-    verdict = checks.verdict(build.check) if build.check else f"Not checked {checks.whether(build)}."
+    verdict = checks.verdict_of(build)
     undecided = build.check is None or build.check.verdict == "undecided"
     sound = all(finding.severity != "error" for finding in build.findings)
     outcome = "open" if undecided and sound else "passed" if passed else "failed"
@@ -175,9 +175,7 @@ def _verdict_sections(build: Build, check: ContactCheck | None, command: str, so
         titles = (("verdict", "What the verdict rests on"), ("models", "Models asked"), ("yield", "Yield"))
         again = command_line(f"skincad check {source}", "It is given by")
         sections = [
-            heading(title, key)
-            + paragraph(f"Not checked {checks.whether(build)}. This part needs a verdict.")
-            + again
+            heading(title, key) + paragraph(f"{checks.verdict_of(build)} This part needs a verdict.") + again
             for key, title in titles
         ]
         return [*sections, sensitivity_section(build, None, source)]

@@ -18,12 +18,13 @@ from skincad.circuit.model import Circuit, constants, load_circuit
 from skincad.circuit.network import PICO, Constants, capacitance, electrode
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.inputs.catalog import retyped, template_names
-from skincad.outputs import gains, simulations
 from skincad.outputs.calculations import PIEZO
 from skincad.outputs.figures.canvas import png, svg
 from skincad.outputs.figures.results import gain_figure
 from skincad.outputs.figures.scenes import scene_figure
+from skincad.outputs.gains import GAIN
 from skincad.outputs.pages import calculation, data_url, figure, heading, paragraph, table
+from skincad.outputs.simulations import SIMULATION
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation
 
@@ -71,7 +72,7 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
     stopped = "" if simulation.march.stopped is None else f" It stopped: {simulation.march.stopped}."
     caption = f"Signals of {simulation.scene.name} with this skin.{stopped}"
     # slip, lead times and errors as `simulate` prints them, without the run's time
-    printed = [*simulations.lines(simulation)[1:], *simulations.details(simulation)]
+    printed = [*SIMULATION.lines(simulation)[1:], *SIMULATION.details(simulation)]
     results = [line for line in printed if not line.startswith(("  model", "  run"))]
     body = [
         heading(title, title.lower().replace(" ", "-"), new_page=True),
@@ -111,7 +112,7 @@ def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str,
     command = f"skincad circuit {words}"
     parts = [
         head,
-        paragraph(gains.lines(circuit_gain)[0]),
+        paragraph(GAIN.lines(circuit_gain)[0]),
         figure(
             data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), "Gain of film and amplifier.", command
         ),

@@ -181,24 +181,6 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
     return film_response(design, progress)
 
 
-def lines(package: Package) -> list[str]:
-    """Return what `package` prints."""
-    rows = [f"{package.name} for {', '.join(package.kinds)}: {package.weighs.mass:.4g} g on its carrier"]
-    if springs := package.springs:
-        verdict = springs.verdict
-        rows.append(f"  springs        approach {verdict.approach} at {verdict.force:g} N, as in the check")
-        for other in springs.elsewhere:
-            off = f"{other.approach_off:.1%} off the check, ridge forces {other.shares_off:.1%} of the mean"
-            rows.append(f"  at {f'{other.force:g} N':11} approach {off}")
-    if package.mesh:
-        count = sum(len(elements) for elements in package.mesh.elements.values())
-        rows.append(f"  mesh           {count} tetrahedra, volume off by {package.mesh.deviation:.1e} of it")
-    if package.taxels:
-        films = package.taxels.kinds.count("film")
-        rows.append(f"  taxels         {films} film strips, {len(package.taxels.names) - films} crests")
-    return [*rows, *(f"  note           {note}" for note in package.notes)]
-
-
 def files(package: Package) -> dict[str, Writer]:
     """Return the writer of each file."""
     solids = {f"{name}.step": partial(_step, package.design, name) for name in ("skin", "carrier")}
@@ -386,4 +368,4 @@ def _table(springs: Springs) -> Iterator[str]:
     yield from ("", *(f"- {markdown_text(text)}" for text in springs.refused))
 
 
-PACKAGE = Presentation(COMMAND="package", lines=lines, files=files, manifest=card)  # the manifest is the card
+PACKAGE = Presentation(COMMAND="package", words="package.txt", facts={}, files=files, manifest=card)
