@@ -1,20 +1,19 @@
-"""Pages that need nothing else, and their pieces: tables, figures, calculations with formulas as MathML."""
+"""Pages that need nothing else: texts of templates/pages, filled in, and formulas as MathML."""
 
 from __future__ import annotations
 
 import ast
 import base64
-from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
+from typing import Any
 
 from markdown_it import MarkdownIt
 
-from skincad.base.formula import Calculation, Quantity, rounded
+from skincad.base.formula import Calculation, rounded
+from skincad.fabrication.papers import macro
 
 HERE = files("skincad.outputs") / "web"
-MAX_TERMS = 12  # of a sum that are written out
-Cell = str | float | int | None
 GREEK = {
     "delta": "δ",
     "epsilon": "ε",
@@ -28,14 +27,15 @@ PRECEDENCE = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 4, ast.USub: 2, ast.
 WHOLE = 5  # of what needs no brackets
 
 
+def html(text: str, name: str, *values: Any, **facts: Any) -> str:
+    """Return what a macro of a text of templates/pages makes of these values; it may ask for facts too."""
+    return macro(f"pages/{text}", name, *values, **FACTS, **facts)
+
+
 def document(title: str, body: str, *styles: str) -> str:
     """Return an HTML document of a body; `styles` are files of this room, the common one comes first."""
     style = "".join((HERE / name).read_text("utf-8") for name in ("page.css", *styles))
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
-        f"<style>\n{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    )
+    return html("pieces.html", "document", title, style, body)
 
 
 def page(markdown: str, drawing: str, title: str) -> str:
@@ -51,100 +51,6 @@ def markdown_html(markdown: str) -> str:
 def data_url(data: bytes, kind: str) -> str:
     """Return an address that holds the data itself; `kind` as `image/png`."""
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
-
-
-def heading(text: str, key: str, *, new_page: bool = False) -> str:
-    """Return a section's head, which the contents lead to."""
-    look = ' class="page"' if new_page else ""
-    return f'<h2 id="{escape(key)}"{look}>{escape(text)}</h2>\n'
-
-
-def paragraph(text: str, look: str = "") -> str:
-    """Return a paragraph of plain text."""
-    kind = f' class="{look}"' if look else ""
-    return f"<p{kind}>{escape(text)}</p>\n"
-
-
-def command_line(command: str, words: str = "By") -> str:
-    """Return the command that gives what stands above."""
-    return f'<p class="from">{escape(words)} <code>{escape(command)}</code></p>\n'
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[Cell]], look: str = "") -> str:
-    """Return a table whose head stands on each printed page; numbers stand to the right."""
-    kind = f' class="{look}"' if look else ""
-    heads = "".join(f"<th>{escape(title)}</th>" for title in head)
-    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in rows)
-    return f"<table{kind}><thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody></table>\n"
-
-
-def _cell(value: Cell) -> str:
-    if value is None:
-        return "<td></td>"
-    if isinstance(value, float | int):
-        return f'<td class="number">{_minus(rounded(value))}</td>'
-    return f"<td>{escape(value)}</td>"
-
-
-def figure(address: str, caption: str, command: str) -> str:
-    """Return a picture with what it shows, where that comes from, and the command that gives it."""
-    return (
-        f'<figure><img src="{address}" alt="{escape(caption)}">\n<figcaption>{escape(caption)} '
-        f"By <code>{escape(command)}</code></figcaption></figure>\n"
-    )
-
-
-def calculation(step: Calculation) -> str:
-    """Return formula, numbers put in, result, symbols and source of one step."""
-    result = f"{_minus(_value(step.result))}{_unit(step.result.unit)}"
-    numbers = formula_with_numbers(step)
-    if step.sums():
-        numbers += " with the ridges' values of the table below"
-    sums = "".join(
-        f'<p class="small">{part(call)} = {" + ".join(_minus(rounded(term)) for term in terms)}</p>\n'
-        for call, terms in step.sums()
-        if len(terms) <= MAX_TERMS
-    )
-    remark = paragraph(step.remark, "small") if step.remark else ""
-    return (
-        f'<div class="step">\n<h3>{escape(step.title)}</h3>\n'
-        f'<p class="formula">{formula(step)}</p>\n<p class="formula">{numbers} '
-        f'<span class="result">= {result}</span></p>\n{sums}'
-        f'<p class="small">{"; ".join(_symbol_meaning(quantity) for quantity in step.given)}.<br>'
-        f"Source: {escape(step.source)}.</p>\n{remark}</div>\n"
-    )
-
-
-def ridge_table(quantities: Sequence[Quantity]) -> str:
-    """Return the table of what differs from ridge to ridge."""
-    columns = [quantity.value for quantity in quantities if isinstance(quantity.value, tuple)]
-    heads = "".join(f"<th>{name(quantity)}{_unit(quantity.unit, ', ')}</th>" for quantity in quantities)
-    rows = "".join(
-        f'<tr><td class="number">{ridge}</td>{"".join(_cell(value) for value in row)}</tr>\n'
-        for ridge, row in enumerate(zip(*columns, strict=True), 1)
-    )
-    head = f"<th>ridge <math><mi>i</mi></math></th>{heads}"
-    return f'<table class="small"><thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table>\n'
-
-
-def _symbol_meaning(quantity: Quantity) -> str:
-    """A symbol with its meaning, and its number and unit but for those of each ridge."""
-    if isinstance(quantity.value, tuple):
-        return f"{name(quantity)} {escape(quantity.meaning)}"
-    return f"{name(quantity)} = {_minus(_value(quantity))}{_unit(quantity.unit)}, {escape(quantity.meaning)}"
-
-
-def _value(quantity: Quantity) -> str:
-    assert not isinstance(quantity.value, tuple)
-    return rounded(quantity.value)
-
-
-def _unit(unit: str, before: str = " ") -> str:
-    return "" if unit == "1" else f"{before}{escape(unit)}"
-
-
-def _minus(number: str) -> str:
-    return number.replace("-", "−")  # noqa: RUF001
 
 
 def formula(step: Calculation) -> str:
@@ -164,11 +70,6 @@ def formula_with_numbers(step: Calculation) -> str:
     return _math(f"{symbol(step.result.symbol)}<mo>=</mo>{drawn}")
 
 
-def name(quantity: Quantity) -> str:
-    """Return a quantity's symbol alone."""
-    return _math(symbol(quantity.symbol))
-
-
 def symbol(text: str) -> str:
     """Return a symbol: `c_r` has an index, `E1` a prime."""
     letter, _, index = text.partition("_")
@@ -177,11 +78,6 @@ def symbol(text: str) -> str:
     drawn = f"<mi>{escape(letter)}</mi>"
     drawn = f"<msup>{drawn}<mo>′</mo></msup>" if primed else drawn  # noqa: RUF001
     return f"<msub><mrow>{drawn}</mrow><mi>{escape(index)}</mi></msub>" if index else drawn
-
-
-def part(node: ast.expr) -> str:
-    """Return a part of a formula in symbols."""
-    return _math(_FormulaWriter({}).of(node, 0))
 
 
 def number(value: float) -> str:
@@ -254,3 +150,13 @@ class _FormulaWriter:
             case _:
                 sign = "<mo>−</mo>"  # noqa: RUF001
         return f"{self.of(left, binds)}{sign}{self.of(right, binds + isinstance(op, ast.Sub))}", binds
+
+
+FACTS = {
+    "formula": formula,
+    "formula_with_numbers": formula_with_numbers,
+    "part": lambda node: _math(_FormulaWriter({}).of(node, 0)),
+    "symbol_of": lambda quantity: _math(symbol(quantity.symbol)),
+    "rounded": rounded,
+    "MAX_TERMS": 12,  # of a sum that are written out
+}
