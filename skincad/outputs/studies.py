@@ -11,10 +11,8 @@ import shlex
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from html import escape
 from importlib.util import find_spec
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError
@@ -114,7 +112,7 @@ def sweep_page(
     Columns of what is varied come first, then of `aims`, of a sweep what it is ranked by; columns without
     anything are left out.
     """
-    from skincad.outputs.pages import HERE, document
+    from skincad.outputs.pages import HERE, document, html
 
     head, rows = table(sweep)
     first = [
@@ -134,12 +132,10 @@ def sweep_page(
         "y": shown.index(plotted[min(len(sweep.knobs), len(plotted) - 1)]),
     }
     title = f"{title or sweep.name}: {len(sweep.rows)} rows"
-    body = Template((HERE / "study_body.html").read_text("utf-8")).substitute(
-        title=escape(title),
-        words=escape("\n".join(words or [*SWEEP.lines(sweep), *SWEEP.details(sweep)])),
-        data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
-        script=(HERE / "study.js").read_text("utf-8"),
-    )
+    shown_words = "\n".join(words or [*SWEEP.lines(sweep), *SWEEP.details(sweep)])
+    script = (HERE / "study.js").read_text("utf-8")
+    island = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    body = html("study.html", "page", title, shown_words, island, script)
     return document(title, body, "study.css")
 
 
