@@ -15,8 +15,9 @@ import trimesh
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.reading import markdown_text, strict_json
+from skincad.base.reading import strict_json
 from skincad.base.result import Result, Writer, item, record, reported
+from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.inputs.material import layers, silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
@@ -255,34 +256,15 @@ def card(package: Package) -> dict[str, Any]:
 
 def markdown(package: Package) -> str:
     """Return the card as Markdown."""
-    lines = [f"# {package.name}: model card", "", f"For {', '.join(package.kinds)}. Frame: {FRAME}.", ""]
-    lines += [f"Licence: {LICENCE}.", "", "## What was simplified", ""]
-    lines += [f"- {markdown_text(text)}" for text in [*_simplified(package), *package.notes]]
-    lines += ["", "## What each number rests on, and where it holds", ""]
-    lines += ["| number | rests on | holds |", "|---|---|---|"]
-    lines += [f"| {' | '.join(map(markdown_text, row))} |" for row in _numbers(package)]
-    if package.springs:
-        lines += ["", "## Springs against checks", "", *_table(package.springs)]
-    return "\n".join([*lines, ""])
+    facts = {"simplifications": [*_simplified(package), *package.notes], "numbers": list(_numbers(package))}
+    return macro("papers/model-card.md", "card", package, FRAME=FRAME, LICENCE=LICENCE, **facts)
 
 
-def _simplified(package: Package) -> Iterator[str]:
-    yield "carrier, skin and what fills its slots are rigid links"
-    yield "leads, screws and the silicone in the carrier's holes are left out"
-    if package.surfaces:
-        yield (
-            "convex hulls are what touches: they fill the root fillets; crests are within "
-            f"{contact_chord(package.design):.0e} of the pitch"
-        )
-    if package.springs:
-        linked = "coupled springs" if package.springs.coupled else "a spring of its own, neighbours apart"
-        yield f"each {_body(package.design)} slides along z on {linked}; sideways it is rigid"
-        whole = f"MuJoCo's friction acts on a whole {_body(package.design)}"
-        yield f"{whole}, so incipient slip inside a contact is not in it"
-    if "urdf" in package.kinds:
-        yield f"in URDF the {skin_of(package.design).family}s are fixed: the format knows no springs"
-    if package.response:
-        yield "the films' response is that of a long pad in small strain, its contact that of one load"
+def _simplified(package: Package) -> list[str]:
+    design = package.design
+    chord, family = contact_chord(design), skin_of(design).family
+    facts = {"chord": chord, "body": _body(design), "family": family}
+    return macro("papers/model-card.md", "simplified", package, **facts).splitlines()
 
 
 def _body(design: Design) -> str:
@@ -358,14 +340,6 @@ def _of_response(response: FilmResponse) -> tuple[str, str, str]:
         f"condensed compliance, plane strain, {response.unknowns} unknowns",
         f"contact of {response.force:g} N, full stick; it differs by up to {spans}",
     )
-
-
-def _table(springs: Springs) -> Iterator[str]:
-    yield "| force, N | approach by springs, mm | by the check | forces on ridges differ, of the mean one |"
-    yield "|---|---|---|---|"
-    for e in springs.elsewhere:
-        yield f"| {e.force:g} | {e.approach:.4f} | {e.check_approach:.4f} | {e.shares_off:.1%} |"
-    yield from ("", *(f"- {markdown_text(text)}" for text in springs.refused))
 
 
 PACKAGE = Presentation(COMMAND="package", words="package.txt", facts={}, files=files, manifest=card)
