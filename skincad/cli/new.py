@@ -133,8 +133,8 @@ def new(
 
 def _write_wish(file: Path, given: dict[str, Any], own: dict[str, Any], full: bool, as_json: bool) -> None:
     import skincad
+    from skincad.outputs.studies import write_wish
     from skincad.outputs.tomls import document_name
-    from skincad.outputs.wishes import write_wish
 
     with stage_bar(WISH_STAGES) as progress:
         result = skincad.design_for(**given, **own, name=document_name(file.stem), progress=progress)

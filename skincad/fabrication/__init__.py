@@ -23,6 +23,7 @@ __getattr__, __dir__ = face(
     measures: interference measure
     meshes: FINER laid manifold mesh print_chord upright
     orders: Order
+    papers: environment
     part_drawing: CrestAllowance DrawingTable PartDrawing Titled
     parts_list: parts_csv
     patterns: GLUED_LENGTH HOLE SealPattern StripPattern pattern_notes seal_pattern shim_notes

@@ -21,13 +21,13 @@ from skincad.inputs.shipped import templates_folder
 
 def paper(name: str, **facts: Any) -> str:
     """Return a text of `templates/papers` with its facts filled in; Markdown."""
-    return _environment().get_template(f"papers/{name}").render(**facts)
+    return environment().get_template(f"papers/{name}").render(**facts)
 
 
 def macro(text: str, name: str, *values: Any, **facts: Any) -> str:
     """Return what a macro of a text, as "answers/check.txt", makes of these values; "" where it has none of
     that name. It may ask for the facts too."""
-    chosen = getattr(_environment().get_template(text).make_module(facts), name, None)
+    chosen = getattr(environment().get_template(text).make_module(facts), name, None)
     return "" if chosen is None else str(chosen(*values))
 
 
@@ -44,9 +44,12 @@ def span(minutes: float) -> str:
 
 
 @cache
-def _environment() -> Environment:
-    """Facts in a page are escaped unless they are HTML already. Other texts have no HTML, and in papers
-    the facts that people write are escaped by then."""
+def environment() -> Environment:
+    """Return where texts are found, and their filters.
+
+    Facts in a page are escaped unless they are HTML already. Other texts have no HTML, and in papers the
+    facts that people write are escaped by then.
+    """
     found = Environment(
         loader=FunctionLoader(lambda name: templates_folder().joinpath(*name.split("/")).read_text("utf-8")),
         undefined=StrictUndefined,

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 from skincad.base.estimate import Estimate
 from skincad.base.progress import about
-from skincad.base.result import Writer
 from skincad.fabrication.papers import macro
 from skincad.mechanics.left_out import FRICTION
 from skincad.mechanics.verdict import NO_MODEL, ContactCheck
-from skincad.outputs.delivery import Presentation, picture
+from skincad.outputs.delivery import Presentation
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
@@ -112,11 +111,6 @@ def figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
     return {"ridge-forces.png": partial(ridge_force_figure, check)}
 
 
-def files(check: ContactCheck) -> dict[str, Writer]:
-    """Return the writer of the picture; the manifest, check.json, has all numbers."""
-    return {name: picture(draw) for name, draw in figures(check).items()}
-
-
 def html(check: ContactCheck) -> str:
     """Return the verdict, the force on each ridge as a bar with its error, and the other lines."""
     lines = [*CHECK.rows("answer", check)[1:], *CHECK.rows("notes", check), *check.next_line()]
@@ -147,7 +141,6 @@ CHECK = Presentation(
         "FRICTION": FRICTION,
     },
     html=html,
-    files=files,
     figures=figures,
 )
 FILM_STRESS = Presentation(
@@ -155,5 +148,4 @@ FILM_STRESS = Presentation(
     words="film-stress.txt",
     facts={"largest_error": _largest_error},
     figures=stress_figures,
-    files=lambda stresses: {name: picture(draw) for name, draw in stress_figures(stresses).items()},
 )

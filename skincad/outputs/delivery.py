@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -57,12 +57,20 @@ class Presentation:
 
     COMMAND: str
     words: str
-    facts: Mapping[str, Any]
-    files: Callable[[Any], dict[str, Writer]]
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    writers: Callable[[Any], dict[str, Writer]] = (
+        lambda _: {}
+    )  # of files that are no pictures, or drawn otherwise
     html: Callable[[Any], str] = words_and_figure
     figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
     manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
     replaces: Callable[[Any, Path], None] = lambda *_: None  # raises InputError for what must be kept
+
+    def files(self, result: Any) -> dict[str, Writer]:
+        """Return a writer for each file, by its name; each figure is one."""
+        writers = self.writers(result)
+        drawings = {name: draw for name, draw in self.figures(result).items() if name not in writers}
+        return writers | {name: picture(draw) for name, draw in drawings.items()}
 
     def said(self, name: str, *values: Any) -> str:
         """Return what a macro of the text makes of these values."""

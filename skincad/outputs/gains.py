@@ -12,7 +12,7 @@ from skincad.base.reading import csv_text
 from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain, told_rig
 from skincad.circuit.network import PICO, capacitance, netlist
-from skincad.outputs.delivery import Presentation, picture, text
+from skincad.outputs.delivery import Presentation, text
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
@@ -33,18 +33,14 @@ def figures(circuit_gain: CircuitGain) -> dict[str, Callable[[], Picture]]:
 
 
 def files(circuit_gain: CircuitGain) -> dict[str, Writer]:
-    """Return the writer of each file."""
+    """Return the writers of table, netlist and calibrated circuit."""
     sweep = circuit_gain.circuit.sweep
     writers = {
         "gain.csv": text(lambda: gain_csv(circuit_gain)),
         "netlist.cir": text(lambda: netlist(circuit_gain.network, circuit_gain.name, sweep.low, sweep.high)),
-        **{name: picture(draw) for name, draw in figures(circuit_gain).items()},
     }
-    return (
-        {**writers, "calibrated.toml": text(lambda: calibrated_toml(circuit_gain))}
-        if circuit_gain.measured
-        else writers
-    )
+    calibrated = {"calibrated.toml": text(lambda: calibrated_toml(circuit_gain))}
+    return writers | (calibrated if circuit_gain.measured else {})
 
 
 def gain_csv(circuit_gain: CircuitGain) -> str:
@@ -85,7 +81,7 @@ GAIN = Presentation(
     COMMAND=COMMAND,
     words="circuit.txt",
     facts={"told_rig": told_rig},
-    files=files,
+    writers=files,
     figures=figures,
     manifest=lambda circuit_gain: {"name": circuit_gain.name},
 )

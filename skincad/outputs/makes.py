@@ -296,7 +296,7 @@ MAKE = Presentation(
         "shown_findings": _shown_findings,
         "crests_decide_nothing": _crests_decide_nothing,
     },
-    files=files,
+    writers=files,
     figures=figures,
     manifest=manifest,
     replaces=lambda result, folder: keep_whole(folder) if result.preview else None,

@@ -13,7 +13,7 @@ from skincad.base.errors import RefusedError
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.effects.kinds import SectionPad
-from skincad.outputs.delivery import Presentation, picture
+from skincad.outputs.delivery import Presentation
 from skincad.scenes.march import GROSS_SLIP, frames
 from skincad.scenes.plan import (
     DEFAULT_TOLERANCE,
@@ -78,13 +78,10 @@ def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
 
 
 def files(simulation: Simulation) -> dict[str, Writer]:
-    """Return the writer of each file."""
+    """Return the writers of the table, the sections and the animation."""
     from skincad.outputs.figures.stress import section_animation, section_picture
 
-    drawings = figures(simulation)
-    writers = {TABLE: partial(write_table, simulation)} | {
-        name: picture(draw) for name, draw in drawings.items()
-    }
+    writers: dict[str, Writer] = {TABLE: partial(write_table, simulation)}
     for step in _section_steps(simulation):
         writers[_section_name(step)] = partial(section_picture, _moment(simulation, step))
     if moving := [step for step in frames(simulation.scene) if step in simulation.march.states]:
@@ -172,6 +169,6 @@ SIMULATION = Presentation(
         "SMALL_STRAIN": SMALL_STRAIN,
         "PICTURE": PICTURE,
     },
-    files=files,
+    writers=files,
     figures=figures,
 )

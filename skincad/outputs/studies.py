@@ -1,4 +1,5 @@
-"""Output of studies: of `solve` what reaches the target, of `sweep` the best rows, of `optimise` the front.
+"""Output of studies: a design for a wish, what reaches the target of `solve`, the rows of `sweep`, the front
+of `optimise`, and the ladders of `accuracy`.
 
 All that was tried is a table, pictures and a page.
 """
@@ -9,18 +10,23 @@ import json
 import re
 import shlex
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import tomlkit
+
 from skincad.base.errors import InputError
 from skincad.base.progress import about
-from skincad.base.reading import csv_text
+from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
-from skincad.outputs.delivery import Presentation, picture, text
-from skincad.outputs.tomls import write_copy
+from skincad.outputs import checks
+from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.tomls import commented_toml, document_name, write_copy, write_with_schema
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import LADDERS, Ladder
 from skincad.studies.query import Evaluation, short, slack, worded
 from skincad.studies.searches import combinations
 from skincad.studies.solving import Solution
@@ -30,11 +36,14 @@ from skincad.studies.sweeping import SweepResult
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
+    from skincad.studies.wish import WishResult
 
 
 PAGE = "study.html"
 NUMBER = re.compile(r"\d[\d.e+-]*")
 FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
+ACCURACY_TABLE = "accuracy.csv"
+COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
 SHOWN = 6  # members of the front, in words and as designs
 
 
@@ -45,12 +54,6 @@ def solution_figures(solution: Solution) -> dict[str, Callable[[], Picture]]:
     from skincad.outputs.figures.studies import solution_figure
 
     return {"solve.png": partial(solution_figure, solution)}
-
-
-def solution_files(solution: Solution) -> dict[str, Writer]:
-    """Return the writers of the first solution's design, and of the figure."""
-    designs = {"solved.toml": text(solution.solved.to_toml)} if solution.solutions else {}
-    return {**designs, **{name: picture(draw) for name, draw in solution_figures(solution).items()}}
 
 
 def write_solution(solution: Solution, path: Path, source: str) -> None:
@@ -166,19 +169,13 @@ def sweep_files(sweep: SweepResult) -> dict[str, Writer]:
     writers: dict[str, Writer] = {"sweep.csv": text(lambda: sweep_csv(sweep))}
     if find_spec("pyarrow") is not None:
         writers["sweep.parquet"] = partial(_write_parquet, sweep)
-    writers[PAGE] = text(lambda: sweep_page(sweep))
-    return {**writers, **{name: picture(draw) for name, draw in sweep_figures(sweep).items()}}
+    return {**writers, PAGE: text(lambda: sweep_page(sweep))}
 
 
 def front_names() -> list[str]:
     """Return the names of what may be written."""
     designs = [f"front-{number}.toml" for number in range(1, SHOWN + 1)]
     return [*designs, FRONT_TABLE, FRONT_PAGE, "effects.png", "pairs.png", "front.png"]
-
-
-def front_figures(optimisation: Optimisation) -> dict[str, Callable[[], Picture]]:
-    """Return the pictures of all that was tried."""
-    return dict(sweep_figures(optimisation.rows))
 
 
 def front_files(optimisation: Optimisation) -> dict[str, Writer]:
@@ -191,8 +188,92 @@ def front_files(optimisation: Optimisation) -> dict[str, Writer]:
             optimisation.rows, OPTIMISATION.lines(optimisation), title=optimisation.name, aims=aims
         )
     )
-    pictures = {name: picture(draw) for name, draw in front_figures(optimisation).items()}
-    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page, **pictures}
+    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page}
+
+
+def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
+    """Return the design's TOML without what is at its default, each choice with its rule above it."""
+    design = wish.design.with_(name=name)
+    document = tomlkit.parse(tomlkit.dumps(design.model_dump(exclude_defaults=True, exclude_none=True)))
+    rules = {choice.key: choice.why for choice in wish.choices}
+    rows = [f"#:schema ./{schema}", ""] if schema else []
+    table = ""
+    for row in [*_head(wish), *tomlkit.dumps(document).splitlines()]:
+        if row.startswith("["):
+            table = row.strip("[]")
+        rule = rules.get(f"{table}.{row.partition(' = ')[0]}") or (row.startswith("[") and rules.get(table))
+        rows += [f"# {rule}"] if rule else []
+        rows.append(row)
+    return "\n".join(rows) + "\n"
+
+
+def _head(wish: WishResult) -> list[str]:
+    skin, design = wish.design.skin, wish.design
+    touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
+    size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
+    broken = [f"# NOT MET: {b.wish}: asked {b.asked}, got {b.given}: {b.why}" for b in wish.broken]
+    return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}", *broken]
+
+
+def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
+    """Write the design of a wish, short or with every key explained, and its schema beside it; return both
+    paths. Raises InputError for a file that is there already or cannot be written."""
+    name = document_name(path.stem)
+
+    def written(schema: str) -> str:
+        short = short_toml(wish, name, schema)
+        return commented_toml("designs", short, path.stem, schema) if full else short
+
+    return write_with_schema(path, "designs", written, wish.design.features.family)
+
+
+def accuracy_names(ladders: Iterable[str]) -> list[str]:
+    """Return the names of what will be written of these ladders, of all if there are none."""
+    return [ACCURACY_TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
+
+
+def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
+    """Return the diagram of error against time of each ladder."""
+    from skincad.outputs.figures.studies import diagram
+
+    return {
+        f"accuracy-{ladder.name}.png": partial(diagram, ladder, accuracy.machine)
+        for ladder in accuracy.ladders
+    }
+
+
+def accuracy_csv(accuracy: Accuracy) -> str:
+    """Return all rows as CSV; a measure is a column, empty where a trial does not have it."""
+    measures = [f"{ladder.name}: {m.name}" for ladder in accuracy.ladders for m in ladder.measures]
+    rows: list[list[Cell]] = [[*COLUMNS, *measures]]
+    for ladder in accuracy.ladders:
+        for row in ladder.rows():
+            errors = {f"{ladder.name}: {name}": f"{error:.4g}" for name, error in row["errors"].items()}
+            cells = [row[c] if not isinstance(row[c], float) else f"{row[c]:.6g}" for c in COLUMNS]
+            rows.append([*cells, *map(errors.get, measures)])
+    return csv_text(rows)
+
+
+def _trial_table(ladder: Ladder) -> Iterator[str]:
+    """A row a trial; a star marks the trials of the Pareto front in time and the first error."""
+    measures = ladder.measures
+    models = max((len(r.model) for r in ladder.trials), default=0)
+    settings = max((len(r.setting) for r in ladder.trials), default=0)
+    widths = {m.name: max(15, len(m.shown) + 2) for m in measures}
+    heads = "".join(f"{m.shown:>{widths[m.name]}}" for m in measures)
+    yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
+    best = {measure.name: ladder.best(measure) for measure in measures}
+    for point in ladder.trials:
+        cells = "".join(
+            f"{point.errors[m.name]:>{widths[m.name] - 1}.2g}{'*' if point in best[m.name] else ' '}"
+            if m.name in point.errors
+            else " " * widths[m.name]
+            for m in measures
+        )
+        yield (
+            f"  {point.model:{models}}  {point.setting:{settings}} {point.unknowns:9d} {point.seconds:9.3g} "
+            f"{point.spread / 2:8.1g} {cells}".rstrip()
+        )
 
 
 def _unit_of(solution: Solution, key: str) -> str:
@@ -247,7 +328,7 @@ SOLUTION = Presentation(
     COMMAND="solve",
     words="solve.txt",
     facts=FACTS,
-    files=solution_files,
+    writers=lambda solution: {"solved.toml": text(solution.solved.to_toml)} if solution.solutions else {},
     figures=solution_figures,
     manifest=lambda solution: {"name": solution.name, "target": dict(solution.target)},
 )
@@ -255,10 +336,28 @@ SWEEP = Presentation(
     COMMAND="sweep",
     words="sweep.txt",
     facts=FACTS,
-    files=sweep_files,
+    writers=sweep_files,
     figures=sweep_figures,
     manifest=lambda sweep: {key: value for key, value in sweep.as_json().items() if key != "rows"},
 )
 OPTIMISATION = Presentation(
-    COMMAND="optimise", words="optimise.txt", facts=FACTS, files=front_files, figures=front_figures
+    COMMAND="optimise",
+    words="optimise.txt",
+    facts=FACTS,
+    writers=front_files,
+    figures=lambda optimisation: sweep_figures(optimisation.rows),
+)
+WISH = Presentation(
+    COMMAND="new",
+    words="new.txt",
+    facts=checks.CHECK.facts,
+    writers=lambda wish: {f"{wish.name}.toml": text(lambda: short_toml(wish, wish.name))},
+    figures=lambda wish: checks.figures(wish.check),
+)
+ACCURACY = Presentation(
+    COMMAND="accuracy",
+    words="accuracy.txt",
+    facts={"trial_table": _trial_table},
+    writers=lambda accuracy: {ACCURACY_TABLE: text(lambda: accuracy_csv(accuracy))},
+    figures=accuracy_figures,
 )

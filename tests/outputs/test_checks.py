@@ -10,7 +10,7 @@ import pytest
 
 from skincad import Estimate, check, load
 from skincad.mechanics import Change, ContactCheck
-from skincad.outputs import CHECK, accuracies
+from skincad.outputs import ACCURACY, CHECK
 from skincad.studies import Ladder, Measurement, measures_of
 from tests.conftest import skincad_process
 
@@ -190,7 +190,7 @@ def test_forces_of_very_many_ridges_are_shown_as_a_range() -> None:
 def test_a_measure_has_a_readers_name_above_its_column() -> None:
     point = Measurement("linear", "fineness 1", 10, (1.0,), {"mesh F9": 0.12, "whole approach": 0.34})
     ladder = Ladder("contact", "contact of a skin", (point,), measures_of({}, ""))
-    text = accuracies.ACCURACY.rows("ladder_lines", ladder)
+    text = ACCURACY.rows("ladder_lines", ladder)
     assert not [line for line in text if "F9" in line]
     for name, value in (("mesh all-touch force", "0.12"), ("whole approach", "0.34")):
         head, row = text[1].index(name) + len(name), text[2].index(value) + len(value)

@@ -14,7 +14,7 @@ import pytest
 
 from skincad.base import InputError
 from skincad.effects import Drift, Observables, chosen_steps
-from skincad.outputs.simulations import SIMULATION
+from skincad.outputs import SIMULATION
 from skincad.scenes import (
     LEVELS,
     Level,

@@ -342,4 +342,4 @@ def _of_response(response: FilmResponse) -> tuple[str, str, str]:
     )
 
 
-PACKAGE = Presentation(COMMAND="package", words="package.txt", facts={}, files=files, manifest=card)
+PACKAGE = Presentation(COMMAND="package", words="package.txt", writers=files, manifest=card)
