@@ -11,7 +11,7 @@ __getattr__, __dir__ = face(
         PAPER_LOW paper_target
     model: Circuit circuit_network constants load_circuit
     network: Complex Constants Network PICO Real capacitance charge electrode netlist
-    response: Slopes decibels noise_samples total_density
+    response: decibels noise_samples total_density
     state: FilteredSignal PASS Recording Stepper band_limited corner delay evenly_spaced longest_step
         recorded run sizes state_space stepper
     """,

@@ -29,10 +29,10 @@ def accuracy(
 
     Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
     """
-    from skincad.outputs import accuracies
+    from skincad.outputs.studies import accuracy_names
 
     design = skincad.load(source, settings, silicones=silicones)
-    target = out_folder(folder, design.name, accuracies.COMMAND, accuracies.names(ladders))
+    target = out_folder(folder, design.name, "accuracy", accuracy_names(ladders))
     with stage_bar(1) as progress:
         result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
     deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

@@ -35,10 +35,9 @@ def coupon(
     if measured is None:
         from skincad.fabrication.coupon import SILICONE
         from skincad.fabrication.coupon import coupon as kit_of
-        from skincad.outputs.coupons import COMMAND, files
 
         kit = kit_of(process, silicone or SILICONE, printer=printer, silicones=silicones)
-        target = out_folder(folder, f"coupon-{process}", COMMAND, files(kit))
+        target = out_folder(folder, f"coupon-{process}", kit.presenter().COMMAND, kit.files())
         with stage_bar(2) as progress:
             written = skincad.write(kit, target, progress=progress)
         deliver(kit, written, options.Display(as_json=as_json))

@@ -96,7 +96,7 @@ def new(
         paths = [str(path) for path in write_new(file, HOME if template is None else template)]
         show({"files": paths}, as_json, paths)
         return
-    from skincad.outputs.wishes import write_wish
+    from skincad.outputs.studies import write_wish
 
     with stage_bar(WISH_STAGES) as progress:
         name = document_name(file.stem)

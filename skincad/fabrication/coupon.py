@@ -64,7 +64,7 @@ PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
 class CouponKit(Result):
     """The parts of a coupon, the last one the mold of `pad`; `name` is that of the process."""
 
-    shown_by = "skincad.outputs.coupons:KIT"
+    shown_by = "skincad.outputs.measurements:KIT"
     name: str = item(meaning="of the process")
     pad: Design
     parts: tuple[Part, ...]

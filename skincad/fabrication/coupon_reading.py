@@ -166,7 +166,7 @@ class CouponReading(Result):
     not there.
     """
 
-    shown_by = "skincad.outputs.coupons:READING"
+    shown_by = "skincad.outputs.measurements:READING"
     name: str = item(meaning="of the process")
     folder: Path
     before: Process

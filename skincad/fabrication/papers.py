@@ -1,12 +1,19 @@
-"""Papers: texts of templates/papers, which ask a job and the rooms that plan it. A number is computed in one
-place alone, so no two papers say two of it."""
+"""Words for people: texts of templates/, which ask a job and the rooms that plan it. A number is computed in
+one place alone, so no two papers say two of it.
+
+`papers` are Markdown, `answers` what commands print of a result, `pages` HTML.
+"""
 
 from __future__ import annotations
 
+import re
 from functools import cache
+from html import escape
 from typing import Any
 
-from jinja2 import Environment, FunctionLoader, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined, pass_eval_context
+from jinja2.nodes import EvalContext
+from markupsafe import Markup
 
 from skincad.base.reading import markdown_text
 from skincad.inputs.shipped import templates_folder
@@ -14,7 +21,14 @@ from skincad.inputs.shipped import templates_folder
 
 def paper(name: str, **facts: Any) -> str:
     """Return a text of `templates/papers` with its facts filled in; Markdown."""
-    return _environment().get_template(name).render(**facts)
+    return environment().get_template(f"papers/{name}").render(**facts)
+
+
+def macro(text: str, name: str, *values: Any, **facts: Any) -> str:
+    """Return what a macro of a text, as "answers/check.txt", makes of these values; "" where it has none of
+    that name. It may ask for the facts too."""
+    chosen = getattr(environment().get_template(text).make_module(facts), name, None)
+    return "" if chosen is None else str(chosen(*values))
 
 
 def listed(words: list[str]) -> str:
@@ -30,16 +44,35 @@ def span(minutes: float) -> str:
 
 
 @cache
-def _environment() -> Environment:
-    """Texts with no HTML in them, so nothing is escaped here: the facts that people write are by then."""
+def environment() -> Environment:
+    """Return where texts are found, and their filters.
+
+    Facts in a page are escaped unless they are HTML already. Other texts have no HTML, and in papers the
+    facts that people write are escaped by then.
+    """
     found = Environment(
-        loader=FunctionLoader(lambda name: (templates_folder() / "papers" / name).read_text("utf-8")),
+        loader=FunctionLoader(lambda name: templates_folder().joinpath(*name.split("/")).read_text("utf-8")),
         undefined=StrictUndefined,
-        autoescape=False,
+        autoescape=lambda name: str(name).endswith(".html"),
+        finalize=_finalized,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
     found.filters |= {"listed": listed, "md": markdown_text, "num": format, "span": span}
     found.filters["g"] = lambda number: f"{number:g}"
+    found.filters["joined"] = _joined
+    found.filters["plural"] = lambda word, count: word if count == 1 else f"{word}s"
+    found.globals["row"] = lambda head, caller: f"  {head:14} {_joined(caller())}\n"
     return found
+
+
+def _joined(lines: str) -> str:
+    """A text's lines as one, with no space before punctuation."""
+    return re.sub(r" (?=[.,;:)]( |$))", "", " ".join(lines.split()))
+
+
+@pass_eval_context
+def _finalized(context: EvalContext, value: Any) -> Any:
+    """A fact in a page, escaped as `html.escape` does."""
+    return Markup(escape(str(value))) if context.autoescape and not hasattr(value, "__html__") else value

@@ -77,7 +77,7 @@ def _advice(desk: Desk) -> str:
     final = desk.answers.verdict
     if final is None or not desk.is_current(final):
         return ""
-    return lines_html([*checks.lines(final.what)[1:], *checks.details(final.what)])
+    return lines_html([*checks.CHECK.lines(final.what)[1:], *checks.CHECK.details(final.what)])
 
 
 def lines_html(lines: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    acceptance: Acceptance CauseFit FORCE_ERROR GOOD_SHARE accept judge
+    acceptance: Acceptance FORCE_ERROR GOOD_SHARE accept judge
     fit: fit_material
     laws: FITTED_SHARE
     modulus: MaterialFit

@@ -89,7 +89,7 @@ class Acceptance(Result):
     approaches `(n,)` mm 95 % of good parts lie.
     """
 
-    shown_by = "skincad.outputs.acceptances:ACCEPTANCE"
+    shown_by = "skincad.outputs.measurements:ACCEPTANCE"
     name: str = item(meaning="of the design")
     verdict: str = item(meaning="in, out or can't tell")
     good_probability: float = item(meaning="that the part is good, given the rows")

@@ -105,7 +105,7 @@ class MaterialFit(Result):
     `model` and `misfit`. `rms` and `largest_load` are N of a pad, MPa of a bar; `curve` is deformation, load
     and the model's load, `(rows_used,)` each."""
 
-    shown_by = "skincad.outputs.fits:FIT"
+    shown_by = "skincad.outputs.measurements:FIT"
     kind: str = item(meaning="of the test: bar or pad")
     rows: int = item(meaning="of the file")
     rows_used: int = item(meaning="that the fit took")

@@ -10,8 +10,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    checks: advice_lines allowance awaits_advice details number_lines
-    coupons: files
+    checks: CHECK advice_lines allowance awaits_advice
     delivery: Delivery of_formats ready save_picture write
     drawing.flat: write_shims_dxf
     drawing.overview: PAGE
@@ -21,15 +20,14 @@ __getattr__, __dir__ = face(
     figures.studies: LADDER_SIZE diagram pareto
     gallery: forces
     makes: names
-    simulations: write_table
+    simulations: SIMULATION write_table
     simulators.links: links
     simulators.meshes: tetrahedra
     simulators.package: Package markdown package
     solid_files: assembly write_assembly write_step write_stl
-    studies: front_names sweep_csv sweep_names sweep_page write_solution
+    studies: ACCURACY accuracy_names front_names sweep_csv sweep_names sweep_page write_solution write_wish
     tomls: HOME LISTS check_new document_name first_of listing schema_of start_names table_entries
         write_copy write_new write_with_modulus
     view: explosion_offset
-    wishes: write_wish
     """,
 )

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
 from statistics import median
 from types import MappingProxyType
 
@@ -26,7 +25,7 @@ from skincad.mechanics.models import winkler
 from skincad.mechanics.models.winkler import compliances
 from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits, plane_modulus
-from skincad.outputs.pages import paragraph, rounded, table
+from skincad.outputs.pages import rounded
 from skincad.shape.curves import area
 from skincad.shape.skin import skin_of
 from skincad.solids.plan import PartRole
@@ -78,44 +77,24 @@ class Calculation:
     source: str
     remark: str = ""
 
+    @property
+    def numbers(self) -> dict[str, str]:
+        """What is put in for symbols, as printed; not what differs from ridge to ridge."""
+        given = ((term.symbol, term.value) for term in self.given)
+        return {symbol: rounded(value) for symbol, value in given if not isinstance(value, tuple)}
 
-def calculation(step: Calculation) -> str:
-    """Return a step as lines of HTML: formula, numbers put in, result; symbols; source."""
-    numbers = {term.symbol: rounded(term.value) for term in step.given if not isinstance(term.value, tuple)}
-    many = "" if len(numbers) == len(step.given) else " with the ridges' values of the table below"
-    symbols = [
-        signs(term.symbol) + escape(f" = {term}, " if term.symbol in numbers else " ") + escape(term.meaning)
-        for term in step.given
-    ]
-    return (
-        f'<div class="step">\n<h3>{escape(step.title)}</h3>\n'
-        f'<p class="formula">{signs(step.result.symbol)} = {signs(step.formula)}<br>\n'
-        f"= {signs(step.formula, numbers)}{many} "
-        f'<span class="result">= {escape(str(step.result))}</span></p>\n'
-        f'<p class="small">{"; ".join(symbols)}.<br>Source: {escape(step.source)}.</p>\n'
-        f"{paragraph(step.remark, 'small') if step.remark else ''}</div>\n"
-    )
+    @staticmethod
+    def signs(formula: str, numbers: Mapping[str, str] = MappingProxyType({})) -> str:
+        """Return a formula as HTML, with numbers in the place of some symbols."""
 
+        def sign(match: re.Match[str]) -> str:
+            letter, _, index = match[0].partition("_")
+            number = numbers.get(match[0], "")
+            symbol = SIGNS.get(letter, letter) + (f"<sub>{index}</sub>" if index else "")
+            return f"({number})" if number.startswith("−") else number or symbol  # noqa: RUF001
 
-def signs(formula: str, numbers: Mapping[str, str] = MappingProxyType({})) -> str:
-    """Return a formula as HTML, with numbers in the place of some symbols."""
-
-    def sign(match: re.Match[str]) -> str:
-        letter, _, index = match[0].partition("_")
-        number = numbers.get(match[0], "")
-        symbol = SIGNS.get(letter, letter) + (f"<sub>{index}</sub>" if index else "")
-        return f"({number})" if number.startswith("−") else number or symbol  # noqa: RUF001
-
-    powers = re.sub(r"\*\*(\d)", r"<sup>\1</sup>", re.sub(r"[A-Za-z]\w*", sign, formula))
-    return powers.replace("*", "·").replace("-", "−")  # noqa: RUF001
-
-
-def ridge_table(quantities: Sequence[Quantity]) -> str:
-    """Return the table of what differs from ridge to ridge."""
-    columns = [quantity.value for quantity in quantities if isinstance(quantity.value, tuple)]
-    heads = ["ridge i", *(", ".join(filter(None, (term.symbol, str(term)))) for term in quantities)]
-    rows = [(ridge, *row) for ridge, row in enumerate(zip(*columns, strict=True), 1)]
-    return table(heads, rows, "small")
+        powers = re.sub(r"\*\*(\d)", r"<sup>\1</sup>", re.sub(r"[A-Za-z]\w*", sign, formula))
+        return powers.replace("*", "·").replace("-", "−")  # noqa: RUF001
 
 
 def contact_calculations(design: Design, share: float | None = None) -> list[Calculation]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from skincad.base.outfolder import checked_folder, files_below, fresh, manifest_
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import strict_json
 from skincad.base.result import Result, Writer, with_picture
+from skincad.fabrication.papers import macro
 
 PICTURES = ("png", "gif")
 MOST_NAMED = 6  # files of a folder that are named
@@ -48,17 +49,48 @@ def words_and_figure(result: Result) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How one kind of result is shown: see `Presenter` in `skincad.base.result`."""
+    """How one kind of result is shown: see `Presenter` in `skincad.base.result`.
+
+    Its words are the macros `lines`, `next_step` and `details` of a text of templates/answers, which may ask
+    for `facts`, the functions and numbers that the result itself does not have.
+    """
 
     COMMAND: str
-    lines: Callable[[Any], list[str]]
-    files: Callable[[Any], dict[str, Writer]]
-    next_step: Callable[[Any], str] = lambda _: ""
-    details: Callable[[Any], list[str]] = lambda _: []
+    words: str
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    writers: Callable[[Any], dict[str, Writer]] = (
+        lambda _: {}
+    )  # of files that are no pictures, or drawn otherwise
     html: Callable[[Any], str] = words_and_figure
     figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
     manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()
     replaces: Callable[[Any, Path], None] = lambda *_: None  # raises InputError for what must be kept
+
+    def files(self, result: Any) -> dict[str, Writer]:
+        """Return a writer for each file, by its name; each figure is one."""
+        writers = self.writers(result)
+        drawings = {name: draw for name, draw in self.figures(result).items() if name not in writers}
+        return writers | {name: picture(draw) for name, draw in drawings.items()}
+
+    def said(self, name: str, *values: Any) -> str:
+        """Return what a macro of the text makes of these values."""
+        return macro(f"answers/{self.words}", name, *values, **self.facts)
+
+    def rows(self, name: str, *values: Any) -> list[str]:
+        """Return the lines of a macro."""
+        return self.said(name, *values).split("\n")[:-1]
+
+    def lines(self, result: Any) -> list[str]:
+        """Return the answer, and how sure it is."""
+        return self.rows("lines", result)
+
+    def next_step(self, result: Any) -> str:
+        """Return what to do next."""
+        return "".join(self.rows("next_step", result))
+
+    def details(self, result: Any) -> list[str]:
+        """Return the numbers behind it."""
+        return self.rows("details", result)
 
 
 def write(

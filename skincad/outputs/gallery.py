@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 from skincad.base.estimate import Estimate
+from skincad.fabrication.papers import paper
 from skincad.inputs.catalog import load_design, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.inputs.shipped import templates_folder
@@ -91,31 +92,5 @@ def cells(entry: dict[str, Any]) -> tuple[str, ...]:
 
 def page() -> str:
     """Return the gallery as a page of the docs, whose pictures lie beside it."""
-    rows = []
-    for name, entry in entries().items():
-        ridges, size, detail, made, silicone, _ = cells(entry)
-        force = force_of(load_design(name))
-        begin = f"All touch from {force} on" if entry["count"] > 1 else "It touches from the first contact on"
-        touch = f"{begin}; the design is for {entry['force_N']:g} N."
-        facts = f"{ridges} on {size} mm, smallest detail {detail} mm ({entry['smallest_detail']})"
-        rows += [
-            f"## {name}",
-            "",
-            f"{entry['about']}.",
-            "",
-            f"![Skin, section and opened mold of {name}](gallery/{name}.png)",
-            "",
-            f"{facts}. Cast in {silicone}, mold by {made}. {touch}",
-            "",
-        ]
-    return "\n".join([*_PAGE_HEAD, *rows])
-
-
-_PAGE_HEAD = (
-    "# Gallery",
-    "",
-    "The designs that ship. `skincad make NAME` makes one.",
-    "`skincad new FILE --template NAME` copies one to edit.",
-    "`python -m bench.gallery` writes this page and its pictures.",
-    "",
-)
+    rows = [(name, entry, force_of(load_design(name))) for name, entry in entries().items()]
+    return paper("gallery.md", entries=rows)

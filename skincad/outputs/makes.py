@@ -52,42 +52,12 @@ T = TypeVar("T")
 
 COMMAND = "make"
 TELLING = ("strip place",)  # notes that decide whether slip can be heard
-PREVIEW_NOTE = "Preview: meshes and findings alone, without STEP or a check."
 SHEETS: dict[str, Callable[[Sheet, Path], object]] = {
     "pdf": write_sheet_pdf,
     "svg": lambda sheet, path: path.write_text(sheet_svg(sheet), encoding="utf-8"),
     "dxf": write_sheet_dxf,
 }
 BuildWriter = Callable[[Build, Path], None]
-
-
-def lines(result: MakeResult) -> list[str]:
-    """Return the verdict with its margin, and the findings: each error in full, else the gravest warning."""
-    check, shown = result.check, _shown_findings(result)
-    unchecked = PREVIEW_NOTE if result.preview else f"Not checked {checks.whether(result.build)}."
-    left = [finding for finding in result.findings if finding not in shown]
-    kind = "note" if all(finding.severity == "note" for finding in left) else "finding"
-    count = f"{len(left)}{' more' * bool(shown)} {kind}{'s' * (len(left) != 1)}"
-    more = f"; {count} with -v" if left else ""
-    return [
-        *(checks.answer_lines(check) if check else [unchecked]),
-        f"  mold           {counted(result.findings)}{more}",
-        *map(str, shown),
-        *_undecided(result),
-        *(checks.notes(check) if check else []),
-    ]
-
-
-def _undecided(result: MakeResult) -> list[str]:
-    """That no limit on a single crest tells good parts from others, as the casting sheet says at its end."""
-    if result.build is None or result.check is None:
-        return []
-    job = result.build.job
-    if limits_decide(job, checks.allowed_drops(result.check)):
-        return []
-    process = job.design.mold.process
-    which = f"the limits on its crests don't decide which parts pass: {process} scatters by more"
-    return [f"  parts          {which}. Judge each part by `skincad check --measured`."]
 
 
 def _shown_findings(result: MakeResult) -> list[Finding]:
@@ -98,35 +68,11 @@ def _shown_findings(result: MakeResult) -> list[Finding]:
     return errors or warnings or [finding for finding in result.findings if finding.rule in TELLING]
 
 
-def next_step(result: MakeResult) -> str:
-    """Return what to do next: mend what fails, check what was not checked, or cast."""
-    gravest = next(iter(_shown_findings(result)), None)
-    if gravest and gravest.severity != "note" and (result.strict or gravest.severity == "error"):
-        return f"{gravest.remedy}."
-    if result.preview:
-        return "`skincad make {design}` checks it and writes all files."
-    if result.check is None:
-        return f"`skincad check {{design}}` says {checks.whether(result.build)}."
-    if not result.check.passed:
-        return checks.next_step(result.check)
-    return "cast it: casting-sheet.html says what to buy and what to do."
-
-
-def details(result: MakeResult) -> list[str]:
-    """Return the parts as built, the other findings, and the numbers behind the verdict."""
-    parts = []
-    for part in result.parts:
-        more = "" if part.deviation is None else f"  mesh within {1000 * part.deviation:.2f} um"
-        faces = f"  {part.faces:4d} faces" if more else ""
-        parts.append(f"  {part.name:14} {part.volume:10.2f} mm3{faces}{more}")
-    shown = _shown_findings(result)
-    return [
-        "Parts:",
-        *parts,
-        *(str(finding) for finding in result.findings if finding not in shown),
-        f"{result.name}: {result.summary}",
-        *(checks.details(result.check) if result.check else []),
-    ]
+def _crests_decide_nothing(result: MakeResult) -> bool:
+    """Whether no limit on a single crest tells good parts from others, as the casting sheet says too."""
+    if result.build is None or result.check is None:
+        return False
+    return not limits_decide(result.build.job, checks.allowed_drops(result.check))
 
 
 def names(design: Design, solids: bool = True, preview: bool = False) -> list[str]:
@@ -220,7 +166,7 @@ def writers(
 
 
 def _view(build: Build) -> str:
-    return view_page(build.job, build.meshes, build.check, _verdict(build), _png(build))
+    return view_page(build.job, build.meshes, build.check, checks.verdict_of(build), _png(build))
 
 
 def _text(of: Callable[[Build], str]) -> BuildWriter:
@@ -298,11 +244,6 @@ def _crests(build: Build) -> CrestAllowance | None:
     return CrestAllowance(checks.allowed_drops(build.check)) if build.check else None
 
 
-def _verdict(build: Build) -> str:
-    """The verdict in words, or that the design was not checked."""
-    return checks.verdict(build.check) if build.check else f"Not checked {checks.whether(build)}."
-
-
 def _report(build: Build) -> str:
     from skincad.outputs.report import report
 
@@ -334,7 +275,7 @@ def sheet_text(build: Build) -> str:
         measured = inspection(build.job, *checks.allowance(build.check))
         passed = passes(build.check, build.findings, strict=False)
         findings = list(build.findings)
-        return casting_sheet(build.job, findings, _verdict(build), passed, measured, build.estimates)
+        return casting_sheet(build.job, findings, checks.verdict_of(build), passed, measured, build.estimates)
 
     return _once(build, "sheet", sheet)
 
@@ -348,10 +289,14 @@ def _once(build: Build, name: str, of: Callable[[], T]) -> T:
 
 MAKE = Presentation(
     COMMAND=COMMAND,
-    lines=lines,
-    next_step=next_step,
-    details=details,
-    files=files,
+    words="make.txt",
+    facts={
+        **checks.CHECK.facts,
+        "counted": counted,
+        "shown_findings": _shown_findings,
+        "crests_decide_nothing": _crests_decide_nothing,
+    },
+    writers=files,
     figures=figures,
     manifest=manifest,
     replaces=lambda result, folder: keep_whole(folder) if result.preview else None,

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
@@ -17,12 +16,13 @@ from skincad.circuit.model import Circuit, constants, load_circuit
 from skincad.circuit.network import PICO, Constants, capacitance, electrode
 from skincad.effects.piezo import Piezo, fitted, strip_charges
 from skincad.inputs.catalog import retyped, template_names
-from skincad.outputs import gains, simulations
-from skincad.outputs.calculations import PIEZO, Calculation, Quantity, calculation
+from skincad.outputs.calculations import PIEZO, Calculation, Quantity
 from skincad.outputs.figures.canvas import png, svg
 from skincad.outputs.figures.results import gain_figure
 from skincad.outputs.figures.scenes import scene_figure
-from skincad.outputs.pages import data_url, figure, heading, paragraph, table
+from skincad.outputs.gains import GAIN
+from skincad.outputs.pages import data_url, html
+from skincad.outputs.simulations import SIMULATION
 from skincad.scenes.scene import Scene, load_scene
 from skincad.scenes.simulation import Simulation
 
@@ -67,56 +67,37 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
     """Return a scene's part of the report."""
     words, needed = scene_arguments(simulation.scene, source)
     command, title = f"skincad simulate {words}", f"Scene {simulation.scene.name}"
-    stopped = "" if simulation.march.stopped is None else f" It stopped: {simulation.march.stopped}."
-    caption = f"Signals of {simulation.scene.name} with this skin.{stopped}"
     # slip, lead times and errors as `simulate` prints them, without the run's time
-    printed = [*simulations.lines(simulation)[1:], *simulations.details(simulation)]
-    results = [line for line in printed if not line.startswith(("  model", "  run"))]
-    body = [
-        heading(title, title.lower().replace(" ", "-"), new_page=True),
-        paragraph(f"Effects: {', '.join(simulation.scene.effects) or 'none'}."),
-        figure(data_url(png(scene_figure(simulation)), "image/png"), caption, command),
-        table(("result", "value"), [(line[2:17].strip(), line[17:]) for line in results]),
-        _left_out(simulation),
+    printed = [*SIMULATION.lines(simulation)[1:], *SIMULATION.details(simulation)]
+    results = [
+        (line[2:17].strip(), line[17:]) for line in printed if not line.startswith(("  model", "  run"))
     ]
+    amplifiers = []
     for piezo in (part for part in simulation.scene.parts.values() if isinstance(part, Piezo)):
         section, more = amplifier_part(simulation, piezo)
-        body.append(section)
+        amplifiers.append(section)
         needed |= more
-    return ScenePart(title, words.partition(" ")[0], "".join(body), needed)
-
-
-def _left_out(simulation: Simulation) -> str:
-    rows = [
-        (effect.effect, effect.indicator, f"{effect.change:.1%}", effect.certainty)
-        for effect in simulation.left_out
-    ]
-    if not rows:
-        return paragraph("No effect is left out.")
-    head = ("left out", "what points to it", "may change signals by", "how sure")
-    return table(head, rows)
+    address, key = data_url(png(scene_figure(simulation)), "image/png"), title.lower().replace(" ", "-")
+    left_out = [(e.effect, e.indicator, f"{e.change:.1%}", e.certainty) for e in simulation.left_out]
+    facts = (title, key, command, simulation, address, results, left_out, amplifiers)
+    return ScenePart(title, words.partition(" ")[0], html("scene.html", "scene", *facts), needed)
 
 
 def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
     """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
     circuit = without_rig(fitted(piezo.loaded, simulation.scene.design))
-    head = f"<h3>Amplifier {escape(circuit.name)}, with this skin's strip</h3>\n"
     try:
         circuit_gain = gain(circuit)
     except InputError as refusal:  # its sweep needs a key that the scene does not give
-        return head + paragraph(f"Its gain cannot be computed: {refusal}."), {}
+        return html("scene.html", "amplifier", circuit, refusal), {}
     file = f"circuit-{circuit.name}.toml"
     words = retyped(circuit, "circuits", load_circuit, file=file)
-    command = f"skincad circuit {words}"
-    parts = [
-        head,
-        paragraph(gains.lines(circuit_gain)[0]),
-        figure(
-            data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), "Gain of film and amplifier.", command
-        ),
-        *(calculation(step) for step in scene_calculations(simulation, circuit, circuit_gain)),
-    ]
-    return "".join(parts), {file: circuit.to_toml()} if words == file else {}
+    address, sentence = data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), GAIN.lines(circuit_gain)[0]
+    steps = scene_calculations(simulation, circuit, circuit_gain)
+    section = html(
+        "scene.html", "amplifier", circuit, None, sentence, address, f"skincad circuit {words}", steps
+    )
+    return section, {file: circuit.to_toml()} if words == file else {}
 
 
 def _own_toml(scene: Scene) -> str:

@@ -1,4 +1,5 @@
-"""Output of studies: of `solve` what reaches the target, of `sweep` the best rows, of `optimise` the front.
+"""Output of studies: a design for a wish, what reaches the target of `solve`, the rows of `sweep`, the front
+of `optimise`, and the ladders of `accuracy`.
 
 All that was tried is a table, pictures and a page.
 """
@@ -9,163 +10,41 @@ import json
 import re
 import shlex
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from html import escape
 from importlib.util import find_spec
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING, Any
+
+import tomlkit
 
 from skincad.base.errors import InputError
 from skincad.base.progress import about
-from skincad.base.reading import csv_text
+from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
-from skincad.outputs.delivery import Presentation, picture, text
-from skincad.outputs.tomls import write_copy
+from skincad.outputs import checks
+from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.tomls import commented_toml, document_name, write_copy, write_with_schema
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import LADDERS, Ladder
 from skincad.studies.query import Evaluation, short, slack, worded
 from skincad.studies.searches import combinations
-from skincad.studies.solving import Solution, SolutionPoint
-from skincad.studies.study import Member, Optimisation
-from skincad.studies.subject import DesignVariable, Value, changed, owner
-from skincad.studies.sweeping import Ranking, SweepResult
+from skincad.studies.solving import Solution
+from skincad.studies.study import Optimisation
+from skincad.studies.subject import Value, changed, owner
+from skincad.studies.sweeping import SweepResult
 
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
+    from skincad.studies.wish import WishResult
 
 
-NEXT_COMMANDS = {  # by what was asked: the command that goes on, and what it does
-    "check": ("check", "judges it by more accurate models"),
-    "make": ("make", "makes its mold"),
-    "simulate": ("simulate", "runs it with all signals and pictures"),
-    "circuit": ("circuit", "shows its gain"),
-}
-MAX_SHOWN = 5  # solutions, in words
 PAGE = "study.html"
-MAX_BEST_ROWS, MAX_REASONS = 5, 3  # best rows, and reasons of refusals, in words
 NUMBER = re.compile(r"\d[\d.e+-]*")
-MOST_KEYS = 12  # of a result, that are named
-MAX_TIED_ROWS = 12  # rows of a tie that are listed by number
 FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
+ACCURACY_TABLE = "accuracy.csv"
+COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
 SHOWN = 6  # members of the front, in words and as designs
-
-
-def solution_lines(solution: Solution) -> list[str]:
-    """Return the value that gives the target, how surely it does, and what to know of the search."""
-    return [
-        f"{solution.name}: {_found(solution)}.",
-        *(_reached_lines(solution, solution.solutions[0]) if solution.solutions else []),
-        f"  searched       {_effort(solution)}",
-        *(f"  note           {note}" for note in solution.notes),
-    ]
-
-
-def _found(solution: Solution) -> str:
-    if not solution.solutions:
-        return _none(solution)
-    # with choices alone, a solution only has the target within its error
-    gives = "may give" if all(knob.choices or knob.whole for knob in solution.knobs) else "gives"
-    others = len(solution.solutions) - 1
-    also = f"; {others} other{'s' if others > 1 else ''} too" if others else ""
-    return f"{_solved_values(solution, solution.solutions[0])} {gives} {_targets(solution)}{also}"
-
-
-def _effort(solution: Solution) -> str:
-    count, model = len(solution.evaluations), solution.question.model
-    whole = "the whole range" if solution.complete else "a part of the range"
-    effort = f"{count} evaluation{'s' if count != 1 else ''}" + (f" by {model}" if model else "")
-    refused = f", {solution.refused} of them refused" if solution.refused else ""
-    return f"{whole}: {effort}, {solution.seconds:.3g} s{refused}"
-
-
-def solution_step(solution: Solution) -> str:
-    """Return what to do next: check the solution, or look elsewhere."""
-    if not solution.solutions:
-        return "look further: widen a range of --vary, or vary another key."
-    return _next_command(solution.question.kind, solution.solutions[0].values, "`-o FILE` writes the design.")
-
-
-def _next_command(kind: str, values: Mapping[str, Value], where: str) -> str:
-    """Return the command that goes on with a design, scene or circuit of these values; `where` these are
-    instead, if `--set` can't give them."""
-    if any(key.rpartition(".")[2].isdigit() for key in values):
-        return where
-    command, does = NEXT_COMMANDS[kind]
-    settings = " ".join(f"--set {shlex.quote(f'{key}={_typed(value)}')}" for key, value in values.items())
-    return f"`skincad {command} {{design}} {settings}` {does}."
-
-
-def _typed(value: Value) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
-
-
-def solution_details(solution: Solution) -> list[str]:
-    """Return the other solutions, and the first refusal."""
-    _, *others = solution.solutions or (None,)
-    rows = []
-    for candidate in others[: MAX_SHOWN - 1]:
-        rows.append(f"  also           {_solved_values(solution, candidate)}")
-        rows += _reached_lines(solution, candidate)
-    if len(others) >= MAX_SHOWN:
-        rows.append(f"  and            {len(others) + 1 - MAX_SHOWN} more")
-    refused = [evaluation.refused for evaluation in solution.evaluations if evaluation.refused]
-    return [*rows, *([f"  refused        {len(refused)}; the first: {refused[0]}"] if refused else [])]
-
-
-def _reached_lines(solution: Solution, candidate: SolutionPoint) -> list[str]:
-    """Return what a solution reaches, and how far its values may be off."""
-    rows = [f"  reached        {worded(key, value)}" for key, value in candidate.reached.items()]
-    for key, (low, high) in candidate.interval.items():
-        knob = next(knob for knob in solution.knobs if knob.key == key)
-        ends = f"{short(low)} to {short(high)}{_unit(knob)}"
-        rows.append(f"  may be         {key} anywhere from {ends}, since the result has that error")
-    return rows + [
-        f"  nearest        {key} = {name}"
-        for key, name in candidate.nearest.items()
-        if key not in candidate.values
-    ]
-
-
-def _solved_values(solution: Solution, solved: SolutionPoint) -> str:
-    units = {knob.key: _unit(knob) for knob in solution.knobs}
-    return ", ".join(f"{key} {short(value)}{units[key]}" for key, value in solved.values.items())
-
-
-def _unit(knob: DesignVariable) -> str:
-    return f" {knob.unit}" if knob.unit else ""
-
-
-def _none(solution: Solution) -> str:
-    ranges, count = ", ".join(_range(knob) for knob in solution.knobs), len(solution.evaluations)
-    sentence = f"no {ranges} gives {_targets(solution)}"
-    if not solution.complete:
-        many = f"{count} evaluation{'s' if count != 1 else ''}"
-        sentence = f"none found in {many} of {ranges} that gives {_targets(solution)}"
-    if solution.closest is None:
-        return sentence
-    near = solution.closest.reached
-    reached = ", ".join(worded(key, value) for key, value in near.items())
-    within = all(
-        abs(float(near[key]) - wanted) <= slack(near[key]) for key, wanted in solution.target.items()
-    )
-    may = "; the target lies within its error" if within else ""
-    return f"{sentence}. The nearest is {reached}, at {_solved_values(solution, solution.closest)}{may}"
-
-
-def _targets(solution: Solution) -> str:
-    sides = {"<=": " at most ", ">=": " at least "}
-    bounds = solution.bounds or {}
-    words = (
-        (worded(key, wanted), sides.get(bounds.get(key, ""), " ")) for key, wanted in solution.target.items()
-    )
-    return ", ".join(side.join(text.split(" ", 1)) for text, side in words)
-
-
-def _range(knob: DesignVariable) -> str:
-    if knob.choices:
-        many = len(knob.choices) > MAX_SHOWN
-        return f"{knob.key} among {len(knob.choices) if many else ' and '.join(map(str, knob.choices))}"
-    return f"{knob.key} from {knob.low:g} to {knob.high:g}{_unit(knob)}"
 
 
 def solution_figures(solution: Solution) -> dict[str, Callable[[], Picture]]:
@@ -177,21 +56,13 @@ def solution_figures(solution: Solution) -> dict[str, Callable[[], Picture]]:
     return {"solve.png": partial(solution_figure, solution)}
 
 
-def solution_files(solution: Solution) -> dict[str, Writer]:
-    """Return the writers of the first solution's design, and of the figure."""
-    designs = {"solved.toml": text(solution.solved.to_toml)} if solution.solutions else {}
-    return {**designs, **{name: picture(draw) for name, draw in solution_figures(solution).items()}}
-
-
 def write_solution(solution: Solution, path: Path, source: str) -> None:
     """Write the first solution as a copy of the file it began from, its comments kept.
 
     Raises InputError for a file that is there already or cannot be written.
     """
-    values = solution.solutions[0].values
-    comments = {
-        key: f"solved for {_targets(solution)}" for key in values if not key.rpartition(".")[2].isdigit()
-    }
+    values, targets = solution.solutions[0].values, SOLUTION.said("targets", solution)
+    comments = {key: f"solved for {targets}" for key in values if not key.rpartition(".")[2].isdigit()}
     if any(owner(solution.subject, key)[0] is not solution.subject for key in values):
         comments = {}  # a skin's or a circuit's own tables come in place of its name
     write_copy(path, source, solution.solved, comments)
@@ -200,117 +71,6 @@ def write_solution(solution: Solution, path: Path, source: str) -> None:
 def sweep_names() -> list[str]:
     """Return the names of what may be written."""
     return ["sweep.csv", "sweep.parquet", "effects.png", "pairs.png", "front.png", PAGE]
-
-
-def sweep_lines(sweep: SweepResult) -> list[str]:
-    """Return the best row, how surely it is the best, and how many rows there are."""
-    count, model = len(sweep.rows), sweep.question.model
-    spent = f"{sweep.evaluations} evaluations, {sweep.reused} reused, {sweep.seconds:.3g} s"
-    return [
-        f"{sweep.name}: {_best(sweep)}.",
-        *([f"  how sure       {_surely(sweep.rankings[0])}"] if _ranked(sweep) else []),
-        f"  rows           {count}{f' by {model}' if model else ''}: {_verdicts(sweep)}; {spent}",
-        *(_refusals([row for row in sweep.rows if row.refused]) if sweep.refused == count else []),
-    ]
-
-
-def _ranked(sweep: SweepResult) -> bool:
-    return bool(sweep.rankings and sweep.rankings[0].ranks)
-
-
-def _best(sweep: SweepResult) -> str:
-    if not sweep.rankings:
-        return f"{len(sweep.rows)} rows, ranked by nothing"
-    ranking = sweep.rankings[0]
-    word = "smallest" if ranking.goal == "min" else "largest"
-    if not ranking.ranks:
-        return f"no row has {ranking.key}"
-    row, number = sweep.best(), ranking.ranks[0].row
-    return f"row {number} has the {word} {worded(ranking.key, row.results[ranking.key])}: {_row_values(row)}"
-
-
-def _surely(ranking: Ranking) -> str:
-    """How many rows the best one surely beats."""
-    first, others = ranking.ranks[0], len(ranking.ranks) - 1
-    if not others:
-        return "no other row has this result"
-    beaten = "all other rows" if first.wins == others else f"{first.wins} of the other {others} rows"
-    tied = ranking.ties and first.row in ranking.ties[0]
-    return f"surely better than {beaten}" + (f"; {_tie(ranking)}" if tied else "")
-
-
-def _tie(ranking: Ranking) -> str:
-    """Which rows the best one may not beat."""
-    tie = ranking.ties[0]
-    others = (
-        f"rows {', '.join(map(str, tie[1:]))}" if len(tie) <= MAX_TIED_ROWS else f"the next {len(tie) - 1}"
-    )
-    return f"not surely better than {f'row {tie[1]}' if len(tie) == 2 else others}"
-
-
-def sweep_step(sweep: SweepResult) -> str:
-    """Return what to do next: ask a better model that tells the first rows apart, or check the best row."""
-    if not _ranked(sweep):
-        answered = [row for row in sweep.rows if not row.refused]
-        if not answered:
-            return "change the ranges of --vary: no row has an answer."
-        keys = [key for key in answered[0].results if answered[0].results[key].value is not None]
-        return f"rank the rows: --rank KEY=max, KEY one of {', '.join(keys[:MOST_KEYS])}; `--json` has all."
-    if sweep.next_model:
-        name, seconds = sweep.next_model.model, sweep.next_model.seconds
-        count = len(sweep.rankings[0].ties[0])
-        return (
-            f"the same sweep with `--model {name}` may tell the first {count} rows apart; these alone take "
-            f"about {about(seconds)}."
-        )
-    return _next_command(sweep.question.kind, sweep.best().values, f"{PAGE} has the design of each row.")
-
-
-def sweep_details(sweep: SweepResult) -> list[str]:
-    """Return the best rows of each ranking, and why rows are refused."""
-    rows = [row for ranking in sweep.rankings for row in _ranking_lines(sweep, ranking)]
-    refused = [row for row in sweep.rows if row.refused]
-    return [*rows, *(_refusals(refused) if len(refused) < len(sweep.rows) else [])]
-
-
-def _row_values(row: Evaluation) -> str:
-    return ", ".join(f"{key} {short(value)}" for key, value in row.values.items())
-
-
-def _verdicts(sweep: SweepResult) -> str:
-    parts = [f"{sum(bool(row.passed) for row in sweep.rows if not row.refused)} pass"]
-    if all(row.passed is None for row in sweep.rows):
-        parts = [f"{len(sweep.rows) - sweep.refused} answered"]
-    return ", ".join([*parts, f"{sweep.refused} refused"])
-
-
-def _ranking_lines(sweep: SweepResult, ranking: Ranking) -> list[str]:
-    word = "smallest" if ranking.goal == "min" else "largest"
-    if not ranking.ranks:
-        return [f"  best           no row has {ranking.key}"]
-    rows = []
-    for place, rank in enumerate(ranking.ranks[:MAX_BEST_ROWS], 1):
-        row = sweep.rows[rank.row - 1]
-        head = f"{word} {place}".ljust(14)
-        rows.append(
-            f"  {head} {worded(ranking.key, row.results[ranking.key])}: {_row_values(row)} (row {rank.row}, "
-            f"surely better than {rank.wins})"
-        )
-    if ranking is not sweep.rankings[0] and ranking.ties and ranking.ranks[0].row in ranking.ties[0]:
-        rows.append(f"  tie            row {ranking.ranks[0].row} is {_tie(ranking)}")
-    return rows
-
-
-def _refusals(refused: list[Evaluation]) -> list[str]:
-    """Return the most frequent reasons, in the words of their first row: others' numbers may differ."""
-    first: dict[str, str] = {}
-    kinds = [NUMBER.sub("", row.refused.partition(", got ")[0]) for row in refused]
-    for kind, row in zip(kinds, refused, strict=True):
-        first.setdefault(kind, row.refused)
-    return [
-        f"  refused        {count}{'; the first' if count > 1 else ''}: {first[kind]}"
-        for kind, count in Counter(kinds).most_common(MAX_REASONS)
-    ]
 
 
 def table(sweep: SweepResult) -> tuple[list[str], list[list[Any]]]:
@@ -355,7 +115,7 @@ def sweep_page(
     Columns of what is varied come first, then of `aims`, of a sweep what it is ranked by; columns without
     anything are left out.
     """
-    from skincad.outputs.pages import HERE, document
+    from skincad.outputs.pages import HERE, document, html
 
     head, rows = table(sweep)
     first = [
@@ -375,12 +135,10 @@ def sweep_page(
         "y": shown.index(plotted[min(len(sweep.knobs), len(plotted) - 1)]),
     }
     title = f"{title or sweep.name}: {len(sweep.rows)} rows"
-    body = Template((HERE / "study_body.html").read_text("utf-8")).substitute(
-        title=escape(title),
-        words=escape("\n".join(words or [*sweep_lines(sweep), *sweep_details(sweep)])),
-        data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
-        script=(HERE / "study.js").read_text("utf-8"),
-    )
+    shown_words = "\n".join(words or [*SWEEP.lines(sweep), *SWEEP.details(sweep)])
+    script = (HERE / "study.js").read_text("utf-8")
+    island = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    body = html("study.html", "page", title, shown_words, island, script)
     return document(title, body, "study.css")
 
 
@@ -411,8 +169,7 @@ def sweep_files(sweep: SweepResult) -> dict[str, Writer]:
     writers: dict[str, Writer] = {"sweep.csv": text(lambda: sweep_csv(sweep))}
     if find_spec("pyarrow") is not None:
         writers["sweep.parquet"] = partial(_write_parquet, sweep)
-    writers[PAGE] = text(lambda: sweep_page(sweep))
-    return {**writers, **{name: picture(draw) for name, draw in sweep_figures(sweep).items()}}
+    return {**writers, PAGE: text(lambda: sweep_page(sweep))}
 
 
 def front_names() -> list[str]:
@@ -421,91 +178,186 @@ def front_names() -> list[str]:
     return [*designs, FRONT_TABLE, FRONT_PAGE, "effects.png", "pairs.png", "front.png"]
 
 
-def front_lines(optimisation: Optimisation) -> list[str]:
-    """Return what `optimise` prints."""
-    rows = [_first(optimisation)]
-    for number, member in enumerate(optimisation.front[:SHOWN], 1):
-        rows.append(f"  {f'front {number}':14} {_values(member)}")
-        rows += _member_lines(member)
-    if len(optimisation.front) > SHOWN:
-        rows.append(f"  {'more':14} {len(optimisation.front) - SHOWN} designs of the front, in optimise.json")
-    if optimisation.closest is not None:
-        rows += [f"  {'nearest':14} {_values(optimisation.closest)}", *_member_lines(optimisation.closest)]
-    if optimisation.start is not None:
-        rows += [
-            f"  {'start':14} {', '.join(worded(k, e) for k, e in optimisation.start.objectives.items())}"
-        ]
-    model = optimisation.rows.question.model
-    designs = f"{len(optimisation.rows.rows)} designs{f' by {model}' if model else ''}"
-    by = f"{designs}, {optimisation.judged} judged"
-    spent = (
-        f"{optimisation.evaluations} evaluations, {optimisation.reused} reused, {optimisation.seconds:.3g} s"
-    )
-    rows.append(f"  tried          {by}; {spent}")
-    if optimisation.untried:
-        count = combinations(optimisation.rows.knobs)
-        untried = f"{optimisation.untried} of {count} combinations"
-        rows.append(f"  not tried      {untried}; `evaluations = {count}` tries all")
-    return rows
-
-
-def _first(optimisation: Optimisation) -> str:
-    goals = ", ".join(
-        f"{o.key} {'small' if o.goal == 'min' else 'large'}" for o in optimisation.study.objectives
-    )
-    if not optimisation.front:
-        return f"{optimisation.name}: no design that was judged keeps all constraints ({goals})."
-    several = len(optimisation.study.objectives) > 1
-    what = f"a front of {len(optimisation.front)} designs" if several else "the best design that was found"
-    return f"{optimisation.name}: {what} for {goals}."
-
-
-def _values(member: Member) -> str:
-    return ", ".join(f"{key} {short(value)}" for key, value in member.values.items())
-
-
-def _member_lines(member: Member) -> list[str]:
-    by = f" ({member.model})" if member.model else ""
-    rows = [f"    {'objective':12} {worded(key, value)}{by}" for key, value in member.objectives.items()]
-    return rows + [
-        f"    {'constraint' if satisfied else 'BROKEN':12} {worded(key, value)}"
-        for key, (value, satisfied) in member.constraints.items()
-    ]
-
-
-def front_figures(optimisation: Optimisation) -> dict[str, Callable[[], Picture]]:
-    """Return the pictures of all that was tried."""
-    return dict(sweep_figures(optimisation.rows))
-
-
 def front_files(optimisation: Optimisation) -> dict[str, Writer]:
     """Return the writers of the front's designs, the table, the page and the pictures."""
     count = min(SHOWN, len(optimisation.front))
     designs = {f"front-{n}.toml": text(optimisation.design(n).to_toml) for n in range(1, count + 1)}
     aims = optimisation.aims
     page = text(
-        lambda: sweep_page(optimisation.rows, front_lines(optimisation), title=optimisation.name, aims=aims)
+        lambda: sweep_page(
+            optimisation.rows, OPTIMISATION.lines(optimisation), title=optimisation.name, aims=aims
+        )
     )
-    pictures = {name: picture(draw) for name, draw in front_figures(optimisation).items()}
-    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page, **pictures}
+    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page}
 
 
+def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
+    """Return the design's TOML without what is at its default, each choice with its rule above it."""
+    design = wish.design.with_(name=name)
+    document = tomlkit.parse(tomlkit.dumps(design.model_dump(exclude_defaults=True, exclude_none=True)))
+    rules = {choice.key: choice.why for choice in wish.choices}
+    rows = [f"#:schema ./{schema}", ""] if schema else []
+    table = ""
+    for row in [*_head(wish), *tomlkit.dumps(document).splitlines()]:
+        if row.startswith("["):
+            table = row.strip("[]")
+        rule = rules.get(f"{table}.{row.partition(' = ')[0]}") or (row.startswith("[") and rules.get(table))
+        rows += [f"# {rule}"] if rule else []
+        rows.append(row)
+    return "\n".join(rows) + "\n"
+
+
+def _head(wish: WishResult) -> list[str]:
+    skin, design = wish.design.skin, wish.design
+    touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
+    size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
+    broken = [f"# NOT MET: {b.wish}: asked {b.asked}, got {b.given}: {b.why}" for b in wish.broken]
+    return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}", *broken]
+
+
+def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
+    """Write the design of a wish, short or with every key explained, and its schema beside it; return both
+    paths. Raises InputError for a file that is there already or cannot be written."""
+    name = document_name(path.stem)
+
+    def written(schema: str) -> str:
+        short = short_toml(wish, name, schema)
+        return commented_toml("designs", short, path.stem, schema) if full else short
+
+    return write_with_schema(path, "designs", written, wish.design.features.family)
+
+
+def accuracy_names(ladders: Iterable[str]) -> list[str]:
+    """Return the names of what will be written of these ladders, of all if there are none."""
+    return [ACCURACY_TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
+
+
+def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
+    """Return the diagram of error against time of each ladder."""
+    from skincad.outputs.figures.studies import diagram
+
+    return {
+        f"accuracy-{ladder.name}.png": partial(diagram, ladder, accuracy.machine)
+        for ladder in accuracy.ladders
+    }
+
+
+def accuracy_csv(accuracy: Accuracy) -> str:
+    """Return all rows as CSV; a measure is a column, empty where a trial does not have it."""
+    measures = [f"{ladder.name}: {m.name}" for ladder in accuracy.ladders for m in ladder.measures]
+    rows: list[list[Cell]] = [[*COLUMNS, *measures]]
+    for ladder in accuracy.ladders:
+        for row in ladder.rows():
+            errors = {f"{ladder.name}: {name}": f"{error:.4g}" for name, error in row["errors"].items()}
+            cells = [row[c] if not isinstance(row[c], float) else f"{row[c]:.6g}" for c in COLUMNS]
+            rows.append([*cells, *map(errors.get, measures)])
+    return csv_text(rows)
+
+
+def _trial_table(ladder: Ladder) -> Iterator[str]:
+    """A row a trial; a star marks the trials of the Pareto front in time and the first error."""
+    measures = ladder.measures
+    models = max((len(r.model) for r in ladder.trials), default=0)
+    settings = max((len(r.setting) for r in ladder.trials), default=0)
+    widths = {m.name: max(15, len(m.shown) + 2) for m in measures}
+    heads = "".join(f"{m.shown:>{widths[m.name]}}" for m in measures)
+    yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
+    best = {measure.name: ladder.best(measure) for measure in measures}
+    for point in ladder.trials:
+        cells = "".join(
+            f"{point.errors[m.name]:>{widths[m.name] - 1}.2g}{'*' if point in best[m.name] else ' '}"
+            if m.name in point.errors
+            else " " * widths[m.name]
+            for m in measures
+        )
+        yield (
+            f"  {point.model:{models}}  {point.setting:{settings}} {point.unknowns:9d} {point.seconds:9.3g} "
+            f"{point.spread / 2:8.1g} {cells}".rstrip()
+        )
+
+
+def _unit_of(solution: Solution, key: str) -> str:
+    unit = next(knob.unit for knob in solution.knobs if knob.key == key)
+    return f" {unit}" if unit else ""
+
+
+def _within_error(solution: Solution) -> bool:
+    """Whether the nearest result may be the target."""
+    assert solution.closest is not None
+    near = solution.closest.reached
+    return all(abs(float(near[key]) - wanted) <= slack(near[key]) for key, wanted in solution.target.items())
+
+
+def _can_be_set(values: Mapping[str, Value]) -> bool:
+    return not any(key.rpartition(".")[2].isdigit() for key in values)
+
+
+def _settings(values: Mapping[str, Value]) -> str:
+    """The options of a command that give these values."""
+    typed = {
+        key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in values.items()
+    }
+    return " ".join(f"--set {shlex.quote(f'{key}={value}')}" for key, value in typed.items())
+
+
+def _reasons(sweep: SweepResult) -> list[tuple[str, int]]:
+    """Why rows are refused, in the words of the first of each kind, and how many are; the usual first."""
+    first: dict[str, str] = {}
+    refused = [row.refused for row in sweep.rows if row.refused]
+    kinds = [NUMBER.sub("", reason.partition(", got ")[0]) for reason in refused]
+    for kind, reason in zip(kinds, refused, strict=True):
+        first.setdefault(kind, reason)
+    return [(first[kind], count) for kind, count in Counter(kinds).most_common()]
+
+
+FACTS = {
+    "about": about,
+    "can_be_set": _can_be_set,
+    "combinations": combinations,
+    "has_range": lambda solution: not all(knob.choices or knob.whole for knob in solution.knobs),
+    "reasons": _reasons,
+    "settings": _settings,
+    "short": short,
+    "unit_of": _unit_of,
+    "within_error": _within_error,
+    "worded": worded,
+    "PAGE": PAGE,
+    "SHOWN": SHOWN,
+}
 SOLUTION = Presentation(
     COMMAND="solve",
-    lines=solution_lines,
-    next_step=solution_step,
-    details=solution_details,
-    files=solution_files,
+    words="solve.txt",
+    facts=FACTS,
+    writers=lambda solution: {"solved.toml": text(solution.solved.to_toml)} if solution.solutions else {},
     figures=solution_figures,
     manifest=lambda solution: {"name": solution.name, "target": dict(solution.target)},
 )
 SWEEP = Presentation(
     COMMAND="sweep",
-    lines=sweep_lines,
-    next_step=sweep_step,
-    details=sweep_details,
-    files=sweep_files,
+    words="sweep.txt",
+    facts=FACTS,
+    writers=sweep_files,
     figures=sweep_figures,
     manifest=lambda sweep: {key: value for key, value in sweep.as_json().items() if key != "rows"},
 )
-OPTIMISATION = Presentation(COMMAND="optimise", lines=front_lines, files=front_files, figures=front_figures)
+OPTIMISATION = Presentation(
+    COMMAND="optimise",
+    words="optimise.txt",
+    facts=FACTS,
+    writers=front_files,
+    figures=lambda optimisation: sweep_figures(optimisation.rows),
+)
+WISH = Presentation(
+    COMMAND="new",
+    words="new.txt",
+    facts=checks.CHECK.facts,
+    writers=lambda wish: {f"{wish.name}.toml": text(lambda: short_toml(wish, wish.name))},
+    figures=lambda wish: checks.figures(wish.check),
+)
+ACCURACY = Presentation(
+    COMMAND="accuracy",
+    words="accuracy.txt",
+    facts={"trial_table": _trial_table},
+    writers=lambda accuracy: {ACCURACY_TABLE: text(lambda: accuracy_csv(accuracy))},
+    figures=accuracy_figures,
+)

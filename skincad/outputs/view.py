@@ -7,8 +7,6 @@ import json
 import math
 import zlib
 from collections.abc import Iterable, Mapping
-from html import escape
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -22,10 +20,10 @@ from skincad.fabrication.sheet import opening_steps
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
+from skincad.outputs.pages import HERE, data_url, html
 from skincad.solids.mold import ClosedMold, Move
 from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole, Prism, RevolvedBody, RotatedBody
 
-HERE = files("skincad.outputs") / "web"
 Data = dict[str, Any]
 SEAM = 1e-9  # mm, how near to x = 0 a half's points on its middle lie
 VIEWER_START = "var camera,controls,scene,renderer"  # so begins trimesh's own viewer, behind the libraries
@@ -58,17 +56,9 @@ def view_page(
     }
     payload = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
     style, script = ((HERE / name).read_text("utf-8") for name in ("view.css", "view.js"))
-    body = (HERE / "view_body.html").read_text("utf-8")
-    title = escape(display_name(design))
-    drawn = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width">\n<title>{title}</title>\n'
-        f"<style>\n{style}</style>\n</head>\n<body>\n"
-        + body.replace("$NAME", title).replace("$WORDS", escape(words)).replace("$PICTURE", drawn)
-        + f'<script type="application/octet-stream" id="data">{payload}</script>\n'
-        f"<script>{three_js()}</script>\n<script>\n{script}</script>\n</body>\n</html>\n"
-    )
+    title, drawn = display_name(design), data_url(picture, "image/png")
+    body = html("view.html", "page", title, words, drawn, payload, three_js(), script)
+    return html("pieces.html", "document", title, style, body)
 
 
 def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:

@@ -98,7 +98,7 @@ class StripState(Record):
 class RecordingAcceptance(Result):
     """What a recording says of the strips; `pull` whether it covers more than the press."""
 
-    shown_by = "skincad.outputs.recordings:RECORDING"
+    shown_by = "skincad.outputs.measurements:RECORDING"
     scene: Scene
     strips: tuple[StripState, ...] = item(meaning="by channel")
     common_gain: Estimate = item("1", "of all strips, recorded over predicted", key="common_gain")

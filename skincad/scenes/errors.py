@@ -23,6 +23,7 @@ towards the slip.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -55,6 +56,16 @@ class BySource(NamedTuple):
         if self.mesh is None or self.time_step is None:
             return None
         return self.mesh + self.time_step + self.left_out + self.drift
+
+    @property
+    def numerical(self) -> float:
+        """Of the total, what mesh and steps cause."""
+        return (self.total or 0.0) - self.left_out
+
+    @property
+    def known(self) -> float:
+        """The sum of what is known."""
+        return math.fsum(share for share in self if share is not None)
 
     def with_total(self) -> dict[str, float | None]:
         """Return it under JSON keys, the sum too."""

@@ -85,7 +85,7 @@ _FILM = re.compile(rf"\s*(?:pvdf-?)?{_NUMBER}(um|µm|mm)?\s*", re.IGNORECASE)
 class WishResult(Result):
     """The design for a wish, with its check."""
 
-    shown_by = "skincad.outputs.wishes:WISH"
+    shown_by = "skincad.outputs.studies:WISH"
     design: Design
     check: ContactCheck = item(meaning="of the design, at its force")
     choices: tuple[Choice, ...] = item(meaning="what was chosen, and why")

@@ -10,8 +10,7 @@ import pytest
 
 from skincad import Estimate, check, load
 from skincad.mechanics import Change, ContactCheck
-from skincad.outputs import accuracies, details
-from skincad.outputs.checks import next_step
+from skincad.outputs import ACCURACY, CHECK
 from skincad.studies import Ladder, Measurement, measures_of
 from tests.conftest import skincad_process
 
@@ -117,15 +116,18 @@ def test_bars_are_digits_where_blocks_cannot_be_printed(tmp_path: Path, encoding
 
 def test_a_check_that_fails_says_what_to_change(passed: ContactCheck) -> None:
     failed = replace(passed, touching=7, all_touch_force=Estimate(6.0, 0.5, "N"))
-    assert next_step(failed) == "`skincad check {design} --advice` looks for a change with which it passes."
+    assert (
+        CHECK.next_step(failed)
+        == "`skincad check {design} --advice` looks for a change with which it passes."
+    )
     change = Change("ridge.levelling", 0.0, 0.5, Estimate(3.0, 0.5, "N"))
     known = replace(failed, changes=(change,))
-    assert next_step(known) == "`skincad check {design} --set ridge.levelling=0.5` passes."
+    assert CHECK.next_step(known) == "`skincad check {design} --set ridge.levelling=0.5` passes."
     rough = replace(failed, changes=(replace(change, model="winkler"),))
-    assert next_step(rough).endswith("--set ridge.levelling=0.5` may pass, by the winkler model.")
+    assert CHECK.next_step(rough).endswith("--set ridge.levelling=0.5` may pass, by the winkler model.")
     none = replace(failed, changes=())
-    assert next_step(none) == "change two keys: no single change passes; or press with 6.5 N."
-    assert next_step(replace(none, search_cut_short=True)) == next_step(failed)
+    assert CHECK.next_step(none) == "change two keys: no single change passes; or press with 6.5 N."
+    assert CHECK.next_step(replace(none, search_cut_short=True)) == CHECK.next_step(failed)
 
 
 def test_a_notebook_shows_verdict_and_bars(passed: ContactCheck) -> None:
@@ -138,15 +140,15 @@ def test_a_notebook_shows_verdict_and_bars(passed: ContactCheck) -> None:
 
 def test_an_undecided_check_says_what_may_decide_it(passed: ContactCheck) -> None:
     unclear = replace(passed, all_touch_force=Estimate(4.8, 0.5, "N"))
-    assert next_step(unclear).startswith("`skincad check {design} --model corrected` (about ")
+    assert CHECK.next_step(unclear).startswith("`skincad check {design} --model corrected` (about ")
     last = replace(unclear, next_model=None, left_out=())
     expected = "no model here can decide it. The design passes from 5.3 N and fails below 4.3 N."
-    assert next_step(last) == expected
+    assert CHECK.next_step(last) == expected
     assert unclear.as_json()["next_step"] == unclear.next_step
     friction = tuple(replace(part, effect="friction", threshold=0.1) for part in passed.left_out[:1])
     lasting = replace(unclear, all_touch_force=Estimate(4.9, 0.6, "N"), left_out=friction)
     expected = "give contact.friction (as `--set contact.friction=0.5`): its error alone leaves this open."
-    assert next_step(lasting) == expected
+    assert CHECK.next_step(lasting) == expected
     for decided in (passed, replace(passed, all_touch_force=Estimate(6.0, 0.5, "N"))):
         assert decided.next_step == ""
 
@@ -156,7 +158,7 @@ def test_a_yield_is_told_only_with_its_error(passed: ContactCheck) -> None:
     assert part_yield is not None
     unknown = [Estimate(None, None, ""), Estimate(None, 0.1, ""), Estimate(0.9, None, "")]
     for other in (None, *(replace(part_yield, passing=passing) for passing in unknown)):
-        assert not any("yield" in line for line in details(replace(passed, manufacture=other)))
+        assert not any("yield" in line for line in CHECK.details(replace(passed, manufacture=other)))
 
 
 @pytest.mark.parametrize(
@@ -174,22 +176,21 @@ def test_a_yield_is_told_inside_0_to_100_percent(
 ) -> None:
     assert passed.manufacture is not None
     known = replace(passed.manufacture, passing=Estimate(share, 0.5, "1"), interval=interval)
-    assert any(words in line for line in details(replace(passed, manufacture=known)))
+    assert any(words in line for line in CHECK.details(replace(passed, manufacture=known)))
 
 
 def test_forces_of_very_many_ridges_are_shown_as_a_range() -> None:
     design = load("plain-ridges", ["ridge.count=31", "skin.width=33", "skin.curvature_radius=1000"])
     verdict_of_many = check(design, model="winkler")
     values = [share.value or 0.0 for share in verdict_of_many.ridge_force]
-    line = next(line for line in details(verdict_of_many) if "each ridge" in line)
+    line = next(line for line in CHECK.details(verdict_of_many) if "each ridge" in line)
     assert f"{min(values):.3f} to {max(values):.3f} (±" in line
 
 
 def test_a_measure_has_a_readers_name_above_its_column() -> None:
     point = Measurement("linear", "fineness 1", 10, (1.0,), {"mesh F9": 0.12, "whole approach": 0.34})
-    text = list(
-        accuracies.ladder_lines(Ladder("contact", "contact of a skin", (point,), measures_of({}, "")))
-    )
+    ladder = Ladder("contact", "contact of a skin", (point,), measures_of({}, ""))
+    text = ACCURACY.rows("ladder_lines", ladder)
     assert not [line for line in text if "F9" in line]
     for name, value in (("mesh all-touch force", "0.12"), ("whole approach", "0.34")):
         head, row = text[1].index(name) + len(name), text[2].index(value) + len(value)

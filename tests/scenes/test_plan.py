@@ -14,7 +14,7 @@ import pytest
 
 from skincad.base import InputError
 from skincad.effects import Drift, Observables, chosen_steps
-from skincad.outputs.simulations import lines
+from skincad.outputs import SIMULATION
 from skincad.scenes import (
     LEVELS,
     Level,
@@ -181,7 +181,7 @@ def test_a_tolerance_that_small_strain_does_not_meet_asks_for_chosen_steps(folde
     assert "finite_strain" not in {entry["effect"] for entry in data["left_out"]}
     steps = len(data["chosen_steps"]) - 1
     words = f"Finite strain in {steps} chosen steps, linear in between, with the skin's mass."
-    assert words in lines(simulation)[2]
+    assert words in SIMULATION.lines(simulation)[2]
     json.dumps(data, allow_nan=False)
 
 

@@ -19,7 +19,7 @@ from skincad.cli import run
 from skincad.inputs import Design, silicones
 from skincad.inputs.material import silicone
 from skincad.mechanics import Change, ContactCheck
-from skincad.outputs import advice_lines, details, number_lines
+from skincad.outputs import CHECK, advice_lines
 from skincad.studies import advise, advising, changed
 from tests.mechanics.designs import SHORT, reference
 
@@ -176,7 +176,7 @@ def test_advice_is_told_line_by_line() -> None:
     for earlier, later in pairwise(rows):
         assert later[: len(earlier)] == earlier
         assert len(later) == len(earlier) + 1
-    assert details(steps[-1]) == [*number_lines(steps[-1]), *rows[-1]]
+    assert CHECK.details(steps[-1]) == [*CHECK.rows("number_lines", steps[-1]), *rows[-1]]
     assert rows[-1][0].startswith("  cause          the lowest crest")
     assert rows[-1][1] == f"  would pass     {(steps[-1].changes or ())[0]} alone"
 

@@ -15,8 +15,9 @@ import trimesh
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.reading import markdown_text, strict_json
+from skincad.base.reading import strict_json
 from skincad.base.result import Result, Writer, item, record, reported
+from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.inputs.material import layers, silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
@@ -181,24 +182,6 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
     return film_response(design, progress)
 
 
-def lines(package: Package) -> list[str]:
-    """Return what `package` prints."""
-    rows = [f"{package.name} for {', '.join(package.kinds)}: {package.weighs.mass:.4g} g on its carrier"]
-    if springs := package.springs:
-        verdict = springs.verdict
-        rows.append(f"  springs        approach {verdict.approach} at {verdict.force:g} N, as in the check")
-        for other in springs.elsewhere:
-            off = f"{other.approach_off:.1%} off the check, ridge forces {other.shares_off:.1%} of the mean"
-            rows.append(f"  at {f'{other.force:g} N':11} approach {off}")
-    if package.mesh:
-        count = sum(len(elements) for elements in package.mesh.elements.values())
-        rows.append(f"  mesh           {count} tetrahedra, volume off by {package.mesh.deviation:.1e} of it")
-    if package.taxels:
-        films = package.taxels.kinds.count("film")
-        rows.append(f"  taxels         {films} film strips, {len(package.taxels.names) - films} crests")
-    return [*rows, *(f"  note           {note}" for note in package.notes)]
-
-
 def files(package: Package) -> dict[str, Writer]:
     """Return the writer of each file."""
     solids = {f"{name}.step": partial(_step, package.design, name) for name in ("skin", "carrier")}
@@ -273,34 +256,15 @@ def card(package: Package) -> dict[str, Any]:
 
 def markdown(package: Package) -> str:
     """Return the card as Markdown."""
-    lines = [f"# {package.name}: model card", "", f"For {', '.join(package.kinds)}. Frame: {FRAME}.", ""]
-    lines += [f"Licence: {LICENCE}.", "", "## What was simplified", ""]
-    lines += [f"- {markdown_text(text)}" for text in [*_simplified(package), *package.notes]]
-    lines += ["", "## What each number rests on, and where it holds", ""]
-    lines += ["| number | rests on | holds |", "|---|---|---|"]
-    lines += [f"| {' | '.join(map(markdown_text, row))} |" for row in _numbers(package)]
-    if package.springs:
-        lines += ["", "## Springs against checks", "", *_table(package.springs)]
-    return "\n".join([*lines, ""])
+    facts = {"simplifications": [*_simplified(package), *package.notes], "numbers": list(_numbers(package))}
+    return macro("papers/model-card.md", "card", package, FRAME=FRAME, LICENCE=LICENCE, **facts)
 
 
-def _simplified(package: Package) -> Iterator[str]:
-    yield "carrier, skin and what fills its slots are rigid links"
-    yield "leads, screws and the silicone in the carrier's holes are left out"
-    if package.surfaces:
-        yield (
-            "convex hulls are what touches: they fill the root fillets; crests are within "
-            f"{contact_chord(package.design):.0e} of the pitch"
-        )
-    if package.springs:
-        linked = "coupled springs" if package.springs.coupled else "a spring of its own, neighbours apart"
-        yield f"each {_body(package.design)} slides along z on {linked}; sideways it is rigid"
-        whole = f"MuJoCo's friction acts on a whole {_body(package.design)}"
-        yield f"{whole}, so incipient slip inside a contact is not in it"
-    if "urdf" in package.kinds:
-        yield f"in URDF the {skin_of(package.design).family}s are fixed: the format knows no springs"
-    if package.response:
-        yield "the films' response is that of a long pad in small strain, its contact that of one load"
+def _simplified(package: Package) -> list[str]:
+    design = package.design
+    chord, family = contact_chord(design), skin_of(design).family
+    facts = {"chord": chord, "body": _body(design), "family": family}
+    return macro("papers/model-card.md", "simplified", package, **facts).splitlines()
 
 
 def _body(design: Design) -> str:
@@ -378,12 +342,4 @@ def _of_response(response: FilmResponse) -> tuple[str, str, str]:
     )
 
 
-def _table(springs: Springs) -> Iterator[str]:
-    yield "| force, N | approach by springs, mm | by the check | forces on ridges differ, of the mean one |"
-    yield "|---|---|---|---|"
-    for e in springs.elsewhere:
-        yield f"| {e.force:g} | {e.approach:.4f} | {e.check_approach:.4f} | {e.shares_off:.1%} |"
-    yield from ("", *(f"- {markdown_text(text)}" for text in springs.refused))
-
-
-PACKAGE = Presentation(COMMAND="package", lines=lines, files=files, manifest=card)  # the manifest is the card
+PACKAGE = Presentation(COMMAND="package", words="package.txt", writers=files, manifest=card)

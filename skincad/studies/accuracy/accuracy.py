@@ -20,7 +20,7 @@ MOST_REPEATS = 100
 class Accuracy(Result):
     """The ladders of a design, on what machine, and the seconds of the whole."""
 
-    shown_by = "skincad.outputs.accuracies:ACCURACY"
+    shown_by = "skincad.outputs.studies:ACCURACY"
     name: str = item(meaning="of the design")
     ladders: tuple[Ladder, ...]
     machine: dict[str, Any] = item(meaning="on which times were taken")

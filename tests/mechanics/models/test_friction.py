@@ -15,7 +15,7 @@ from skincad.inputs import Design
 from skincad.mechanics import check as adaptivity
 from skincad.mechanics import left_out as bounds
 from skincad.mechanics.models import friction as pressing
-from skincad.outputs.checks import lines
+from skincad.outputs import CHECK
 from skincad.scenes import load_scene
 from tests.mechanics.designs import linear_check, small
 from tests.mechanics.test_auto import LEFT, MadeUp
@@ -177,7 +177,7 @@ def test_an_unknown_coefficient_is_left_out_within_its_bound(smooth: mech.Contac
         assert wider.value == before.value
         assert wider.error == pytest.approx(before.error + more * before.value, rel=1e-9)
     assert verdict.ridge_force[0].error > smooth.ridge_force[0].error
-    assert any("N for not knowing friction" in line for line in lines(verdict))
+    assert any("N for not knowing friction" in line for line in CHECK.lines(verdict))
     assert verdict.as_json()["left_out"][-1]["effect"] == "friction"
 
 
@@ -326,7 +326,7 @@ def test_with_free_ends_an_unknown_coefficient_lies_between_none_and_much(
         between = getattr(corrected[0.3], name).value
         assert min(none, much) < between < max(none, much)
     assert unknown.seconds["friction"] > 0
-    assert any("N for not knowing friction" in line for line in lines(unknown))
+    assert any("N for not knowing friction" in line for line in CHECK.lines(unknown))
 
 
 @pytest.mark.slow

@@ -1,0 +1,174 @@
+"""Output of what is measured: a machine on a coupon, a silicone on bar and pad, and finished parts by a press
+or by a recording of their films."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tomlkit
+
+from skincad.base.result import Writer
+from skincad.fabrication.coupon import (
+    BAR_FORM,
+    PAD_DESIGN,
+    PAD_FORM,
+    CouponKit,
+    coupon_forms,
+    coupon_sheet,
+    fit_bar_command,
+    fit_pad_command,
+    read_command,
+)
+from skincad.fabrication.coupon_reading import no_growth_words
+from skincad.fabrication.machine_rules import on_end
+from skincad.inputs.silicone import Silicone
+from skincad.material.acceptance import Acceptance
+from skincad.material.laws import FITTED_SHARE
+from skincad.material.modulus import MaterialFit
+from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.tomls import aligned, ranged_toml
+from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance
+from skincad.scenes.strip_assignment import WORKS
+from skincad.solids.plan import Part
+
+if TYPE_CHECKING:
+    from skincad.outputs.figures.canvas import Picture
+
+
+SHEET = "coupon-sheet.md"
+PRINTER = "printer.toml"
+
+
+def _kit_files(kit: CouponKit) -> dict[str, Writer]:
+    """The writer of each file."""
+    return {
+        **{f"{part.name}.step": partial(_step, part) for part in kit.parts},
+        **{f"{part.name}.stl": partial(_stl, kit, part) for part in kit.parts},
+        "coupon.3mf": partial(_plate, kit),
+        SHEET: text(lambda: coupon_sheet(kit)),
+        **{name: text(partial(str, form)) for name, form in coupon_forms(kit).items()},
+        PAD_DESIGN: text(kit.pad.to_toml),
+    }
+
+
+def _step(part: Part, path: Path) -> None:
+    from skincad.outputs.solid_files import write_step
+    from skincad.solids.occ import workplane
+
+    write_step(workplane(part), path)
+
+
+def _oriented_mesh(kit: CouponKit, part: Part) -> Any:
+    from skincad.fabrication.meshes import laid, mesh
+
+    return laid(mesh(part, kit.process.chord), on_end(part, kit.process))
+
+
+def _stl(kit: CouponKit, part: Part, path: Path) -> None:
+    from skincad.outputs.solid_files import write_stl
+
+    write_stl(_oriented_mesh(kit, part), path)
+
+
+def _plate(kit: CouponKit, path: Path) -> None:
+    from skincad.outputs.solid_files import write_3mf
+
+    write_3mf({part.name: (_oriented_mesh(kit, part), part.colour) for part in kit.parts}, path)
+
+
+def toml_lines(fit: MaterialFit) -> list[str]:
+    """Return the lines of a design's TOML."""
+    modulus = ["[material]", f"young_modulus = {ranged_toml(fit.ranged)}"]
+    if fit.law is None:
+        return modulus
+    table = tomlkit.dumps({key: _rounded(value) for key, value in fit.law.model_dump().items()})
+    return [*modulus, "", "[material.law]", *table.splitlines()]
+
+
+def _law_table(fit: MaterialFit) -> list[str]:
+    """The laws that were compared, with their errors."""
+    rows = [("", "constants", "missed there", "missed beyond", "modulus, MPa")]
+    rows += [
+        (
+            ("* " if row.best else "  ") + row.name,
+            str(row.constants),
+            f"{row.rms_seen:.2%}",
+            f"{row.rms_judged:.2%}",
+            f"{row.law.young_modulus(Silicone().poisson_ratio):.4g}",
+        )
+        for row in fit.laws
+    ]
+    return aligned(rows)
+
+
+def _rounded(value: Any) -> Any:
+    """Constants to 6 digits: no test says more."""
+    if isinstance(value, tuple):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.6g}") if isinstance(value, float) else value
+
+
+def fit_figures(fit: MaterialFit) -> dict[str, Callable[[], Picture]]:
+    """Return the test's rows and what the model makes of them."""
+    from skincad.outputs.figures.results import fit_figure
+
+    return {"fit.png": partial(fit_figure, fit)}
+
+
+def press_figures(result: Acceptance) -> dict[str, Callable[[], Picture]]:
+    """Return the rows and the curves of a good part."""
+    from skincad.outputs.figures.results import acceptance_figure
+
+    return {"accept.png": partial(acceptance_figure, result)}
+
+
+def _like_pairs(result: RecordingAcceptance) -> list[tuple[str, ...]]:
+    """Which strips could have changed places without the recording's showing it."""
+    return sorted({tuple(sorted((strip.name, other))) for strip in result.strips for other in strip.alike})
+
+
+FIT = Presentation(
+    COMMAND="fit-material",
+    words="fit-material.txt",
+    facts={"FITTED_SHARE": FITTED_SHARE, "law_table": _law_table, "toml_lines": toml_lines},
+    writers=lambda fit: {"material.toml": text(lambda: "\n".join(toml_lines(fit)) + "\n")},
+    figures=fit_figures,
+)
+ACCEPTANCE = Presentation(
+    COMMAND="accept",
+    words="accept.txt",
+    writers=lambda result: {"accept.txt": text(lambda: f"{result}\n")},
+    figures=press_figures,
+)
+RECORDING = Presentation(
+    COMMAND="accept",
+    words="accept-recording.txt",
+    facts={"CANT_TELL": CANT_TELL, "WORKS": WORKS, "like_pairs": _like_pairs},
+)
+# a folder in which the same command left forms keeps them: this result has its own manifest
+
+
+KIT = Presentation(
+    COMMAND="coupon",
+    words="coupon.txt",
+    facts={"SHEET": SHEET, "read_command": read_command},
+    writers=_kit_files,
+    manifest=lambda kit: {"name": kit.name, "silicone": kit.silicone.name},
+)
+READING = Presentation(
+    COMMAND="coupon-reading",
+    words="coupon-reading.txt",
+    facts={
+        "BAR_FORM": BAR_FORM,
+        "PAD_DESIGN": PAD_DESIGN,
+        "PAD_FORM": PAD_FORM,
+        "PRINTER": PRINTER,
+        "fit_bar_command": fit_bar_command,
+        "fit_pad_command": fit_pad_command,
+        "no_growth_words": no_growth_words,
+    },
+    writers=lambda reading: {PRINTER: text(reading.to_toml)},
+)
