@@ -283,7 +283,7 @@ def cure_words(material: Silicone) -> str:
     return f"{cure} at {warm}"
 
 
-class Task(NamedTuple):
+class TimedStep(NamedTuple):
     """What is done at the mold, as the sheet names its step, for how many min, and for which pour."""
 
     step: str
@@ -291,15 +291,15 @@ class Task(NamedTuple):
     number: int
 
 
-def timeline(job: Job, layer: LayerPour) -> list[Task]:
+def timeline(job: Job, layer: LayerPour) -> list[TimedStep]:
     """Return in order what is done for a pour and those that are wet with it, until their mold is closed and
     full. What is poured last is mixed first: it waits, and the one in front does not."""
     made, how = pours(job), filling(job)
     group = wet_with(made, layer)
     number, first, by_gate = group[0].number, group[0] == made[0], job.gate is not None
 
-    def task(step: str, minutes: float, number: int = number) -> Task:
-        return Task(step, minutes, number)
+    def task(step: str, minutes: float, number: int = number) -> TimedStep:
+        return TimedStep(step, minutes, number)
 
     screws = cover_screws(job)
     ends = [task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces)] * (first and job.ends)

@@ -14,7 +14,7 @@ __getattr__, __dir__ = face(
     fasteners: BEARING BlindThread HEAD LENGTHS METRIC RUN_OUT TAP_RADIUS WASHER blind_thread insert_outer
         insert_radius pin_depth run_out_room screw_for standard_length torque
     gate: GRAVITY LUER SYRINGES THUMB TIPS TIP_LENGTH TIP_PLAY WIDTHS filling_time press tip
-    inserts: BEND GRIP MOST_TURN PIN_RADIUS STUB drawing_end fan_lead fan_offset lead_length
+    inserts: BEND GRIP MOST_TURN PIN_RADIUS STUB fan_lead fan_offset lead_length
         strip_overhangs
     layout: Fits Layout MOST_BOW SEAL_PLAY SHEETS SQUEEZED_SHARE STOCK block_fits bow end_angle fits
         is_clamped lid_process stack_error thick_enough

@@ -16,6 +16,7 @@ from skincad.fabrication import Job
 from skincad.inputs import Design
 from skincad.outputs import calculations
 from skincad.outputs.calculations import Calculation, Quantity
+from skincad.outputs.pages import html
 from tests.designs import RIDGED
 
 VARIANTS: dict[str, dict[str, object]] = {
@@ -154,6 +155,10 @@ def read(drawn: str) -> str:
     return re.sub(r"<sup>(\d)</sup>", r"^\1", formula).replace("<br>\n", " ").replace("\u2212", "-")
 
 
+def drawn_step(given: Calculation) -> str:
+    return html("pieces.html", "calculation", given)
+
+
 @pytest.mark.parametrize(
     ("text", "symbols", "numbers"),
     [
@@ -167,12 +172,12 @@ def read(drawn: str) -> str:
     ],
 )
 def test_a_formula_reads_as_it_computes(text: str, symbols: str, numbers: str) -> None:
-    drawn = calculations.calculation(step(text, a=2.0, b=3.0, c=-4.5))
+    drawn = drawn_step(step(text, a=2.0, b=3.0, c=-4.5))
     assert read(drawn) == f'F = {symbols} = {numbers} <span class="result">= 1 N</span>'
 
 
 def test_indices_primes_greek_letters_and_powers_of_ten() -> None:
-    drawn = read(calculations.calculation(step("E1 * nu * c_b", E1=1e-12, nu=0.499, c_b=2.5e9)))
+    drawn = read(drawn_step(step("E1 * nu * c_b", E1=1e-12, nu=0.499, c_b=2.5e9)))
     assert drawn.startswith("F = E\u2032 · \u03bd · c<sub>b</sub> = 1e-12 · 0.499 · 2.5e+09 ")
 
 
@@ -180,8 +185,8 @@ def test_a_number_of_each_ridge_stays_a_symbol_under_its_sum() -> None:
     many = Quantity("k_i", "", (1.0, 2.0), "N/mm")
     result = Quantity("F", "", 3.0, "N")
     drawn = read(
-        calculations.calculation(Calculation("a sum", result, "sum(k_i * (g - k_i))", (many,), "nowhere"))
+        drawn_step(Calculation("a sum", result, "sum(k_i * (g - k_i))", (many,), "nowhere"))
     )
     assert "= ∑(k<sub>i</sub> · (g - k<sub>i</sub>)) with the ridges' values of the table below" in drawn
-    rows = re.findall(r"<td[^>]*>([^<]*)</td>", calculations.ridge_table([many]))
+    rows = re.findall(r"<td[^>]*>([^<]*)</td>", html("pieces.html", "ridge_table", [many]))
     assert rows == ["1", "1", "2", "2"]

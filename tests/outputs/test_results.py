@@ -141,7 +141,8 @@ def test_a_notebook_shows_a_design_by_its_section(yamada: skincad.Design) -> Non
     assert "yamada-2002: 9 ridges on 11 x 12 x" in page
     (data,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
     drawn = base64.b64decode(data).decode()
-    assert drawn.count('class="slot"') == 2 * 9
+    (slots,) = re.findall(r'<g id="SLOTS"[^>]*>(.*?)</g>', drawn, re.DOTALL)
+    assert slots.count("<path") == 2 * 9
     assert "<script" not in drawn
 
 
