@@ -184,9 +184,7 @@ def test_indices_primes_greek_letters_and_powers_of_ten() -> None:
 def test_a_number_of_each_ridge_stays_a_symbol_under_its_sum() -> None:
     many = Quantity("k_i", "", (1.0, 2.0), "N/mm")
     result = Quantity("F", "", 3.0, "N")
-    drawn = read(
-        drawn_step(Calculation("a sum", result, "sum(k_i * (g - k_i))", (many,), "nowhere"))
-    )
+    drawn = read(drawn_step(Calculation("a sum", result, "sum(k_i * (g - k_i))", (many,), "nowhere")))
     assert "= ∑(k<sub>i</sub> · (g - k<sub>i</sub>)) with the ridges' values of the table below" in drawn
     rows = re.findall(r"<td[^>]*>([^<]*)</td>", html("pieces.html", "ridge_table", [many]))
     assert rows == ["1", "1", "2", "2"]
