@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 # what begins emphasis, code, links, HTML, entities and cells of a table wherever it stands, links without
 # brackets, and what begins a block at the head of a line (source: CommonMark 0.31, GitHub's extensions)
 _MARKDOWN = re.compile(
-    r"[\\`*\[\]<>|~&$]|(?<![^\W_])_|_(?![^\W_])|:(?=//)|(?<=www)\.|^[#+=-]"
+    r"[\\`*<>|~&$]|\](?=[(\[:]|$)|^\[(?=[ x]\])|\[(?=\^)|(?<![^\W_])_|_(?![^\W_])|:(?=//)|(?<=www)\.|^[#+=-]"
     r"|^(?P<digits>\d{1,9})(?P<mark>[.)])",
     re.IGNORECASE,
 )

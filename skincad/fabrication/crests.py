@@ -47,7 +47,7 @@ SLICE_CLOSING = 0.098  # mm, source: PrusaSlicer's default slice closing radius 
 
 
 class Crests(NamedTuple):
-    """What crests of good parts do, mm: their heights over the back as they come out `(ridges,)`, each one's
+    """What crests of good parts do, mm: their heights above the back as they come out `(ridges,)`, each one's
     limit beside their line `(ridges,)`, both ways (empty for two ridges or one), the line's rise from first
     to last, its height in the middle, and that against the mold's own; how many standard deviations all these
     limits are."""

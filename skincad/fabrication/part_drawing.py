@@ -8,7 +8,7 @@ that parts slide with.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -37,6 +37,7 @@ from skincad.fabrication.drawn_features import (
 from skincad.fabrication.fasteners import PINNED
 from skincad.fabrication.job import Job
 from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
+from skincad.fabrication.printing import face_down
 from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
 from skincad.inputs.feature_tables import Pin
@@ -121,12 +122,29 @@ def notes(job: Job, part: Part) -> list[str]:
     else:
         rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
     process = job.process(part)
+    if process.layer:
+        rows.append(f"On the plate: the {face_down(job, part)}.")
+    rows += _pegs(part)
     if process.inhibits_platinum and job.silicone.platinum_cure:
         sealed = f" and seal it with {coat:g} mm" if (coat := coating(job, process)) else ""
         rows.append(
             f"The resin may keep platinum silicone from curing: wash, cure and bake the part{sealed}."
         )
     return [*rows, *_cutter(Case(job, part, job.maker(part)))]
+
+
+def _pegs(part: Part) -> Iterator[str]:
+    """A plug's pegs, by their lengths: sizes, and places from its middle."""
+    by: dict[tuple[float, float, float], list[tuple[float, float]]] = {}
+    for body in part.adds:
+        wide = sorted({round(s.end.x, 3) for s in body.outline if s.end.x > 0.0})
+        if len(wide) == 2 and body.origin[:2] != (0.0, 0.0):  # else it is a round plug's middle
+            key = 2 * wide[0], 2 * wide[1], max(s.end.z for s in body.outline)
+            by.setdefault(key, []).append((body.origin[0], body.origin[1]))
+    for (neck, head, long), places in by.items():
+        at = ", ".join(f"({number(x)}, {number(y)})" for x, y in places)
+        size = f"neck Ø{neck:.3g}, head Ø{head:.3g}, {long:.3g} long"
+        yield f"Pegs: {len(places)} x {size}; x, y from the middle: {at}."
 
 
 def _cutter(case: Case) -> list[str]:
@@ -453,7 +471,7 @@ def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part
     rows = []
     for way in dict.fromkeys(notch._replace(side="left") for notch in cut):
         sides = [notch.side for notch in cut if notch._replace(side="left") == way]
-        use = "mark of the end" if way.role is CutRole.MARK else "to pry at"
+        use = "mark of the end" if way.role is CutRole.MARK else "pry notch"
         face = "outer face" if way.outer else "inner face"
         where = f"{' & '.join(sorted(sides))}, {face}"
         rows.append((use, f"{number(way.leg)} x 45°", where, *map(number, sorted((y(way.low), y(way.high))))))

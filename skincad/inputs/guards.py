@@ -311,7 +311,7 @@ def shots(skin: Base, layers: tuple[Shot, ...], own: Mapping[str, Silicone]) -> 
             (side, below_side, shoulder(skin), "at the sides"),
         ):
             if not below + THINNEST <= height <= top - THINNEST:
-                room = f"from {below + THINNEST:.4g} to {top - THINNEST:.4g} mm over the back {where}"
+                room = f"from {below + THINNEST:.4g} to {top - THINNEST:.4g} mm above the back {where}"
                 rule = f"shot {number}'s face must be {room}, and is at {height:.4g} mm"
                 remedy = "give shots from the back to the front, or a thicker skin"
                 yield InputError(f"shot.{key}", rule, value, remedy)
@@ -323,13 +323,13 @@ THINNEST = 0.05  # mm; assumption: of a silicone between two faces, to be meshed
 
 
 def shoulder(skin: Base) -> float:
-    """Return the base circle's height over the back at the sides, mm."""
+    """Return the base circle's height above the back at the sides, mm."""
     half_turn = math.asin(min(1.0, skin.width / (2 * skin.curvature_radius))) / 2
     return skin.thickness - 2 * skin.curvature_radius * math.sin(half_turn) ** 2
 
 
 def face_heights(skin: Base, shot: Shot) -> tuple[float, float]:
-    """Return how high a shot's face is over the back, mm, in the middle and at the sides; -inf where it does
+    """Return how high a shot's face is above the back, mm, in the middle and at the sides; -inf where it does
     not reach them."""
     if shot.depth is None:
         return shot.thickness or 0.0, shot.thickness or 0.0

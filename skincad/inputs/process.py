@@ -100,7 +100,7 @@ class Process(SparseTable):
     )
     crest_offset: float = quantity(
         "mm",
-        "all crests come out higher over the back by this; below 0: lower",
+        "all crests come out higher above the back by this; below 0: lower",
         ge=-1.0,
         le=1.0,
         default=0.0,

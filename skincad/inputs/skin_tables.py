@@ -183,7 +183,7 @@ class Shot(Material):
     """A layer behind the skin's own silicone, from the back or from the shot before up to its own face."""
 
     thickness: float | None = quantity(
-        "mm", "of a flat face: so high over the back in all", ge=0.05, le=100.0, default=None
+        "mm", "of a flat face: so high above the back in all", ge=0.05, le=100.0, default=None
     )
     depth: float | None = quantity(
         "mm", "of a face that follows the base circle: so far below it", ge=0.05, le=100.0, default=None

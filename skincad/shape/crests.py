@@ -35,7 +35,7 @@ def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tu
         raise InputError(
             f"{path}, ridge {worst + 1}",
             f"must be within {heights[worst]:g} mm (ridge.{key}) of the designed "
-            f"{designed[worst]:.4g} mm over the back",
+            f"{designed[worst]:.4g} mm above the back",
             measured[worst + 1],
         )
     return drops, columns.notes

@@ -28,7 +28,7 @@ def face(design: Design, number: int, half: float) -> Loop:
 
 
 def heights(design: Design, number: int, x: Array, y: Array) -> Array:
-    """Return how high the face of shot `number` lies over the back at `x` and `y`, mm."""
+    """Return how high the face of shot `number` lies above the back at `x` and `y`, mm."""
     shot = (design.shot or ())[number - 1]
     middle, _ = face_heights(design.skin, shot)
     if shot.depth is None:

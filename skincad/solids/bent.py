@@ -265,7 +265,7 @@ def _both_ends(
 
 
 def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
-    """The backing: a flat top over the back's arc, a clearance from the end plates all the way up."""
+    """The backing: a flat top above the back's arc, a clearance from the end plates all the way up."""
     gap = design.mold.clearance
     flat = carrier(design, lids)
     half = grid.half - math.asin(gap / grid.centre)

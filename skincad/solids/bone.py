@@ -143,8 +143,8 @@ def _turned_shadow(bone: Bone) -> Any:
 
 
 def _swept(tip: Array, left: Array, right: Array, steps: int) -> shapely.Polygon:
-    """What a triangle sweeps about z over the back: `left` and `right` are equally high; polygon of (distance
-    from the axis, z)."""
+    """What a triangle sweeps about z above the back, a polygon of (distance from the axis, z): `left` and
+    `right` are equally high."""
     onset = tip[2] / (tip[2] - left[2])  # where it is at the back
     shares = np.linspace(onset if tip[2] < 0.0 else 0.0, onset if left[2] < 0.0 else 1.0, steps + 1)[:, None]
     one, other = (tip + shares * (end - tip) for end in (left, right))
@@ -283,7 +283,7 @@ def bone_part(design: Design, up: float = -1.0) -> Part | None:
 
 def window(design: Design, low: float, gap: float) -> list[Loop]:
     """Return the loops, in the mold's (x, y), of the opening for a bone's print in a part that begins `low`
-    mm over the back, `gap` mm wider than it; none where the bone does not reach that."""
+    mm above the back, `gap` mm wider than it; none where the bone does not reach that."""
     bone = bone_of(design)
     if bone is None or bone.corners[:, :, 2].min() > -low - BEHIND:
         return []
@@ -308,7 +308,7 @@ def windowed(part: Part, design: Design, low: float, high: float, centres: Seque
 
 
 def clear_of(design: Design, low: float, at: tuple[float, float], radius: float) -> bool:
-    """Whether a bore keeps its web to a bone's window, in a part that begins `low` mm over the back."""
+    """Whether a bore keeps its web to a bone's window, in a part that begins `low` mm above the back."""
     return all(
         shapely.Polygon(polygon(w, CHORD)).distance(shapely.Point(at)) >= radius + EDGE / 2
         for w in window(design, low, design.mold.clearance)
@@ -367,7 +367,7 @@ def check_bone(design: Design) -> Iterator[InputError]:
 
 def check_hold(design: Design, top: float) -> None:
     """Raise InputError where nothing holds a bone that reaches through its carrier, while silicone cures, or
-    keeps it from turning; `top` is the cover's upper face over the back, mm."""
+    keeps it from turning; `top` is the cover's upper face above the back, mm."""
     bone = bone_of(design)
     if bone is None or not bone.printed:
         return
@@ -393,7 +393,7 @@ def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputErr
     low, high = bone.corners.reshape(-1, 3).min(axis=0), bone.corners.reshape(-1, 3).max(axis=0)
     at = design.mold.bone_at or (0.0, 0.0, 0.0)
     if high[2] <= LEAST_SILICONE or bone.inside <= 0.0:
-        rule = f"puts the bone's top at {high[2]:.4g} mm over the back: it must be in the skin"
+        rule = f"puts the bone's top at {high[2]:.4g} mm above the back: it must be in the skin"
         yield InputError("mold.bone_at", rule, list(at), "raise it along z; the file counts in mm")
         return
     within = bone.in_section(turned=design.skin.round)
@@ -455,6 +455,6 @@ def _from_corner(outline: shapely.Polygon) -> Iterator[tuple[float, float]]:
 
 
 def least_over(design: Design) -> float:
-    """Return the bone's highest place over the back, mm; 0 without one."""
+    """Return the bone's highest place above the back, mm; 0 without one."""
     bone = bone_of(design)
     return 0.0 if bone is None else float(bone.corners[:, :, 2].max())

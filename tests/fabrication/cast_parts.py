@@ -30,7 +30,7 @@ PVDF = 1.78e-3  # g/mm3
 
 
 class Parts(NamedTuple):
-    """What a person reads of `n` parts: crests `(n, ridges)` mm over the back, their true values, and what a
+    """What a person reads of `n` parts: crests `(n, ridges)` mm above the back, their true values, and what a
     person has who reads on; pitch, width and length `(n,)` mm, mass `(n,)` g."""
 
     crests: Array

@@ -9,9 +9,12 @@ from typing import Any
 import pytest
 
 import skincad
-from skincad.fabrication import DEAD_VOLUME, Job, poured_volume, pours, sheet_steps
+from skincad.fabrication import DEAD_VOLUME, Job, casting_sheet, extent, poured_volume, pours, sheet_steps
 from skincad.fabrication.day_plan import tasks
 from skincad.fabrication.inspection import inspection
+from skincad.fabrication.orders import orders
+from skincad.fabrication.part_drawing import notes
+from skincad.fabrication.parts_list import parts_list
 from skincad.fabrication.pouring import (
     clock,
     filling,
@@ -229,3 +232,27 @@ def test_one_timeline_feeds_clock_and_day_plan() -> None:
             assert hands[first] == pytest.approx(math.fsum(t.minutes for t in tasks_of) + laid)
     dome = Job(skincad.load("pins-dome"))
     assert 0 < minutes_left(dome) < 3  # of 25 min: brushing, a second vacuum and eight screws take most
+
+
+def test_drawing_order_and_list_agree_on_a_plug() -> None:
+    """Its size has its pegs, which the drawing dimensions; it is printed on its plate, pegs up; its row says
+    what matters on it."""
+    job = Job(layered({**CORE, "bond": "rivets", "thickness": 0.9}, mold={"lid_process": "sla"}))
+    (plug,) = job.closed.plugs
+    pegs = [s.end.z for body in plug.adds for s in body.outline]
+    _, _, high = extent(plug)
+    assert high == pytest.approx(job.place.back + 0.9 + max(pegs), abs=1e-3)
+    rows = notes(job, plug)
+    (told,) = [row for row in rows if row.startswith("Pegs: ")]
+    assert f"{len(plug.adds)} x neck Ø1, head Ø1.25" in told
+    assert told.count("(") == len(plug.adds)
+    order = orders(job)["orders/order-sla.md"]([], None)
+    assert "On the plate: the upper face of plug-1." in order
+    assert "On the plate: the upper face." in rows
+    assert "Accurate, ±0.05: lower face, the face on the ledge" in order
+    assert f"{high:.2f}" in next(row.designation for row in parts_list(job) if row.what == "plug-1")
+
+
+def test_the_sheet_begins_with_what_to_watch() -> None:
+    text = casting_sheet(Job(layered(CORE)), [], "", True)
+    assert text.index("## Watch") < text.index("## Parts")

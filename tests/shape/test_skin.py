@@ -270,7 +270,7 @@ def test_a_measured_crest_is_held_against_its_own_ridge(yamada: Design, tmp_path
 
 
 def summit(design: Design, ridge: int) -> float:
-    """Height of a crest over the back, mm: all lie on one circle, pitch by pitch along the base circle."""
+    """Height of a crest above the back, mm: all lie on one circle, pitch by pitch along the base circle."""
     skin, middle = design.skin, (design.ridge.count + 1) / 2
     lean = (ridge - middle) * design.ridge.pitch / skin.curvature_radius
     out = skin.curvature_radius + design.ridge.height

@@ -302,7 +302,7 @@ def materials(design: Design, mesh: Tetrahedra) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class HeightMap:
-    """Heights `(rows, columns)` mm over the back's plane z = 0, NaN where there is no skin: row 0 at the
+    """Heights `(rows, columns)` mm above the back's plane z = 0, NaN where there is no skin: row 0 at the
     largest y, column 0 at the smallest x; squares of `pixel` mm whose middles are meant, the first one's at
     `corner` (x, y) mm."""
 
