@@ -7,23 +7,13 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.cli.accept import accept
-from skincad.cli.accuracy import accuracy
-from skincad.cli.check import check
-from skincad.cli.circuit import circuit
-from skincad.cli.coupon import coupon
-from skincad.cli.fit_material import fit_material
-from skincad.cli.live import live
-from skincad.cli.make import make
-from skincad.cli.new import new
-from skincad.cli.optimise import optimise
+from skincad.cli.checks import accuracy, check, circuit
+from skincad.cli.designs import new, templates
+from skincad.cli.making import make, package, watch
+from skincad.cli.measurements import accept, coupon, fit_material
 from skincad.cli.options import expanded
-from skincad.cli.package import package
-from skincad.cli.simulate import simulate
-from skincad.cli.solve import solve
-from skincad.cli.sweep import sweep
-from skincad.cli.templates import templates
-from skincad.cli.watch import watch
+from skincad.cli.running import live, simulate
+from skincad.cli.searching import optimise, solve, sweep
 
 HELP = "Artificial robot skin: its solids and mold, files to make them, and what it will feel."
 COMMANDS = (

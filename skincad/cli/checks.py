@@ -1,4 +1,4 @@
-"""The command `check`."""
+"""The commands that judge a design or a circuit: `check`, `accuracy`, `circuit`."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from skincad.base.errors import InputError
 from skincad.base.progress import one_by_one, stage_bar
 from skincad.cli import options
 from skincad.cli.options import option
-from skincad.cli.printing import as_typed, leave, report, say, show
+from skincad.cli.printing import as_typed, deliver, leave, out_folder, report, say, show
 
 if TYPE_CHECKING:
     from skincad.inputs.design import Design
     from skincad.mechanics.verdict import ContactCheck
+
 
 NEXT_OF_PART = {  # of a cast part that was measured
     True: "Next: mount this part.",
@@ -125,3 +126,54 @@ def advised(
             if lines and whole and not quiet:
                 say(*lines)
     return result
+
+
+def accuracy(
+    source: options.DesignSource,
+    settings: options.Settings = [],  # noqa: B006
+    ladders: Annotated[
+        list[str],
+        option(
+            "--ladder NAME", "Only these: tessellation, contact, circuit, slip, effects; repeat for several."
+        ),
+    ] = [],  # noqa: B006
+    silicones: options.Silicones = None,
+    repeats: Annotated[int, option("--repeats N", "Runs of each setting, whose median is taken.")] = 3,
+    folder: options.Out = None,
+    as_json: options.Json = False,
+) -> None:
+    """Show what accuracy costs in time on this design.
+
+    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
+    """
+    from skincad.outputs.studies import accuracy_names
+
+    design = skincad.load(source, settings, silicones=silicones)
+    target = out_folder(folder, design.name, "accuracy", accuracy_names(ladders))
+    with stage_bar(1) as progress:
+        result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
+    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))
+
+
+def circuit(
+    source: Annotated[str, options.argument("CIRCUIT", autocompletion=options.completes("circuits"))],
+    settings: Annotated[list[str], option("--set KEY=VALUE", "Override a key: amplifier.gain=1e6.")] = [],  # noqa: B006
+    measured: Annotated[
+        Path | None,
+        option("--measured CSV", "Calibrate to a measured curve: columns frequency_Hz, gain_dB; any level."),
+    ] = None,
+    folder: options.Out = None,
+    as_json: options.Json = False,
+) -> None:
+    """Show how film and amplifier respond to frequency.
+
+    Prints the gain, its cut-off and its slopes, and writes gain.csv, gain.png and netlist.cir; with
+    --measured also the calibrated circuit.
+    """
+    from skincad.outputs import gains
+
+    loaded = skincad.load_circuit(source, settings)
+    target = out_folder(folder, loaded.name, gains.COMMAND, gains.names(measured is not None))
+    with stage_bar(2) as progress:
+        result = skincad.gain(loaded, measured, progress)
+    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

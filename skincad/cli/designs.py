@@ -1,4 +1,4 @@
-"""The command `new`."""
+"""The commands that begin a design: `templates`, `new`."""
 
 from __future__ import annotations
 
@@ -16,8 +16,31 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.interrupt import at_once
 from skincad.base.progress import stage_bar
 from skincad.cli import options
-from skincad.cli.options import completes, option
+from skincad.cli.options import argument, completes, option
 from skincad.cli.printing import leave, report, say, show
+
+
+def templates(
+    kind: Annotated[
+        str | None,
+        argument(
+            "KIND",
+            "List one kind: designs, scenes, circuits, studies, silicones, processes or grippers.",
+            autocompletion=completes("kinds"),
+        ),
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """List the templates, silicones, processes and grippers that ship.
+
+    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes and grippers come
+    with their values, ranges and sources.
+    """
+    from skincad.outputs.tomls import listing
+
+    data, lines = listing(kind)
+    show(data, as_json, lines)
+
 
 WISH_STAGES = 5  # of its bar at first: shape, two checks of the curvature, the last check
 

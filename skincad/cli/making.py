@@ -1,4 +1,4 @@
-"""The command `make`."""
+"""The commands that make a design's files: `make`, `watch`, `package`."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Annotated
 import typer
 
 import skincad
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, RefusedError, shown
 from skincad.base.progress import stage_bar, step_bar
 from skincad.cli import options
-from skincad.cli.check import advised, waits_for_advice
+from skincad.cli.checks import advised, waits_for_advice
 from skincad.cli.options import option
 from skincad.cli.printing import as_typed, deliver, leave, out_folder, say
 
@@ -116,3 +116,79 @@ def open_view(folder: Path) -> None:
     page = (folder / VIEW).resolve()
     if not webbrowser.open(page.as_uri()):
         typer.echo(f"skincad: no browser answers; open {page}", err=True)
+
+
+def watch(
+    source: Annotated[Path, options.argument("DESIGN", "A design's TOML file.")],
+    settings: options.Settings = [],  # noqa: B006
+    folder: options.Out = None,
+    formats: options.Formats = [],  # noqa: B006
+    opened: options.View = False,
+    *,
+    workshop: options.Workshop,
+    verbose: options.Verbose = False,
+) -> None:
+    """Preview a design again at each save of its file.
+
+    Like make --preview: meshes, pictures and findings alone, in the output folder. What is wrong with the
+    file is said, and the next save tried. Load view.html again to see what has changed. Ctrl-C ends it.
+    """
+    from skincad.base.saved import saves
+    from skincad.fabrication.making import STAGES
+
+    check_opened(opened, formats)
+    if not source.is_file():
+        remedy = "write one to edit: skincad new my-skin.toml --template NAME"
+        raise InputError("source", "must be a design's file", str(source), remedy)
+    for _ in saves([path for path in (source, *vars(workshop).values()) if path]):
+        try:
+            design = skincad.load(str(source), settings, **vars(workshop))
+            with stage_bar(len(STAGES)) as progress:
+                result = skincad.make(design, preview=True, solids="step" in formats, progress=progress)
+                target = folder or Path("out") / design.name
+                written = skincad.write(result, target, formats=formats, progress=progress)
+            typed = as_typed(str(source), settings, **vars(workshop))
+            deliver(result, written, options.Display(verbose=verbose), typed)
+            if opened:
+                open_view(target)
+            opened = False  # from now on a person loads the page again
+        except (InputError, RefusedError) as failure:
+            typer.echo(shown(f"skincad: {failure}"), err=True)
+        say(f"Watching {source}; Ctrl-C ends.")
+
+
+STAGES = 26  # of its bar, about: those of the springs' checks among them
+
+
+def package(
+    source: options.DesignSource,
+    settings: options.Settings = [],  # noqa: B006
+    kinds: Annotated[
+        list[str], option("--for KIND", "mujoco, urdf, taxels or mesh; repeat for several; default: all.")
+    ] = [],  # noqa: B006
+    model: options.Model = "auto",
+    mesh_prefix: Annotated[
+        str,
+        option(
+            "--mesh-prefix URI",
+            "What URDF's meshes begin with, as package://my_robot/meshes/; default: beside the file.",
+        ),
+    ] = "",
+    *,
+    workshop: options.Workshop,
+    folder: Annotated[
+        Path | None, option("-o --out DIR", "The folder to write to; default: out/<name>/package.")
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Export the skin for other people's simulators.
+
+    MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
+    each number rests on appear in the output folder.
+    """
+    design = skincad.load(source, settings, **vars(workshop))
+    target = out_folder(folder, Path(design.name, "package"), "package", ())
+    with stage_bar(STAGES) as progress:
+        result = skincad.package(design, kinds, model=model, mesh_prefix=mesh_prefix, progress=progress)
+        written = skincad.write(result, target, progress=progress)
+    deliver(result, written, options.Display(as_json=as_json))
