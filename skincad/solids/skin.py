@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -15,11 +16,12 @@ from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
 from skincad.solids.bone import cut_of, lifted
-from skincad.solids.pins import cast, pins, pockets
+from skincad.solids.pins import SUNK, cast, pins, pockets
 from skincad.solids.plan import (
     Axis,
     Body,
     Bore,
+    CutRole,
     ExtendedCut,
     GivenBody,
     Heading,
@@ -100,8 +102,8 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     Exact (arcs within `tolerance` mm) for a part whose cuts all run through it along the axis, for a bare
     prism moved across its own axis, and for what turns about z and moves along it; elsewhere cuts are left
     out, so the swept part is never too small. Of a body that turns about x and is moved up, what counts is
-    its silhouette along x. A drafted cup stays free on the way along its axis. What is added to a skin
-    follows it out of its cavity, and is left out.
+    its silhouette along x. A drafted cup stays free on the way along its axis, and a core pin's hole of a
+    plug. What is added to a skin follows it out of its cavity, and is left out.
     """
     body = part.body
     if isinstance(body, GivenBody) and axis == "z":
@@ -115,6 +117,7 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
         return replace(part, body=replace(body, outline=shadow, buried=0.0), cuts=(), adds=())
     if body.axis == axis:
         cuts = tuple(_stretched(c, travel) for c in part.cuts if _through(c, body))
+        cuts = (*cuts, *_past_pins(part, axis, _ends(body), travel))
         return replace(part, body=_stretched(body, travel), cuts=cuts, adds=())
     heading = {"z": (0.0, 1.0)}.get(axis) if isinstance(axis, str) else axis
     flat = _as_prism(body, tolerance)
@@ -124,7 +127,17 @@ def swept(part: Part, axis: Way, travel: float, tolerance: float) -> Part:
     way = heading[0] * travel, heading[1] * travel
     shadow = _shadow(corners(flat, flat.outline, tolerance), way)
     cups = tuple(cut for cut in part.cuts if axis == "z" and _frees(cut, travel))
+    heights = [point.z for segment in shadow for point in (segment.start, segment.end)]
+    cups = (*cups, *_past_pins(part, axis, (min(heights), max(heights)), 0.0))
     return replace(part, body=replace(flat, outline=shadow, holes=()), cuts=cups, adds=())
+
+
+def _past_pins(part: Part, axis: Way, ends: tuple[float, float], travel: float) -> Iterator[Bore]:
+    """The holes of a plug that slide over core pins as it moves along z, through all that it passes."""
+    low, high = min(ends[0], ends[0] + travel) - SUNK, max(ends[1], ends[1] + travel) + SUNK
+    for cut in part.cuts if axis == "z" and part.role is PartRole.PLUG else ():
+        if cut.role is CutRole.CORE and isinstance(bore := plain(cut), Bore):
+            yield replace(bore, start=(*bore.start[:2], low), length=high - low)
 
 
 def _as_prism(body: Body, tolerance: float) -> Prism | None:

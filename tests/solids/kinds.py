@@ -102,6 +102,9 @@ KINDS: dict[str, Callable[[Path], Design]] = {
     "round layers": lambda _: designs.rings().with_(shot=({**LEVEL, **RIVETS},)),
     "round layers of a depth": lambda _: designs.rings().with_(shot=({**STIFF, "depth": 2.0},)),
     "layers over pins": lambda _: designs.pillars().with_(shot=({**LEVEL, **RIVETS},)),
+    "pockets through layers": lambda _: designs.pillars().with_(
+        pin={"pocket": {"diameter": 1.6, "depth": 2.5}}, shot=(LEVEL,)
+    ),
     "layers over pockets": lambda _: designs.flat().with_(shot=({**STIFF, "depth": 1.2},)),
     "bone": lambda folder: boned(folder, stem()),
     "bone on pins": lambda folder: boned(folder, plate(), bone_bond="rivets"),

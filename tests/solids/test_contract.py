@@ -42,6 +42,7 @@ PARTS = {
     "pins through a plate": {**PLAIN, "BASE": 1, "BASE_PIN": 2},
     "pockets": {**PLAIN, "CORE_PIN": 4},
     "layers over pins": PLAIN | PLUG,
+    "pockets through layers": {**PLAIN, **PLUG, "CORE_PIN": 9},
     "layers over pockets": {**PLAIN, **PLUG, "CORE_PIN": 4},
     "bone on pins": {**COMBED, **BONE, "BONE_SCREW": 2},
     "bones of a gang": {**COMBED, "SKIN": 2, "CARRIER": 2, "SHIM": 12, "BONE": 2},
