@@ -9,7 +9,7 @@ __getattr__, __dir__ = face(
     bent: gap_beside
     bone: Bone bone_of least_over pinned
     cavity: SAFE_SHARE parts_at_tips safe_strain split_ridges
-    coupon: BAR BARS END_LAND HEIGHTS NOTCHES NOTCH_DEPTH NOTCH_LENGTH NOTCH_PITCH REPEATS coupon_parts
+    coupon: BAR BARS HEIGHTS NOTCHES NOTCH_DEPTH NOTCH_PITCH REPEATS coupon_parts
         drawn_notches drawn_steps poured_volumes
     fasteners: BEARING BlindThread HEAD LENGTHS METRIC RUN_OUT TAP_RADIUS WASHER blind_thread insert_outer
         insert_radius pin_depth run_out_room screw_for standard_length torque
