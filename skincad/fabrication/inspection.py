@@ -19,10 +19,8 @@ from skincad.fabrication.crests import (
     SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
-    layer_remarks,
     offset_of,
-    thickness_remarks,
-    verdict_remark,
+    remarks,
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import paper
@@ -40,10 +38,6 @@ CALLIPERS = 0.01  # mm, assumption: standard deviation of a soft part's width
 BALANCE = 0.001  # g, assumption: a laboratory balance
 DENSITY = 0.01  # relative, assumption: standard deviation of a data sheet's density of a cured silicone
 FLASH_SHARE = 0.02  # of the silicone's mass, assumption: what may be left on
-MEASURED_NOTE = (
-    "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV with "
-    "columns `ridge,crest_mm`, the first and the third of the table: its verdict counts, not each crest's."
-)
 
 
 @dataclass(frozen=True)
@@ -74,11 +68,8 @@ def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(job)
-    said = [*layer_remarks(job, crests), *thickness_remarks(job, crests)]
-    said.append(verdict_remark(job, crests, allowed_drops, margin))
-    if not job.bent and job.skin.count > 1 and job.skin.symmetry == "extruded":
-        said.append(MEASURED_NOTE)
-    return Inspection(crests, tuple(_measures(job, crests)), tuple(said), job.skin)
+    said = tuple(remarks(job, crests, allowed_drops, margin))
+    return Inspection(crests, tuple(_measures(job, crests)), said, job.skin)
 
 
 def _measures(job: Job, crests: Crests) -> list[Measure]:
