@@ -77,7 +77,8 @@ class Item(NamedTuple):
         what = f"{self.quantity} {self.what}s" if self.quantity != "1" else self.what
         if self.unit != "pcs":
             what = f"{self.quantity} {self.unit} of {self.what}"
-        return what + f", {self.designation}" * bool(self.designation) + f": {self.place}" * bool(self.place)
+        size = f", {self.designation}" if self.designation else ""
+        return f"{what}{size}" + (f": {self.place}" if self.place else "")
 
 
 def _bought(
@@ -140,8 +141,8 @@ def _bought_items(job: Job) -> Iterator[Item]:
         size = f"{slot.thickness:g} x {slot.depth:g} x {shim_length(job):g}"
         # a burr must be less than the clearance in its notch
         edges = f"deburred, burr at most {job.design.mold.slit_clearance / 2:.2g}, all on one face"
-        row = _bought(shims, "shim", size, "slots", material=SHIM_STEEL)
-        yield row._replace(tolerance=SHIM_TOLERANCE, condition=edges)
+        cells = {"material": SHIM_STEEL, "tolerance": SHIM_TOLERANCE, "condition": edges}
+        yield _bought(shims, "shim", size, "slots", **cells)
     grams = dict[str, float]()
     for pour in pours(job):
         grams[pour.silicone.name] = grams.get(pour.silicone.name, 0.0) + pour.batch
