@@ -40,7 +40,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "fit-material": "material.modulus:MaterialFit",
     "accept": "material.acceptance:Acceptance",
     "coupon": "fabrication.coupon:CouponKit",
-    "coupon --measured": "fabrication.coupon_reading:CouponReading",
+    "coupon --measured": "fabrication.coupon:CouponReading",
     "package": "outputs.simulators.package:Package",
 }
 DOCUMENTS = ("Circuit", "Design", "Scene", "Study")  # fields are keys of TOML, which have their own page

@@ -49,7 +49,7 @@ def coupon(
     for name, value in (("silicone", silicone), ("silicones", silicones)):
         if value is not None:
             raise InputError(name, "is not used with --measured", str(value), "leave it out")
-    from skincad.fabrication.coupon_reading import read_coupon
+    from skincad.fabrication.coupon import read_coupon
 
     reading = read_coupon(process, measured, printer=printer)
     deliver(reading, skincad.write(reading, folder or measured), options.Display(as_json=as_json))

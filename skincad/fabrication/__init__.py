@@ -8,8 +8,7 @@ __getattr__, __dir__ = face(
     """
     assembly_drawing: AssemblyDrawing CutFace
     coupon: BAR_FORM CouponKit PAD_DESIGN PAD_FORM SILICONE coupon_forms coupon_sheet fit_bar_command
-        fit_pad_command read_command
-    coupon_reading: no_growth_words read_coupon
+        fit_pad_command no_growth_words read_command read_coupon
     crests: listed_crests printed_crests snapped_to_layers uncertain_ridges
     drawn_features: ABOVE FRONT Groove HoleGroup LEFT SideView Slit notches number views
     electrodes: SHOULDER electrode_findings fan_out

@@ -1,15 +1,33 @@
-"""The calibration kit: its parts, its sheet and its forms."""
+"""The calibration kit: its parts, its sheet and its forms, and what the filled-in forms say of a machine.
+
+Properties of a process from a measured coupon: growth, narrowest gap, scatter and offset of crests. Each
+number has the half-width of its 95 % interval.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
+import tomlkit
+from numpy.typing import NDArray
+from scipy.special import ndtr
+from scipy.stats import chi2, t
+
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.reading import markdown_text
+from skincad.base.reading import text_of
 from skincad.base.result import Result, item, record, reported
-from skincad.fabrication.pouring import DEAD_VOLUME, mixing
-from skincad.inputs.catalog import Own, load_design
+from skincad.fabrication import pouring
+from skincad.fabrication.papers import paper
+from skincad.inputs import measurements as forms
+from skincad.inputs.catalog import LARGEST_FILE, Own, load_design
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.measurements import (
@@ -19,22 +37,16 @@ from skincad.inputs.measurements import (
     NOTCH_FORM,
     PRESSED,
     STRETCHED,
+    CrestForm,
+    NotchForm,
     form,
+    read_crests,
+    read_notches,
 )
 from skincad.inputs.process import Process, processes
 from skincad.inputs.silicone import Silicone, silicones
-from skincad.solids.coupon import (
-    BAR,
-    BARS,
-    END_LAND,
-    HEIGHTS,
-    NOTCH_LENGTH,
-    REPEATS,
-    coupon_parts,
-    drawn_notches,
-    drawn_steps,
-    poured_volumes,
-)
+from skincad.solids import coupon as solids
+from skincad.solids.coupon import BAR, NOTCHES, coupon_parts, drawn_notches, drawn_steps, poured_volumes
 from skincad.solids.plan import Part
 
 # of the pad, mm: assumptions. Three ridges, four times as large as those of plain-ridges, so that a nozzle of
@@ -58,6 +70,14 @@ APPROACHES = tuple(0.05 * i for i in range(1, 13))  # mm; the pad's model goes t
 GAUGE_SHARE = 3  # assumption: a gauge that resolves a third of the scatter adds 0.5 % to it
 FINEST_GAUGE = 0.001  # mm, of common gauges
 PAD_RATE = 1.0  # mm/min, assumption: slow against the silicone's viscosity
+CONFIDENCE = 0.95
+SCATTERS = np.geomspace(0.001, 0.05, 24)  # mm, of one notch's width; assumption: no process is outside
+LOSS_RANGE, LOSS_STEP = 0.15, 0.0005  # mm, of the losses of width that are weighed, about a first guess
+FEWEST_OPEN = 3  # notches; assumption: fewer leave growth and scatter unknown
+# mm, by which a notch is wider or narrower than the blade that just slides in it; assumption: half of a
+# blade's own tolerance. The same for all notches, so that their number does not lessen it
+BLADE_TOLERANCE = 0.002
+LEAST_LIKELIHOOD = 1e-300  # a likelihood
 
 
 @record()
@@ -177,150 +197,264 @@ def read_command(kit: CouponKit) -> str:
 
 
 def coupon_sheet(kit: CouponKit) -> str:
-    """Return the sheet as Markdown."""
-    lines = [
-        f"# Coupon sheet: {kit.name}, {markdown_text(kit.silicone.name)}",
-        "",
-        "Make these parts once on your own machine, and measure them. What they say replaces the assumptions "
-        "about the process and the silicone. Repeat it after a change of machine, resin, exposure or batch.",
-        "",
-        *_make(kit),
-        *(_notches() if kit.notches else _no_notches(kit)),
-        *_steps(kit.process),
-        *_cast(kit),
-        *_bar(),
-        *_pad_section(),
-        *_read(kit),
-    ]
-    return "\n".join(lines)
-
-
-def _section(title: str, *paragraphs: str, steps: tuple[str, ...] = ()) -> list[str]:
-    """A section of the sheet: its paragraphs, then its steps, numbered."""
-    numbered = "\n".join(f"{i}. {step}" for i, step in enumerate(steps, 1))
-    return [line for text in (f"## {title}", *paragraphs, numbered) if text for line in (text, "")]
-
-
-def _make(kit: CouponKit) -> list[str]:
-    rows = [f"| {part.name} | {part.volume / 1000:.4g} |" for part in kit.parts]
-    place = ""
-    if kit.process.layer:
-        ladder = ", the ladder on its face as combs are," if kit.notches else ""
-        place = f" Print them the way up that they have in coupon.3mf{ladder} in one run or in several."
-    return _section(
-        "Make the parts",
-        "\n".join(["| part | cm³ |", "|---|---|", *rows]),
-        f"Make them by {kit.name}, with the settings and the cleaning that molds get.{place} Do not sand, "
-        "lap or file what will be measured.",
-        "To have at hand: feeler gauges in steps of 0.01 mm (blades may be laid together), a dial gauge on a "
-        "stand with a flat plate, or a microscope, a calliper, a straight edge, a scale to 0.01 g, and what "
-        "pulls and presses: a testing machine, or weights and the dial gauge.",
+    """Return the sheet as Markdown. Its words are templates/papers/coupon-sheet.md."""
+    return paper(
+        "coupon-sheet.md",
+        kit=kit,
+        process=kit.process,
+        material=kit.silicone,
+        drawn=solids,
+        forms=forms,
+        BAR_FORM=BAR_FORM,
+        PAD_FORM=PAD_FORM,
+        PAD_RATE=PAD_RATE,
+        pouring=pouring,
+        resolved=max(kit.process.crest_sigma / GAUGE_SHARE, FINEST_GAUGE),
+        command=read_command(kit),
     )
 
 
-def _notches() -> list[str]:
-    return _section(
-        f"Notches: fill in {NOTCH_FORM}",
-        steps=(
-            "Hold the ladder with its notches up and the cut-off corner at the lower left. Notch 1, the "
-            "narrowest, is above that corner. The nicks in the lower edge are under notches 5 and 10.",
-            f"A blade goes in if it reaches the bottom along all {NOTCH_LENGTH:g} mm of the notch under its "
-            "own weight. Do not push.",
-            "For each notch write the thickest blade that goes in (goes_mm), and the next thicker one, which "
-            "does not (stops_mm). Where none goes in: 0, and your thinnest blade.",
-        ),
+class NotchResult(NamedTuple):
+    """What a ladder says, mm: material's growth a side, one notch's scatter, the narrowest gap that works.
+
+    Growth is None where too few notches are open, the gap where none is. `worst` is a side's largest error.
+    """
+
+    growth: Estimate | None
+    scatter: float
+    gap: Estimate | None
+    worst: float
+
+
+@dataclass(frozen=True)
+class CrestResult:
+    """What steps say, mm: a crest's standard deviation, how much all are too high, and the largest error."""
+
+    sigma: Estimate
+    offset: Estimate
+    worst: float
+
+
+def notch_result(form: NotchForm) -> NotchResult:
+    """Return growth, scatter and narrowest gap by the blades that go into the notches or stop."""
+    open_ = form.goes > 0
+    middle = (form.goes + form.stops) / 2
+    sides = np.abs(form.drawn - middle)[open_] / 2
+    worst, gap = float(sides.max(initial=0.0)), _gap(form)
+    if np.count_nonzero(open_) < FEWEST_OPEN:
+        return NotchResult(None, 0.0, gap, worst)
+    lost, half, scatter = _loss(form, float(np.median((form.drawn - middle)[open_])))
+    return NotchResult(Estimate(lost / 2, (half + BLADE_TOLERANCE) / 2, "mm"), scatter, gap, worst)
+
+
+def _loss(form: NotchForm, guess: float) -> tuple[float, float, float]:
+    """How much narrower than drawn notches are, its half-width, and their scatter: means of the posterior.
+
+    A notch is as wide as drawn, less the loss, plus its own normal error; a blade says between which two
+    thicknesses it lies, and no blade at all says below which. Loss and the logarithm of the scatter have flat
+    priors. Censored observations in a likelihood: Gelman et al., Bayesian Data Analysis, 3rd ed. 2013, 8.1.
+    """
+    losses = np.arange(guess - LOSS_RANGE, guess + LOSS_RANGE, LOSS_STEP)
+    low = np.where(form.goes > 0, form.goes, -np.inf) - form.drawn
+    high = form.stops - form.drawn
+    width = SCATTERS[:, None, None]
+    inside = ndtr((high + losses[:, None]) / width) - ndtr((low + losses[:, None]) / width)
+    logs = np.log(np.maximum(inside, LEAST_LIKELIHOOD)).sum(axis=2)
+    weight = np.exp(logs - logs.max())
+    weight /= weight.sum()
+    loss_weight, scatters = weight.sum(axis=0), weight.sum(axis=1)
+    mean = float(loss_weight @ losses)
+    tail = (1 - CONFIDENCE) / 2
+    ends = np.interp([tail, 1 - tail], np.cumsum(loss_weight), losses)
+    return mean, float(max(mean - ends[0], ends[1] - mean)), float(scatters @ SCATTERS)
+
+
+def _gap(form: NotchForm) -> Estimate | None:
+    """The narrowest notch that is open as all wider ones are; the next one may be the limit as well."""
+    order = np.argsort(form.drawn)
+    drawn, shut = form.drawn[order], np.flatnonzero(form.goes[order] <= 0)
+    first = int(shut[-1]) + 1 if shut.size else 0
+    if first == drawn.size:
+        return None
+    step = float(drawn[first] - drawn[first - 1]) if first else float(np.diff(drawn).max())
+    return Estimate(float(drawn[first]), step, "mm")
+
+
+def crest_result(form: CrestForm) -> CrestResult:
+    """Return scatter and offset of crests; a tilt of the block, which lay askew, is taken out first.
+
+    Crests of one height share what layers make of it: variance between heights and within them is by one-way
+    analysis of variance, the degrees of freedom of their sum by Satterthwaite, Biometrics Bulletin 2 (1946)
+    110.
+    """
+    heights, group = np.unique(form.drawn, return_inverse=True)
+    off = form.measured - form.drawn
+    level = off - _tilt(form.place, off, group) * (form.place - form.place.mean())
+    counts = np.bincount(group)
+    means = np.bincount(group, level) / counts
+    repeats = float(heights.size / np.sum(1 / counts))  # harmonic mean; all alike where nothing is missing
+    inner = off.size - heights.size - 1  # degrees of freedom, one less for the tilt
+    within = float(np.sum((level - means[group]) ** 2)) / inner
+    between = float(means.var(ddof=1)) * repeats
+    shares = np.array([between / repeats, within * (1 - 1 / repeats)])
+    variance, outer = float(shares.sum()), heights.size - 1
+    free = variance**2 / float(np.sum(shares**2 / [outer, inner])) if variance else float(inner)
+    sigma = float(np.sqrt(variance))
+    upper = sigma * float(np.sqrt(free / chi2.ppf((1 - CONFIDENCE) / 2, free)))
+    spread = np.sqrt(max(between, within) / (repeats * heights.size))
+    half = float(t.ppf((1 + CONFIDENCE) / 2, outer) * spread)
+    return CrestResult(
+        Estimate(sigma, upper - sigma, "mm"),
+        Estimate(float(means.mean()), half, "mm"),
+        float(np.abs(level).max()),
     )
 
 
-def _no_notches(kit: CouponKit) -> list[str]:
-    widest = 2 * kit.process.reach
-    return _section(
-        "Notches",
-        f"None: the tool of {kit.name} cuts nothing narrower than {widest:g} mm. Combs need another process.",
+def _tilt(place: Array, off: Array, group: NDArray[np.signedinteger[Any]]) -> float:
+    """How fast heights change along the block, mm a step, by least squares within each height."""
+    counts = np.bincount(group)
+    x = place - (np.bincount(group, place) / counts)[group]
+    y = off - (np.bincount(group, off) / counts)[group]
+    return float(x @ y / (x @ x)) if x.any() else 0.0
+
+
+class MeasuredKey(NamedTuple):
+    """A key of a process as a coupon gave it, mm, with what its line says of where it is from."""
+
+    key: str
+    value: float
+    comment: str
+
+
+@record()
+class CouponReading(Result):
+    """What the forms in `folder` say of the process `name`, which was `before`.
+
+    `own` is the text of one's own printer.toml, or "". `notches` and `crests` are None where their form is
+    not there.
+    """
+
+    shown_by = "skincad.outputs.measurements:READING"
+    name: str = item(meaning="of the process")
+    folder: Path
+    before: Process
+    printer_text: str
+    notches: NotchResult | None
+    crests: CrestResult | None
+    seconds: dict[str, float] = item(meaning="wall time by stage, s", compare=False)
+
+    @reported(meaning="that the forms were read")
+    def passed(self) -> bool:
+        """Whether the forms were read: bad ones are refused."""
+        return True
+
+    @reported("mm", "by which a wall grows")
+    def growth(self) -> Estimate:
+        """By how much a wall grows, mm."""
+        return _or_none(self.notches.growth if self.notches else None)
+
+    @reported("mm", "the narrowest that is open")
+    def gap(self) -> Estimate:
+        """The narrowest gap that is open, mm."""
+        return _or_none(self.notches.gap if self.notches else None)
+
+    @reported("mm", "scatter of the crests")
+    def crest_sigma(self) -> Estimate:
+        """Scatter of the crests, mm."""
+        return _or_none(self.crests.sigma if self.crests else None)
+
+    @reported("mm", "mean height of the crests over the drawn one")
+    def crest_offset(self) -> Estimate:
+        """Mean height of the crests over the drawn one, mm."""
+        return _or_none(self.crests.offset if self.crests else None)
+
+    @reported(meaning="the process's keys that are known now", key="keys")
+    def _keys(self) -> dict[str, float]:
+        return {row.key: row.value for row in self.keys}
+
+    @property
+    def keys(self) -> list[MeasuredKey]:
+        """The process's keys that are known now."""
+        return list(_keys(self))
+
+    def to_toml(self) -> str:
+        """Return one's own printer.toml with the process's keys as they are known now."""
+        document = tomlkit.parse(self.printer_text)
+        if self.name not in document:
+            document[self.name] = tomlkit.table()
+        table: Any = document[self.name]
+        for key, value, comment in self.keys:
+            item = tomlkit.item(value)
+            item.comment(comment)
+            table[key] = item
+        text = tomlkit.dumps(document).lstrip("\n")
+        load_design("plain-ridges", printer=tomllib.loads(text))  # what is written can be read
+        return text
+
+
+def _or_none(estimate: Estimate | None) -> Estimate:
+    return estimate or Estimate(None, None, "mm")
+
+
+def _keys(reading: CouponReading) -> Iterator[MeasuredKey]:
+    by = "measured on a coupon"
+    if (notches := reading.notches) is not None:
+        if notches.gap:
+            shut = "the narrowest notch that is open, of the ladder's"
+            yield MeasuredKey("gap", float(notches.gap), f"{by}: {shut}")
+        if notches.growth:
+            comment = f"{by}: ± {notches.growth.error:.4f} (95 %)"
+            yield MeasuredKey("growth", round(float(notches.growth), 4), comment)
+    if (crests := reading.crests) is not None:
+        comment = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
+        yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), comment)
+        comment = f"{by}: ± {crests.offset.error:.4f} (95 %)"
+        yield MeasuredKey("crest_offset", round(float(crests.offset), 4), comment)
+    worst = max((result.worst for result in (notches, crests) if result), default=0.0)
+    if worst > reading.before.tolerance:
+        comment = f"{by}: the largest error of a side or a crest"
+        yield MeasuredKey("tolerance", round(worst, 4), comment)
+
+
+def read_coupon(
+    process: str, folder: Path, *, printer: Path | None = None, progress: Progress | None = None
+) -> CouponReading:
+    """Return what the filled-in forms in a folder say of a process that ships or is one of `printer`'s.
+
+    Raises InputError for an unknown process, forms that are not filled in or whose rows are not those of the
+    process's coupon, and a folder without any.
+    """
+    clock = Stopwatch(progress)
+    with clock.stage("read"):
+        known = processes(load_design("plain-ridges", printer=printer).printer)
+        if process not in known:
+            raise InputError("process", "unknown process", process, did_you_mean(process, known))
+        printer_text = text_of(printer, str(printer), LARGEST_FILE, "TOML") if printer else ""
+        widths = drawn_notches(known[process])
+        if not widths and (folder / NOTCH_FORM).exists():
+            rule = f"must not be there: the tool of {process!r} cuts no ladder of notches"
+            remedy = "name the process that made the ladder, or remove the file"
+            raise InputError(str(folder / NOTCH_FORM), rule, remedy=remedy)
+        notches, crests = read_notches(folder, widths), read_crests(folder, drawn_steps())
+    if notches is None and crests is None:
+        rule = f"must hold {NOTCH_FORM} or {CREST_FORM}, filled in"
+        raise InputError("measured", rule, str(folder), "name the folder of the coupon's forms")
+    with clock.stage("fit"):
+        ladder = notch_result(notches) if notches else None
+        steps = crest_result(crests) if crests else None
+    return CouponReading(
+        name=process,
+        folder=folder,
+        before=known[process],
+        printer_text=printer_text,
+        notches=ladder,
+        crests=steps,
+        seconds=clock.seconds(),
     )
 
 
-def _steps(process: Process) -> list[str]:
-    resolved = max(process.crest_sigma / GAUGE_SHARE, FINEST_GAUGE)
-    return _section(
-        f"Steps: fill in {CREST_FORM}",
-        f"There are {len(HEIGHTS)} heights from {HEIGHTS[0]:g} to {HEIGHTS[-1]:g} mm, each {REPEATS} times, "
-        "not in order.",
-        steps=(
-            "Lay the block on a flat plate, steps up, the cut-off corner at the lower left: step 1 is there. "
-            "The nicks in the lower edge are under steps 5, 10, 15 and 20.",
-            f"Zero the dial gauge on the land at the left end, {END_LAND:g} mm long. The land at the right "
-            "end should read 0 within 0.02 mm; if not, clean the plate and the block's foot.",
-            "Read the top of each step in the middle of its length, and write it down (measured_mm). A gauge "
-            f"that resolves {resolved:.2g} mm is fine enough; a microscope that focuses on top and land will "
-            "do.",
-        ),
-    )
-
-
-def _cast(kit: CouponKit) -> list[str]:
-    material, grams_by_part = kit.silicone, kit.grams
-    parts, times = mixing(material, sum(grams_by_part.values()) + DEAD_VOLUME)
-    sealed = ""
-    if kit.process.inhibits_platinum and material.platinum_cure:
-        sealed = (
-            f" Parts by {kit.name} may keep this silicone from curing: wash, cure and bake the molds first, "
-            "and cast a trial drop on a plate of the same resin. Castings that stay sticky say nothing."
-        )
-    return _section(
-        "Cast bars and pad",
-        f"{markdown_text(material.name)}: "
-        + ", ".join(f"{grams:.3g} g for {name}" for name, grams in grams_by_part.items())
-        + ". "
-        f"With {DEAD_VOLUME:g} g more for the cup: {parts}. {times}",
-        steps=(
-            f"Clean and dry both molds, put release agent on them and wipe it thin.{sealed}",
-            "Mix, and degas the mix in its cup. Set both molds level, the open side up.",
-            "Pour in a thin stream from one end until the silicone stands a little above the rim. Pierce "
-            "bubbles.",
-            "Lay the straight edge on the rim and draw it across once, slowly, along bars and ridges, so "
-            "that the silicone is level with the rim.",
-            "Let it cure in full. Lift a corner and peel the castings out. Wait 16 h before a test (ISO 37).",
-        ),
-    )
-
-
-def _bar() -> list[str]:
-    return _section(
-        f"Bars: fill in {BAR_FORM}",
-        f"The mold gives {BARS} bars of ISO 37, type 2. Test the best one; copy the form for the others.",
-        steps=(
-            "Measure width and thickness of the narrow part in three places, as drawn "
-            f"{BAR.width:g} and {BAR.thickness:g} mm. Their product is the area.",
-            f"Draw two fine lines {BAR.gauge_length:g} mm apart on the narrow part, in its middle.",
-            "Clamp the wide ends and tare the force. Stretch twice to the form's last row and back.",
-            "Stretch slowly. At each extension of the form, which is how far the two lines (not the clamps) "
-            "have moved apart, write the force (force_N). With weights write both columns, the larger "
-            "weights further down; 100 g are 0.981 N. Stop before it tears, and remove the rows that are "
-            "left.",
-        ),
-    )
-
-
-def _pad_section() -> list[str]:
-    return _section(
-        f"Pad: fill in {PAD_FORM}",
-        steps=(
-            "Glue the pad's flat back to a stiff plate, thinly. Powder its ridges, so that they slide.",
-            "Bring a flat plate, parallel to the back, down until the first force shows. That is approach 0; "
-            "the fit finds where it is exactly.",
-            f"Press at {PAD_RATE:g} mm/min or slower. At each approach of the form write the force "
-            "(force_N).",
-        ),
-    )
-
-
-def _read(kit: CouponKit) -> list[str]:
-    return _section(
-        "Read it back",
-        "Save the forms where they are, as CSV, and remove a form of notches or steps that you did not "
-        "measure. Then, with the folder of the forms for DIR:",
-        f"    {read_command(kit)}",
-        "It writes printer.toml, to be given to --printer, and prints what it found and the two lines that "
-        "read the bar and the pad.",
+def no_growth_words() -> str:
+    """Return the words for a ladder that does not show the growth."""
+    return (
+        f"fewer than three notches are open: growth is not known, and the gap may be above {NOTCHES[-1]:g} mm"
     )

@@ -22,6 +22,7 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.fabrication.job import Job
 from skincad.fabrication.meshes import print_chord
+from skincad.fabrication.papers import paper
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
 from skincad.shape.curves import polygon
@@ -102,50 +103,34 @@ def _span(job: Job) -> float:
     return (skin.count - 1) * skin.pitch / job.design.skin.width
 
 
-def layer_remarks(job: Job, crests: Crests) -> tuple[str, ...]:
-    """Return what layers do to the crests."""
-    process, meant_all = job.cavity_process, offset_of(job)
-    meant = tuple(high + meant_all for high in job.skin.crests)
-    if crests.heights == meant and crests.layers_known:
-        return ()
-    if not crests.layers_known:
-        return (
-            f"Where the steps of {job.design.mold.process} fall on the crests is not known: the "
-            f"limits hold one of {unknown_step(process):g} mm.",
-        )
-    off = [out - high for out, high in zip(crests.heights, meant, strict=True)]
+def remarks(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> list[str]:
+    """Return what is said of the limits: what layers do to the crests, how to check a thickness whose fault
+    the process's own errors hide, whether parts within the limits pass the verdict, and what judges them.
+
+    `allowed_drops` `(ridges,)` mm is by how much each crest may lie lower alone until the verdict's `margin`,
+    N, is used up, empty where there is none. The words are templates/papers/crest-remarks.md.
+    """
+    drawn = tuple(high + offset_of(job) for high in job.skin.crests)
+    off = [out - high for out, high in zip(crests.heights, drawn, strict=True)]
     middle = math.fsum(off) / len(off)
-    largest = max(abs(value - middle) for value in off)
-    return (
-        f"Slice the cavity in layers of {process.layer:g} mm from the bed on, the first one too: then "
-        f"crests come out as in the table, {middle:+.3f} mm from the design in the mean, and from there up "
-        f"to {largest:.3f} mm up or down.",
-        *_uncertain_remarks(job),
-        *snapping_remarks(job),
+    text = paper(
+        "crest-remarks.md",
+        job=job,
+        crests=crests,
+        as_drawn=crests.heights == drawn,
+        middle=middle,
+        largest=max(abs(value - middle) for value in off),
+        step=unknown_step(job.cavity_process),
+        fault=THICKNESS_FAULT,
+        tightest=_tightest(job, crests, allowed_drops) if allowed_drops else None,
+        undecided=undecided_margin(margin, allowed_drops),
+        readings=READINGS,
+        near_edge=READINGS_NEAR_EDGE,
+        uncertain_ridges=uncertain_ridges,
+        listed_crests=listed_crests,
+        snapping_remarks=snapping_remarks,
     )
-
-
-def _uncertain_remarks(job: Job) -> tuple[str, ...]:
-    which, layer = uncertain_ridges(job), job.cavity_process.layer
-    if not which:
-        return ()
-    return (
-        f"Crests {listed_crests(which)} may come out a layer of {layer:g} mm lower or higher than "
-        "that: a layer's middle is where their groove, or the ledge, ends.",
-    )
-
-
-def thickness_remarks(job: Job, crests: Crests) -> tuple[str, ...]:
-    """Return how to check the thickness where the process's own errors hide a fault of it."""
-    if crests.mean < THICKNESS_FAULT:
-        return ()
-    return (
-        f"The mean crest's limit passes a part that is {THICKNESS_FAULT:g} mm too thick: "
-        f"{job.design.mold.process} itself "
-        f"takes {crests.mean / crests.deviations:.3f} mm in the standard deviation. Measure the mold once, "
-        "each groove's bottom under the ledge, by the same gauge: a part's mean crest is within "
-        f"±{crests.beside_mold:.3f} mm of theirs times {1 - job.shrinkage:.4g}.",
-    )
+    return text.splitlines()
 
 
 def undecided_margin(margin: float, allowed_drops: tuple[float, ...]) -> float:
@@ -174,39 +159,6 @@ def _tightest(job: Job, crests: Crests, allowed_drops: tuple[float, ...]) -> tup
     # a crest counts against a mean of the others, at most against one of them; the ledge's sides are two more
     share = math.sqrt(2 + 2 * _span(job) ** 2)
     return which, room, crests.deviations * crests.sigma * share
-
-
-def verdict_remark(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: float) -> str:
-    """Return whether parts within the limits pass the verdict. `allowed_drops` `(ridges,)` mm is by how much
-    each crest may lie lower alone until the verdict's `margin`, N, is used up, empty where there is none."""
-    skin = job.skin
-    if skin.count == 1:
-        alone = "Its face" if skin.symmetry == "none" else f"One {skin.family}"
-        return f"{alone} touches in any case: its height changes no verdict."
-    if not allowed_drops:
-        return (
-            "The check leaves no margin or was not asked: the limits say what the process does, not whether "
-            f"all {skin.family}s touch."
-        )
-    which, room, scatter = _tightest(job, crests, allowed_drops)
-    if math.isinf(room):
-        return "No crest that lies lower does harm to the verdict."
-    one = f"crest {which + 1}, which counts most, {max(room, 0.0):.3f} mm against the others"
-    if scatter < room:
-        return (
-            f"The verdict allows {one}, and {job.design.mold.process} takes {scatter:.3f} mm at most: parts "
-            "within "
-            "these limits pass it."
-        )
-    return (
-        f"**These limits don't decide.** The verdict allows {one}, and {job.design.mold.process} alone may "
-        f"take {scatter:.3f} mm: no limit on single crests keeps out the parts that fail and lets the good "
-        f"ones pass. Judge each part by `--measured`, each crest the mean of {READINGS} readings; where its "
-        f"margin is within ±{undecided_margin(margin, allowed_drops):.2g} N, read on until each crest is "
-        "the mean of "
-        f"{READINGS_NEAR_EDGE}: "
-        f"that verdict counts. Or take a finer process or more margin (`{skin.family}.levelling`)."
-    )
 
 
 class _Block(NamedTuple):

@@ -24,7 +24,6 @@ import shapely
 from skincad.circuit.network import PICO, capacitance, electrode
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, error, note, warning
-from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, loop, rectangle
 from skincad.shape.feature import SensorPlace
@@ -130,15 +129,6 @@ def strip_capacitance(job: Job) -> Capacitance:
     narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
     share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
     return Capacitance(value, share * value, COPLANAR * (job.lead + tab(film)[0]))
-
-
-def past_tabs(design: Design) -> str:
-    """Return how an end plate comes off strips with tabs outside it."""
-    side = design.film.wiring_side if design.film else "b"
-    return (
-        f"End plate {side} has the tabs outside it: slide it along the leads until it is off its pins, then "
-        "lift the keeper off and lower the comb."
-    )
 
 
 def masked(job: Job) -> float:

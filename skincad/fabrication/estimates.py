@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
@@ -43,9 +43,6 @@ from skincad.inputs.process import Process
 from skincad.shape import curves
 from skincad.shape.curves import Loop, polygon
 from skincad.solids.plan import Part, PartRole, Prism, RevolvedBody, bores, plain, unturned
-
-if TYPE_CHECKING:
-    import trimesh
 
 JERK = 10.0  # mm/s, source: PrusaSlicer's machine_max_jerk_x and _y, by which speed may jump along an axis
 DIAGONAL = math.sqrt(2.0)  # lines that fill lie at 45 degrees: each axis has its share of a jump

@@ -16,7 +16,6 @@ from skincad.solids.fasteners import (
     BlindThread,
     blind_thread,
     insert_outer,
-    insert_radius,
     screw_for,
     standard_length,
 )
@@ -197,14 +196,15 @@ def limits(job: Job, part: Part, role: CutRole) -> str:
 
 
 class Screws(NamedTuple):
-    """Equal M3 screws: how many, their length, mm, washers under each head, and nuts in all. `bottoming`
-    asks for a bottoming tap at last."""
+    """Equal M3 screws: how many, their length, mm, washers under each head, nuts in all, and how many of
+    these are sunk. `bottoming` asks for a bottoming tap at last."""
 
     pieces: int
     length: float
     washers: int = 0
     nuts: int = 0
     bottoming: bool = False
+    sunk: int = 0
 
     @property
     def rod(self) -> bool:
@@ -244,8 +244,8 @@ def end_screws(job: Job) -> Screws:
     through = job.cast.skin.length + 2 * job.design.mold.end_plate
     long = standard_length(through + (0 if tapped else PITCH if sunk == count else NUT + PITCH))
     if long <= LENGTHS[-1]:
-        return Screws(count, long, nuts=0 if tapped else count)
-    return Screws(count, math.ceil(long + NUT), nuts=count * (1 if tapped else 2))
+        return Screws(count, long, nuts=0 if tapped else count, sunk=sunk)
+    return Screws(count, math.ceil(long + NUT), nuts=count * (1 if tapped else 2), sunk=sunk)
 
 
 def dowels(closed: ClosedMold) -> dict[float, int]:
@@ -306,24 +306,3 @@ def mount_of(job: Job) -> CarrierMount | None:
         fiducial_diameter=mount.fiducial_diameter,
         top=every[0].start[2] + every[0].length,
     )
-
-
-def screws_to_buy(job: Job) -> list[str]:
-    """Return what to buy for a mount; its screws' length depends on what the skin is screwed to."""
-    mount = mount_of(job)
-    if mount is None or mount.thread is None or mount.reach is None:
-        return []
-    count, (least, most) = job.design.mold.cavities * len(mount.positions), mount.reach
-    kinds = []
-    if mount.insert:
-        metric, hole = METRIC[mount.thread], 2 * insert_radius(mount.thread, mount.insert)
-        outer = f"{metric.insert:g} mm long, {insert_outer(mount.thread, mount.insert):g} mm wide"
-        size = f"({mount.insert}, {outer}, in holes of {hole:g} mm)"
-        kinds.append(f"{count} threaded inserts {mount.thread} {size}")
-    if mount.pin is not None:
-        kinds.append(f"a dowel pin of {mount.pin:g} mm for each carrier")
-    kinds.append(f"{count} {mount.thread} screws")
-    return [
-        f"for the mount {', '.join(kinds)}, as long as the flange is thick and {least:g} to {most:g} mm; "
-        "a longer one bears on its hole's end, over the silicone"
-    ]

@@ -19,12 +19,11 @@ from skincad.fabrication.crests import (
     SHRINKAGE_SCATTER,
     Crests,
     crest_limits,
-    layer_remarks,
     offset_of,
-    thickness_remarks,
-    verdict_remark,
+    remarks,
 )
 from skincad.fabrication.job import Job
+from skincad.fabrication.papers import paper
 from skincad.fabrication.patterns import strip_patterns
 from skincad.fabrication.pouring import pours
 from skincad.fabrication.rules import walls_close
@@ -39,10 +38,6 @@ CALLIPERS = 0.01  # mm, assumption: standard deviation of a soft part's width
 BALANCE = 0.001  # g, assumption: a laboratory balance
 DENSITY = 0.01  # relative, assumption: standard deviation of a data sheet's density of a cured silicone
 FLASH_SHARE = 0.02  # of the silicone's mass, assumption: what may be left on
-MEASURED_NOTE = (
-    "`skincad check design.toml --measured crests.csv` judges all crest heights together, from a CSV with "
-    "columns `ridge,crest_mm`, the first and the third of the table: its verdict counts, not each crest's."
-)
 
 
 @dataclass(frozen=True)
@@ -73,11 +68,8 @@ def inspection(job: Job, allowed_drops: tuple[float, ...] = (), margin: float = 
     used up, `margin` N (inf where lowering it does no harm), empty where there is no verdict, or it fails.
     """
     crests = crest_limits(job)
-    said = [*layer_remarks(job, crests), *thickness_remarks(job, crests)]
-    said.append(verdict_remark(job, crests, allowed_drops, margin))
-    if not job.bent and job.skin.count > 1 and job.skin.symmetry == "extruded":
-        said.append(MEASURED_NOTE)
-    return Inspection(crests, tuple(_measures(job, crests)), tuple(said), job.skin)
+    said = tuple(remarks(job, crests, allowed_drops, margin))
+    return Inspection(crests, tuple(_measures(job, crests)), said, job.skin)
 
 
 def _measures(job: Job, crests: Crests) -> list[Measure]:
@@ -193,81 +185,11 @@ def _films(job: Job) -> tuple[float, float]:
 
 
 def inspection_lines(inspected: Inspection) -> list[str]:
-    """Return the form as Markdown."""
-    if inspected.skin.symmetry == "extruded":
-        crests = _in_a_row(inspected.crests, inspected.skin.family)
-    else:
-        crests = _by_place(inspected.crests, inspected.skin)
-    rows = [
-        f"| {m.what} | {m.nominal:.3f} | {m.low:.3f} to {m.high:.3f} | | {m.unit} | {m.how} |"
-        for m in inspected.measures
-    ]
-    return [
-        "## Inspection",
-        "",
-        "Measure the finished skin on its carrier, a day after the last cure. Crests first: each over "
-        "the back, in the middle of its width and its length, by a microscope's focus or a profile projector "
-        f"that repeats to {GAUGE_SIGMA:g} mm; a dial gauge does it if it presses all crests alike.",
-        "",
-        *crests,
-        "| what | nominal | limits | measured | unit | with |",
-        "|---|---|---|---|---|---|",
-        *rows,
-        "",
-        *(line for remark in inspected.said for line in (remark, "")),
-    ]
-
-
-def _in_a_row(crests: Crests, family: str) -> list[str]:
-    """The table of ridges' crests, and how they are judged beside their line."""
-    limits = [f"±{limit:.3f}" for limit in crests.beside] or ["-"] * len(crests.heights)
-    return [
-        f"| {family} | comes out at, mm | measured, mm | more than that | beside the line | limit |",
-        "|---|---|---|---|---|---|",
-        *(
-            f"| {ridge} | {height:.3f} | | | | {limit} |"
-            for ridge, (height, limit) in enumerate(zip(crests.heights, limits, strict=True), 1)
-        ),
-        "",
-        *_by_hand(len(crests.heights)),
-    ]
-
-
-def _by_place(crests: Crests, skin: Skin) -> list[str]:
-    """The table of features' crests by their places on the skin; of many, of those alike together. The limit
-    is against the others of a height, less the plane through all crests."""
-    limit = f"±{crests.deviations * math.hypot(crests.sigma, GAUGE_SIGMA):.3f}"
-    alike: dict[object, list[int]] = {}
+    """Return the form as Markdown: of very many crests not in a row, those alike together. Its words are
+    templates/papers/inspection.md."""
+    crests, alike = inspected.crests, dict[object, list[int]]()
     for i, height in enumerate(crests.heights):
-        alike.setdefault(i if skin.count <= MOST_LISTED else f"{height:.3f}", []).append(i)
-    rows = []
-    for members in alike.values():
-        place = skin.placed[members[0]]
-        at = f"{place.tip[0]:.3f} | {place.tip[1]:.3f}" if len(members) == 1 else " | "
-        who = f"{members[0] + 1}" if len(members) == 1 else f"{len(members)} from {members[0] + 1} on"
-        rows.append(f"| {who} | {at} | {crests.heights[members[0]]:.3f} | | {limit} |")
-    both = "Of a ring measure both ends of the diameter along x: their mean counts. "
-    start = both if skin.symmetry == "concentric" else ""
-    return [
-        f"{start}x and y count from the skin's middle, seen with {skin.turned_down} up, end b towards -y.",
-        "",
-        f"| {skin.family} | x, mm | y, mm | comes out at, mm | measured, mm | limit |",
-        "|---|---|---|---|---|---|",
-        *rows,
-        "",
-    ]
-
-
-def _by_hand(count: int) -> list[str]:
-    """How a person comes by what lies beside the line: columns A to F are the table's."""
-    if count == 1:
-        return []
-    last = count + 1
-    over = f"D$2:D${last},A$2:A${last}"
-    beside = f"column E is `=D2-FORECAST(A2,{over})`, " if count > 2 else ""
-    return [
-        "A line through the fourth column over the first takes out how the part lay under the gauge. In a "
-        f"spreadsheet with this table from A1 on, {beside}the tilt `={count - 1}*SLOPE({over})`. A crest "
-        "beyond its limit is a fault of its own: look for a bubble, a blocked groove or flash.",
-        "",
-    ]
+        alike.setdefault(i if len(crests.heights) <= MOST_LISTED else f"{height:.3f}", []).append(i)
+    limit = crests.deviations * math.hypot(crests.sigma, GAUGE_SIGMA)
+    facts = {**inspected._asdict(), "alike": alike.values(), "limit": limit, "gauge": GAUGE_SIGMA}
+    return paper("inspection.md", **facts).splitlines()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from skincad.base.reading import markdown_text
 from skincad.base.version import __version__
@@ -93,29 +93,22 @@ def _row(job: Job, part: Part, item: Item, crests: CrestAllowance | None, solids
     )
 
 
-def _general(job: Job, parts: list[Part], process: Process) -> list[str]:
-    """What holds for all parts of an order."""
-    first = parts[0]
-    rows = [f"Tolerances: {general_tolerance(job, first)} where nothing else is said."]
-    if surface := surface_words(job, first):
-        rows.append(f"Faces: {surface} µm where nothing else is said (ISO 21920-1).")
-    if process.layer:
-        down: dict[str, list[str]] = {}
-        for part in parts:
-            down.setdefault(face_down(job, part), []).append(part.name)
-        rows += [f"On the plate: the {face} of {', '.join(names)}." for face, names in down.items()]
-    else:
-        rows.append("Edges broken 0.1 to 0.3; those at trough and slits sharp and free of burrs.")
-    roles = {(part, cut.role) for part in parts for cut in part.cuts}
-    if any(role in THREADED for _, role in roles) and process.thread == "tapped":
-        rows.append("Threads: 6H, cut; a blind one as deep as its drawing says.")
-    if any(role in PINNED and is_pressed(part, role) for part, role in roles if role):
-        rows.append("Dowels of 2 mm, ISO 8734, are pressed in by us; don't widen their holes.")
-    narrow = ["dowels"] * any(role in PINNED and is_pressed(part, role) for part, role in roles if role)
-    narrow += ["core pins"] * any(role is CutRole.CORE for _, role in roles)
-    if process.layer and narrow:
-        rows.append(f"Holes of {' and '.join(narrow)} are drawn narrower and reamed by us.")
-    return rows
+def _general(job: Job, parts: list[Part], process: Process) -> dict[str, Any]:
+    """What holds for all parts of an order; of prints, which lie on the plate by which of their faces."""
+    down: dict[str, list[str]] = {}
+    for part in parts if process.layer else ():
+        down.setdefault(face_down(job, part), []).append(part.name)
+    roles = {(part, cut.role) for part in parts for cut in part.cuts if cut.role}
+    pressed = any(role in PINNED and is_pressed(part, role) for part, role in roles)
+    cored = any(role is CutRole.CORE for _, role in roles)
+    return {
+        "tolerance": general_tolerance(job, parts[0]),
+        "surface": surface_words(job, parts[0]),
+        "down": down,
+        "tapped": process.thread == "tapped" and any(role in THREADED for _, role in roles),
+        "pressed": pressed,
+        "reamed": ["dowels"] * pressed + ["core pins"] * cored if process.layer else [],
+    }
 
 
 def _sheet_order(job: Job) -> str:
@@ -132,10 +125,12 @@ def _sheet_order(job: Job) -> str:
         for item in parts_list(job)
         if item.what in SHEET_GOODS
     ]
-    return _order(job, title="film, sheet and board", settings="", bed="", rows=rows, general=[])
+    return _order(job, title="film, sheet and board", settings="", bed="", rows=rows)
 
 
-def _order(job: Job, title: str, settings: str, bed: str, rows: list[OrderRow], general: list[str]) -> str:
+def _order(
+    job: Job, title: str, settings: str, bed: str, rows: list[OrderRow], general: dict[str, Any] | None = None
+) -> str:
     alike: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         alike.setdefault(tuple(row.matters), []).append(row.what)

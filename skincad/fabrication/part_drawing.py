@@ -8,9 +8,9 @@ that parts slide with.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from skincad.fabrication.drawn_features import (
     ABOVE,
@@ -36,23 +36,21 @@ from skincad.fabrication.drawn_features import (
 )
 from skincad.fabrication.fasteners import PINNED
 from skincad.fabrication.job import Job
+from skincad.fabrication.papers import macro
 from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
 from skincad.fabrication.printing import face_down
 from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
 from skincad.inputs.feature_tables import Pin
-from skincad.inputs.mold_table import Mount
-from skincad.inputs.process import Process
 from skincad.shape.skin import Skin
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, END_PLATES, CutRole, Part, PartRole, Prism, TurnedBody
+from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism, TurnedBody
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-UNCHECKED_NOTE = "Grooves: made without the check, so their limits are not known."
 CUTTERS = {"wire": "Wire", "mill": "Ball-end mill", "lathe": "Turning tool, its nose"}
 GENERAL_RA = 1.6  # µm, source: what shops keep without a surcharge on milled and wire-cut faces
 ACCURATE = {  # faces on which others close or from which strips hang
@@ -110,41 +108,27 @@ def material_words(job: Job, part: Part) -> str:
 
 def notes(job: Job, part: Part) -> list[str]:
     """Return what holds for the whole part."""
-    share = 100 * job.shrinkage
     edges = f"{'right' if leftward(part) else 'left'} and {'upper' if downward(part) else 'lower'}"
-    rows = [f"x, y from the view's {edges} edge. Exact shape: the STEP file."]
-    if part.role in CAVITIES and share:
-        rows.append(
-            f"Trough larger than the skin by the silicone's shrinkage, {share:.3g} %: sizes are the mold's."
-        )
-    if part.role in CAVITIES or part.role in (PartRole.COMB, PartRole.KEEPER):
-        rows.append("Edges at trough and slits sharp and free of burrs; all others broken 0.1 to 0.3.")
-    else:
-        rows.append("Edges broken 0.1 to 0.3; the face on the silicone flat and free of scratches.")
-    process = job.process(part)
-    if process.layer:
-        rows.append(f"On the plate: the {face_down(job, part)}.")
-    rows += _pegs(part)
-    if process.inhibits_platinum and job.silicone.platinum_cure:
-        sealed = f" and seal it with {coat:g} mm" if (coat := coating(job, process)) else ""
-        rows.append(
-            f"The resin may keep platinum silicone from curing: wash, cure and bake the part{sealed}."
-        )
-    return [*rows, *_cutter(Case(job, part, job.maker(part)))]
+    coat = coating(job, job.process(part))
+    words = _words("notes", job, part, edges=edges, down=face_down(job, part), pegs=_pegs(part), coat=coat)
+    return [*words, *_cutter(Case(job, part, job.maker(part)))]
 
 
-def _pegs(part: Part) -> Iterator[str]:
-    """A plug's pegs, by their lengths: sizes, and places from its middle."""
-    by: dict[tuple[float, float, float], list[tuple[float, float]]] = {}
+def _words(macro_name: str, job: Job, part: Part, **facts: Any) -> list[str]:
+    """The lines of one of part-notes.md's macros."""
+    facts |= {"job": job, "part": part, "process": job.process(part), "role": PartRole}
+    return macro("papers/part-notes.md", macro_name, carved=part.role in CAVITIES, **facts).splitlines()
+
+
+def _pegs(part: Part) -> list[tuple[float, float, float, list[str]]]:
+    """A plug's pegs, by their lengths: neck, head and length, mm, and places from its middle."""
+    by: dict[tuple[float, float, float], list[str]] = {}
     for body in part.adds:
         wide = sorted({round(s.end.x, 3) for s in body.outline if s.end.x > 0.0})
         if len(wide) == 2 and body.origin[:2] != (0.0, 0.0):  # else it is a round plug's middle
             key = 2 * wide[0], 2 * wide[1], max(s.end.z for s in body.outline)
-            by.setdefault(key, []).append((body.origin[0], body.origin[1]))
-    for (neck, head, long), places in by.items():
-        at = ", ".join(f"({number(x)}, {number(y)})" for x, y in places)
-        size = f"neck Ø{neck:.3g}, head Ø{head:.3g}, {long:.3g} long"
-        yield f"Pegs: {len(places)} x {size}; x, y from the middle: {at}."
+            by.setdefault(key, []).append(f"({number(body.origin[0])}, {number(body.origin[1])})")
+    return [(*size, places) for size, places in by.items()]
 
 
 def _cutter(case: Case) -> list[str]:
@@ -167,90 +151,20 @@ def _cutter(case: Case) -> list[str]:
 
 def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
     """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
-    rows = [_accurate(job, part)]
-    rows += _crests(job, part, judged) if part.role in CAVITIES and part.role is not PartRole.BASE else []
+    process, mold = job.process(part), job.design.mold
     if part.role is PartRole.COMB:
-        process = job.process(part)
-        gap, drawn = slit_play(job, process), job.design.mold.slit_clearance
-        lays = "strip" if job.design.mold.method == "cast-in" else "shim"
-        out = f" ({drawn:g} as drawn, less growth and coat)" if gap != drawn else ""
-        rows.append(
-            f"Slits: {gap:.4g} a side beside the {lays}{out}. Narrower ones jam it, wider ones let silicone "
-            f"in and the film lie aside; {_tolerance_words(process, gap)}"
-        )
-    if part.role is PartRole.CARRIER:
-        drawn, by = job.design.mold.clearance, job.cavity_process
-        gap = drawn - walls_close(job, by) - walls_close(job, job.process(part))
-        out = f" ({drawn:g} as drawn, less growth and coats)" if gap != drawn else ""
-        sizes = "Diameter" if job.design.skin.round else "Length and width"
-        rows.append(f"{sizes}: {gap:.4g} a side to its seat{out}; larger it jams, smaller the flash grows.")
-    if part.role is PartRole.CARRIER and job.design.mounting and job.design.mounting.thread:
-        metric = METRIC[job.design.mounting.thread]
-        off = (metric.clearance - metric.diameter) / 4
-        rows.append(
-            f"Mount: {pattern_words(job.design.mounting)} about the middle, its threads within ±{off:.3g}, "
-            "half of what clearance holes by ISO 273 (medium) leave a side. No hole of it goes through."
-        )
-    pins = {cut.role for cut in part.cuts} & PINNED
-    if pins:
-        sliding = job.fits(part).slide - PIN_RADIUS
-        rows.append(
-            f"Pin holes: place within ±{sliding / 2:.3g}, half of the pins' play of {sliding:.3g} a side, or "
-            "the parts don't slide onto each other."
-        )
-    return rows
-
-
-def _accurate(job: Job, part: Part) -> str:
-    """Which faces the process's own tolerance is for; all others have the general one."""
-    process = job.process(part)
-    carved = {"revolved": "holes, ", "none": ""}.get(job.skin.symmetry, "grooves, ")
-    faces = ACCURATE.get(part.role, f"seat, trough, {carved}both ends and the top")
-    if not job.closed.of(*END_PLATES):
+        drawn, play = mold.slit_clearance, slit_play(job, process)
+    else:  # a carrier's to its seat
+        drawn = mold.clearance
+        play = drawn - walls_close(job, job.cavity_process) - walls_close(job, process)
+    hollows = {"revolved": "holes, ", "none": ""}.get(job.skin.symmetry, "grooves, ")
+    faces = ACCURATE.get(part.role, f"seat, trough, {hollows}both ends and the top")
+    if not job.ends:
         faces = faces.replace("length and width", "diameter").replace(", both ends", "")
-    smooth = f", Ra {process.roughness:g}" if process.roughness and not process.layer else ""
-    lapped = " once lapped" if process.layer else ""
-    return (
-        f"Accurate, ±{process.tolerance:g}{smooth}: {faces}; flat, and square to datum A, within "
-        f"{process.tolerance:g}{lapped}."
-    )
-
-
-def pattern_words(mount: Mount) -> str:
-    """Return the pattern of a mount's screws, mm."""
-    if mount.pattern == "circle":
-        return f"circle of {mount.diameter:g}"
-    wide, long = mount.pitch_x, mount.pitch_y
-    return f"rectangle of {wide:g} x {long:g}" if wide and long else f"two in line, {wide or long:g} apart,"
-
-
-def _tolerance_words(process: Process, gap: float) -> str:
-    word = "keeps" if process.tolerance <= gap else "does not keep"
-    return f"the process, ±{process.tolerance:g}, {word} that gap."
-
-
-def _crests(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
-    """What the crests' heights may differ by: the grooves' depths."""
-    sigma = f"{job.process(part).crest_sigma:g}"
-    if judged is None:
-        return [UNCHECKED_NOTE]
-    rows = []
-    if judged.drops:
-        least = min(judged.drops)
-        which = judged.drops.index(least) + 1
-        word = (
-            "any depth does" if math.isinf(least) else f"{job.skin.family} {which} allows least, {least:.4f}"
-        )
-        rows.append(
-            "Grooves: the tolerance in the table is for one groove alone; a shallower one uses up the "
-            f"check's margin, and a {job.skin.family} stays off the plate; {word}. The process's sigma is "
-            f"{sigma}."
-        )
-    else:
-        rows.append(
-            f"Grooves: the check leaves no margin, or has none to say; the process's sigma is {sigma}."
-        )
-    return rows
+    pinned = {cut.role for cut in part.cuts} & PINNED
+    sliding = job.fits(part).slide - PIN_RADIUS if pinned else None
+    facts = {"faces": faces, "judged": judged, "sliding": sliding, "METRIC": METRIC}
+    return _words("matters", job, part, drawn=drawn, play=play, **facts)
 
 
 class DrawingTable(NamedTuple):

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent, laid_on_end, on_end
 from skincad.fabrication.meshes import BedPart, Spot, arranged, plates
-from skincad.fabrication.papers import listed
 from skincad.fabrication.rules import Finding
 from skincad.inputs.process import Process
 from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
@@ -105,22 +104,15 @@ def print_settings(process: Process, supports: bool) -> str:
     )
 
 
-def lapping_words(job: Job) -> str:
-    """Return how printed joint faces are made flat; "" where none is printed."""
+def lapped(job: Job) -> list[str]:
+    """Return the printed joint faces, which are made flat by hand."""
     faces = {
-        f"{'both ends and ' if job.closed.of(*END_PLATES) else ''}the top of the cavity": CAVITIES,
+        f"{'both ends and ' if job.ends else ''}the top of the cavity": CAVITIES,
         "the end plates' inner faces": END_PLATES,
         "the carrier's lower face": {PartRole.CARRIER},
     }
     printed = {part.role for part in job.closed.made if job.process(part).layer}
-    lapped = [face for face, roles in faces.items() if roles & printed]
-    if not lapped:
-        return ""
-    return (
-        f"Lap the printed joint faces ({listed(lapped)}) on 400 grit paper on a glass plate until they are "
-        "evenly dull. When you close the mold, put a thin coat of petroleum jelly on the joints, and none on "
-        "the carrier or in the trough."
-    )
+    return [face for face, roles in faces.items() if roles & printed]
 
 
 def face_down(job: Job, part: Part) -> str:

@@ -11,11 +11,11 @@ from skincad.fabrication import (
     electrodes,
     fasteners,
     part_drawing,
+    parts_list,
     patterns,
     pouring,
     printing,
     rules,
-    shopping,
     strips,
 )
 from skincad.fabrication.estimates import ProcessEstimate, lines
@@ -24,7 +24,8 @@ from skincad.fabrication.job import Job
 from skincad.fabrication.papers import paper
 from skincad.fabrication.rules import Finding, counted
 from skincad.inputs.catalog import display_name
-from skincad.solids import inserts
+from skincad.solids import fasteners as threads
+from skincad.solids import inserts, layout
 from skincad.solids.bone import LEAST_GRIP
 from skincad.solids.lids import core_hole, core_proud
 from skincad.solids.mold import Move
@@ -109,6 +110,9 @@ def _sheet(
         electrodes=electrodes,
         fastening=fasteners,
         inserts=inserts,
+        layout=layout,
+        threads=threads,
+        torque=min(threads.torque(job.process(part)) for part in job.closed.made),
         LEAST_GRIP=LEAST_GRIP,
         proud=core_proud(job.place),
         core_hole=core_hole(job.design) if job.design.features.pocket else 0.0,
@@ -116,7 +120,7 @@ def _sheet(
         pouring=pouring,
         printing=printing,
         rules=rules,
-        shopping=shopping,
+        buying=parts_list,
         strips=strips,
         passed=passed,
         counted=counted(findings or []),

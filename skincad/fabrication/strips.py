@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import shapely
 
@@ -34,9 +34,6 @@ from skincad.shape.skin import GUARD_TOLERANCE
 from skincad.solids.cavity import SAFE_SHARE
 from skincad.solids.gate import GRAVITY
 from skincad.solids.plan import CutRole, PartRole, bores
-
-if TYPE_CHECKING:
-    pass
 
 PVDF_DENSITY = 1780.0  # kg/m3, source: piezo film technical manual (Measurement Specialties), table 1
 PVDF_YIELD = 45.0  # MPa, source: there, 45 to 55 along the stretch axis

@@ -20,9 +20,9 @@ from skincad.fabrication.coupon import (
     coupon_sheet,
     fit_bar_command,
     fit_pad_command,
+    no_growth_words,
     read_command,
 )
-from skincad.fabrication.coupon_reading import no_growth_words
 from skincad.fabrication.machine_rules import on_end
 from skincad.inputs.silicone import Silicone
 from skincad.material.acceptance import Acceptance

@@ -9,14 +9,14 @@ __getattr__, __dir__ = face(
     bent: gap_beside
     bone: Bone bone_of least_over pinned
     cavity: SAFE_SHARE parts_at_tips safe_strain split_ridges
-    coupon: BAR BARS END_LAND HEIGHTS NOTCHES NOTCH_DEPTH NOTCH_LENGTH NOTCH_PITCH REPEATS coupon_parts
+    coupon: BAR BARS HEIGHTS NOTCHES NOTCH_DEPTH NOTCH_PITCH REPEATS coupon_parts
         drawn_notches drawn_steps poured_volumes
-    fasteners: BEARING BlindThread HEAD LENGTHS METRIC RUN_OUT TAP_RADIUS WASHER blind_thread insert_outer
+    fasteners: BlindThread HEAD LENGTHS METRIC RUN_OUT TAP_RADIUS WASHER blind_thread insert_outer
         insert_radius pin_depth run_out_room screw_for standard_length torque
     gate: GRAVITY LUER SYRINGES THUMB TIPS TIP_LENGTH TIP_PLAY WIDTHS filling_time press tip
     inserts: BEND GRIP MOST_TURN PIN_RADIUS STUB fan_lead fan_offset lead_length
         strip_overhangs
-    layout: Fits Layout MOST_BOW SEAL_PLAY SHEETS SQUEEZED_SHARE STOCK block_fits bow end_angle fits
+    layout: Fits Layout MOST_BOW SEAL_PLAY SHEETS SQUEEZED_SHARE STOCK bow end_angle fits
         is_clamped lid_process stack_error thick_enough
     mold: ClosedMold Move mold_solids
     occ: KernelError given_solid moments solid tessellate triangles unchecked_solid volume workplane

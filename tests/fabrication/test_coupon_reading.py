@@ -18,8 +18,7 @@ import trimesh
 import skincad
 from skincad.base import InputError, Stopwatch
 from skincad.fabrication import BAR_FORM, PAD_FORM, coupon_forms, coupon_sheet, fit_bar_command, read_coupon
-from skincad.fabrication.coupon import coupon
-from skincad.fabrication.coupon_reading import crest_result, notch_result
+from skincad.fabrication.coupon import coupon, crest_result, notch_result
 from skincad.inputs import (
     CREST_COLUMNS,
     CREST_FORM,

@@ -20,7 +20,7 @@ from skincad.fabrication import (
     snapped_to_layers,
     uncertain_ridges,
 )
-from skincad.fabrication.crests import crest_limits, limits_decide, undecided_margin, verdict_remark
+from skincad.fabrication.crests import crest_limits, limits_decide, remarks, undecided_margin
 from skincad.fabrication.inspection import inspection, inspection_lines
 from skincad.inputs import Design, processes
 from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
@@ -463,4 +463,4 @@ def test_limits_decide_where_the_verdict_allows_more_than_the_process_takes() ->
     for drop, decides, words in ((0.001, False, "These limits don't decide"), (1.0, True, "pass it")):
         drops = (drop,) * job.skin.count
         assert limits_decide(job, drops) == decides
-        assert words in verdict_remark(job, crest_limits(job), drops, 1.0)
+        assert words in " ".join(remarks(job, crest_limits(job), drops, 1.0))

@@ -331,7 +331,7 @@ def test_each_process_says_how_rough_its_faces_are(name: str) -> None:
 
 
 TRADE = ("fabrication/day_plan", "fabrication/electrodes", "fabrication/fasteners")
-TRADE += ("fabrication/pouring", "fabrication/printing", "fabrication/shopping", "fabrication/strips")
+TRADE += ("fabrication/pouring", "fabrication/printing", "fabrication/parts_list", "fabrication/strips")
 TRADE += ("solids/ends", "solids/fasteners", "solids/gate", "solids/inserts", "solids/layout", "solids/lids")
 OF_NATURE = {"GRAVITY", "SCREW", "METRIC"}  # METRIC's class says its standards, column by column
 

@@ -22,7 +22,7 @@ from skincad.fabrication import (
     sheet_steps,
 )
 from skincad.fabrication.day_plan import day_plan, tasks
-from skincad.fabrication.shopping import consumables
+from skincad.fabrication.parts_list import consumables
 from skincad.inputs import Design, load
 from skincad.solids import CutRole, PartRole, bores
 from skincad.solids.mold import mold
@@ -266,7 +266,7 @@ def test_sheet_and_parts_list_say_the_same_of_all_that_is_bought(name: str) -> N
     bought = {(row["quantity"], row["what"], row["designation"]) for row in rows}
     text = sheet(job.design)
     for need in consumables(job):
-        assert (str(need.quantity), need.what, need.size) in bought
+        assert (need.quantity, need.what, need.designation) in bought
         assert f"- {need.words}" in text.splitlines()
 
 

@@ -277,7 +277,7 @@ def subclasses(kind: type) -> set[type]:
 
 def test_every_reported_attribute_says_what_it_means() -> None:
     modules = ("mechanics.check", "scenes.simulation", "circuit.bode", "material.modulus", "live.desk")
-    for module in (*modules, "fabrication.making", "fabrication.coupon_reading", "studies.optimising"):
+    for module in (*modules, "fabrication.making", "fabrication.coupon", "studies.optimising"):
         import_module(f"skincad.{module}")
     ours = [kind for kind in subclasses(Record) if kind.__module__.startswith("skincad.")]
     kinds = [kind for kind in ours if is_dataclass(kind)]
