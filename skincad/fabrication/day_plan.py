@@ -76,17 +76,25 @@ def tasks(job: Job) -> list[Task]:
             Task("cast the trial drops" if len(made_pours) > 1 else "cast the trial drop", 15, 60 * slowest)
         )
     if in_two_pucks(job):
-        cures = math.fsum(pour.cure_h for pour in made_pours)
+        cures = math.fsum(pour.cure_h for pour in made_pours if pour.plug or pour == made_pours[-1])
         rows.append(Task("cast a puck on a puck, and peel them", 15, 60 * cures))
     rows.append(Task("prepare the parts, try them dry", PREPARING))
+    drawn_in = lap(job) is not None
+    laying, layers = (
+        LAYING * strips,
+        _layers(job, made_pours),
+    )  # strips lie in the mold from the first pour on
+    pour = _hands(job, made_pours[-1])
+    if film is not None and not drawn_in:
+        first = layers[0].hands if layers else pour
+        rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, laying + first))
+    if layers:
+        layers[0] = layers[0]._replace(hands=layers[0].hands + laying)
+    rows += layers
     if primed(job):
         rows.append(Task(f"prime the {'bone' if job.bone else 'carrier'}", 5, PRIMER_MIN))
-    drawn_in = lap(job) is not None
-    pour = LAYING * strips + _hands(job, made_pours[-1])
-    if film is not None and not drawn_in:
-        rows.append(Task("make the strips ready", READYING * strips, PRIMER_MIN, pour))
-    rows += _layers(job, made_pours)
-    rows.append(Task("close the mold, mix and fill it", pour, 60 * made_pours[-1].cure_h))
+    hands = pour if layers else laying + pour
+    rows.append(Task("close the mold, mix and fill it", hands, 60 * made_pours[-1].cure_h))
     if drawn_in:
         mixes = math.ceil(strips / max(strips_per_mix(job) or strips, 1))
         drawing = strips * strip_seconds(job) / 60 + mixes * STIR_MIN

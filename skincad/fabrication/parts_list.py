@@ -22,7 +22,15 @@ from skincad.fabrication.machine_rules import extent
 from skincad.fabrication.papers import listed
 from skincad.fabrication.part_drawing import general_tolerance, material_words, process_words
 from skincad.fabrication.patterns import shim_length
-from skincad.fabrication.pouring import filling, in_two_pucks, outlet_words, pours, small_batch, veiled
+from skincad.fabrication.pouring import (
+    LayerPour,
+    filling,
+    in_two_pucks,
+    outlet_words,
+    pours,
+    small_batch,
+    veiled,
+)
 from skincad.fabrication.strips import lap, pull_test, strip, strip_count, strips_per_mix
 from skincad.inputs.catalog import display_name
 from skincad.solids.bone import LEAST_GRIP
@@ -244,13 +252,16 @@ def _filling(job: Job) -> Iterator[Item]:
         what = [*["a trial puck of each"] * in_two_pucks(job), *["magnets' caps"] * (job.magnet is not None)]
         if what:
             yield _bought(
-                math.ceil(small_batch(job.silicone)), "more silicone", names, f"for {listed(what)}", "g"
+                math.ceil(small_batch(made[-1].silicone)), "more silicone", names, f"for {listed(what)}", "g"
             )
     if job.gate is not None:
         yield _bought(1, "syringe", f"{filling(job).syringe} ml, {outlet_words(job.gate)}", "")
         yield _bought(1, "plug", f"for a hole of {job.gate:g} mm", "the gate")
     if any(process.layer for process in (job.cavity_process, job.end_process, job.lid_process)):
         yield _bought(1, "release agent", "for silicone, with a brush", "printed parts")
+    elif job.bone is not None or (job.inserts == "shims" and job.design.film is None):
+        bare = "the carrier's lower face" if job.bone else "shims"
+        yield _bought(1, "release agent", "for silicone, with a brush", bare)
     if job.silicone.platinum_cure and any(job.process(part).inhibits_platinum for part in job.closed.made):
         yield _bought(BATHS_ML, "isopropanol", "", "washes resin parts", "ml")
     if job.gate is not None and job.riveted:
@@ -262,6 +273,11 @@ def _filling(job: Job) -> Iterator[Item]:
         pins = job.skin.symmetry == "revolved"
         size = f"{min(2.0, job.skin.profile.tip_width):g} mm wide or less" if pins else "2 mm wide or less"
         yield _bought(1, "soft brush", size, f"the mix into the {'holes' if pins else 'grooves'}")
+    yield from _between(job, made)
+
+
+def _between(job: Job, made: list[LayerPour]) -> Iterator[Item]:
+    """What layers, a carrier and a bone are made ready with."""
     if any(pour.bond == "rivets" for pour in made):
         yield _bought(1, "fine brush", f"{2 * NECK:g} mm wide or less", "the mix into the rivets' holes")
     if plugs := veiled(job):
@@ -274,9 +290,10 @@ def _filling(job: Job) -> Iterator[Item]:
     if primed:
         many = max(1, math.ceil(PRIMER_ML * area / 100))
         yield _bought(many, PRIMER, "with a fine brush", listed(primed), "ml")
-    if job.bone is not None or len(made) > 1:
-        what = ["the bone"] * (job.bone is not None) + ["the layers' backs"] * (len(made) > 1)
-        yield _bought(math.ceil(ALCOHOL_ML[0]), "isopropanol", "", f"cleans {listed(what)}", "ml")
+    cleaned = [*primed, *["the bone"] * (job.bone is not None and not primed)]
+    cleaned += ["the layers' backs"] * (len(made) > 1)
+    if cleaned:
+        yield _bought(math.ceil(ALCOHOL_ML[0]), "isopropanol", "", f"cleans {listed(cleaned)}", "ml")
 
 
 def _films(job: Job) -> Iterator[Item]:
@@ -338,7 +355,11 @@ def _primed(job: Job) -> tuple[list[str], float]:
     if job.bone is not None and job.design.mold.bone_bond != "rivets":
         what, area = ["the bone"], 3 * float(job.bone.shadow(2, 0.0).area)
     elif job.bone is None and not job.riveted:
-        what, area = ["the carrier's lower face"], skin.width * skin.length
+        what, area = (
+            ["the carrier's lower face"],
+            skin.width * skin.length * (math.pi / 4 if skin.round else 1),
+        )
+    area *= job.design.mold.cavities
     if film is not None and slot is not None:
         strips = strip_count(job)
         what.append("the strips' faces")

@@ -117,7 +117,11 @@ class LayerPour:
     @property
     def cure_h(self) -> float:
         """The same in h; `USUAL_CURE_H` for each that is not known."""
-        return math.fsum(material.cure_h or USUAL_CURE_H for material in self._slowest)
+        by: dict[float, float] = {}
+        for material in self.wet:
+            warm = material.cure_c or 0.0
+            by[warm] = max(by.get(warm, 0.0), material.cure_h or USUAL_CURE_H)
+        return math.fsum(by.values())
 
     @property
     def _slowest(self) -> list[Silicone]:
@@ -202,7 +206,13 @@ def veiled(job: Job) -> list[str]:
     made = pours(job)
     if not job.lid_process.layer:
         return []
-    return [front.plug for front, back in pairwise(made) if front.plug and back.bond == "primer"]
+    bonded = (front.plug for front, back in pairwise(made) if front.plug and back.bond == "primer")
+    return [name for plug in bonded for name in plug_names(job, plug)]
+
+
+def plug_names(job: Job, plug: str) -> list[str]:
+    """Return the names of a pour's plugs: one for each skin of a gang, the first of which is `plug`."""
+    return [part.name for part in job.closed.plugs if part.name == plug or part.name.startswith(f"{plug}-")]
 
 
 @dataclass(frozen=True)
@@ -307,7 +317,9 @@ def timeline(job: Job, layer: LayerPour) -> list[TimedStep]:
     hold = [task("hold", LAY_MIN)] * bool(job.bone and job.bone.printed)
     closing = [task("carrier", LAY_MIN), lid, *hold]
     mixes = [task("mix", STIR_MIN + PUMP_MIN + DEGAS_MIN, each.number) for each in reversed(group)]
-    brushing = (_brushing(job) if first and how.brushed else 0.0) + LOAD_MIN * brushed_holes(job, group[0])
+    brushing = (_brushing(job) if first and how.brushed else 0.0) + LOAD_MIN * any(
+        brushed_holes(job, each) for each in group
+    )
     front = [task("brush", brushing)] * bool(brushing)
     front += [task("vacuum", PUMP_MIN + DEGAS_MIN)] * (first and open_back(job))
     usual = job.design.mold.fill_time
@@ -391,7 +403,8 @@ def _between_layers(job: Job) -> Iterator[Finding]:
     on wet, and a tin cure, which keeps platinum silicone from curing."""
     made = pours(job)
     for front, back in pairwise(made):
-        if not front.silicone.platinum_cure and back.silicone.platinum_cure:
+        mixed = back.bond == "wet" and front.silicone.platinum_cure != back.silicone.platinum_cure
+        if mixed or (not front.silicone.platinum_cure and back.silicone.platinum_cure):
             where = f"shot {back.number}, {back.silicone.name}, poured on {front.silicone.name}"
             remedy = "a tin cure keeps a platinum silicone sticky; take silicones of one cure"
             yield error("cure inhibition", where, 1.0, 0.0, "", remedy)

@@ -341,8 +341,7 @@ def pull_off(job: Job) -> float:
     if bone or necks:
         behind = layers(job.design)[0] if job.design.shot else job.silicone
         return math.fsum(necks) * behind.young_modulus.value * RIVET_STRAIN
-    bond = BOND_SHARE * BOND_STRENGTH * job.design.mold.cavities
-    return bond * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
+    return BOND_SHARE * BOND_STRENGTH * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
 
 
 def drift_in(job: Job, seconds: float) -> float:
@@ -368,8 +367,9 @@ def drawing_findings(job: Job) -> list[Finding]:
         return []
     joint = lap(job)
     if joint is None:  # a film that is drawn in has its own, cooler cure
-        warm, most = job.silicone.cure_c, HIGHEST_FILM_TEMPERATURE
-        if warm is None or warm <= most:
+        stuffs = [job.silicone, *(layers(job.design) if job.design.shot else ())]
+        warm, most = max(stuff.cure_c or 0.0 for stuff in stuffs), HIGHEST_FILM_TEMPERATURE
+        if warm <= most:
             return []
         remedy = f"a silicone, or a longer cure by its data sheet, at {most:g} °C or less"
         where = "film in the mold while it cures: it loses its charge"

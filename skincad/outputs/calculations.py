@@ -219,7 +219,8 @@ def _springs(design: Design, chosen: Mask) -> dict[str, Quantity]:
 
 def casting_calculations(job: Job) -> list[Calculation]:
     """Return the cavity's volume by the shrinkage, and the silicone to weigh."""
-    cavity, layers = [] if job.bent and job.skin.slot else [_cavity(job)], pours(job)
+    other = job.bone is not None or (job.bent and job.skin.slot is not None)  # no one formula has them
+    cavity, layers = [] if other else [_cavity(job)], pours(job)
     return [*cavity, *(step for layer in layers for step in _mass(layer, len(layers) > 1))]
 
 

@@ -59,14 +59,24 @@ DEEPEST = 100  # parentheses in each other, assumption: CAD programs write up to
 class Bone:
     """A bone in its pose, in the design's frame, mm: its mesh's triangles `(f, 3, 3)`, the whole volume and
     that in front of the back, mm3, the radii, lowest places (x, y, z) and tops of round holes along z; and
-    `locks`, the necks of holes in front of the back that no straight pull along z empties: areas, mm2."""
+    `undercut`, the necks of holes in front of the back that no straight pull along z empties: areas, mm2, and
+    places of those along z."""
 
     body: GivenBody
     corners: Array
     volume: float
     inside: float
     holes: tuple[tuple[float, tuple[float, float, float], float], ...]
-    locks: tuple[float, ...] = ()
+    undercut: tuple[tuple[float, tuple[float, float] | None], ...] = ()
+
+    @property
+    def locks(self) -> tuple[float, ...]:
+        """The necks in which silicone holds, mm2: not those of holes into which screws go."""
+        screwed = {hole.start[:2] for hole in ([] if self.printed else self.pin_holes)}
+        end = float(self.corners[:, :, 2].min())
+        if self.printed:
+            screwed = {(x, y) for _, (x, y, low), _ in self.holes if abs(low - end) < SAME}
+        return tuple(area for area, spot in self.undercut if spot not in screwed)
 
     @property
     def printed(self) -> bool:
@@ -114,10 +124,11 @@ class Bone:
 
 
 def _closed(back: Any, x: float, y: float, radius: float) -> bool:
-    """Whether a hole has the bone's back all round it."""
+    """Whether a hole has the bone's back all round it, beyond a chamfer."""
     middle = shapely.Point(x, y)
-    ring = middle.buffer(radius + LEAST_RIM).difference(middle.buffer(radius + CHORD))
-    return bool(back.buffer(CHORD / 10).contains(ring))
+    rims = (radius, *(radius + chamfer for chamfer in np.arange(0.05, 0.61, 0.05).tolist()))
+    rings = (middle.buffer(rim + LEAST_RIM).difference(middle.buffer(rim + CHORD)) for rim in rims)
+    return any(back.buffer(CHORD / 10).contains(ring) for ring in rings)
 
 
 @lru_cache(maxsize=32)
@@ -382,7 +393,9 @@ def check_hold(design: Design, top: float) -> None:
         raise InputError(KEY, rule, design.mold.bone, remedy)
     shadow = bone.shadow(2, -math.inf, -BEHIND)
     circle = math.pi * shapely.minimum_bounding_radius(shadow) ** 2
-    if shadow.area > ROUND * circle and design.features.family != "ring":
+    filled = sum(shapely.Polygon(piece.exterior).area for piece in getattr(shadow, "geoms", [shadow]))
+    alike = design.skin.round and design.features.family in ("ring", "flat") and not pockets(design)
+    if filled > ROUND * circle and not alike:
         rule = "is round where it passes the carrier, and turns in its window"
         raise InputError(KEY, rule, design.mold.bone, "give it a flat there")
 

@@ -38,7 +38,7 @@ from skincad.solids.layout import (
     lid_fits,
     lid_process,
 )
-from skincad.solids.pins import MAGNET_PLAY, magnet_of, pockets
+from skincad.solids.pins import MAGNET_PLAY, magnet_diameter, pockets
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, Vector, box, disc, drilled, moved
 from skincad.solids.shrinkage import on_grid
 
@@ -256,7 +256,9 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
 
     def fits(wide: float) -> bool:
         over = cup(wide)
-        return over.radius <= wide <= most and all(_web(over, hole) >= EDGE / 2 for hole in standing)
+        apart = all(_web(over, hole) >= EDGE / 2 for hole in standing)
+        clear = clear_of(design, 0.0, over.start[:2], max(over.radius, over.far_radius))
+        return over.radius <= wide <= most and apart and clear
 
     standing = _access(design, place.top, place.lid)
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
@@ -376,10 +378,11 @@ def core_bores(design: Design, place: Layout) -> list[Bore]:
 def core_hole(design: Design) -> float:
     """Return the diameter of a core pin's hole once it is reamed, mm: the pin's, or what lets the magnet
     through that goes into its pocket; tape round the pin fills it meanwhile."""
-    magnet, pocket = magnet_of(design), design.features.pocket
+    pocket = design.features.pocket
     if pocket is None:
         raise ValueError("without pockets there are no core pins")
-    return pocket.diameter if magnet is None else magnet[0] + MAGNET_PLAY
+    wide = magnet_diameter(pocket)
+    return pocket.diameter if wide is None else wide + MAGNET_PLAY
 
 
 def core_proud(place: Layout) -> float:
@@ -428,9 +431,11 @@ def _access(design: Design, low: float, thick: float) -> list[Bore]:
 def _check_cores(design: Design, vent: Bore, cup: Bore) -> None:
     """Raise InputError for a core pin or a bone's screw that finds no room in the carrier beside its vent, or
     in the cover beside its cup."""
-    key, least = KEY if design.mold.bone else f"{design.features.family}.pocket", EDGE / 2
-    what = "a screw's head" if design.mold.bone else "a core pin"
-    for hole in _access(design, 0.0, 1.0):
+    least = EDGE / 2
+    pins = len(pockets(design))
+    for number, hole in enumerate(_access(design, 0.0, 1.0)):
+        what = "a core pin" if number < pins else "a screw's head"
+        key = f"{design.features.family}.pocket" if number < pins else KEY
         (x, y, _), at_vent = hole.start, _web(vent, hole) + ACCESS_PLAY
         if at_vent < least:
             rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_vent, 0.0):.3g} mm from the carrier's vent, "
@@ -439,7 +444,7 @@ def _check_cores(design: Design, vent: Bore, cup: Bore) -> None:
         if (at_cup := _web(cup, hole)) < least:
             rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_cup, 0.0):.3g} mm from the riser's cup in the "
             rule += f"cover, needed are {least:g}"
-            raise InputError(key, rule, remedy="move it, or take a smaller mold.reservoir")
+            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent, and mold.reservoir")
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:

@@ -348,25 +348,39 @@ Hole = tuple[float, tuple[float, float, float], float]
 
 def holes_of(shape: cq.Solid) -> tuple[Hole, ...]:
     """Return the round holes along z, each as radius, lowest place of its axis and highest z, mm. A hole is a
-    cylinder's face whose normal points at its axis."""
-    upright = dict[tuple[float, float, float], list[float]]()
+    cylinder's face whose normal points at its axis; a chamfer at its lower end belongs to it."""
+    upright, chamfers = (
+        dict[tuple[float, float, float], list[float]](),
+        list[tuple[float, float, float, float]](),
+    )
     for face in shape.Faces():
-        surface = BRepAdaptor_Surface(face.wrapped)
-        if surface.GetType() != GeomAbs_Cylinder or face.wrapped.Orientation() != TopAbs_REVERSED:
+        surface, box = BRepAdaptor_Surface(face.wrapped), face.BoundingBox()
+        kind = surface.GetType()
+        if kind not in (GeomAbs_Cylinder, GeomAbs_Cone) or face.wrapped.Orientation() != TopAbs_REVERSED:
             continue
-        cylinder, box = surface.Cylinder(), face.BoundingBox()
-        way, place = cylinder.Axis().Direction(), cylinder.Axis().Location()
-        if math.hypot(way.X(), way.Y()) < 1e-6:
-            key = round(cylinder.Radius(), 6), round(place.X(), 6), round(place.Y(), 6)
-            row = upright.setdefault(key, [math.inf, -math.inf])
-            row[:] = [min(row[0], box.zmin), max(row[1], box.zmax)]
+        axis = (surface.Cylinder() if kind == GeomAbs_Cylinder else surface.Cone()).Axis()
+        way, place = axis.Direction(), axis.Location()
+        if math.hypot(way.X(), way.Y()) >= 1e-6:
+            continue
+        x, y = round(place.X(), 6), round(place.Y(), 6)
+        if kind == GeomAbs_Cone:
+            chamfers.append((x, y, box.zmin, box.zmax))
+            continue
+        row = upright.setdefault((round(surface.Cylinder().Radius(), 6), x, y), [math.inf, -math.inf])
+        row[:] = [min(row[0], box.zmin), max(row[1], box.zmax)]
+    for (_, x, y), row in upright.items():
+        under = (low for u, v, low, high in chamfers if (u, v) == (x, y) and abs(high - row[0]) < 1e-4)
+        row[0] = next((low for low in under if row[0] - low <= _CHAMFER), row[0])
     return tuple((radius, (x, y, low), high) for (radius, x, y), (low, high) in upright.items())
 
 
-def locks_of(shape: cq.Solid) -> tuple[float, ...]:
+_CHAMFER = 0.6  # mm, assumption: a deeper cone is a countersink, in which silicone holds
+
+
+def locks_of(shape: cq.Solid) -> tuple[tuple[float, tuple[float, float] | None], ...]:
     """Return the necks of the holes in front of the back (z > 0) that no straight pull along z empties, as
-    areas, mm2: holes across, and of holes along z those with a wider part nearer to the back than a narrower
-    one, countersunk or stepped."""
+    areas, mm2, and places of those along z: holes across, and holes along z with a wider part nearer to the
+    back than a narrower one, countersunk or stepped."""
     across = dict[tuple[float, ...], float]()  # a hole may be in several faces of one cylinder
     along = dict[tuple[float, float], list[tuple[float, float]]]()
     for face in shape.Faces():
@@ -382,15 +396,15 @@ def locks_of(shape: cq.Solid) -> tuple[float, ...]:
             along.setdefault((round(place.X(), 6), round(place.Y(), 6)), []).extend(rims)
         elif box.zmin > 0.0 and kind == GeomAbs_Cylinder and abs(way.Z()) < _STEEP:
             radius = surface.Cylinder().Radius()
-            spot = (place.X(), place.Y(), place.Z(), way.X(), way.Y(), way.Z(), radius)
-            across[tuple(round(v, 6) for v in spot)] = math.pi * radius**2
-    necks = []
-    for rims in along.values():
+            line = (place.X(), place.Y(), place.Z(), way.X(), way.Y(), way.Z(), radius)
+            across[tuple(round(v, 6) for v in line)] = math.pi * radius**2
+    necks = list[tuple[float, tuple[float, float] | None]]()
+    for spot, rims in along.items():
         inside = [(z, r) for z, r in rims if z > -1e-6]
         narrow = [r for z, r in inside if any(low < z - 1e-6 and wide > r + _LIP for low, wide in inside)]
         if narrow:
-            necks.append(math.pi * min(narrow) ** 2)
-    return (*across.values(), *necks)
+            necks.append((math.pi * min(narrow) ** 2, spot))
+    return (*((area, None) for area in across.values()), *necks)
 
 
 _STEEP = math.cos(math.radians(45.0))  # a hole at less than 45 degrees to the back counts as across

@@ -46,17 +46,20 @@ _TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature ove
 _STEPS, _STILL = 60, 1e-14  # of the way down to the base; mm
 
 
+def magnet_diameter(pocket: Pocket) -> float | None:
+    """Return the diameter of the magnets that a pocket squeezes, mm; None where none is sold."""
+    low, high = SQUEEZE
+    return next((wide for wide in MAGNETS if low - 1e-9 <= wide - pocket.diameter <= high + 1e-9), None)
+
+
 def magnet_of(design: Design) -> tuple[float, float] | None:
     """Return diameter and length of the magnet that a design's pockets hold by their squeeze, mm, the longest
     that is sold; None where none fits, and without pockets."""
-    pocket, (low, high) = design.features.pocket, SQUEEZE
-    if pocket is None:
+    pocket = design.features.pocket
+    if pocket is None or (wide := magnet_diameter(pocket)) is None:
         return None
-    for wide, lengths in MAGNETS.items():
-        long = [each for each in lengths if each <= pocket.depth - CAP + 1e-9]
-        if low - 1e-9 <= wide - pocket.diameter <= high + 1e-9 and long:
-            return wide, long[-1]
-    return None
+    long = [each for each in MAGNETS[wide] if each <= pocket.depth - CAP + 1e-9]
+    return (wide, long[-1]) if long else None
 
 
 def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:

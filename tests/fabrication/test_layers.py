@@ -10,7 +10,7 @@ import pytest
 
 import skincad
 from skincad.fabrication import DEAD_VOLUME, Job, casting_sheet, extent, poured_volume, pours, sheet_steps
-from skincad.fabrication.day_plan import tasks
+from skincad.fabrication.day_plan import day_plan, tasks
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.orders import orders
 from skincad.fabrication.part_drawing import notes
@@ -228,7 +228,7 @@ def test_one_timeline_feeds_clock_and_day_plan() -> None:
             assert clock(job, pour) == pytest.approx(math.fsum(t.minutes for t in tasks_of[begin:]))
             hands = {task.what: task.hands for task in tasks(job)}
             first = "close the mold, mix and fill it" if pour == pours(job)[-1] else "cast the layer in front"
-            laid = 0.5 * strip_count(job) if pour == pours(job)[-1] else 0.0
+            laid = 0.5 * strip_count(job) if pour == pours(job)[0] else 0.0  # strips lie there from the first
             assert hands[first] == pytest.approx(math.fsum(t.minutes for t in tasks_of) + laid)
     dome = Job(skincad.load("pins-dome"))
     assert 0 < minutes_left(dome) < 3  # of 25 min: brushing, a second vacuum and eight screws take most
@@ -256,3 +256,41 @@ def test_drawing_order_and_list_agree_on_a_plug() -> None:
 def test_the_sheet_begins_with_what_to_watch() -> None:
     text = casting_sheet(Job(layered(CORE)), [], "", True)
     assert text.index("## Watch") < text.index("## Parts")
+
+
+def test_each_plug_of_a_gang_gets_parting_film() -> None:
+    shot = {"name": "dragon-skin-30", "thickness": 1.5}
+    gang = skincad.load("plain-ridges", ["ridge.count=3"]).with_(
+        shot=(shot,), mold={"cavities": 2, "lid_process": "sla", "gate": None}
+    )
+    steps = sheet_steps(Job(gang))
+    assert "none on the lower face of plug-1 and plug-1-2" in steps["release"]
+    assert "plug-1-2" not in steps["release"].split("none on")[0]
+    assert "Set plug-1 and plug-1-2 down" in steps["pour the layer in front"]
+
+
+def test_a_primer_is_used_the_day_it_is_brushed_on() -> None:
+    """In layers it is brushed on before the last pour, not before the first, whose cure outlasts it."""
+    job = Job(layered(CORE, mold={"carrier": "plain"}))
+    steps = [*sheet_steps(job)]
+    assert steps.index("cure the layer in front") < steps.index("prime") < steps.index("carrier")
+    days = {entry.task.what: entry.day for entry in day_plan(job)}
+    assert days["prime the carrier"] == days["close the mold, mix and fill it"]
+
+
+def test_wet_layers_of_two_cures_do_not_mix_and_an_unknown_cure_is_no_shorter() -> None:
+    own = {
+        "tin": {"young_modulus": 0.5, "platinum_cure": False},
+        "long": {"young_modulus": 0.5, "cure_h": 48.0},
+    }
+    tin = Job(layered({"name": "tin", "thickness": 1.5, "bond": "wet"}, silicones=own))
+    assert "cure inhibition" in {f.rule for f in pouring_findings(tin)}
+    own["unknown"] = {"young_modulus": 0.5}
+    slow = Job(
+        layered(
+            {"name": "unknown", "thickness": 1.5, "bond": "wet"},
+            silicones=own,
+            material={"name": "long", "young_modulus": None},
+        )
+    )
+    assert pours(slow)[1].cure_h == 48.0

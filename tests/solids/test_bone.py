@@ -326,3 +326,27 @@ def test_what_a_bone_cannot_be(tmp_path: Path, shape: Any, keys: dict[str, Any],
     keys = {key: value for key, value in keys.items() if key != "base"}
     with pytest.raises(InputError, match=refusal):
         mold(boned(tmp_path, shape, base, **keys))
+
+
+def test_chamfers_belong_to_their_holes_and_screws_hold_no_silicone(tmp_path: Path) -> None:
+    """CAD programs chamfer holes; what a screw fills is no rivet, however it widens."""
+    for size in (0.1, 0.3, 0.5):
+        under = cq.Workplane("XY").box(*PLATE, centered=(True, True, False)).faces("<Z").workplane()
+        chamfered = under.pushPoints([(-4.5, 0), (4.5, 0)]).cskHole(2.05, 2.05 + 2 * size, 90.0)
+        assert len(pinned(boned(tmp_path, chamfered))) == 2
+    under = cq.Workplane("XY").box(*PLATE, centered=(True, True, False)).faces("<Z").workplane()
+    widened = under.pushPoints([(-4.5, 0), (4.5, 0)]).cskHole(2.05, 2.65, 90.0)
+    both = widened.faces(">Z").workplane().pushPoints([(0, 4), (0, -4)]).hole(1.5)
+    bone = bone_of(boned(tmp_path, both, bone_bond="rivets"))
+    assert bone.locks == ()
+
+
+def test_a_cup_keeps_off_a_bones_window(tmp_path: Path) -> None:
+    shape = cq.Workplane("XY").box(8, 26, 2, centered=(True, True, False))
+    shape = shape.faces("<Z").workplane().rect(5, 21).extrude(14)
+    base = bare().with_(skin={"width": 30.0, "length": 30.0, "thickness": 8.0, "curvature_radius": 60.0})
+    closed = mold(boned(tmp_path, shape, base))
+    (cup,) = (cut for cut in closed.first(PartRole.COVER).cuts if cut.role is CutRole.RESERVOIR)
+    windows = [cut for cut in closed.first(PartRole.COVER).cuts if cut.role is CutRole.WINDOW]
+    ring = shapely.Polygon([(s.start.x, s.start.z) for s in windows[0].outline])
+    assert ring.distance(shapely.Point(cup.start[:2])) > cup.far_radius
