@@ -86,7 +86,7 @@ class CircuitGain(Result):
     Of a circuit with a rig it is that by the measured load; `own` is the film's, as in use.
     """
 
-    shown_by = "skincad.outputs.gains:GAIN"
+    shown_by = "skincad.outputs.simulations:GAIN"
     circuit: Circuit
     constants: Constants = item(meaning="of the network")
     frequency: Real = item("Hz", "`(n,)`, rising")

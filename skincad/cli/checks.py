@@ -170,10 +170,10 @@ def circuit(
     Prints the gain, its cut-off and its slopes, and writes gain.csv, gain.png and netlist.cir; with
     --measured also the calibrated circuit.
     """
-    from skincad.outputs import gains
+    from skincad.outputs.simulations import GAIN, gain_names
 
     loaded = skincad.load_circuit(source, settings)
-    target = out_folder(folder, loaded.name, gains.COMMAND, gains.names(measured is not None))
+    target = out_folder(folder, loaded.name, GAIN.COMMAND, gain_names(measured is not None))
     with stage_bar(2) as progress:
         result = skincad.gain(loaded, measured, progress)
     deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

@@ -1,4 +1,4 @@
-"""The closed forms behind a verdict, of casting and of a film strip, as lines of formula, number and source.
+"""The closed forms behind a verdict, of casting, and of a film strip with its amplifier: formula and number.
 
 Each result comes from the function that the program itself uses; tests hold it against its formula, which is
 Python's arithmetic, and the numbers that are printed.
@@ -12,11 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import median
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skincad.base.arrays import Mask
-from skincad.circuit.network import PICO, charge, electrode
+from skincad.circuit.model import Circuit, constants
+from skincad.circuit.network import PICO, capacitance, charge, electrode
 from skincad.fabrication.job import Job
 from skincad.fabrication.pouring import DEAD_VOLUME, LayerPour, pours
 from skincad.inputs.design import Design
@@ -30,11 +32,18 @@ from skincad.shape.curves import area
 from skincad.shape.skin import skin_of
 from skincad.solids.plan import PartRole
 
+if TYPE_CHECKING:
+    from skincad.circuit.bode import CircuitGain
+    from skincad.scenes.simulation import Simulation
+
 PLANE_STRAIN = "plane strain: Johnson, Contact Mechanics, 1985, ch. 2"
 FOUNDATION = "elastic foundation: Johnson, Contact Mechanics, 1985, sec. 4.3"
 ON_A_CIRCLE = "geometry of the base circle"
 PIEZO = "IEEE Std 176-1987: D₃ = d₃₁T₁ + d₃₂T₂ + d₃₃T₃"
+PLATES = "parallel plates, stray field left out"
 MM3 = 1e-3  # cm3
+EPSILON_0 = 8.8541878128e-3  # pF/mm; source: CODATA 2018, as scipy.constants.epsilon_0
+KILO, GIGA = 1e3, 1e9
 
 
 SIGNS = {  # of the symbols and functions that are no letters of ours
@@ -283,3 +292,94 @@ def strip_calculations(design: Design) -> list[Calculation]:
         _step("Electrode of a strip", "A", "(L - 2 * e) * (b - 2 * e)", terms, "the cutting pattern"),
         _step("Charge of a strip by 1 MPa through it", "Q", "A * d_33 * sigma", terms, PIEZO),
     ]
+
+
+def scene_calculations(
+    simulation: Simulation, amplifier: Circuit, circuit_gain: CircuitGain
+) -> list[Calculation]:
+    """Return a strip's charge where the scene's differential stress is largest, its capacitance with the
+    lead, and what the ideal amplifier makes of 1 N on the film, by the network's own beside it.
+
+    `amplifier` is the circuit fitted to the skin, `circuit_gain` its gain.
+    """
+    charge = _largest_charge(simulation, amplifier)
+    return [*([charge] if charge else []), _capacitance(amplifier), _ideal(amplifier, circuit_gain)]
+
+
+def _largest_charge(simulation: Simulation, amplifier: Circuit) -> Calculation | None:
+    """The charge of the monitored strip at the step of the largest differential stress of all."""
+    from skincad.effects.piezo import strip_charges
+
+    design, film = simulation.scene.design, simulation.scene.design.film
+    if not simulation.raw or film is None:
+        return None
+    ridge = max(simulation.raw, key=lambda r: float(np.abs(simulation.raw[r]).max()))
+    step = int(np.argmax(np.abs(simulation.raw[ridge])))
+    stress = np.array([simulation.march.readings[step].films])
+    strip = 2 * (ridge - 1)
+    charges = strip_charges(amplifier, design, stress)[0]
+    through, transverse, along = (float(value) for value in stress[0, strip])
+    drawn, other = (along, transverse) if amplifier.film.draw_axis == "length" else (transverse, along)
+    terms = _table(
+        Quantity("Q", "charge", float(charges[strip]) / PICO, "pC"),
+        Quantity("A", "electrode in the skin", electrode(design), "mm²"),
+        Quantity("d_31", "film.d31", film.d31, "pC/N"),
+        Quantity("T_1", "stress along the draw axis", drawn, "MPa"),
+        Quantity("d_32", "film.d32", film.d32, "pC/N"),
+        Quantity("T_2", "stress across it, in the film", other, "MPa"),
+        Quantity("d_33", "film.d33", film.d33, "pC/N"),
+        Quantity("T_3", "stress through the film", through, "MPa"),
+    )
+    title = f"Charge of S1 in ridge {ridge} at step {step}, where the differential stress is largest"
+    formula = "A * (d_31 * T_1 + d_32 * T_2 + d_33 * T_3)"
+    return _step(
+        title, "Q", formula, terms, PIEZO, "Stresses are those of the scene's run, before the low-pass."
+    )
+
+
+def _capacitance(amplifier: Circuit) -> Calculation:
+    film = amplifier.film
+    static_capacitance = capacitance(film.area, film.thickness, film.permittivity)
+    terms = _table(
+        Quantity("C", "static capacitance", static_capacitance / PICO, "pF"),
+        Quantity("epsilon_0", "permittivity of vacuum", EPSILON_0, "pF/mm"),
+        Quantity("epsilon_r", "film.permittivity of the circuit", film.permittivity, "1"),
+        Quantity("A_w", "electrode in the skin; the leads do not overlap", film.area, "mm²"),
+        Quantity("t", "film.thickness", film.thickness, "mm"),
+    )
+    return _step("Capacitance of a strip", "C", "epsilon_0 * epsilon_r * A_w / t", terms, PLATES)
+
+
+def _ideal(amplifier: Circuit, circuit_gain: CircuitGain) -> Calculation:
+    """What an ideal amplifier makes of 1 N on the film at the mid-band, against the network's own gain."""
+    c = constants(amplifier)
+    frequency, decibels = circuit_gain.mid_band
+    turn, charge_by_1_N = 2 * math.pi * frequency * c.feedback_resistance, abs(c.d33)
+    given = (
+        Quantity("d", "charge by 1 N, the circuit's d33", charge_by_1_N / PICO, "pC/N"),
+        Quantity("C_p", "film, lead and cable", c.capacitance / PICO, "pF"),
+        Quantity("C_i", "amplifier.input_capacitance", c.input_capacitance / PICO, "pF"),
+        Quantity("f", "frequency", frequency / KILO, "kHz"),
+        Quantity("R_f", "amplifier.feedback_resistance", c.feedback_resistance / GIGA, "GΩ"),
+        Quantity("C_f", "amplifier.feedback_capacitance", c.feedback_capacitance / PICO, "pF"),
+    )
+    if amplifier.amplifier.topology == "follower":
+        formula, value = "d / (C_p + C_i)", charge_by_1_N / (c.capacitance + c.input_capacitance)
+        source = "Horowitz and Hill, The Art of Electronics, 3rd ed., sec. 4.2.3"
+    elif not c.feedback_capacitance:
+        formula, value = "2 * pi * f * R_f * d", turn * charge_by_1_N
+        source = "ideal operational amplifier in the network of Yamada et al. 2002, Figs 5 and 6"
+    else:
+        formula = "2 * pi * f * R_f * d / sqrt(1 + (2 * pi * f * R_f * C_f)**2)"
+        value = turn * charge_by_1_N / math.sqrt(1 + (turn * c.feedback_capacitance) ** 2)
+        source = "ideal operational amplifier, its feedback a resistor beside a capacitor"
+    network = 10 ** (decibels / 20)
+    symbols = re.findall(r"[A-Za-z]\w*", formula)
+    return Calculation(
+        f"Output of the ideal amplifier by 1 N on the film, at {frequency:.4g} Hz, the mid-band",
+        Quantity("G", "gain", value, "V/N"),
+        formula,
+        tuple(quantity for quantity in given if quantity.symbol in symbols),
+        source,
+        f"The whole network, with its finite gain and its motional branch, gives {network:.4g} V/N there.",
+    )

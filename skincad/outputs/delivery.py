@@ -58,9 +58,8 @@ class Presentation:
     COMMAND: str
     words: str
     facts: Mapping[str, Any] = field(default_factory=dict)
-    writers: Callable[[Any], dict[str, Writer]] = (
-        lambda _: {}
-    )  # of files that are no pictures, or drawn otherwise
+    # of files that are no pictures, or drawn otherwise
+    writers: Callable[[Any], dict[str, Writer]] = lambda _: {}
     html: Callable[[Any], str] = words_and_figure
     figures: Callable[[Any], dict[str, Callable[[], Any]]] = lambda _: {}
     manifest: Callable[[Any], dict[str, Any]] = lambda result: result.as_json()

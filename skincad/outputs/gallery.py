@@ -12,7 +12,7 @@ from typing import Any
 
 from skincad.base.estimate import Estimate
 from skincad.fabrication.papers import paper
-from skincad.inputs.catalog import load_design, template_names, template_text
+from skincad.inputs.catalog import Kind, load_design, template_names, template_text
 from skincad.inputs.design import Design
 from skincad.inputs.shipped import templates_folder
 from skincad.shape.skin import skin_of
@@ -27,9 +27,9 @@ def forces() -> dict[str, dict[str, Any]]:
     return tomllib.loads((templates_folder() / "gallery.toml").read_text("utf-8"))
 
 
-def purpose(name: str) -> str:
-    """Return what a design is for, its file's first line."""
-    return template_text(name, "designs").splitlines()[0].lstrip("# ")
+def purpose(name: str, kind: Kind = "designs") -> str:
+    """Return what a template is for, its file's first line."""
+    return template_text(name, kind).splitlines()[0].lstrip("# ")
 
 
 def smallest_detail(design: Design) -> tuple[float, str]:

@@ -122,6 +122,12 @@ def writers(
 ) -> dict[str, BuildWriter]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
     printed = [part.name for part in closed.made]
+    exact: dict[str, BuildWriter] = {
+        **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
+        "solids/assembly.step": _write_assembly,
+    }
+    for name in printed:
+        exact |= _sheet_writers(name, partial(sheet_of, name=name))
     strips: dict[str, BuildWriter] = {
         "film/strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
         "film/strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
@@ -136,7 +142,7 @@ def writers(
     job = Job(design, closed)
     plates = {plate.file: partial(_write_plate, plate) for plate in print_plates(job)}
     return {
-        **(_solid_writers(printed) if solids else {}),
+        **(exact if solids else {}),
         **{f"solids/{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
         "solids/mold.3mf": lambda build, path: write_3mf(
             {name: (mesh, build.closed.part(name).colour) for name, mesh in build.laid.items()}, path
@@ -145,7 +151,7 @@ def writers(
         "solids/skin.3mf": lambda build, path: write_3mf(
             {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
         ),
-        **_assembly_writers(),
+        **_sheet_writers("assembly", _closed_sheet),
         "drawings/section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
         "drawings/section.svg": lambda build, path: flat.write_section_svg(build.design, path),
         "drawings/drawing.svg": _text(drawing_svg),
@@ -173,33 +179,22 @@ def _text(of: Callable[[Build], str]) -> BuildWriter:
     return lambda build, path: text(lambda: of(build))(path)
 
 
-def _solid_writers(printed: list[str]) -> dict[str, BuildWriter]:
-    """The files that show exact solids: STEP, and shop drawings, each sheet laid out once for its formats."""
-
-    def drawn(name: str, kind: str, build: Build, path: Path) -> None:
-        SHEETS[kind](_once(build, f"sheet {name}", lambda: sheet_of(build, name)), path)
-
-    return {
-        **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
-        "solids/assembly.step": _write_assembly,
-        **{f"drawings/{name}.{kind}": partial(drawn, name, kind) for name in printed for kind in SHEETS},
-    }
-
-
-def _assembly_writers() -> dict[str, BuildWriter]:
-    """The drawing of the closed mold, which needs no exact solid."""
+def _sheet_writers(name: str, sheet: Callable[[Build], Sheet]) -> dict[str, BuildWriter]:
+    """The files of a sheet, laid out once for all its formats."""
 
     def drawn(kind: str, build: Build, path: Path) -> None:
-        def sheet() -> Sheet:
-            return assembly_sheet(assembly_drawing(build.job), __version__, _date())
+        SHEETS[kind](_once(build, f"sheet {name}", lambda: sheet(build)), path)
 
-        SHEETS[kind](_once(build, "sheet of the assembly", sheet), path)
-
-    return {f"drawings/assembly.{kind}": partial(drawn, kind) for kind in SHEETS}
+    return {f"drawings/{name}.{kind}": partial(drawn, kind) for kind in SHEETS}
 
 
 def _date() -> str:
     return source_date()[:10] if "SOURCE_DATE_EPOCH" in os.environ else ""
+
+
+def _closed_sheet(build: Build) -> Sheet:
+    """The sheet of the closed mold, which needs no exact solid."""
+    return assembly_sheet(assembly_drawing(build.job), __version__, _date())
 
 
 def sheet_of(build: Build, name: str) -> Sheet:

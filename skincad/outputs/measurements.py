@@ -91,16 +91,13 @@ def toml_lines(fit: MaterialFit) -> list[str]:
 def _law_table(fit: MaterialFit) -> list[str]:
     """The laws that were compared, with their errors."""
     rows = [("", "constants", "missed there", "missed beyond", "modulus, MPa")]
-    rows += [
-        (
+    for row in fit.laws:
+        name, modulus = (
             ("* " if row.best else "  ") + row.name,
-            str(row.constants),
-            f"{row.rms_seen:.2%}",
-            f"{row.rms_judged:.2%}",
-            f"{row.law.young_modulus(Silicone().poisson_ratio):.4g}",
+            row.law.young_modulus(Silicone().poisson_ratio),
         )
-        for row in fit.laws
-    ]
+        errors = f"{row.rms_seen:.2%}", f"{row.rms_judged:.2%}"
+        rows.append((name, str(row.constants), *errors, f"{modulus:.4g}"))
     return aligned(rows)
 
 

@@ -1,14 +1,17 @@
 """The report of a made design: one page that needs nothing else, to be forwarded and printed.
 
 Every figure says where it comes from and which command gives it. It holds no date and no time of the run: the
-same design gives the same bytes.
+same design gives the same bytes. Of a scene it shows signals, events, lead times, what was left out, and the
+amplifier's gain; without a scene nothing of a run is imported.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
+from skincad.base.errors import InputError
 from skincad.base.version import __version__
 from skincad.fabrication.making import Build, passes
 from skincad.fabrication.rules import counted
@@ -23,20 +26,24 @@ from skincad.mechanics.problem import Request
 from skincad.mechanics.validity import limits
 from skincad.mechanics.verdict import ContactCheck
 from skincad.outputs import checks
-from skincad.outputs.calculations import casting_calculations, contact_calculations, strip_calculations
-from skincad.outputs.figures.canvas import Picture, svg
-from skincad.outputs.figures.results import models_figure, ridge_force_figure, sensitivity_figure
+from skincad.outputs.calculations import (
+    casting_calculations,
+    contact_calculations,
+    scene_calculations,
+    strip_calculations,
+)
+from skincad.outputs.figures.canvas import Picture, png, svg
+from skincad.outputs.figures.results import gain_figure, models_figure, ridge_force_figure, sensitivity_figure
 from skincad.outputs.pages import data_url, document, html, markdown_html
-from skincad.scenes.scene import PIN_EFFECTS
+from skincad.scenes.scene import PIN_EFFECTS, Scene, load_scene
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
-    from skincad.outputs.report_scenes import ScenePart
+    from skincad.effects.piezo import Piezo
     from skincad.scenes.simulation import Simulation
 
 
 FINDING = ("severity", "rule", "where", "measured", "limit", "unit", "remedy")
-IN_A_ROW = 11  # crests, across a page
 SPRINGS = ("ridges' common base", "slots and films", "free ends", "finite strain", "friction")
 Facts = dict[str, Any]  # by their names in templates/pages/report.html
 
@@ -47,12 +54,9 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
     design, check = build.design, build.check
     source = retyped(design, "designs", load_design, file="design.toml")
     scenes: list[ScenePart] = []
-    if build.scenes:  # without any, nothing of a scene is imported
-        from skincad.outputs.report_scenes import scene_part
-
-        scenes = [
-            scene_part(simulation, source) for simulation in cast("tuple[Simulation, ...]", build.scenes)
-        ]
+    if build.scenes:
+        simulations = cast("tuple[Simulation, ...]", build.scenes)
+        scenes = [scene_part(simulation, source) for simulation in simulations]
     make_command = f"skincad make {source}{'' if check else ' --no-check'}"
     make_command += "".join(f" --scene {scene.source}" for scene in scenes)
     files = {"design.toml": design.to_toml()}
@@ -121,17 +125,12 @@ def suggested_scene(design: Design) -> str | None:
 
 def _calculation_facts(build: Build) -> Facts:
     """The closed forms: the foundation's verdict, casting, films."""
-    share = (
-        max((force.value or 0.0 for force in build.check.ridge_force), default=0.0) if build.check else None
-    )
+    forces = build.check.ridge_force if build.check else ()
+    share = max((force.value or 0.0 for force in forces), default=0.0)
     skin = skin_of(build.design)  # of bars the closed forms are, springs in a row
     contact = contact_calculations(build.design, share or None) if skin.symmetry == "extruded" else []
     given = [quantity for step in contact for quantity in step.given]
-    ridges = {
-        quantity.symbol: quantity
-        for quantity in given
-        if isinstance(quantity.value, tuple) and len(quantity.value) == skin.count
-    }
+    ridges = {q.symbol: q for q in given if isinstance(q.value, tuple) and len(q.value) == skin.count}
     return {
         "contact": contact,
         "ridge_quantities": list(ridges.values()),
@@ -161,10 +160,9 @@ def _error_rows(check: ContactCheck) -> list[tuple[str, str, str]]:
     if not check.all_touch_force.value or not whole:
         return []
     parts = [
-        (f"leaving out {name}" if name else "mesh and method", n) for name, n in checks.error_parts(check)
+        (f"leaving out {x}" if x else "mesh and method", error) for x, error in checks.error_parts(check)
     ]
-    rows = [(name, f"{error:.2g}", f"{error / whole:.0%}") for name, error in parts]
-    return [*rows, ("together", f"{whole:.2g}", "100%")]
+    return [(name, f"{error:.2g}", f"{error / whole:.0%}") for name, error in [*parts, ("together", whole)]]
 
 
 def _model_facts(design: Design, check: ContactCheck) -> Facts:
@@ -178,11 +176,10 @@ def _model_facts(design: Design, check: ContactCheck) -> Facts:
     rows, points = [], []
     for name, force, unknowns in models:
         left = SPRINGS if name == "winkler" else (*MODELS[name].leaves_out, *plate.left_out(name))
-        rows.append(
-            (name, ", ".join(left) or "none of these", unknowns, f"{whole_price(name):.2g}", str(force))
-        )
+        words, price = ", ".join(left) or "none of these", whole_price(name)
+        rows.append((name, words, unknowns, f"{price:.2g}", str(force)))
         if force.value and force.error:
-            points.append((name, whole_price(name), force.error / force.value))
+            points.append((name, price, force.error / force.value))
     return {
         "model_rows": rows,
         "models_picture": _svg_url(models_figure(points)) if len(points) > 1 else "",
@@ -191,24 +188,15 @@ def _model_facts(design: Design, check: ContactCheck) -> Facts:
 
 def _yield_facts(design: Design, check: ContactCheck) -> Facts:
     """The share of parts that pass and what it is made of, and how each crest counts."""
-    part_yield, spread = check.manufacture, spread_of(design)
+    part_yield = check.manufacture
     if part_yield is None or part_yield.passing.value is None:
-        return {"yield_rows": []}
-    low, now, high = spread.modulus
-    rows = [
-        ("parts that pass", checks.passing_share(check)),
-        ("crests, one against another", f"normal, sigma {spread.crest_sigma:g} mm by {spread.process}"),
-        ("modulus of a batch", f"uniform from {low:g} to {high:g} MPa; nominal {now:g} MPa"),
-        ("most are lost by", part_yield.largest or "nothing: none of those sampled fails"),
-        ("change of the force with the modulus", f"{part_yield.modulus_sensitivity:.3g} N per MPa"),
-    ]
-    slopes = [f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity]
-    crests = []
-    for first in range(0, len(slopes), IN_A_ROW):
-        shown = slopes[first : first + IN_A_ROW]
-        head = (check.family, *range(first + 1, first + len(shown) + 1))
-        crests.append((head, ("N for 0.01 mm lower", *shown)))
-    return {"yield_rows": rows, "crest_rows": crests}
+        return {"part_yield": None}
+    return {
+        "part_yield": part_yield,
+        "passing_share": checks.passing_share(check),
+        "spread": spread_of(design),
+        "slopes": [f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity],
+    }
 
 
 def _sensitivity_facts(design: Design, check: ContactCheck | None, source: str) -> Facts:
@@ -231,3 +219,94 @@ def _sensitivity_facts(design: Design, check: ContactCheck | None, source: str) 
         "force": force,
         "sweep_command": f"{sweep}{first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3 --model linear",
     }
+
+
+@dataclass(frozen=True)
+class ScenePart:
+    """A scene's part of the report, its name for `skincad make --scene`, and its commands' TOML files."""
+
+    title: str
+    source: str
+    html: str
+    files: dict[str, str]
+
+    @property
+    def key(self) -> str:
+        """What the contents lead to."""
+        return self.title.lower().replace(" ", "-")
+
+
+def scene_arguments(scene: Scene, source: str) -> tuple[str, dict[str, str]]:
+    """Return the arguments of `skincad simulate` that run it again, and the files that it needs.
+
+    `source` is the argument of `skincad make` for its skin.
+    """
+    file = f"scene-{scene.name}.toml"
+    if scene.name not in template_names("scenes"):
+        return file, {file: _own_toml(scene)}
+    shipped = load_scene(scene.name)
+    if shipped.model_dump(exclude={"skin"}) != scene.model_dump(exclude={"skin"}):
+        return file, {file: _own_toml(scene)}
+    if shipped.design == scene.design:
+        return scene.name, {}
+    skin = source if " " not in source else "design.toml"
+    return f"{scene.name} --set skin={skin}", {}
+
+
+def scene_part(simulation: Simulation, source: str) -> ScenePart:
+    """Return a scene's part of the report."""
+    from skincad.effects.piezo import Piezo
+    from skincad.outputs.figures.scenes import scene_figure
+    from skincad.outputs.simulations import SIMULATION
+
+    words, needed = scene_arguments(simulation.scene, source)
+    command, title = f"skincad simulate {words}", f"Scene {simulation.scene.name}"
+    # slip, lead times and errors as `simulate` prints them, without the run's time
+    printed = [*SIMULATION.lines(simulation)[1:], *SIMULATION.details(simulation)]
+    results = [
+        (line[2:17].strip(), line[17:]) for line in printed if not line.startswith(("  model", "  run"))
+    ]
+    amplifiers = []
+    for piezo in (part for part in simulation.scene.parts.values() if isinstance(part, Piezo)):
+        section, more = amplifier_part(simulation, piezo)
+        amplifiers.append(section)
+        needed |= more
+    address, key = data_url(png(scene_figure(simulation)), "image/png"), title.lower().replace(" ", "-")
+    left_out = [(e.effect, e.indicator, f"{e.change:.1%}", e.certainty) for e in simulation.left_out]
+    facts = (title, key, command, simulation, address, results, left_out, amplifiers)
+    return ScenePart(title, words.partition(" ")[0], html("scene.html", "scene", *facts), needed)
+
+
+def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
+    """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
+    from skincad.circuit.bode import gain, without_rig
+    from skincad.circuit.model import load_circuit
+    from skincad.effects.piezo import fitted
+    from skincad.outputs.simulations import GAIN
+
+    circuit = without_rig(fitted(piezo.loaded, simulation.scene.design))
+    try:
+        circuit_gain = gain(circuit)
+    except InputError as refusal:  # its sweep needs a key that the scene does not give
+        return html("scene.html", "amplifier", circuit, refusal), {}
+    file = f"circuit-{circuit.name}.toml"
+    words = retyped(circuit, "circuits", load_circuit, file=file)
+    address, sentence = data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), GAIN.lines(circuit_gain)[0]
+    steps = scene_calculations(simulation, circuit, circuit_gain)
+    section = html(
+        "scene.html", "amplifier", circuit, None, sentence, address, f"skincad circuit {words}", steps
+    )
+    return section, {file: circuit.to_toml()} if words == file else {}
+
+
+def _own_toml(scene: Scene) -> str:
+    """A scene's TOML that needs no other file: its skin, and its amplifier's circuit, are in it."""
+    from skincad.effects.piezo import Piezo
+
+    effects = {
+        name: {**table, "circuit": part.loaded.model_dump(exclude_none=True)}
+        if isinstance(part := scene.parts[name], Piezo)
+        else table
+        for name, table in scene.effects.items()
+    }
+    return scene.with_(skin=scene.design, effects=effects).to_toml()

@@ -1,4 +1,4 @@
-"""Output of a simulated scene: words, signals as CSV, and pictures."""
+"""Output of a simulated scene, and of an amplifier alone: words, signals and gain as CSV, and pictures."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import tomlkit
+
 from skincad.base.arrays import Array
 from skincad.base.errors import RefusedError
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
+from skincad.circuit.bode import CircuitGain, told_rig
+from skincad.circuit.network import PICO, capacitance, netlist
 from skincad.effects.kinds import SectionPad
-from skincad.outputs.delivery import Presentation
+from skincad.outputs.delivery import Presentation, text
 from skincad.scenes.march import GROSS_SLIP, frames
 from skincad.scenes.plan import (
     DEFAULT_TOLERANCE,
@@ -72,9 +76,9 @@ def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
         drawings[STRIPS] = partial(strips_figure, simulation)
     if record := recording(simulation):
         drawings[RECORDING] = partial(recording_figure, simulation, record)
-    return drawings | {
-        _section_name(s): partial(section_figure, _moment(simulation, s)) for s in _section_steps(simulation)
-    }
+    for step in _section_steps(simulation):
+        drawings[_section_name(step)] = partial(section_figure, _moment(simulation, step))
+    return drawings
 
 
 def files(simulation: Simulation) -> dict[str, Writer]:
@@ -123,14 +127,8 @@ def write_table(simulation: Simulation, path: Path) -> None:
         "stress-jerk [MPa/s2]": lambda r: simulation.signals[r].jerk,
     }
     columns = {f"ridge {r} {name}": of(r) for r in ridges for name, of in signals.items()} | more
-    head = [
-        "step [1]",
-        "time [s]",
-        "normal force [N]",
-        "tangential force [N]",
-        "approach [mm]",
-        "travel [mm]",
-    ]
+    head = ["step [1]", "time [s]", "normal force [N]", "tangential force [N]"]
+    head += ["approach [mm]", "travel [mm]"]
     rows: list[list[Cell]] = [[*head, *columns, "slipping ridges [1]"]]
     for i, (time, reading) in enumerate(zip(simulation.march.time, simulation.march.readings, strict=True)):
         plate = (time, reading.normal, reading.tangential, reading.approach, reading.travel)
@@ -153,6 +151,63 @@ def readout_columns(simulation: Simulation) -> dict[str, list[float]]:
     return columns
 
 
+def gain_names(measured: bool) -> list[str]:
+    """Return the names of what will be written, with measured data or without."""
+    return ["gain.csv", "netlist.cir", "gain.png", *["calibrated.toml"] * measured]
+
+
+def gain_figures(circuit_gain: CircuitGain) -> dict[str, Callable[[], Picture]]:
+    """Return the gain against frequency (Fig 7)."""
+    from skincad.outputs.figures.results import gain_figure
+
+    return {"gain.png": partial(gain_figure, circuit_gain)}
+
+
+def gain_files(circuit_gain: CircuitGain) -> dict[str, Writer]:
+    """Return the writers of table, netlist and calibrated circuit."""
+    sweep = circuit_gain.circuit.sweep
+    writers = {
+        "gain.csv": text(lambda: gain_csv(circuit_gain)),
+        "netlist.cir": text(lambda: netlist(circuit_gain.network, circuit_gain.name, sweep.low, sweep.high)),
+    }
+    calibrated = {"calibrated.toml": text(lambda: calibrated_toml(circuit_gain))}
+    return writers | (calibrated if circuit_gain.measured else {})
+
+
+def gain_csv(circuit_gain: CircuitGain) -> str:
+    """Return the gain as CSV: dB re 1 V/N, and the level of a measured curve by `sweep.offset`; with a rig
+    also the film's own."""
+    columns = {
+        "gain_dB": circuit_gain.gain,
+        "gain_less_offset_dB": circuit_gain.gain - circuit_gain.circuit.sweep.offset,
+        **({"own_gain_dB": circuit_gain.own.gain} if circuit_gain.own else {}),
+    }
+    rows = zip(circuit_gain.frequency, *columns.values(), strict=True)
+    lines = [[f"{f:.8g}", *(f"{value:.6f}" for value in row)] for f, *row in rows]
+    return csv_text([["frequency_Hz", *columns], *lines])
+
+
+def calibrated_toml(circuit_gain: CircuitGain) -> str:
+    """Return the circuit with the calibrated constants, to be used in its place.
+
+    Film and lead share the calibrated capacitance: what the film's size does not give is the lead's, and a
+    film that has more than the whole gets a smaller electrode.
+    """
+    if circuit_gain.measured is None:
+        raise ValueError("nothing was calibrated")
+    c, circuit, fit = circuit_gain.constants, circuit_gain.circuit, circuit_gain.measured.calibration
+    film = circuit.film
+    film_capacitance = capacitance(film.area, film.thickness, film.permittivity)
+    area = film.area * min(1.0, c.capacitance / film_capacitance)
+    data = circuit.model_dump(exclude_none=True)
+    data["film"] = {**data["film"], "area": area, "d33": c.d33 / PICO}
+    data["cable"] = {"capacitance": max(0.0, c.capacitance - film_capacitance)}
+    data["motional"] = {key: getattr(c, f"motional_{key}") for key in data["motional"]}
+    data["amplifier"] = {key: getattr(c, key, value) for key, value in data["amplifier"].items()}
+    head = f"# {circuit_gain.name}, calibrated to a measured curve: {fit.rms:.2g} dB rms\n"
+    return head + tomlkit.dumps(data)
+
+
 SIMULATION = Presentation(
     COMMAND=COMMAND,
     words="simulate.txt",
@@ -171,4 +226,12 @@ SIMULATION = Presentation(
     },
     writers=files,
     figures=figures,
+)
+GAIN = Presentation(
+    COMMAND="circuit",
+    words="circuit.txt",
+    facts={"told_rig": told_rig},
+    writers=gain_files,
+    figures=gain_figures,
+    manifest=lambda circuit_gain: {"name": circuit_gain.name},
 )

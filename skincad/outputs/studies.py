@@ -118,11 +118,7 @@ def sweep_page(
     from skincad.outputs.pages import HERE, document, html
 
     head, rows = table(sweep)
-    first = [
-        "row",
-        *(knob.key for knob in sweep.knobs),
-        *(aims or [ranking.key for ranking in sweep.rankings]),
-    ]
+    first = ["row", *(knob.key for knob in sweep.knobs), *(aims or (rank.key for rank in sweep.rankings))]
     shown = [name for name in dict.fromkeys([*first, *head]) if name in head and not name.endswith(".error")]
     shown = [name for name in shown if any(row[head.index(name)] not in (None, "") for row in rows)]
     plotted = [name for name in first[1:] if name in shown]
@@ -182,13 +178,9 @@ def front_files(optimisation: Optimisation) -> dict[str, Writer]:
     """Return the writers of the front's designs, the table, the page and the pictures."""
     count = min(SHOWN, len(optimisation.front))
     designs = {f"front-{n}.toml": text(optimisation.design(n).to_toml) for n in range(1, count + 1)}
-    aims = optimisation.aims
-    page = text(
-        lambda: sweep_page(
-            optimisation.rows, OPTIMISATION.lines(optimisation), title=optimisation.name, aims=aims
-        )
-    )
-    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(optimisation.rows)), FRONT_PAGE: page}
+    rows, title, aims = optimisation.rows, optimisation.name, optimisation.aims
+    page = text(lambda: sweep_page(rows, OPTIMISATION.lines(optimisation), title=title, aims=aims))
+    return {**designs, FRONT_TABLE: text(lambda: sweep_csv(rows)), FRONT_PAGE: page}
 
 
 def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
@@ -236,10 +228,8 @@ def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
     """Return the diagram of error against time of each ladder."""
     from skincad.outputs.figures.studies import diagram
 
-    return {
-        f"accuracy-{ladder.name}.png": partial(diagram, ladder, accuracy.machine)
-        for ladder in accuracy.ladders
-    }
+    drawn = ((ladder.name, partial(diagram, ladder, accuracy.machine)) for ladder in accuracy.ladders)
+    return {f"accuracy-{name}.png": draw for name, draw in drawn}
 
 
 def accuracy_csv(accuracy: Accuracy) -> str:
@@ -294,10 +284,8 @@ def _can_be_set(values: Mapping[str, Value]) -> bool:
 
 def _settings(values: Mapping[str, Value]) -> str:
     """The options of a command that give these values."""
-    typed = {
-        key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in values.items()
-    }
-    return " ".join(f"--set {shlex.quote(f'{key}={value}')}" for key, value in typed.items())
+    typed = (f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in values.items())
+    return " ".join(f"--set {shlex.quote(setting)}" for setting in typed)
 
 
 def _reasons(sweep: SweepResult) -> list[tuple[str, int]]:

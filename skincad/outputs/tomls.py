@@ -44,29 +44,32 @@ from skincad.inputs.silicone import SOFTEST, STIFFEST, Silicone, silicones
 from skincad.laws.rubber import Rubber
 from skincad.outputs import gallery
 
-_LIMITS = {"Gt": ("above", "gt"), "Ge": ("from", "ge"), "Lt": ("below", "lt"), "Le": ("to", "le")}
-_LENGTHS = {"MinLen": ("from", "min_length"), "MaxLen": ("to", "max_length")}
-# one's own tables: the design's table that they go into, a row's model, and the shipped row that shows it
-_OWN: dict[shipped.Table, tuple[str, type[Table], str]] = {
-    "silicones": ("silicones", Silicone, "dragon-skin-30"),
-    "processes": ("printer", Process, "sla"),
-    "grippers": ("grippers", Gripper, "franka-hand"),
+_LIMITS = {"gt": "above", "ge": "from", "lt": "below", "le": "to"}
+_LENGTHS = {"min_length": "from", "max_length": "to"}
+
+
+class _OwnTable(NamedTuple):
+    """Tables of one's own in place of shipped ones."""
+
+    option: str  # of the commands, by which a design takes them
+    model: type[Table]  # of a row
+    base: str  # the shipped row that shows its keys
+    key: str  # of a design, which names a row
+    place: str  # of the values
+    remedy: str = "measure your own."
+
+
+_DATA_SHEET = "write those of your\n# data sheet, and the modulus that skincad fit-material finds."
+_OWN: dict[shipped.Table, _OwnTable] = {
+    "silicones": _OwnTable("silicones", Silicone, "dragon-skin-30", "material.name", "here", _DATA_SHEET),
+    "processes": _OwnTable("printer", Process, "sla", "mold.process", "in comments"),
+    "grippers": _OwnTable("grippers", Gripper, "franka-hand", "mold.mount", "here"),
 }
-_OWN_HEAD: dict[shipped.Table, str] = {
-    "silicones": """\
-# Silicones of your own: pass this file with --silicones, and give a table's name as material.name
-# A table named like a shipped silicone changes only the keys that it gives; any other name is a new silicone.
-# skincad templates silicones lists what ships. The values here are dragon-skin-30's: write those of your
-# data sheet, and the modulus that skincad fit-material finds.""",
-    "processes": """\
-# Processes of your own: pass this file with --printer, and give a table's name as mold.process
-# A table named like a shipped process changes only the keys that it gives; any other name is a new process.
-# skincad templates processes lists what ships. The values in comments are sla's: measure your own.""",
-    "grippers": """\
-# Grippers of your own: pass this file with --grippers, and give a table's name as mold.mount
-# A table named like a shipped gripper changes only the keys that it gives; any other name is a new gripper.
-# skincad templates grippers lists what ships. The values here are franka-hand's: measure your own.""",
-}
+_OWN_HEAD = """\
+# {kinds} of your own: pass this file with --{option}, and give a table's name as {key}
+# A table named like a shipped {one} changes only the keys that it gives; any other name is a new {one}.
+# skincad templates {table} lists what ships. The values {place} are {base}'s: {remedy}
+"""
 STUDIES: Kind = "studies"
 HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
 FIRST = {"ridge": HOME, "pin": "designs/pillars-9", "ring": "designs/rings-5", "flat": "designs/flat-magnet"}
@@ -179,8 +182,8 @@ def _model_and_loader(kind: Kind | shipped.Table) -> tuple[type[Table], Callable
         return Design, load
     if kind == "studies":
         raise InputError("template", "is a study, which new does not write", remedy="copy its TOML")
-    table, model, _ = _OWN[kind]
-    return model, lambda path: load("yamada-2002", **{table: path})
+    own = _OWN[kind]
+    return own.model, lambda path: load("yamada-2002", **{own.option: path})
 
 
 @cache
@@ -196,11 +199,8 @@ def schema_of(kind: Kind | shipped.Table, family: str = "") -> str:
         tables = {name: effect(name).model_json_schema() for name in EFFECTS}
         for table in tables.values():
             schema["$defs"] |= table.pop("$defs", {})  # where their references look
-        schema["properties"]["effects"] = {
-            "type": "object",
-            "properties": tables,
-            "additionalProperties": False,
-        }
+        effects = {"type": "object", "properties": tables, "additionalProperties": False}
+        schema["properties"]["effects"] = effects
     if family:
         for key in not_of(family):
             del schema["properties"][key]
@@ -223,9 +223,8 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
     """Return a TOML text with each key's meaning above it; keys left at their default are comments. A
     table of one's own needs no text: a shipped row shows its keys."""
     lines = [f"#:schema ./{schema}", ""]
-    if kind == "silicones" or kind == "processes" or kind == "grippers":  # noqa: PLR1714  # so that mypy knows
-        lines += [_OWN_HEAD[kind], *_own_lines(kind)]
-        return "\n".join(lines) + "\n"
+    if kind in _OWN:
+        return "\n".join([*lines, *_own_lines(kind)]) + "\n"
     model = _model_and_loader(kind)[0]
     document: Any = tomlkit.parse(text)
     document["name"] = document_name(name, kind)
@@ -238,11 +237,9 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
             continue
         if key == "effects":
             lines += _effect_lines(document.get(key, {}))
-        elif own_tables := [table for table, (place, *_) in _OWN.items() if place == key]:
-            lines += [
-                "",
-                f"# {field.description}; skincad new FILE --template {own_tables[0]} explains its keys",
-            ]
+        elif own_table := next((table for table, own in _OWN.items() if own.option == key), ""):
+            words = f"skincad new FILE --template {own_table} explains its keys"
+            lines += ["", f"# {field.description}; {words}"]
         elif inner := _table(model, key):
             lines += _section(key, inner, document.get(key), field.is_required() or key == family)
     return "\n".join(lines) + "\n"
@@ -283,16 +280,17 @@ def _effect_lines(values: Any) -> list[str]:
 
 
 def _own_lines(table: shipped.Table) -> list[str]:
-    """A row of one's own, after a shipped one: a silicone's own values, or in comments those of a process."""
-    _, model, base = _OWN[table]
-    row: Any = tomlkit.parse(shipped.table_text(table))[base]
-    if table in ("silicones", "grippers"):
+    """How they are used, and a row after a shipped one: its values, or in comments those of a process."""
+    own, one = _OWN[table], LISTS[table]
+    head = _OWN_HEAD.format(kinds=table.capitalize(), table=table, one=one, **own._asdict())
+    row: Any = tomlkit.parse(table_text(table))[own.base]
+    if table != "processes":
         row.pop("source")  # one's own values are from elsewhere
-        return ["", f"[my-{LISTS[table]}]", *_key_lines(model, row)]
-    row["based_on"] = base
+        return [head, f"[my-{one}]", *_key_lines(own.model, row)]
+    row["based_on"] = own.base
     prefixes = ("#", "based_on")
-    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(model, row)]
-    return ["", "[my-printer]", *lines]
+    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(own.model, row)]
+    return [head, "[my-printer]", *lines]
 
 
 def _key_lines(model: type[BaseModel], values: Any) -> list[str]:
@@ -327,13 +325,10 @@ def _unit_and_range(field: FieldInfo) -> str:
     """A key's unit and range, as "mm, from 0.2 to 100"."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", ""))
-    limits, lengths = [], []
-    for rule in field.metadata:
-        if limit := _LIMITS.get(type(rule).__name__):
-            limits.append(f"{limit[0]} {getattr(rule, limit[1]):.8g}")
-        elif (length := _LENGTHS.get(type(rule).__name__)) and "list" in str(field.annotation):
-            lengths.append(f"{length[0]} {getattr(rule, length[1])}")
-    values = " ".join(lengths) + " values" if lengths else ""
+    rules, items = field.metadata, _LENGTHS.items() if "list" in str(field.annotation) else ()
+    limits = [f"{w} {getattr(rule, k):.8g}" for rule in rules for k, w in _LIMITS.items() if hasattr(rule, k)]
+    lengths = [f"{w} {getattr(rule, k)}" for rule in rules for k, w in items if hasattr(rule, k)]
+    values = " ".join([*lengths, "values"]) if lengths else ""
     return ", ".join(part for part in (unit if unit != "1" else "", " ".join(limits), values) if part)
 
 
@@ -348,27 +343,20 @@ class KeyDescription(NamedTuple):
 
 def _written_default(field: FieldInfo) -> str:
     """A key's default as TOML; "" where it is computed or absent."""
-    default = field.default
-    if isinstance(default, NumberWithRange):
-        return ranged_toml(default)
-    plain = isinstance(default, bool | int | float | str | list | tuple)
-    return _default(field) if plain else ""
+    if isinstance(field.default, NumberWithRange):
+        return ranged_toml(field.default)
+    return _default(field) if isinstance(field.default, bool | int | float | str | list | tuple) else ""
 
 
 def table_entries(model: type[BaseModel]) -> tuple[list[KeyDescription], dict[str, type[Table]]]:
     """Return the plain keys of a table, and the tables within by their keys."""
     fields = {key: field for key, field in model.model_fields.items() if key != "effects"}
     inner = {key: table for key in fields if (table := _table(model, key))}
-    rows = [
-        KeyDescription(
-            key,
-            _unit_and_range(field),
-            "required" if field.is_required() else _written_default(field),
-            field.description or "",
-        )
-        for key, field in fields.items()
-        if key not in inner
-    ]
+    rows = []
+    for key, field in fields.items():
+        if key not in inner:
+            default = "required" if field.is_required() else _written_default(field)
+            rows.append(KeyDescription(key, _unit_and_range(field), default, field.description or ""))
     return rows, inner
 
 
@@ -382,25 +370,20 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         return {k: list(_about(k)) for k in LISTS}, [row for k in LISTS for row in _list_rows(k)]
     if kind not in LISTS:
         raise InputError("kind", "no such kind", kind, did_you_mean(kind, LISTS))
-    if kind == "silicones":
-        return _silicones()
-    if kind == "processes":
-        return _processes()
-    if kind == "grippers":
-        return _grippers()
-    if kind == "designs":
-        return {"kind": kind, "entries": gallery.entries()}, _list_rows(kind)
-    return {
-        "kind": kind,
-        "entries": {name: {"about": text} for name, text in _about(kind).items()},
-    }, _list_rows(kind)
+    if kind in _OWN_LISTS:
+        (option, model, *_), rows = _OWN[kind], _OWN_LISTS[kind]  # type: ignore[index]  # no Kind
+        data, lines = rows()
+        note = f"Your own: skincad new FILE --template {kind}, then --{option} FILE"
+        return {"kind": kind, **data, "units": _units(model)}, [*lines, note]
+    entries = {name: {"about": text} for name, text in _about(kind).items()}
+    return {"kind": kind, "entries": gallery.entries() if kind == "designs" else entries}, _list_rows(kind)
 
 
 def _about(kind: str) -> dict[str, str]:
     """Every name of a kind with its description in one line."""
     for file_kind in (*KINDS, STUDIES):
         if kind == file_kind:
-            return {name: _first(template_text(name, file_kind)) for name in template_names(file_kind)}
+            return {name: gallery.purpose(name, file_kind) for name in template_names(file_kind)}
     if kind == "silicones":
         return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
     if kind == "grippers":
@@ -423,32 +406,21 @@ def _grippers() -> tuple[dict[str, Any], list[str]]:
     known = grippers()
     lines = [
         row
-        for name, text in _about("grippers").items()
-        for row in (f"{name:16} {text}", f"  {known[name].source}")
+        for name, gripper in known.items()
+        for row in (f"{name:16} {_gripper_words(gripper)}", f"  {gripper.source}")
     ]
-    note = "Your own: skincad new FILE --template grippers, then --grippers FILE"
-    entries = {name: gripper.model_dump(mode="json") for name, gripper in known.items()}
-    return {"kind": "grippers", "entries": entries, "units": _units(Gripper)}, [*lines, "", note]
+    return {"entries": {name: gripper.model_dump(mode="json") for name, gripper in known.items()}}, [
+        *lines,
+        "",
+    ]
 
 
 def _list_rows(kind: str) -> list[str]:
-    if kind == "designs":
-        return _design_rows()
+    if kind == "designs":  # the gallery as a table with its head
+        entries = gallery.entries()
+        rows = [("design", name, *gallery.cells(entry), entry["about"]) for name, entry in entries.items()]
+        return aligned([("design", "name", *gallery.HEADS, "for"), *rows], str.ljust)
     return [f"{LISTS[kind]:8} {name:26} {text}" for name, text in _about(kind).items()]
-
-
-def _design_rows() -> list[str]:
-    """The gallery as a table with its head."""
-    entries = gallery.entries()
-    head = ("design", "name", *gallery.HEADS, "for")
-    rows = [head, *(("design", name, *gallery.cells(e), e["about"]) for name, e in entries.items())]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
-    return [line.rstrip() for line in lines]
-
-
-def _first(text: str) -> str:
-    return text.splitlines()[0].lstrip("# ")
 
 
 def _comment(item: Any) -> str:
@@ -472,11 +444,10 @@ def _silicones() -> tuple[dict[str, Any], list[str]]:
         "",
         "modulus: Young's at small strain, most likely (lowest to highest); pot: its life there; A:B by mass",
         cured[all(entry.platinum_cure for entry in known.values())],
-        "Your own: skincad new FILE --template silicones, then --silicones FILE",
     ]
     body = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
     entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
-    return {"kind": "silicones", "entries": entries, "units": _units(Silicone)}, [head, units, *body, *notes]
+    return {"entries": entries}, [head, units, *body, *notes]
 
 
 def _silicone_sources(entry: Silicone) -> list[str]:
@@ -504,13 +475,12 @@ def _silicone_cell(entry: Silicone, key: str) -> str:
     return f"{100 * value:g}" if key == "elongation_at_break" else f"{value:g}"
 
 
-def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Return rows as lines with columns of the same width, the first to the left."""
+def aligned(rows: Sequence[tuple[str, ...]], pad: Callable[[str, int], str] = str.rjust) -> list[str]:
+    """Return rows as lines with columns of the same width, the first to the left, the others as `pad` has
+    them."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
-        for row in rows
-    ]
+    cells = ([row[0].ljust(widths[0]), *map(pad, row[1:], widths[1:])] for row in rows)
+    return ["  ".join(row).rstrip() for row in cells]
 
 
 def _processes() -> tuple[dict[str, Any], list[str]]:
@@ -524,11 +494,12 @@ def _processes() -> tuple[dict[str, Any], list[str]]:
             lines.append(f"{key}: {field.description}{unit}")
             lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in values.items()]
     about = [f"{name}: {text}" for name, text in _about("processes").items()]
-    note = "Your own: skincad new FILE --template processes, then --printer FILE"
     entries = {name: dict(table.unwrap()) for name, table in tables.items()}
     sources = {name: {key: _comment(table.item(key)) for key in table} for name, table in tables.items()}
-    data = {"kind": "processes", "entries": entries, "sources": sources, "units": units}
-    return data, [*about, "", *lines, "", note]
+    return {"entries": entries, "sources": sources}, [*about, "", *lines, ""]
+
+
+_OWN_LISTS = {"silicones": _silicones, "processes": _processes, "grippers": _grippers}
 
 
 def _units(model: type[Table]) -> dict[str, str]:

@@ -43,13 +43,7 @@ def view_page(
     data = {
         "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
         "steps": [
-            {
-                "words": step.words,
-                "moves": [
-                    {"parts": {name: way_out(closed.part(name), move) for name in move.parts}}
-                    for move in step.moves
-                ],
-            }
+            {"words": step.words, "moves": [_moved_parts(closed, move) for move in step.moves]}
             for step in opening_steps(job)
         ],
         "load": _load(design, check),
@@ -73,6 +67,10 @@ def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:
         "points": _packed(np.asarray(mesh.vertices)),
         "faces": _packed(np.asarray(mesh.faces)),
     }
+
+
+def _moved_parts(closed: ClosedMold, move: Move) -> Data:
+    return {"parts": {name: way_out(closed.part(name), move) for name in move.parts}}
 
 
 def way_out(part: Part, move: Move) -> Data:
@@ -119,11 +117,9 @@ def _plate(design: Design, check: ContactCheck) -> list[float] | None:
     """A flat plate's height, mm, where it touches the first crest, and under the force."""
     if design.contact.plate.shape != "flat" or check.approach.value is None:
         return None
-    top = max(float(loop.rest[:, 1].max()) for piece in check.deformed for loop in piece)
-    return [
-        top,
-        max(float(loop.moved[loop.pressure > 0, 1].max(initial=0)) for p in check.deformed for loop in p),
-    ]
+    loops = [loop for piece in check.deformed for loop in piece]
+    pressed = max(float(loop.moved[loop.pressure > 0, 1].max(initial=0)) for loop in loops)
+    return [max(float(loop.rest[:, 1].max()) for loop in loops), pressed]
 
 
 def _along(section: Array, length: float) -> Array:

@@ -25,7 +25,7 @@ from skincad.effects import Piezo
 from skincad.fabrication import Build, Job, design_findings, warning
 from skincad.inputs import Design
 from skincad.mechanics import ContactCheck
-from skincad.outputs import makes, report, report_scenes
+from skincad.outputs import makes, report
 from skincad.scenes import LEVELS, Simulation, at_level
 from tests.conftest import run_skincad
 from tests.outputs.test_calculations import VARIANTS, design_of
@@ -265,7 +265,7 @@ def test_a_scene_is_shown_with_its_amplifier_and_its_files(whole: str, felt: Sim
 
 
 def test_a_scenes_amplifier_is_shown_without_the_rig_that_it_was_measured_with(felt: Simulation) -> None:
-    drawn, _ = report_scenes.amplifier_part(felt, Piezo(circuit="yamada-2002"))
+    drawn, _ = report.amplifier_part(felt, Piezo(circuit="yamada-2002"))
     assert "--set indenter=none --set force_sensor=none" in drawn
     assert "without a cut-off" in drawn
     assert "as measured with its rig" not in drawn
@@ -304,8 +304,8 @@ def test_an_amplifier_without_a_gain_is_no_end(felt: Simulation, monkeypatch: py
     def refused(_: object) -> None:
         raise InputError("sweep", "gives no finite gain")
 
-    monkeypatch.setattr(report_scenes, "gain", refused)
-    text = report_scenes.scene_part(felt, "design.toml").html
+    monkeypatch.setattr("skincad.circuit.bode.gain", refused)
+    text = report.scene_part(felt, "design.toml").html
     assert "Its gain cannot be computed: sweep: gives no finite gain." in text
 
 

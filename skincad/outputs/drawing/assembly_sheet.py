@@ -10,7 +10,7 @@ from shapely import affinity
 
 from skincad.fabrication.assembly_drawing import AssemblyDrawing, CutFace
 from skincad.fabrication.drawn_features import number
-from skincad.outputs.drawing.marks import Box, Ink, Mark, Sheet, Words, line, linear, rectangle
+from skincad.outputs.drawing.marks import Ink, Mark, Sheet, Words, line, linear, moved, rectangle
 from skincad.outputs.drawing.part_sheet import (
     COLUMN,
     PAPERS,
@@ -39,9 +39,12 @@ def assembly_sheet(drawing: AssemblyDrawing, version: str, date: str) -> Sheet:
     paper = (papers or [PAPERS[-1]])[0]
     left, low, right, high = paper.frame
     area = left + 4.0, low + 4.0, right - COLUMN - VIEW_GAP, high - 4.0
-    scale = next((s for s in SCALES if _fits(drawing, area, s)), SCALES[-1])
     (y_low, z_low), (y_high, z_high) = _box([*drawing.faces, *_beside(drawing)])
     plan_low, plan_high = extent([*drawing.plan, *drawing.hidden])
+    wide = max(y_high - y_low, plan_high[0] - plan_low[0])
+    tall = z_high - z_low + plan_high[1] - plan_low[1]
+    across = [s for s in SCALES if wide * s + 4 * BALLOON <= area[2] - area[0]]
+    scale = next((s for s in across if tall * s + 4 * OVER <= area[3] - area[1]), SCALES[-1])
     middle = (area[0] + area[2]) / 2
     section = ViewPlacement((middle - scale * (y_low + y_high) / 2, area[3] - OVER - scale * z_high), scale)
     base = section.at((0.0, z_low))[1] - 2 * OVER
@@ -61,14 +64,6 @@ def _box(faces: Iterable[CutFace]) -> tuple[Place, Place]:
     return extent([Polyline(ring) for face in faces for ring in face.rings])
 
 
-def _fits(drawing: AssemblyDrawing, area: Box, scale: float) -> bool:
-    (y_low, z_low), (y_high, z_high) = _box([*drawing.faces, *_beside(drawing)])
-    (x_low, v_low), (x_high, v_high) = extent([*drawing.plan, *drawing.hidden])
-    wide = max(y_high - y_low, x_high - x_low) * scale + 4 * BALLOON
-    tall = (z_high - z_low + v_high - v_low) * scale + 4 * OVER
-    return wide <= area[2] - area[0] and tall <= area[3] - area[1]
-
-
 def _section_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[Mark]:
     """The cut faces, hatched in turn, their balloons over them, and the overall size."""
     faces = [*drawing.faces, *_beside(drawing)]
@@ -85,10 +80,9 @@ def _section_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[M
     span = place.at((left, 0.0))[0], place.at((far, 0.0))[0]
     for (x, item), at in zip(pointed, _spread(len(pointed), *span), strict=True):
         yield from _balloon(item, (at, top), (x, place.at(shown[item].middle)[1]))
-    a, b = place.at((left, low)), place.at((right, low))
-    yield linear((a, b), a[1] - 7.0, True, place.scale, number(right - left))
-    a, b = place.at((left, low)), place.at((left, high))
-    yield linear((a, b), a[0] - 7.0, False, place.scale, number(high - low))
+    a, b = place.at((left, low)), place.at((right, high))
+    yield linear((a, (b[0], a[1])), a[1] - 7.0, True, place.scale, number(right - left))
+    yield linear((a, (a[0], b[1])), a[0] - 7.0, False, place.scale, number(high - low))
     cast = {face.part: face for face in sorted(drawing.faces, key=_area) if _is_cast(face)}
     for name, face in cast.items():
         yield Words(name, place.at(face.middle), 2.0, "TEXT", "middle")
@@ -155,7 +149,7 @@ def _hatching(face: CutFace, place: ViewPlacement, angle: float) -> Iterator[Mar
 def _balloon(item: str, at: Place, to: Place) -> Iterator[Mark]:
     """A circle with the item's number, and a line to a dot on the part."""
     angle = math.atan2(to[1] - at[1], to[0] - at[0])
-    rim = at[0] + BALLOON * math.cos(angle), at[1] + BALLOON * math.sin(angle)
+    rim = moved(at, (math.cos(angle), math.sin(angle)), BALLOON)
     yield Ink(Arc(at, BALLOON, 0.0, 2 * math.pi), "DIMENSIONS")
     yield line(rim, to, "DIMENSIONS")
     yield Ink(Arc(to, 0.4, 0.0, 2 * math.pi), "DIMENSIONS")
@@ -177,9 +171,9 @@ def _plan_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[Mark
     for balloon, height in zip(rows, heights, strict=True):
         yield from _balloon(balloon.item, (side, height), place.at(balloon.at))
     (a_low, b_low), (a_high, b_high) = extent(drawing.plan)
-    a, b = place.at((a_low, b_low)), place.at((a_high, b_low))
-    yield linear((a, b), place.at((0.0, low))[1] - 8.0, True, place.scale, number(a_high - a_low))
-    a, b = place.at((a_low, b_low)), place.at((a_low, b_high))
-    yield linear((a, b), a[0] - 7.0, False, place.scale, number(b_high - b_low))
+    a, b = place.at((a_low, b_low)), place.at((a_high, b_high))
+    under = place.at((0.0, low))[1] - 8.0
+    yield linear((a, (b[0], a[1])), under, True, place.scale, number(a_high - a_low))
+    yield linear((a, (a[0], b[1])), a[0] - 7.0, False, place.scale, number(b_high - b_low))
     at = place.at(((left + right) / 2, 0.0))[0], place.at((0.0, low))[1] - 14.0
     yield Words("top view, closed", at, 2.5, "TEXT", "middle")

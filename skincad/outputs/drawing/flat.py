@@ -216,11 +216,8 @@ def _strips(job: Job) -> Sheet:
     for strip in strips:
         marks += [Contour(outline, "CUT") for outline in (strip.cut, *strip.holes)]
         marks += [Contour(strip.front, "FRONT"), Contour(strip.back, "BACK")]
-    marks += [
-        line((STRIPS * a.x, STRIPS * a.z), (STRIPS * b.x, STRIPS * b.z), "MARK")
-        for strip in strips
-        for a, b in strip.cut_off
-    ]
+    for a, b in (ends for strip in strips for ends in strip.cut_off):
+        marks.append(line((STRIPS * a.x, STRIPS * a.z), (STRIPS * b.x, STRIPS * b.z), "MARK"))
     begin = min(s.start.x for strip in strips for s in strip.cut)
     texts = [(strip.label, *strip.label_at, "ENGRAVE") for strip in strips]
     texts += [("+", *strip.plus_at, "ENGRAVE") for strip in strips]
@@ -232,14 +229,9 @@ def _strips(job: Job) -> Sheet:
     beside, over = STRIPS_ROOM
     low, high = boxes[:, 1].min(), ends[:, 3].max() + over
     left, right = ends[:, 0].min() - beside, max(ends[:, 2].max() + beside, wide.max())
-    return Sheet(
-        f"{job.design.name}: film strips",
-        (right - left, high - low),
-        STRIPS,
-        (*marks, *words, *_strip_dimensions(strips[-1], STRIPS)),
-        notes=tuple(notes),
-        corner=(left, low),
-    )
+    title, size = f"{job.design.name}: film strips", (right - left, high - low)
+    drawn = (*marks, *words, *_strip_dimensions(strips[-1], STRIPS))
+    return Sheet(title, size, STRIPS, drawn, notes=tuple(notes), corner=(left, low))
 
 
 def write_shims_dxf(job: Job, path: Path) -> None:
@@ -284,13 +276,11 @@ def strip_board(job: Job) -> str:
     middle, row = (len(strips) - 1) / 2, PITCH / 2
     places = [(f"{s.feature}{s.side}", PITCH * (i - middle)) for i, s in enumerate(strips)]
     side, high = PITCH * middle + FOOTPRINT_ROOM, row + FOOTPRINT_ROOM
-    description = (
-        f"Strips of {design.name}, revision {design.revision}: seen from the skin, pins towards it, + above"
-    )
+    which = f"Strips of {design.name}, revision {design.revision}"
     rows = [
         f'(footprint "{FOOTPRINT}" (version {FOOTPRINT_FORMAT}) (generator skincad)',
         '  (layer "F.Cu")',
-        f'  (descr "{description}")',
+        f'  (descr "{which}: seen from the skin, pins towards it, + above")',
         "  (attr through_hole)",
         _footprint_text("reference", "J**", (0.0, -high - 4.5), "F.SilkS"),
         _footprint_text("value", FOOTPRINT, (0.0, high + 1.5), "F.Fab"),

@@ -68,10 +68,8 @@ def write_dxf(path: Path, marks: Iterable[Mark], scale: float = 1.0, notes: Iter
 def write_sheet_dxf(sheet: Sheet, path: Path) -> None:
     """Write a sheet as DXF at the part's full size, with what is cut on layer CUT, and what is said of that
     under the frame."""
-    texts = [
-        Words(note, (FIRST_NOTE[0], FIRST_NOTE[1] - 4.0 * i), 2.0, "TEXT")
-        for i, note in enumerate(sheet.notes)
-    ]
+    x, y = FIRST_NOTE
+    texts = [Words(note, (x, y - 4.0 * i), 2.0, "TEXT") for i, note in enumerate(sheet.notes)]
     write_dxf(path, [*sheet.cut, *sheet.marks, *texts], sheet.scale, sheet.notes)
 
 

@@ -127,6 +127,11 @@ def width(text: str, height: float) -> float:
     return height / CAP * math.fsum(_SHARES.get(character, 0.556) for character in text)
 
 
+def moved(point: Place, way: Place, far: float) -> Place:
+    """Return a point moved along a way, `far` times as far."""
+    return point[0] + far * way[0], point[1] + far * way[1]
+
+
 def line(a: Place, b: Place, layer: str) -> Ink:
     """Return a straight stroke."""
     return Ink(Polyline((a, b)), layer)
@@ -184,27 +189,22 @@ def _linear_dimension(
     for end, foot in zip(ends, feet, strict=True):
         out = math.dist(end, foot)
         if out > 0.8:
-            u, v = (foot[0] - end[0]) / out, (foot[1] - end[1]) / out
-            start, stop = (end[0] + 0.8 * u, end[1] + 0.8 * v), (foot[0] + 1.2 * u, foot[1] + 1.2 * v)
-            marks.append(line(start, stop, "DIMENSIONS"))
+            way = (foot[0] - end[0]) / out, (foot[1] - end[1]) / out
+            marks.append(line(moved(end, way, 0.8), moved(foot, way, 1.2), "DIMENSIONS"))
     tight = span < inner
     flip = math.pi if tight else 0.0
     marks += [arrow(a, along + math.pi + flip), arrow(b, along + flip)]
     overshoot = 2 * ARROW[0] if tight else 0.0
-    u, v = math.cos(along), math.sin(along)
+    way = math.cos(along), math.sin(along)
     need = width(words, height)
     outside = need > span - (0.0 if tight else 2 * ARROW[0]) + 1.0
     far = overshoot + (need + 1.5 if outside else 0.0)
-    tail, head = (a[0] - overshoot * u, a[1] - overshoot * v), (b[0] + far * u, b[1] + far * v)
-    marks.append(line(tail, head, "DIMENSIONS"))
+    marks.append(line(moved(a, way, -overshoot), moved(b, way, far), "DIMENSIONS"))
+    middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
     if outside:
-        middle = b[0] + (overshoot + 1.0 + need / 2) * u, b[1] + (overshoot + 1.0 + need / 2) * v
-    else:
-        middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-    lift = 0.7
-    way = math.radians(turn)
-    at = middle[0] - lift * math.sin(way), middle[1] + lift * math.cos(way)
-    text = Words(words, at, height, "DIMENSIONS", "middle", turn)
+        middle = moved(b, way, overshoot + 1.0 + need / 2)
+    up = -math.sin(math.radians(turn)), math.cos(math.radians(turn))
+    text = Words(words, moved(middle, up, 0.7), height, "DIMENSIONS", "middle", turn)
     return Dimension(
         kind="linear",
         ends=ends,
@@ -219,12 +219,9 @@ def _linear_dimension(
 
 def diameter(centre: Place, radius: float, angle: float, scale: float, words: Words) -> Dimension:
     """Return a circle's diameter, its leader out of it along an angle, rad, to the text."""
-    c, s = math.cos(angle), math.sin(angle)
-    near = centre[0] + radius * c, centre[1] + radius * s
-    far = centre[0] - radius * c, centre[1] - radius * s
-    box = words.box()
-    foot = box[0] if words.anchor == "start" else box[2]
-    end = (foot, words.at[1] - 0.4)
+    way, box = (math.cos(angle), math.sin(angle)), words.box()
+    near, far = moved(centre, way, radius), moved(centre, way, -radius)
+    end = box[0] if words.anchor == "start" else box[2], words.at[1] - 0.4
     marks = (
         arrow(near, angle + math.pi),
         line(near, end, "DIMENSIONS"),

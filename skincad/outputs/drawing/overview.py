@@ -110,10 +110,8 @@ def _ridge_view(design: Design) -> list[Mark]:
     ]
     if skin.slot:
         slot = skin.slot
-        words = (
-            f"slots {slot.thickness:g} x {slot.depth:g}, {slot.offset:g} from the axis, tilt {slot.tilt:g}"
-        )
-        marks.append(_caption(48.0, 11.0, words))
+        words = f"slots {slot.thickness:g} x {slot.depth:g}, {slot.offset:g} from the axis, tilt"
+        marks.append(_caption(48.0, 11.0, f"{words} {slot.tilt:g}"))
     return marks
 
 
@@ -155,12 +153,8 @@ def _sizes(view: ViewPlacement, low: list[float], high: list[float]) -> list[Mar
 
 def _bent_view(closed: ClosedMold) -> list[Mark]:
     """The closed bent mold from the side, y to the right: cavity, skin, carrier, end plates and cover."""
-    mold = [{PartRole.BLOCK}, CAVITIES, END_PLATES, {PartRole.COVER}]
-    layers = [
-        *((roles, "MOLD") for roles in mold),
-        ({PartRole.CARRIER}, "OPENING"),
-        ({PartRole.SKIN}, "SKIN"),
-    ]
+    layers = [(roles, "MOLD") for roles in ({PartRole.BLOCK}, CAVITIES, END_PLATES, {PartRole.COVER})]
+    layers += [({PartRole.CARRIER}, "OPENING"), ({PartRole.SKIN}, "SKIN")]
     rings = [(layer, _side(part)) for roles, layer in layers for part in closed.of(*roles)]
     points = np.vstack([ring for _, ring in rings])
     low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()

@@ -25,6 +25,7 @@ from skincad.outputs.drawing.marks import (
     Words,
     aligned,
     line,
+    moved,
     rectangle,
     width,
 )
@@ -105,13 +106,9 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
     spare = (area[3] - area[1] - arrangement.size[1]) / (2 if arrangement.in_corner else 3)
     views = area[0] + side_margin, area[1], area[2], area[3] - spare
     placements = places(drawing, arrangement.scale, views)
+    corner = area[0] + side_margin, area[1] + spare
     if arrangement.in_corner:
-        corner = (
-            area[0] + side_margin + arrangement.size[0] - detail[0],
-            area[3] - spare - arrangement.size[1],
-        )
-    else:
-        corner = area[0] + side_margin, area[1] + spare
+        corner = corner[0] + arrangement.size[0] - detail[0], area[3] - spare - arrangement.size[1]
     detail_box = (*corner, corner[0] + detail[0], corner[1] + detail[1])
     marks: list[Mark] = [
         rectangle(paper.frame, "FRAME"),
@@ -119,10 +116,8 @@ def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
         *view_marks(drawing, placements, views, detail_box),
         *detail_marks(drawing, placements[FRONT], corner, paper.window),
     ]
-    title = f"{drawing.design}: {drawing.name}"
-    return Sheet(
-        title, paper.size, arrangement.scale, tuple(marks), _cut(drawing, placements), drawing.cut_notes
-    )
+    title, cut = f"{drawing.design}: {drawing.name}", _cut(drawing, placements)
+    return Sheet(title, paper.size, arrangement.scale, tuple(marks), cut, drawing.cut_notes)
 
 
 def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[Contour, ...]:
@@ -152,8 +147,10 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
     for paper in PAPERS:
         if paper.beside and column_height(drawing) > paper.frame[3] - paper.frame[1]:
             continue
-        options = (_arrangement(drawing, paper, scale) for scale in SCALES)
-        arrangement = next((one for one in options if one is not None), None)
+        room = _area(drawing, paper)
+        wide, tall = room[2] - room[0] - 4.0, room[3] - room[1] - 4.0
+        options = (one for scale in SCALES for one in _arrangements(drawing, paper, scale))
+        arrangement = next((one for one in options if one.size[0] <= wide and one.size[1] <= tall), None)
         if arrangement is None:
             continue
         if best is None or arrangement.scale > best[1].scale:
@@ -170,14 +167,6 @@ def _spacing(drawing: PartDrawing) -> float:
         views.setdefault(group.view, []).extend(hole.at for hole in group.holes)
     pairs = (math.dist(a, b) for ats in views.values() for i, a in enumerate(ats) for b in ats[:i])
     return min((distance for distance in pairs if distance > 1e-6), default=math.inf)
-
-
-def _arrangement(drawing: PartDrawing, paper: Paper, scale: float) -> Arrangement | None:
-    """How all of it fits on a paper at a scale; None where it does not."""
-    left, low, right, high = _area(drawing, paper)
-    wide, tall = right - left - 4.0, high - low - 4.0
-    rows = _arrangements(drawing, paper, scale)
-    return next((one for one in rows if one.size[0] <= wide and one.size[1] <= tall), None)
 
 
 def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arrangement, ...]:
@@ -220,10 +209,8 @@ def _scale_and_window(focus: Focus, max_size: tuple[float, float]) -> tuple[floa
     """The largest standard scale at which a window of at most this size shows it, and the window, mm."""
     fits = SLACK * min(w / e for w, e in zip(max_size, focus.extent, strict=True))
     scale = next((s for s in DETAIL_SCALES if s <= fits), DETAIL_SCALES[-1])
-    wide, tall = (
-        min(room, max(least, by * scale * e))
-        for room, least, by, e in zip(max_size, MIN_WINDOW, WINDOW_FACTOR, focus.extent, strict=True)
-    )
+    rows = zip(max_size, MIN_WINDOW, WINDOW_FACTOR, focus.extent, strict=True)
+    wide, tall = (min(room, max(least, by * scale * size)) for room, least, by, size in rows)
     return scale, (wide, tall)
 
 
@@ -246,17 +233,9 @@ def detail_marks(
         marks.append(aligned((place.at(a), place.at(b)), scale * out, scale, words, DETAIL_TEXT))
     caption = f"detail {LETTER} ({scale:g}:1)"
     marks.append(Words(caption, (middle[0], corner[1] + 3.5), 2.5, "TEXT", "middle"))
-    return [*marks, *_window_mark(focus.middle, front, [length / scale for length in size])]
-
-
-def _window_mark(middle: Place, front: ViewPlacement, size: list[float]) -> list[Mark]:
-    """The window's rectangle in the front view, with its letter."""
-    x, y = front.at(middle)
-    w, h = (length / 2 * front.scale for length in size)
-    return [
-        rectangle((x - w, y - h, x + w, y + h), "DIMENSIONS"),
-        Words(LETTER, (x + w + 0.5, y + h + 0.3), 1.8, "DIMENSIONS"),
-    ]
+    (x, y), (w, h) = front.at(focus.middle), (length / scale / 2 * front.scale for length in size)
+    marks.append(rectangle((x - w, y - h, x + w, y + h), "DIMENSIONS"))
+    return [*marks, Words(LETTER, (x + w + 0.5, y + h + 0.3), 1.8, "DIMENSIONS")]
 
 
 def _slit_focus(slits: tuple[Slit, ...]) -> Focus:
@@ -265,16 +244,15 @@ def _slit_focus(slits: tuple[Slit, ...]) -> Focus:
     middle = ridges[len(ridges) // 2]
     ridge_slits = sorted((slit for slit in slits if slit.ridge == middle), key=lambda slit: slit.at)
     first, last = ridge_slits[0], ridge_slits[-1]
-    mouths = [_moved(slit.at, slit.out, slit.depth) for slit in ridge_slits]
+    mouths = [moved(slit.at, slit.out, slit.depth) for slit in ridge_slits]
     points = [slit.at for slit in ridge_slits] + mouths
     x, y = zip(*points, strict=True)
     u, v = last.out
-    half_width = v * last.width / 2, -u * last.width / 2
-    corners = [(last.at[0] + s * half_width[0], last.at[1] + s * half_width[1]) for s in (-1, 1)]
+    corners = [moved(last.at, (v * last.width / 2, -u * last.width / 2), s) for s in (-1, 1)]
     foot = first.at[0] - first.out[1] * first.width / 2, first.at[1] + first.out[0] * first.width / 2
     sizes = [
         (corners[0], corners[1], -0.35 * last.depth, number(last.width)),
-        (foot, _moved(foot, first.out, first.depth), 0.5 * first.depth, number(first.depth)),
+        (foot, moved(foot, first.out, first.depth), 0.5 * first.depth, number(first.depth)),
     ]
     if len(ridge_slits) > 1:
         spacing = number(math.dist(mouths[0], mouths[-1]))
@@ -288,20 +266,16 @@ def _groove_focus(grooves: tuple[Groove, ...]) -> Focus:
     groove = grooves[len(grooves) // 2]
     lean, h = math.radians(groove.lean), groove.height
     up, sideways = (math.sin(lean), math.cos(lean)), (math.cos(lean), -math.sin(lean))
-    mouth = _moved(groove.bottom, up, h)
-    root = [_moved(mouth, sideways, s * groove.root / 2) for s in (-1, 1)]
-    tip = [_moved(groove.bottom, sideways, s * groove.tip / 2) for s in (-1, 1)]
+    mouth = moved(groove.bottom, up, h)
+    root = [moved(mouth, sideways, s * groove.root / 2) for s in (-1, 1)]
+    tip = [moved(groove.bottom, sideways, s * groove.tip / 2) for s in (-1, 1)]
     sizes = (
         (root[0], root[1], 0.35 * h, f"root {number(groove.root)}"),
         (tip[0], tip[1], -0.3 * h, f"tip {number(groove.tip)}"),
-        (_moved(groove.bottom, sideways, 0.0), mouth, 0.5 * groove.root + 0.4 * h, number(h)),
+        (moved(groove.bottom, sideways, 0.0), mouth, 0.5 * groove.root + 0.4 * h, number(h)),
     )
-    middle = _moved(groove.bottom, up, h / 2)
+    middle = moved(groove.bottom, up, h / 2)
     return Focus(middle, (1.6 * groove.root, 1.9 * h), sizes)
-
-
-def _moved(point: Place, way: Place, far: float) -> Place:
-    return point[0] + far * way[0], point[1] + far * way[1]
 
 
 def _profile_in_window(drawing: PartDrawing, place: ViewPlacement, window: Box) -> list[Stroke]:

@@ -28,6 +28,7 @@ from skincad.outputs.drawing.marks import (
     diameter,
     line,
     linear,
+    moved,
     overlap,
     rectangle,
     width,
@@ -159,15 +160,11 @@ def _datums(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> list[
             "left": (left, low + 0.22 * (high - low), (-1.0, 0.0)),
             "right": (right, low + 0.22 * (high - low), (1.0, 0.0)),
         }[datum.edge]
-        u, v = way
-        foot = Fill(
-            ((x - 1.0 * v, y + 1.0 * u), (x + 1.0 * v, y - 1.0 * u), (x + 1.6 * u, y + 1.6 * v)), "DIMENSIONS"
-        )
-        tip = x + 3.4 * u, y + 3.4 * v
-        middle = x + 5.2 * u, y + 5.2 * v
+        (u, v), (tip, end, middle) = way, (moved((x, y), way, far) for far in (1.6, 3.4, 5.2))
+        marks.append(Fill(((x - 1.0 * v, y + 1.0 * u), (x + 1.0 * v, y - 1.0 * u), tip), "DIMENSIONS"))
+        marks.append(line(tip, end, "DIMENSIONS"))
         box = middle[0] - 1.8, middle[1] - 1.8, middle[0] + 1.8, middle[1] + 1.8
         words = Words(datum.letter, (middle[0], middle[1] - 1.0), SIZE, "DIMENSIONS", "middle")
-        marks += [foot, line((x + 1.6 * u, y + 1.6 * v), tip, "DIMENSIONS")]
         marks += [rectangle(box, "DIMENSIONS"), words]
     return marks
 
@@ -180,9 +177,7 @@ def _tags(drawing: PartDrawing, placements: dict[str, ViewPlacement], room: Room
         for i, hole in enumerate(group.holes)
     ]
     for place, group, at, _ in rows:
-        x, y = place.at(at)
-        r = place.scale * max(group.diameter, group.far_diameter) / 2
-        r += RIM
+        (x, y), r = place.at(at), place.scale * max(group.diameter, group.far_diameter) / 2 + RIM
         room.block((x - r, y - r, x + r, y + r))
     room.settle()
     marks: list[Mark] = []
@@ -190,12 +185,10 @@ def _tags(drawing: PartDrawing, placements: dict[str, ViewPlacement], room: Room
         centre, size = place.at(at), (group.diameter, place.scale)
         marks.append(tagged(centre, place.scale * group.diameter / 2, text, size, TAG, room))
     for i, pocket in enumerate(drawing.pockets):
-        place = placements[FRONT]
-        flats = number(pocket.flats)
-        text = f"{NUT}{i + 1}" if i else f"{NUT}1 {len(drawing.pockets)}x hexagon {flats}"
-        leader = tagged(
-            place.at(pocket.at), place.scale * pocket.flats / 2, text, (pocket.flats, place.scale), TAG, room
-        )
+        place, flats = placements[FRONT], pocket.flats
+        text = f"{NUT}{i + 1}" if i else f"{NUT}1 {len(drawing.pockets)}x hexagon {number(flats)}"
+        size = (flats, place.scale)
+        leader = tagged(place.at(pocket.at), place.scale * flats / 2, text, size, TAG, room)
         marks += [*leader.drawn, leader.words]
     return marks
 
@@ -263,13 +256,13 @@ def tagged(
     best: tuple[float, float, Words] | None = None
     for reach in REACHES:
         for angle in ANGLES:
-            c, s = math.cos(angle), math.sin(angle)
-            x, y = centre[0] + (radius + reach) * c, centre[1] + (radius + reach) * s
-            words = Words(text, (x, y + 0.4), height, "DIMENSIONS", "start" if c > 0 else "end")
+            way = math.cos(angle), math.sin(angle)
+            x, y = moved(centre, way, radius + reach)
+            words = Words(text, (x, y + 0.4), height, "DIMENSIONS", "start" if way[0] > 0 else "end")
             left, low, right, high = words.box()
             cost = room.cost((left - CLEAR, low - CLEAR, right + CLEAR, high + CLEAR)) + FAR * reach
             leader = [radius + reach * i / LEADER for i in range(1, LEADER + 1)]
-            cost += WORD * room.pierced([(centre[0] + r * c, centre[1] + r * s) for r in leader], centre)
+            cost += WORD * room.pierced([moved(centre, way, r) for r in leader], centre)
             if best is None or cost < best[0] - 1e-9:
                 best = cost, angle, words
         if best and best[0] < LINE + FAR * reach:
@@ -328,18 +321,14 @@ def _bore_side(
     start, end = place.at(side_view.start), place.at(side_view.end)
     long = math.dist(start, end)
     u, v = (end[0] - start[0]) / long, (end[1] - start[1]) / long
-    tail, head = (
-        (start[0] - OVERSHOOT * u, start[1] - OVERSHOOT * v),
-        (end[0] + OVERSHOOT * u, end[1] + OVERSHOOT * v),
-    )
+    tail, head = moved(start, (u, v), -OVERSHOOT), moved(end, (u, v), OVERSHOOT)
     marks: list[Mark] = [line(tail, head, "CENTRE")]
     if radius is None:
         return marks
     if group.full is not None:  # blind, from above: its mouth is where the bore ends
-        deep = group.full * place.scale
-        start = end[0] - deep * u, end[1] - deep * v
-    x, y = -radius * place.scale * v, radius * place.scale * u
-    sides = [((start[0] + s * x, start[1] + s * y), (end[0] + s * x, end[1] + s * y)) for s in (-1, 1)]
+        start = moved(end, (u, v), -group.full * place.scale)
+    out = -radius * place.scale * v, radius * place.scale * u
+    sides = [(moved(start, out, s), moved(end, out, s)) for s in (-1, 1)]
     marks += [line(*side, "HIDDEN") for side in sides]
     if group.full is not None:
         marks.append(line(sides[0][0], sides[1][0], "HIDDEN"))
@@ -356,12 +345,8 @@ def thinned(hidden: Iterable[Stroke], visible: Iterable[Stroke]) -> list[Stroke]
         angle, offset, low, high = _straight(chain)
         for other, at, start, end in lines:
             turn = abs((angle - other + math.pi / 2) % math.pi - math.pi / 2)
-            if (
-                turn < 0.05
-                and abs(at - offset) < MIN_SPACING
-                and start - MIN_SPACING < low
-                and high < end + MIN_SPACING
-            ):
+            within = start - MIN_SPACING < low and high < end + MIN_SPACING
+            if turn < 0.05 and abs(at - offset) < MIN_SPACING and within:
                 return True
         return False
 

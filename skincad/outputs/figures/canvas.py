@@ -168,6 +168,20 @@ def legend(axes: Axes, columns: int = 3, **more: Any) -> None:
     axes.legend(**{**place, "ncols": columns, "columnspacing": 1.6, **more})
 
 
+@contextmanager
+def chart(
+    size: tuple[float, float], title: str, columns: int = 3, **labels: str
+) -> Iterator[tuple[Picture, Axes]]:
+    """Yield a figure of this size, inches, and its only axes, to be drawn on in the block; then they get
+    their `labels` and the legend."""
+    with sheet(size, 255) as figure:
+        figure.suptitle(title)
+        axes = figure.add_subplot()
+        yield figure, axes
+        axes.set(**labels)
+        legend(axes, columns)
+
+
 def save(figure: Picture, path: Path) -> None:
     """Write a figure as PNG, in as many colours as it asks for."""
     path.write_bytes(png(figure))

@@ -98,15 +98,13 @@ def _scale_bar(axes: Axes, camera: Camera, corner: Array, width: float) -> None:
     axes.plot(*np.transpose([start, end]), color=BLACK, linewidth=2.0, solid_capstyle="butt", gid="scale bar")
     for place in (start, end):
         axes.plot(*np.transpose([place - across, place + across]), color=BLACK, linewidth=THIN)
-    axes.annotate(
-        f"{length:g} mm along x", tuple((start + end) / 2 + [-6, 8]), ha="right", va="top", fontsize=SMALL
-    )
+    at = tuple((start + end) / 2 + [-6, 8])
+    axes.annotate(f"{length:g} mm along x", at, ha="right", va="top", fontsize=SMALL)
 
 
 def _draw_section(axes: Axes, outline: Array) -> None:
     axes.fill(*outline.T, facecolor=SKIN, edgecolor=OUTLINE, linewidth=THIN)
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("z, mm")
+    axes.set(xlabel="x, mm", ylabel="z, mm")
     axes.grid(visible=False)
 
 
@@ -136,9 +134,8 @@ def _draw_whole(axes: Axes, design: Design, shape: Section, outline: Array) -> N
     relief = max(top - low, _LEAST_RELIEF * top)
     scale = max(k for k in _HEIGHT_SCALES if k == 1 or k * relief <= _RELIEF * 2 * half)
     axes.axhline(top, color=BLUE, linewidth=THIN, linestyle=(0, (5, 3)))
-    axes.set_xlim(-1.02 * half, 1.02 * half)
-    axes.set_ylim(max(top - 1.35 * relief, -0.03 * top), top + 0.12 * relief)
-    axes.set_aspect(scale)
+    low = max(top - 1.35 * relief, -0.03 * top)
+    axes.set(xlim=(-1.02 * half, 1.02 * half), ylim=(low, top + 0.12 * relief), aspect=scale)
     stated = f"heights x {scale}" if scale > 1 else "true to scale"
     axes.set_title(f"section over the whole width, {stated}; dashed: a flat plate at first touch")
 
@@ -154,10 +151,8 @@ def _draw_middle(axes: Axes, design: Design, shape: Section, outline: Array) -> 
             axes.fill(*polygon(slot.loop(design.film.thickness), 1e-4).T, facecolor=STRIP)
     height = skin.heights[(skin.count - 1) // 2]
     reach, top = min(1.7 * skin.pitch, 0.5 * design.skin.width), float(outline[:, 1].max())
-    axes.set_xlim(-reach, reach)
     low = 0.0 if design.shot or design.mold.bone else top - 0.55 * reach - height
-    axes.set_ylim(low, top + 0.12 * reach)
-    axes.set_aspect("equal")
+    axes.set(xlim=(-reach, reach), ylim=(low, top + 0.12 * reach), aspect="equal")
     strips = ", strips S1 and S2" if shape.slots else ""
     what = f" through the middle {skin.family}s" if skin.heights[0] else ""
     axes.set_title(f"section{what}, true to scale{strips}")
@@ -188,9 +183,8 @@ def _anchors(shapes: list[trimesh.Trimesh], named: list[int], camera: Camera) ->
     row, column = (np.indices((high // _GRID, wide // _GRID)) + 0.5) * _GRID
     whole = trimesh.util.concatenate(shapes)
     owner = np.append(np.repeat(np.arange(len(shapes)), [len(shape.faces) for shape in shapes]), -1)
-    seen = owner[_cast(RayMeshIntersector(whole), whole, camera, column.ravel(), row.ravel())].reshape(
-        row.shape
-    )
+    hit = _cast(RayMeshIntersector(whole), whole, camera, column.ravel(), row.ravel())
+    seen = owner[hit].reshape(row.shape)
     around = sliding_window_view(np.pad(seen, 1, constant_values=-1), (3, 3))
     places = []
     for i in named:

@@ -22,7 +22,7 @@ from skincad.outputs.figures.canvas import (
     LogLocator,
     NullLocator,
     Picture,
-    legend,
+    chart,
     sheet,
 )
 
@@ -36,14 +36,8 @@ if TYPE_CHECKING:
 FORCES_SIZE = (7.5, 4.0)  # inches
 REPORT_SIZE = (7.0, 3.0)  # inches
 AXIS_ROOM = 3.0  # by which the axes reach beyond the points
-LABEL_OFFSETS = (
-    (7, 7),
-    (-7, -7),
-    (7, -7),
-    (-7, 7),
-    (7, 20),
-    (-7, -20),
-)  # points: where a point's name may begin
+# points: where a point's name may begin
+LABEL_OFFSETS = ((7, 7), (-7, -7), (7, -7), (-7, 7), (7, 20), (-7, -20))
 LABEL_CLEARANCE = 4.0  # pixels, of a name from a point
 NARROW_RATIO = 20.0  # ratio of errors below which more than powers of ten are named
 Points = Sequence[tuple[str, float, float]]
@@ -55,22 +49,16 @@ GAIN_SIZE = (9.0, 5.6)  # inches
 
 def ridge_force_figure(check: ContactCheck) -> Picture:
     """Return a figure of each ridge's force, N, with its error bar."""
-    with sheet(FORCES_SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
+    title = f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
+    with chart(FORCES_SIZE, title, xlabel="ridge", ylabel="force, N") as (figure, axes):
         ridges = np.arange(1, check.ridges + 1)
         forces = [force.value or 0.0 for force in check.ridge_force]
         errors = [force.error or 0.0 for force in check.ridge_force]
         axes.bar(ridges, forces, yerr=errors, color=BLUE, ecolor=BLACK, capsize=3, label="force ± error")
         axes.axhline(check.force / check.ridges, color=VERMILION, linewidth=1.2, linestyle="--", label="mean")
-        axes.set_xlabel("ridge")
-        axes.set_ylabel("force, N")
         axes.set_xticks(ridges[:: 1 + (check.ridges - 1) // 20])  # from ridge 1 on, 20 at most
         axes.grid(visible=False, axis="x")
-        legend(axes)
-        needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
-        figure.suptitle(
-            f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
-        )
     return figure
 
 
@@ -84,15 +72,14 @@ def models_figure(models: Points) -> Picture:
         axes.loglog(times, errors, color=GREY, linewidth=1.0, zorder=1)
         axes.scatter(times[:-1], errors[:-1], color=BLUE, s=36, zorder=2)
         axes.scatter(times[-1:], errors[-1:], color=VERMILION, marker="D", s=44, zorder=2)
-        axes.set_xlim(min(times) / AXIS_ROOM, max(times) * AXIS_ROOM)
-        axes.set_ylim(min(errors) / AXIS_ROOM, max(errors) * AXIS_ROOM)
+        spans = [(min(values) / AXIS_ROOM, max(values) * AXIS_ROOM) for values in (times, errors)]
+        axes.set(xlim=spans[0], ylim=spans[1])
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_minor_locator(NullLocator())
             axis.set_major_formatter("{x:g}")
         if max(errors) < NARROW_RATIO * min(errors):  # with its room: no two powers of ten need lie within
             axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.set_xlabel("usual time over that of linear, 1")
-        axes.set_ylabel("error of the all-touch\nforce, relative")
+        axes.set(xlabel="usual time over that of linear, 1", ylabel="error of the all-touch\nforce, relative")
         _label_points(figure, axes, shown)
     return figure
 
@@ -109,13 +96,11 @@ def _label_points(figure: Figure, axes: Axes, shown: Points) -> None:
     for name, time, error in shown:
         for x, y in LABEL_OFFSETS:
             side: dict[str, Any] = {"ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
-            label = axes.annotate(
-                name, (time, error), (x, y), textcoords="offset points", fontsize=SMALL, **side
-            )
+            side |= {"textcoords": "offset points", "fontsize": SMALL}
+            label = axes.annotate(name, (time, error), (x, y), **side)
             box = shapely.box(*label.get_window_extent().extents)
-            if (whole.contains(box) and not any(map(box.intersects, obstacles))) or (x, y) == LABEL_OFFSETS[
-                -1
-            ]:
+            free = whole.contains(box) and not any(map(box.intersects, obstacles))
+            if free or (x, y) == LABEL_OFFSETS[-1]:
                 break
             label.remove()
         obstacles.append(box)
@@ -140,15 +125,10 @@ def sensitivity_figure(sensitivities: Sequence[Sensitivity]) -> Picture:
 def fit_figure(fit: MaterialFit) -> Picture:
     """Return a figure of the rows used and the fitted model: N against mm of a pad, MPa against strain."""
     deformation, load, modelled = fit.curve
-    with sheet(FIT_SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    x, y = ("approach, mm", "force, N") if fit.kind == "pad" else ("strain, mm/mm", "stress, MPa")
+    with chart(FIT_SIZE, f"Young's modulus {fit.young_modulus}", xlabel=x, ylabel=y) as (figure, axes):
         axes.plot(deformation, load, ".", color=BLUE, markersize=4, label=f"{fit.rows_used} rows of the test")
         axes.plot(deformation, modelled, color=VERMILION, linewidth=1.2, label="model")
-        pad = fit.kind == "pad"
-        axes.set_xlabel("approach, mm" if pad else "strain, mm/mm")
-        axes.set_ylabel("force, N" if pad else "stress, MPa")
-        legend(axes)
-        figure.suptitle(f"Young's modulus {fit.young_modulus}")
     return figure
 
 
@@ -156,39 +136,23 @@ def acceptance_figure(result: Acceptance) -> Picture:
     """Return a figure of a press's rows over the band of good parts, N against mm."""
     approach, force = result.curve
     at, low, high = result.band
-    with sheet(FIT_SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    title = f"{result.name}: {result.verdict}"
+    with chart(FIT_SIZE, title, xlabel="approach, mm", ylabel="force, N") as (figure, axes):
         axes.fill_betweenx(at, low, high, color=BLUE, alpha=0.25, linewidth=0, label="95 % of good parts")
-        axes.errorbar(
-            approach,
-            force,
-            2 * result.force_error,
-            2 * result.approach_error,
-            fmt=".",
-            color=VERMILION,
-            markersize=4,
-            linewidth=0.8,
-            label=f"{result.rows} rows of the press",
-        )
-        axes.set_xlabel("approach, mm")
-        axes.set_ylabel("force, N")
-        legend(axes)
-        figure.suptitle(f"{result.name}: {result.verdict}")
+        look: dict[str, Any] = {"fmt": ".", "color": VERMILION, "markersize": 4, "linewidth": 0.8}
+        errors, rows = (2 * result.force_error, 2 * result.approach_error), f"{result.rows} rows of the press"
+        axes.errorbar(approach, force, *errors, label=rows, **look)
     return figure
 
 
 def law_figure(law: Rubber) -> Picture:
     """Return a figure of a law's nominal stress and tangent modulus, MPa, against the stretch of a bar."""
     stretch = np.linspace(SHORTEST, LONGEST, 301)
-    with sheet(FIT_SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    title = f"{law.kind} bar, Young's modulus {3 * law.shear:.4g} MPa"
+    with chart(FIT_SIZE, title, xlabel="stretch, mm/mm", ylabel="stress and modulus, MPa") as (figure, axes):
         axes.plot(stretch, law.stress(stretch), color=BLUE, linewidth=1.6, label="nominal stress")
         modulus = law.tangent_modulus(stretch)
         axes.plot(stretch, modulus, color=VERMILION, linewidth=1.2, label="tangent modulus")
-        axes.set_xlabel("stretch, mm/mm")
-        axes.set_ylabel("stress and modulus, MPa")
-        legend(axes)
-        figure.suptitle(f"{law.kind} bar, Young's modulus {3 * law.shear:.4g} MPa")
     return figure
 
 
@@ -198,8 +162,8 @@ def gain_figure(circuit_gain: CircuitGain) -> Picture:
 
     The paper's lines take the curve's mean level up to 8 kHz: the paper's own is not known.
     """
-    with sheet(GAIN_SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    title, labels = f"{circuit_gain.name}: gain of film and amplifier", ("frequency, Hz", "gain, dB re 1 V/N")
+    with chart(GAIN_SIZE, title, 2, xlabel=labels[0], ylabel=labels[1]) as (figure, axes):
         if circuit_gain.measured:
             measurement = circuit_gain.measured
             shifted = measurement.gain - measurement.calibration.offset
@@ -208,31 +172,22 @@ def gain_figure(circuit_gain: CircuitGain) -> Picture:
         name = "network and rig, by the measured load" if circuit_gain.own else "network"
         axes.semilogx(circuit_gain.frequency, circuit_gain.gain, color=BLUE, linewidth=1.6, label=name)
         if circuit_gain.own:
-            label = "network alone: the film's signal in use"
-            axes.semilogx(
-                circuit_gain.frequency, circuit_gain.own.gain, color=GREEN, linewidth=1.2, label=label
-            )
+            name, own = "network alone: the film's signal in use", circuit_gain.own.gain
+            axes.semilogx(circuit_gain.frequency, own, color=GREEN, linewidth=1.2, label=name)
         _draw_fit(axes, circuit_gain)
         if constants(circuit_gain.circuit) in [constants(load_circuit(name)) for name in PAPERS]:
             _draw_paper(axes, circuit_gain)
-        axes.set_xlabel("frequency, Hz")
-        axes.set_ylabel("gain, dB re 1 V/N")
         axes.grid(which="both")
-        legend(axes, 2)
-        figure.suptitle(f"{circuit_gain.name}: gain of film and amplifier")
     return figure
 
 
 def _draw_fit(axes: Axes, circuit_gain: CircuitGain) -> None:
     slopes = circuit_gain.slopes
-    if slopes.cutoff.value is None:
-        label = f"fitted: {slopes.below}, no cut-off"
-    else:
-        label = f"fitted: {slopes.below}, {slopes.above}, cut-off {slopes.cutoff}"
+    beyond = "no cut-off" if slopes.cutoff.value is None else f"{slopes.above}, cut-off {slopes.cutoff}"
+    label = f"fitted: {slopes.below}, {beyond}"
     ends = np.array([circuit_gain.frequency[0], _corner(circuit_gain), circuit_gain.circuit.sweep.fit_high])
-    values = _lines(
-        ends, _corner(circuit_gain), slopes.level, slopes.below.value or 0.0, slopes.above.value or 0.0
-    )
+    below, above = slopes.below.value or 0.0, slopes.above.value or 0.0
+    values = _lines(ends, _corner(circuit_gain), slopes.level, below, above)
     axes.semilogx(ends, values, color=VERMILION, linewidth=1.0, linestyle="--", label=label)
 
 

@@ -146,7 +146,7 @@ def strips_figure(simulation: Simulation) -> Picture:
             rows = np.arange(len(ridges) + 1) - 0.5
             image = axes.pcolormesh(edges, rows, values, cmap=colormaps[SIGNED_MAP], vmin=-most, vmax=most)
             axes.set_yticks(range(len(ridges)), [str(r) for r in ridges])
-            axes.set(ylabel="ridge")
+            axes.set_ylabel("ridge")
             axes.grid(visible=False)
             figure.colorbar(image, ax=axes, label=name)
         places[-1].set_xlabel("time, ms")
@@ -166,14 +166,9 @@ def _pin_figure(simulation: Simulation) -> Picture:
         _forces(forces, simulation)
         forces.set_xlabel(_time_label(simulation))
         legend(forces, 2)
-        circles = EllipseCollection(
-            *(np.full(skin.count, size) for size in (skin.profile.tip_width, skin.profile.tip_width, 0.0)),
-            units="xy",
-            offsets=tips[:, :2],
-            offset_transform=plan.transData,
-            edgecolor=GREY,
-            cmap=colormaps[MAP],
-        )
+        sizes = [np.full(skin.count, size) for size in (skin.profile.tip_width, skin.profile.tip_width, 0.0)]
+        at: dict[str, Any] = {"units": "xy", "offsets": tips[:, :2], "offset_transform": plan.transData}
+        circles = EllipseCollection(*sizes, **at, edgecolor=GREY, cmap=colormaps[MAP])
         circles.set_array(np.ma.masked_invalid(steps))
         plan.add_collection(circles)
         for number, (x, y, _) in enumerate(tips.tolist() if skin.count <= MAX_NUMBERS else (), 1):
@@ -248,9 +243,8 @@ def _slip_map(axes: Axes, simulation: Simulation) -> None:
     """Ridge by step: clear, sticking (in part at least), slipping with all that touches."""
     count = simulation.slipping.shape[1]
     touches = np.array([reading.touches for reading in simulation.march.readings])
-    touching = np.stack(
-        [touches[:, simulation.march.ridge == r].any(axis=1) for r in range(1, count + 1)], axis=1
-    )
+    by_ridge = (touches[:, simulation.march.ridge == r] for r in range(1, count + 1))
+    touching = np.column_stack([places.any(axis=1) for places in by_ridge])
     state = touching.astype(int) + (touching & simulation.slipping)
     time = milliseconds(simulation)
     edges = np.append(time - np.diff(time, prepend=0.0) / 2, time[-1]), np.arange(count + 1) + 0.5
@@ -356,22 +350,19 @@ def _make_room(axes: Axes, under: float) -> None:
 
 def caption(simulation: Simulation, record: RidgeRecording) -> str:
     """Return what this recording cannot show."""
-    rate, step = record.pair.rate, 1e3 / record.pair.rate
+    step = 1e3 / record.pair.rate
     seen_to = min(record.pair.passband, simulation.scene.readout.bandwidth_Hz)
     unseen = ": neither the cut-off at 1.2 kHz nor the stress-jerk above it is seen"
     ratio = simulation.read["signal_to_noise_dB"][str(record.ridge)]
     what = "Samples" if record.sampled else "Steps"
+    drawn = "with" if "lead_time_by_noise" in simulation.read else "without"
+    noise = f"Drawn {drawn} noise; film and amplifier leave a signal-to-noise ratio of"
     lines = [
         f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
         f"{what} are {step:.3g} ms apart: no shorter lead time is claimed.",
+        *([] if ratio is None else [f"{noise} {ratio:.3g} dB."]),
+        *record.pair.warnings,
     ]
-    if ratio is not None:
-        drawn = "with" if "lead_time_by_noise" in simulation.read else "without"
-        lines.append(
-            f"Drawn {drawn} noise; film and amplifier leave a signal-to-noise ratio of {ratio:.3g} dB."
-        )
-    if rate and record.pair.warnings:
-        lines += list(record.pair.warnings)
     return "\n".join(lines)
 
 
@@ -395,7 +386,5 @@ def _name_slips(axes: Axes, simulation: Simulation, record: RidgeRecording) -> N
     for name, step in {**marks, "all": simulation.gross_slip_step}.items():
         if step is not None:
             axes.axvline(time[step], color=GREY, linewidth=0.8, linestyle="--")
-            where = (time[step], 0.02)
-            axes.annotate(
-                f" {name} slips", where, xycoords=("data", "axes fraction"), fontsize=NOTE, rotation=90
-            )
+            foot: dict[str, Any] = {"xy": (time[step], 0.02), "xycoords": ("data", "axes fraction")}
+            axes.annotate(f" {name} slips", **foot, fontsize=NOTE, rotation=90)

@@ -48,9 +48,8 @@ SERIES = (("S1", BLUE, "o", -0.15), ("S2", VERMILION, "s", 0.15), ("S1 - S2", BL
 AREA_IN_SCALE = 0.97  # share of the silicone's drawn area whose stress lies within the colours
 WINDOW = 0.27  # of the field's extent, each way from the films
 SIZE = (9.0, 6.9)  # 900 pixels wide
-NOTED_RIDGE = (
-    3  # or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
-)
+# or the last before the middle: "the third ridge from an end", as the paper's figures 12 and 13
+NOTED_RIDGE = 3
 Frame = tuple[float, float, float, float]
 WIDTH = 9.0  # inches
 ABOVE, BESIDE = 0.12, 0.03  # margins in the section's height and width
@@ -73,9 +72,8 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
         _draw_ridges(left, normal, f"(a) normal force {normal.force:g} N")
         _draw_ridges(right, both, f"(b) normal {both.force:g} N, tangential {both.tangential:g} N to +x")
         left.set_ylabel("mean stress across the film, MPa\n(tension positive)")
-        figure.legend(
-            handles=left.get_legend_handles_labels()[0], loc="outside upper right", ncols=3, frameon=False
-        )
+        handles = left.get_legend_handles_labels()[0]
+        figure.legend(handles=handles, loc="outside upper right", ncols=3, frameon=False)
         if ridges:
             states = [[v for v in stress.fields if v.ridge in ridges] for stress in (normal, both)]
             _draw_fields(figure, [figure.add_subplot(grid[1, i]) for i in range(columns)], states)
@@ -87,14 +85,12 @@ def film_stress_figure(normal: FilmStress, both: FilmStress) -> Picture:
 def _draw_ridges(axes: Axes, stress: FilmStress, title: str) -> None:
     ridges = np.arange(1, stress.ridges + 1)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    for (label, colour, marker, offset), estimates in zip(
-        SERIES, (stress.s1, stress.s2, stress.differential), strict=True
-    ):
+    series = zip(SERIES, (stress.s1, stress.s2, stress.differential), strict=True)
+    for (label, colour, marker, offset), estimates in series:
         values, errors = [e.value or 0.0 for e in estimates], [e.error or 0.0 for e in estimates]
         style: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 4.5, "capsize": 3}
         axes.errorbar(ridges + offset, values, errors, label=label, linestyle="none", linewidth=1.0, **style)
-    axes.set_title(title)
-    axes.set_xlabel("ridge")
+    axes.set(title=title, xlabel="ridge")
     if stress.ridges <= 20:
         axes.set_xticks(ridges)
     axes.grid(visible=False, axis="x")
@@ -108,13 +104,11 @@ def _draw_fields(figure: Figure, places: list[Axes], states: list[list[RidgeFiel
         drawn = _draw_silicone(axes, field, field.stress, limit)
         nearest = np.hypot(*(field.place - field.middle).T).argmin()
         middle, half = (field.place + field.shift)[nearest], WINDOW * float(np.ptp(field.place, axis=0).max())
-        axes.set_xlim(middle[0] - half, middle[0] + half)
-        axes.set_ylim(middle[1] - half, middle[1] + half)
+        axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
         axes.set_title(f"ridge {field.ridge}", fontsize=LABEL)
     places[0].set_ylabel("z, mm", fontsize=SMALL)
-    _name_colours(
-        figure, drawn, places, 40, "stress across the ridge in the deformed section, MPa; films black"
-    )
+    words = "stress across the ridge in the deformed section, MPa; films black"
+    _name_colours(figure, drawn, places, 40, words)
 
 
 def _draw_silicone(axes: Axes, body: Patch, stress: Array, limit: float, **film: Any) -> ScalarMappable:
@@ -173,11 +167,9 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
     if both.tangential:
         highest = [mu or 0.0 for mu in friction]
         lifted = [str(i + 1) for i, mu in enumerate(friction) if mu is None]
-        needs = (
-            f"it takes the normal force off ridge {', '.join(lifted)}"
-            if lifted
-            else f"it needs friction of {max(highest):.2g} at ridge {1 + int(np.argmax(highest))}"
-        )
+        needs = f"it needs friction of {max(highest):.2g} at ridge {1 + int(np.argmax(highest))}"
+        if lifted:
+            needs = f"it takes the normal force off ridge {', '.join(lifted)}"
         lines.append(f"(b) Full stick is an assumption, normal force first: {needs}.")
     return "\n".join(lines)
 
@@ -215,10 +207,9 @@ def section_animation(moments: Sequence[Moment], path: Path) -> None:
             height = round(picture.height * FRAME_WIDTH / picture.width)
             small = picture.resize((FRAME_WIDTH, height), Image.Resampling.LANCZOS)
             pictures.append(_few_colours(small, COLOURS))
-    times = [round(1000 * SECONDS / len(pictures))] * len(pictures)
-    pictures[0].save(
-        path, format="GIF", save_all=True, append_images=pictures[1:], duration=times, loop=0, optimize=True
-    )
+    first, *rest = pictures
+    moving = {"duration": [round(1000 * SECONDS / len(pictures))] * len(pictures), "loop": 0}
+    first.save(path, format="GIF", save_all=True, append_images=rest, optimize=True, **moving)
 
 
 def _few_colours(picture: Image.Image, count: int) -> Image.Image:
@@ -274,6 +265,5 @@ def _draw_section(axes: Axes, shown: DeformedSection, limit: float, frame: Frame
     plate = shown.plate + math.tan(shown.angle) * ends
     axes.fill_between(ends, plate, high, color=PLATE, linewidth=0)
     axes.set_facecolor(AROUND)
-    axes.set_xlim(left, right)
-    axes.set_ylim(low, high)
+    axes.set(xlim=(left, right), ylim=(low, high))
     axes.set_ylabel("z, mm", fontsize=SMALL)

@@ -36,7 +36,7 @@ from skincad.outputs.figures.canvas import (
     Picture,
     ScalarMappable,
     Triangulation,
-    legend,
+    chart,
     sheet,
 )
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, slope
@@ -45,6 +45,7 @@ from skincad.studies.solving import Solution
 from skincad.studies.subject import DesignVariable
 from skincad.studies.sweeping import Ranking, SweepResult
 
+Pair = tuple[DesignVariable, DesignVariable]
 POINT, TARGET, HIGHLIGHT = BLUE, GREY, VERMILION
 SIZE = (7.0, 4.6)  # inches
 PANEL = 3.0  # inches, of one of several
@@ -69,9 +70,9 @@ def solution_figure(solution: Solution) -> Picture:
         for evaluation in solution.evaluations
         if not evaluation.refused and (estimate := evaluation.results[key]).value is not None
     )
-    name, _, unit = _axis_label(key, solution.evaluations).partition(", ")
-    with sheet(SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    name, _, unit = (label := _axis_label(key, solution.evaluations)).partition(", ")
+    title = f"{solution.name}: {name} against {knob.key}"
+    with chart(SIZE, title, 6, xlabel=_label(knob), ylabel=label) as (figure, axes):
         side = {"<=": "at most ", ">=": "at least "}.get((solution.bounds or {}).get(key, ""), "")
         words = f"wanted: {side}{wanted:g}" + f" {unit}" * (unit != "1")
         axes.axhline(wanted, color=TARGET, linestyle="--", label=words)
@@ -98,10 +99,6 @@ def solution_figure(solution: Solution) -> Picture:
         if points and 0 < LOG_RATIO / 10 * min(value) < max(value) < MAX_LOG_RATIO * min(value):
             axes.set_yscale("log")
             axes.yaxis.set_major_formatter("{x:g}")
-        axes.set_xlabel(_label(knob))
-        axes.set_ylabel(_axis_label(key, solution.evaluations))
-        legend(axes, 6)
-        figure.suptitle(f"{solution.name}: {name} against {knob.key}")
     return figure
 
 
@@ -155,8 +152,7 @@ def pairs_figure(sweep: SweepResult) -> Picture:
             _draw_rows(axes, sweep, ranking, pair, colours)
             for knob, side in zip(pair, "xy", strict=True):
                 _name_ticks(axes, knob, side)
-            axes.set_xlabel(_label(pair[0]))
-            axes.set_ylabel(_label(pair[1]))
+            axes.set(xlabel=_label(pair[0]), ylabel=_label(pair[1]))
         bar = ScalarMappable(colours, MAP)
         figure.colorbar(bar, ax=list(places), label=_axis_label(ranking.key, sweep.rows))
         handles = [mark for mark in places[0].get_legend_handles_labels()[0] if mark.get_label()[0] != "_"]
@@ -187,13 +183,7 @@ def _draw_map(axes: Axes, sweep: SweepResult, ranking: Ranking, colours: Normali
     return True
 
 
-def _draw_rows(
-    axes: Axes,
-    sweep: SweepResult,
-    ranking: Ranking,
-    pair: tuple[DesignVariable, DesignVariable],
-    colours: Normalize,
-) -> None:
+def _draw_rows(axes: Axes, sweep: SweepResult, ranking: Ranking, pair: Pair, colours: Normalize) -> None:
     """The rows as points, the best on top, the refused ones as crosses, and the design's own place."""
     rows, results = _ranked(sweep, ranking)
     others = sorted(set(range(len(sweep.rows))) - set(rows))
@@ -221,25 +211,18 @@ def front_figure(sweep: SweepResult) -> Picture:
     """Return a figure of the first two rankings' results; no row beats one of the front in both."""
     first, second = sweep.rankings[:2]
     rows = [row for row in _ranked(sweep, first)[0] if row in set(_ranked(sweep, second)[0])]
-    x, y = (
-        np.array([float(sweep.rows[i].results[ranking.key]) for i in rows]) for ranking in (first, second)
-    )
+    x, y = (_results(sweep, ranking, rows) for ranking in (first, second))
     front = pareto(np.column_stack([_less(x, first), _less(y, second)]))
     order = np.argsort(x[front])
-    with sheet(SIZE, 255) as figure:
-        axes = figure.add_subplot()
+    labels = [f"{_axis_label(ranking.key, sweep.rows)} ({ranking.goal})" for ranking in (first, second)]
+    title = f"{sweep.name}: {first.key} and {second.key}"
+    with chart(SIZE, title, xlabel=labels[0], ylabel=labels[1]) as (figure, axes):
         axes.plot(x, y, ".", color=POINT, alpha=0.5, label="rows")
         axes.plot(x[front][order], y[front][order], "o-", color=HIGHLIGHT, markersize=5, label="front")
-        for place, i in enumerate(
-            np.flatnonzero(front)[order]
-        ):  # neighbours' numbers above and below in turn
+        for place, i in enumerate(np.flatnonzero(front)[order]):
             look: dict[str, Any] = {"fontsize": NOTE, "ha": "center", "va": "center"}
-            side = (0, 9) if place % 2 else (0, -9)
+            side = (0, 9) if place % 2 else (0, -9)  # neighbours' numbers above and below in turn
             axes.annotate(str(rows[i] + 1), (x[i], y[i]), side, textcoords="offset points", **look)
-        axes.set_xlabel(f"{_axis_label(first.key, sweep.rows)} ({first.goal})")
-        axes.set_ylabel(f"{_axis_label(second.key, sweep.rows)} ({second.goal})")
-        legend(axes)
-        figure.suptitle(f"{sweep.name}: {first.key} and {second.key}")
     return figure
 
 
@@ -258,7 +241,11 @@ def _less(values: Array, ranking: Ranking) -> Array:
 def _ranked(sweep: SweepResult, ranking: Ranking) -> tuple[list[int], Array]:
     """Rows with the ranking's result, by index, and their results."""
     rows = sorted(rank.row - 1 for rank in ranking.ranks)
-    return rows, np.array([float(sweep.rows[i].results[ranking.key]) for i in rows])
+    return rows, _results(sweep, ranking, rows)
+
+
+def _results(sweep: SweepResult, ranking: Ranking, rows: Sequence[int]) -> Array:
+    return np.array([float(sweep.rows[i].results[ranking.key]) for i in rows])
 
 
 def _places(sweep: SweepResult, knob: DesignVariable, rows: Sequence[int]) -> Array:
@@ -298,9 +285,8 @@ def _label(knob: DesignVariable) -> str:
 
 def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
     """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
-    measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1][
-        :PANELS
-    ]
+    measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1]
+    measures = measures[:PANELS]
     with sheet(LADDER_SIZE, 255) as figure:
         figure.suptitle(ladder.title)
         places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]

@@ -83,19 +83,24 @@ def tetrahedra(design: Design, fineness: float = 1.0) -> Tetrahedra:
     levels = np.concatenate([-half[:0:-1], half])
     corners, count = _sweep(design, flat, levels), len(flat.points)
     cut = _cut(flat.corners, len(levels) - 1, count)
-    cut = _outward(corners, cut)
+    turned = signed_volumes(corners, cut) < 0  # inside out: two corners change places
+    cut[turned] = cut[turned][:, [1, 0, 2, 3]]
     domain = np.tile(np.repeat(flat.domain, len(CUTS)), len(levels) - 1)
     regions = {name: cut[domain == number] for number, name in enumerate(region_names(design), 1)}
-    faces = {_surface(name): _walls(edges, len(levels) - 1, count) for name, edges in flat.edges.items()}
-    faces = {name: walls for name, walls in faces.items() if name}
-    nodes, edge_of = _middles(corners, cut)
+    faces = {
+        name.replace("contact", "crest-"): _walls(ends, len(levels) - 1, count)
+        for name, ends in flat.edges.items()
+        if name == "back" or name.startswith("contact")
+    }
+    edges = np.unique(np.sort(cut[:, np.array(EDGES)].reshape(-1, 2), axis=1), axis=0)
+    edge_of = {(a, b): len(corners) + i for i, (a, b) in enumerate(edges.tolist())}
     volumes = {
         name: (float(signed_volumes(corners, cells).sum()), exact)
         for (name, cells), exact in zip(regions.items(), _exact(design, pad), strict=True)
         if len(cells)
     }
     return Tetrahedra(
-        nodes,
+        np.concatenate([corners, corners[edges].mean(axis=1)]),
         {name: _second_order(regions[name], edge_of, MIDDLES) for name in volumes},
         {name: _second_order(cells, edge_of, MIDDLES[:3]) for name, cells in sorted(faces.items())},
         volumes,
@@ -143,35 +148,11 @@ def _cut(triangles: Index, layers: int, count: int) -> Index:
     return np.concatenate([one + layer * count for layer in range(layers)])
 
 
-def _outward(corners: Array, cut: Index) -> Index:
-    """The tetrahedra, those that were inside out with two corners swapped."""
-    elements = cut.copy()
-    turned = signed_volumes(corners, cut) < 0
-    elements[turned] = elements[turned][:, [1, 0, 2, 3]]
-    return elements
-
-
 def _walls(edges: Index, layers: int, count: int) -> Index:
     """Triangles of the wall over boundary edges, cut as the prisms are."""
-    low, high = np.sort(edges, axis=1).T
-    one = np.concatenate(
-        [np.column_stack([low, high, high + count]), np.column_stack([low, high + count, low + count])]
-    )
+    a, b = np.sort(edges, axis=1).T
+    one = np.concatenate([np.stack([a, b, b + count], 1), np.stack([a, b + count, a + count], 1)])
     return np.concatenate([one + layer * count for layer in range(layers)])
-
-
-def _surface(boundary: str) -> str:
-    if boundary == "back":
-        return boundary
-    return boundary.replace("contact", "crest-") if boundary.startswith("contact") else ""
-
-
-def _middles(corners: Array, cut: Index) -> tuple[Array, dict[tuple[int, int], int]]:
-    """All nodes, middles of edges after the corners, and the node of each edge by its ends, ascending."""
-    ends = np.sort(cut[:, np.array(EDGES)].reshape(-1, 2), axis=1)
-    edges = np.unique(ends, axis=0)
-    nodes = np.concatenate([corners, corners[edges].mean(axis=1)])
-    return nodes, {(a, b): len(corners) + i for i, (a, b) in enumerate(edges.tolist())}
 
 
 def _second_order(
@@ -211,7 +192,7 @@ def _msh(mesh: Tetrahedra) -> Iterator[str]:
     yield "$EndEntities"
     count = len(mesh.nodes)
     yield f"$Nodes\n1 {count} 1 {count}\n3 1 0 {count}"
-    yield from (str(i) for i in range(1, count + 1))
+    yield from map(str, range(1, count + 1))
     yield from (exactly(node) for node in mesh.nodes)
     yield "$EndNodes"
     blocks = [(2, tag, TRIANGLE, mesh.surfaces[name]) for tag, name in surfaces.items()]
@@ -236,13 +217,10 @@ def vtu(mesh: Tetrahedra) -> str:
     """Return the tetrahedra as VTU, mm; cell data `region` is 1 in the skin, 2 in the film, 3 and on in the
     shots from the back."""
     cells = np.concatenate(list(mesh.elements.values()))
-    numbers = {"skin": 1, "film": 2}
-    region = np.concatenate(
-        [
-            np.full(len(rows), numbers.get(name) or 2 + int(name.removeprefix("shot-")))
-            for name, rows in mesh.elements.items()
-        ]
-    )
+    numbers = [
+        {"skin": 1, "film": 2}.get(name) or 2 + int(name.removeprefix("shot-")) for name in mesh.elements
+    ]
+    region = np.repeat(numbers, [len(rows) for rows in mesh.elements.values()])
     arrays: list[tuple[str, str, int, str, Array | Index]] = [
         ("Points", "Float64", 3, "points", mesh.nodes),
         ("Cells", "Int64", 1, "connectivity", cells),
@@ -250,11 +228,11 @@ def vtu(mesh: Tetrahedra) -> str:
         ("Cells", "UInt8", 1, "types", np.full(len(cells), VTK_TETRAHEDRON)),
         ("CellData", "Int64", 1, "region", region),
     ]
-    lines = ['<?xml version="1.0"?>']
-    lines.append(
-        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
-    )
-    lines.append(f'<UnstructuredGrid><Piece NumberOfPoints="{len(mesh.nodes)}" NumberOfCells="{len(cells)}">')
+    lines = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        f'<UnstructuredGrid><Piece NumberOfPoints="{len(mesh.nodes)}" NumberOfCells="{len(cells)}">',
+    ]
     for part in ("Points", "Cells", "CellData"):
         lines.append(f"<{part}>")
         lines += [_array(*row[1:]) for row in arrays if row[0] == part]

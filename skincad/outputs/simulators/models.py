@@ -13,11 +13,12 @@ URDF has the same links, all fixed, for it knows no springs. Source: the URDF XM
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from xml.sax.saxutils import escape
 
 import numpy as np
 
+from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.outputs.simulators.links import Links, Weight, feature_bodies
 from skincad.outputs.simulators.springs import Springs
@@ -53,209 +54,82 @@ def friction(design: Design) -> float:
 
 def skin_xml(design: Design, links: Links, springs: Springs) -> str:
     """Return the skin on its carrier as a model of its own, to be loaded, included or attached."""
-    return "\n".join(
-        [
-            f'<mujoco model="{design.name}">',
-            "  <!-- m, kg, N, s; frame: x across the ridges, z out of the skin, its back at z = 0.",
-            "       What was simplified and where it holds: package.md -->",
-            '  <compiler inertiafromgeom="auto"/>',  # other bodies of a robot that includes it keep their own
-            '  <option integrator="implicitfast" cone="elliptic" impratio="10" noslip_iterations="3"/>',
-            *_defaults(design, springs),
-            *_assets(design),
-            "  <worldbody>",
-            '    <body name="carrier">',
-            body_inertial(links.carrier, 6),
-            '      <geom class="visual" mesh="carrier"/>',
-            '      <geom class="collision" name="carrier" mesh="carrier-hull"/>',
-            '      <body name="skin">',
-            body_inertial(links.base, 8),
-            '        <geom class="visual" mesh="skin"/>',
-            '        <geom class="collision" name="skin" mesh="base-hull"/>',
-            *_filling(links),
-            *_ridges(design, links),
-            "      </body>",
-            "    </body>",
-            "  </worldbody>",
-            *_tendons(springs, [*feature_bodies(design)]),
-            *_sensors(design),
-            "</mujoco>",
-            "",
-        ]
-    )
+    skin = skin_of(design)
+    along = skin.pitch if skin.symmetry == "revolved" else design.skin.length
+    across = skin.pitch if skin.symmetry in ("extruded", "revolved") else design.skin.width
+    size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
+    tips = crests(design).poses[:, :, 3]
+    bodies = []
+    for weight, (name, members) in zip(links.ridges, feature_bodies(design).items(), strict=True):
+        low, high = tips[[*members]].min(axis=0), tips[[*members]].max(axis=0)
+        middle = numbers(np.append((low + high)[:2] / 2, high[2]) * M)
+        half = numbers(size + np.append((high - low)[:2] / 2, 0.0) * M)
+        bodies.append({"name": name, "weight": weight, "middle": middle, "half": half})
+    armature, damping = slide_damping(springs)
+    facts = {
+        "armature": armature,
+        "damping": damping,
+        "friction": friction(design),
+        "tendons": _tendons(springs),
+    }
+    constants = {"STEP": STEP, "IMPEDANCE": IMPEDANCE, "M": M, "inertial": body_inertial}
+    return macro("simulators/mujoco.xml", "skin", design.name, links, bodies, **facts, **constants)
 
 
 def scene_xml(design: Design, springs: Springs) -> str:
     """Return a scene: the skin, fixed, and a flat plate that presses along -z and pulls along +x."""
     top = max(place[2, 3] for place in crests(design).poses) * M
     half = np.array([design.skin.width, design.skin.length, 2.0]) * M
-    force, friction_force = springs.verdict.force, friction(design) * springs.verdict.force
+    force, approach = springs.verdict.force, float(springs.verdict.approach) * M
+    friction_force, mass = friction(design) * force, force / GRAVITY
     down = springs.flexibility @ springs.body_force * M
-    mass = force / GRAVITY
-    drag = max((SLIDES - 1) * friction_force, LEAST_DRAG * force) / (
-        SPEED * float(springs.verdict.approach) * M
-    )
-    inertia = numbers([mass * float(half @ half) / 3] * 3)
-    at = numbers([*down, float(springs.verdict.approach) * M, 0.0])
-    start = numbers([0.0] * (down.size + 2))
+    at = numbers([*down, approach, 0.0])
     keys = [
-        ("press", start, 0.0),
+        ("press", numbers([0.0] * (down.size + 2)), 0.0),
         ("pull", at, STICKS * friction_force),
         ("slide", at, SLIDES * friction_force),
     ]
-    return "\n".join(
-        [
-            f'<mujoco model="{design.name}-scene">',
-            '  <include file="skin.xml"/>',
-            "  <!-- key press: from the first touch, the plate presses; joint plate-z is the approach.",
-            f"       pull: pressed, pulled by {STICKS:g} of what friction holds; slide: by {SLIDES:g} -->",
-            "  <worldbody>",
-            '    <light pos="0 -0.05 0.1" dir="0 0.4 -1"/>',
-            f'    <body name="plate" pos="{numbers([0.0, 0.0, top + half[2]])}" gravcomp="1">',
-            '      <joint name="plate-z" type="slide" axis="0 0 -1"/>',
-            f'      <joint name="plate-x" type="slide" axis="1 0 0" damping="{drag!r}"/>',
-            f'      <inertial pos="0 0 0" mass="{mass!r}" diaginertia="{inertia}"/>',
-            f'      <geom name="plate" type="box" size="{numbers(half)}" rgba="0.6 0.7 0.8 0.3"/>',
-            "    </body>",
-            "  </worldbody>",
-            "  <actuator>",
-            '    <motor name="press" joint="plate-z"/>',
-            '    <motor name="pull" joint="plate-x"/>',
-            "  </actuator>",
-            "  <keyframe>",
-            *(
-                f'    <key name="{name}" qpos="{q}" ctrl="{numbers([force, pull])}"/>'
-                for name, q, pull in keys
-            ),
-            "  </keyframe>",
-            "</mujoco>",
-            "",
-        ]
-    )
+    facts = {
+        "place": numbers([0.0, 0.0, top + half[2]]),
+        "drag": max((SLIDES - 1) * friction_force, LEAST_DRAG * force) / (SPEED * approach),
+        "mass": mass,
+        "inertia": numbers([mass * float(half @ half) / 3] * 3),
+        "half": numbers(half),
+    }
+    constants = {"STICKS": STICKS, "SLIDES": SLIDES, "numbers": numbers}
+    return macro("simulators/mujoco.xml", "scene", design.name, force, keys, **facts, **constants)
 
 
-def _defaults(design: Design, springs: Springs) -> Iterator[str]:
-    armature, damping = slide_damping(springs)
-    yield "  <default>"
-    yield '    <default class="visual">'
-    yield '      <geom type="mesh" contype="0" conaffinity="0" group="2" rgba="0.93 0.72 0.62 1"/>'
-    yield "    </default>"
-    yield '    <default class="collision">'  # the skin's own parts don't touch each other, all else does
-    yield '      <geom type="mesh" contype="2" conaffinity="1" group="3"/>'
-    yield '      <default class="ridge">'
-    yield (
-        f'        <geom priority="1" condim="3" friction="{friction(design):g} 0.005 0.0001"'
-        f' solref="{2 * STEP:g} 1" solimp="{IMPEDANCE:g} {IMPEDANCE:g} 0.001"/>'
-    )
-    yield f'        <joint type="slide" axis="0 0 -1" armature="{armature!r}" damping="{damping!r}"/>'
-    yield '        <site type="box" group="4" rgba="0.9 0.2 0.2 0.3"/>'
-    yield "      </default>"
-    yield "    </default>"
-    yield "  </default>"
-
-
-def _assets(design: Design) -> Iterator[str]:
-    names = ["carrier", "carrier-hull", "skin", "base-hull", *feature_bodies(design)]
-    yield "  <asset>"
-    yield from (f'    <mesh name="{name}" file="{name}.stl" scale="{M:g} {M:g} {M:g}"/>' for name in names)
-    yield "  </asset>"
-
-
-def body_inertial(weight: Weight, indent: int) -> str:
+def body_inertial(weight: Weight) -> str:
     """Return a body's `inertial` element, in the design's axes."""
     i = weight.inertia * KG_M2
     full = numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
     at = f'pos="{numbers(weight.centre * M)}" mass="{numbers([weight.mass * KG])}"'
-    return f'{" " * indent}<inertial {at} fullinertia="{full}"/>'
+    return f'<inertial {at} fullinertia="{full}"/>'
 
 
-def _filling(links: Links) -> Iterator[str]:
-    if links.filling:
-        yield '        <body name="filling">'
-        yield body_inertial(links.filling, 10)
-        yield "        </body>"
-
-
-def _ridges(design: Design, links: Links) -> Iterator[str]:
-    skin = skin_of(design)
-    along = skin.pitch if skin.symmetry == "revolved" else design.skin.length
-    across = skin.pitch if skin.symmetry in ("extruded", "revolved") else design.skin.width
-    size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
-    tips = crests(design).poses[:, :, 3]
-    for weight, (name, members) in zip(links.ridges, feature_bodies(design).items(), strict=True):
-        low, high = tips[[*members]].min(axis=0), tips[[*members]].max(axis=0)
-        middle = numbers(np.append((low + high)[:2] / 2, high[2]) * M)
-        half = numbers(size + np.append((high - low)[:2] / 2, 0.0) * M)
-        yield f'        <body name="{name}">'
-        yield body_inertial(weight, 10)
-        yield f'          <joint class="ridge" name="{name}"/>'
-        yield f'          <geom class="ridge" name="{name}" mesh="{name}"/>'
-        yield f'          <site class="ridge" name="{name}" pos="{middle}" size="{half}"/>'
-        yield "        </body>"
-
-
-def _tendons(springs: Springs, names: list[str]) -> Iterator[str]:
+def _tendons(springs: Springs) -> list[tuple[float, list[tuple[int, float]]]]:
     """The springs: of row r of the Cholesky factor the stiffness r_ii^2, its coefficients over r_ii."""
-    yield "  <tendon>"
-    for i, row in enumerate(springs.rows, 1):
-        lead = float(row[i - 1])
-        yield f'    <fixed name="spring-{i}" stiffness="{lead * lead * N_PER_M!r}" springlength="0">'
-        for j in map(int, np.flatnonzero(np.abs(row) > SMALL * abs(lead))):
-            yield f'      <joint joint="{names[j]}" coef="{float(row[j]) / lead!r}"/>'
-        yield "    </fixed>"
-    yield "  </tendon>"
-
-
-def _sensors(design: Design) -> Iterator[str]:
-    """Normal force by touch, and the force in the design's axes, of the ridge on what touches it."""
-    yield "  <sensor>"
-    for kind in ("touch", "force"):
-        for i, name in enumerate(feature_bodies(design), 1):
-            yield f'    <{kind} name="{kind}-{i}" site="{name}"/>'
-    yield "  </sensor>"
+    tendons = []
+    for i, row in enumerate(springs.rows):
+        lead = float(row[i])
+        used = np.flatnonzero(np.abs(row) > SMALL * abs(lead)).tolist()
+        tendons.append((lead * lead * N_PER_M, [(j, float(row[j]) / lead) for j in used]))
+    return tendons
 
 
 def skin_urdf(design: Design, links: Links, prefix: str = "") -> str:
     """Return the skin on its carrier: root link `carrier`, in the design's frame. Names of meshes begin with
     `prefix`."""
-    lines = ['<?xml version="1.0"?>', f'<robot name="{design.name}">']
-    lines += _urdf_link("carrier", links.carrier, f"{prefix}carrier", f"{prefix}carrier-hull")
-    base = _urdf_link("skin", links.base, f"{prefix}skin", f"{prefix}base-hull")
-    lines += [*base, *_urdf_joint("carrier", "skin")]
-    if links.filling:
-        lines += [*_urdf_link("filling", links.filling), *_urdf_joint("skin", "filling")]
-    for name, weight in zip(feature_bodies(design), links.ridges, strict=False):  # none where none are asked
-        lines += [*_urdf_link(name, weight, None, f"{prefix}{name}"), *_urdf_joint("skin", name)]
-    return "\n".join([*lines, "</robot>", ""])
 
+    def inertia(weight: Weight) -> str:
+        values = numbers((weight.inertia * KG_M2)[np.triu_indices(3)]).split()
+        axes = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), values, strict=True)
+        return " ".join(f'{axis}="{value}"' for axis, value in axes)
 
-def _urdf_link(
-    name: str, weight: Weight, visual: str | None = None, collision: str | None = None
-) -> Iterator[str]:
-    i = weight.inertia * KG_M2
-    axes = {"ixx": i[0, 0], "ixy": i[0, 1], "ixz": i[0, 2], "iyy": i[1, 1], "iyz": i[1, 2], "izz": i[2, 2]}
-    yield f'  <link name="{name}">'
-    yield "    <inertial>"
-    yield f'      <origin xyz="{numbers(weight.centre * M)}" rpy="0 0 0"/>'
-    yield f'      <mass value="{numbers([weight.mass * KG])}"/>'
-    words = zip(axes, numbers(axes.values()).split(), strict=True)
-    yield "      <inertia " + " ".join(f'{axis}="{value}"' for axis, value in words) + "/>"
-    yield "    </inertial>"
-    for kind, mesh in (("visual", visual), ("collision", collision)):
-        if mesh:
-            yield f"    <{kind}>"
-            yield '      <origin xyz="0 0 0" rpy="0 0 0"/>'
-            name = f'filename="{escape(mesh)}.stl" scale="{M:g} {M:g} {M:g}"'
-            yield f"      <geometry><mesh {name}/></geometry>"
-            yield f"    </{kind}>"
-    yield "  </link>"
-
-
-def _urdf_joint(parent: str, child: str) -> Iterator[str]:
-    yield f'  <joint name="{parent}-{child}" type="fixed">'
-    yield '    <origin xyz="0 0 0" rpy="0 0 0"/>'
-    yield f'    <parent link="{parent}"/>'
-    yield f'    <child link="{child}"/>'
-    yield "  </joint>"
+    bodies = list(zip(feature_bodies(design), links.ridges, strict=False))  # none where none are asked
+    facts = {"KG": KG, "M": M, "numbers": numbers, "inertia": inertia, "escape": escape}
+    return macro("simulators/skin.urdf", "skin", design.name, links, bodies, prefix, **facts)
 
 
 def numbers(values: Iterable[float]) -> str:

@@ -233,11 +233,9 @@ def _step(design: Design, name: str, path: Path) -> None:
     from skincad.solids.occ import workplane
     from skincad.solids.skin import skin_solid
 
+    about_x = (0, 0, 0), (1, 0, 0), 180
     carrier = name == "carrier"
-    write_step(
-        workplane(carrier_part(design)).rotate((0, 0, 0), (1, 0, 0), 180) if carrier else skin_solid(design),
-        path,
-    )
+    write_step(workplane(carrier_part(design)).rotate(*about_x) if carrier else skin_solid(design), path)
 
 
 def card(package: Package) -> dict[str, Any]:
@@ -256,7 +254,7 @@ def card(package: Package) -> dict[str, Any]:
 
 def markdown(package: Package) -> str:
     """Return the card as Markdown."""
-    facts = {"simplifications": [*_simplified(package), *package.notes], "numbers": list(_numbers(package))}
+    facts = {"simplifications": [*_simplified(package), *package.notes], "numbers": _numbers(package)}
     return macro("papers/model-card.md", "card", package, FRAME=FRAME, LICENCE=LICENCE, **facts)
 
 
@@ -273,73 +271,28 @@ def _body(design: Design) -> str:
     return family if most == 1 else f"group of up to {most} neighbouring {family}s"
 
 
-def _numbers(package: Package) -> Iterator[tuple[str, str, str]]:
+def _numbers(package: Package) -> list[tuple[str, ...]]:
     design = package.design
     stuffs = [f"{s.density / 1e3:g} g/cm3 of {s.name}" for s in (silicone(design), *layers(design))]
     whose = "the bone, taken to be of the lids' material" if design.mold.bone else "the carrier"
     stuffs.append(f"{lid_process(design).density:g} g/cm3 of {whose}")
-    yield (
+    mass = (
         f"mass {package.weighs.mass:.6g} g, centres and inertias",
         f"the exact solids of skin.step and carrier.step; {', '.join(stuffs)}",
         "as designed; parts weigh what their silicone's batch weighs",
     )
+    facts: dict[str, Any] = {"STEP": STEP, "FRICTION": FRICTION, "friction": friction(design)}
     if package.springs:
-        yield from _of_springs(package, package.springs)
-    if package.taxels:
-        yield (
-            f"{len(package.taxels.names)} taxels",
-            "the exact section, in the middle of the length",
-            "unloaded",
-        )
-    if package.mesh:
-        yield (
-            f"{sum(map(len, package.mesh.elements.values()))} tetrahedra of second order",
-            "the exact section, swept along y; materials.json has moduli, densities and laws",
-            f"edges are straight: the volume is off by {package.mesh.deviation:.1e} of it",
-        )
-    if package.heights:
-        yield (
-            f"height map, {package.heights.pixel:.4g} mm a pixel",
-            "the exact section's highest points",
-            f"levels of {package.heights.scale:.3g} mm, unloaded; undercut flanks are hidden",
-        )
-    if package.response:
-        yield _of_response(package.response)
-
-
-def _of_springs(package: Package, springs: Springs) -> Iterator[tuple[str, str, str]]:
-    verdict, (armature, damping) = springs.verdict, slide_damping(springs)
-    yield (
-        f"springs: approach {verdict.approach} and ridge forces at {verdict.force:g} N",
-        f"the check, {verdict.model} model",
-        f"exactly there; at other loads see the table; flat plate, timestep up to {STEP:g} s",
-    )
-    yield (
-        f"armature {armature:.3g} kg and damping {damping:.3g} N s/m of each slide",
-        "what MuJoCo's step needs",
-        "numbers of the method: they say nothing of how fast the silicone gives way",
-    )
-    stated = package.design.contact.friction is not None
-    yield (
-        f"friction {friction(package.design):g}",
-        "contact.friction" if stated else f"assumption: {FRICTION:g} where contact.friction is not given",
-        "dry, Coulomb; a plate that is held creeps by up to 2 % of the approach a second, one that slides is "
-        "lifted by about step x friction x speed",
-    )
-
-
-def _of_response(response: FilmResponse) -> tuple[str, str, str]:
-    largest = max(float(np.abs(stress[..., 0]).max()) for stress in (response.normal, response.tangential))
-    error = float(response.error[..., 0].max())
-    change = response.at_other_forces[..., 0].max(axis=(1, 2))
-    spans = " and ".join(
-        f"{c:.2g} MPa/N at {s * response.force:g} N" for c, s in zip(change, RESPONSE_SPANS, strict=True)
-    )
-    return (
-        f"response: stress through a film, up to {largest:.3g} ± {error:.2g} MPa/N",
-        f"condensed compliance, plane strain, {response.unknowns} unknowns",
-        f"contact of {response.force:g} N, full stick; it differs by up to {spans}",
-    )
+        facts["armature"], facts["damping"] = slide_damping(package.springs)
+    if response := package.response:
+        both = (response.normal, response.tangential)
+        change = response.at_other_forces[..., 0].max(axis=(1, 2))
+        changes = zip(change, (span * response.force for span in RESPONSE_SPANS), strict=True)
+        facts["largest"] = max(float(np.abs(stress[..., 0]).max()) for stress in both)
+        facts["error"] = float(response.error[..., 0].max())
+        facts["changes"] = [f"{stress:.2g} MPa/N at {force:g} N" for stress, force in changes]
+    rows = macro("papers/model-card.md", "number_rows", package, **facts).splitlines()
+    return [mass, *(tuple(row.split(" | ")) for row in rows)]
 
 
 PACKAGE = Presentation(COMMAND="package", words="package.txt", writers=files, manifest=card)

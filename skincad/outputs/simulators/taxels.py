@@ -44,65 +44,56 @@ class Taxels:
     sizes: Array
 
 
+Row = tuple[str, str, int, str, Array, tuple[float, float]]  # of one place, in the order of `Taxels`
+
+
 def taxels(design: Design) -> Taxels:
     """Return all film strips, ridge by ridge, then the ends of all pockets, then all crests; without a film
     there are no strips."""
-    parts = films(design), ends(design), crests(design)
-    return Taxels(
-        names=tuple(name for part in parts for name in part.names),
-        kinds=tuple(kind for part in parts for kind in part.kinds),
-        ridges=tuple(ridge for part in parts for ridge in part.ridges),
-        sides=tuple(side for part in parts for side in part.sides),
-        poses=np.concatenate([part.poses for part in parts]),
-        sizes=np.concatenate([part.sizes for part in parts]),
-    )
-
-
-def ends(design: Design) -> Taxels:
-    """Return the middles of the pockets' ends, for what lies in them."""
-    holes, count = pockets(design), len(pockets(design))
-    poses = np.tile(np.eye(3, 4), (count, 1, 1))
-    poses[:, :, 3] = np.array([(h.start[0], h.start[1], h.length) for h in holes]).reshape(-1, 3)
-    numbers = tuple(range(1, count + 1))
-    return Taxels(
-        tuple(f"pocket-{i}" for i in numbers),
-        ("pocket",) * count,
-        numbers,
-        ("",) * count,
-        poses,
-        np.array([(2 * h.radius, 2 * h.radius) for h in holes]).reshape(-1, 2),
-    )
+    return _columns([*_strips(design), *_pocket_ends(design), *_summits(design)])
 
 
 def films(design: Design) -> Taxels:
     """Return the film strips; none without slots, without a film, or where it is ignored."""
-    slots = section(design).slots if design.film and design.film_state != "ignored" else ()
-    poses = [_pose(slot.centre, slot.direction) for slot in slots]
-    return Taxels(
-        tuple(f"ridge-{slot.feature}-{slot.side}" for slot in slots),
-        ("film",) * len(slots),
-        tuple(slot.feature for slot in slots),
-        tuple(slot.side for slot in slots),
-        np.array(poses).reshape(-1, 3, 4),
-        np.array([(slot.depth, design.skin.length) for slot in slots]).reshape(-1, 2),
-    )
+    return _columns(_strips(design))
 
 
 def crests(design: Design) -> Taxels:
     """Return the summits of all ridges, or the tips of all pins."""
+    return _columns(_summits(design))
+
+
+def _columns(rows: list[Row]) -> Taxels:
+    names, kinds, ridges, sides, poses, sizes = zip(*rows, strict=True) if rows else [()] * 6
+    return Taxels(names, kinds, ridges, sides, np.reshape(poses, (-1, 3, 4)), np.reshape(sizes, (-1, 2)))
+
+
+def _strips(design: Design) -> list[Row]:
+    slots = section(design).slots if design.film and design.film_state != "ignored" else ()
+    poses = [_pose(slot.centre, slot.direction) for slot in slots]
+    return [
+        (f"ridge-{s.feature}-{s.side}", "film", s.feature, s.side, pose, (s.depth, design.skin.length))
+        for s, pose in zip(slots, poses, strict=True)
+    ]
+
+
+def _pocket_ends(design: Design) -> list[Row]:
+    """The middles of the pockets' ends, for what lies in them."""
+    rows: list[Row] = []
+    for i, hole in enumerate(pockets(design), 1):
+        pose = np.column_stack([np.eye(3), (hole.start[0], hole.start[1], hole.length)])
+        rows.append((f"pocket-{i}", "pocket", i, "", pose, (2 * hole.radius, 2 * hole.radius)))
+    return rows
+
+
+def _summits(design: Design) -> list[Row]:
     skin = skin_of(design)
-    count, wide = skin.count, skin.profile.tip_width
     poses = [_pose(p.frame.at(0.0, p.feature.height), p.frame.normal) for p in skin.placed]
     if skin.symmetry == "revolved":
         poses = [np.column_stack([TurnedBody((), p.foot, p.axis).frame(), p.tip]) for p in skin.placed]
-    return Taxels(
-        tuple(f"{skin.family}-{ridge}-crest" for ridge in range(1, count + 1)),
-        ("crest",) * count,
-        tuple(range(1, count + 1)),
-        ("",) * count,
-        np.array(poses),
-        np.array([(wide, wide if skin.symmetry == "revolved" else design.skin.length)] * count),
-    )
+    wide = skin.profile.tip_width
+    size = wide, wide if skin.symmetry == "revolved" else design.skin.length
+    return [(f"{skin.family}-{i}-crest", "crest", i, "", pose, size) for i, pose in enumerate(poses, 1)]
 
 
 def _pose(place: Point, outward: Point) -> Array:

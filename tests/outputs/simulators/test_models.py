@@ -159,9 +159,7 @@ LOPSIDED = weights.Weight(
 
 
 def test_mujoco_reads_an_inertia() -> None:
-    text = (
-        f'<mujoco><worldbody><body name="b">{models.body_inertial(LOPSIDED, 0)}</body></worldbody></mujoco>'
-    )
+    text = f'<mujoco><worldbody><body name="b">{models.body_inertial(LOPSIDED)}</body></worldbody></mujoco>'
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
