@@ -332,7 +332,7 @@ def test_chamfers_belong_to_their_holes_and_screws_hold_no_silicone(tmp_path: Pa
     """CAD programs chamfer holes; what a screw fills is no rivet, however it widens."""
     for size in (0.1, 0.3, 0.5):
         under = cq.Workplane("XY").box(*PLATE, centered=(True, True, False)).faces("<Z").workplane()
-        chamfered = under.pushPoints([(-4.5, 0), (4.5, 0)]).cskHole(2.05, 2.05 + 2 * size, 90.0)
+        chamfered = under.pushPoints([(-4, 0), (4, 0)]).cskHole(2.05, 2.05 + 2 * size, 90.0)
         assert len(pinned(boned(tmp_path, chamfered))) == 2
     under = cq.Workplane("XY").box(*PLATE, centered=(True, True, False)).faces("<Z").workplane()
     widened = under.pushPoints([(-4.5, 0), (4.5, 0)]).cskHole(2.05, 2.65, 90.0)
