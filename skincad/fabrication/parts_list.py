@@ -276,6 +276,9 @@ def _filling(job: Job) -> Iterator[Item]:
     yield from _between(job, made)
 
 
+STRIP_FACES = "the strips' faces"
+
+
 def _between(job: Job, made: list[LayerPour]) -> Iterator[Item]:
     """What layers, a carrier and a bone are made ready with."""
     if any(pour.bond == "rivets" for pour in made):
@@ -290,7 +293,8 @@ def _between(job: Job, made: list[LayerPour]) -> Iterator[Item]:
     if primed:
         many = max(1, math.ceil(PRIMER_ML * area / 100))
         yield _bought(many, PRIMER, "with a fine brush", listed(primed), "ml")
-    cleaned = [*primed, *["the bone"] * (job.bone is not None and not primed)]
+    cleaned = [what for what in primed if what != STRIP_FACES]
+    cleaned += ["the bone"] * (job.bone is not None and not cleaned)
     cleaned += ["the layers' backs"] * (len(made) > 1)
     if cleaned:
         yield _bought(math.ceil(ALCOHOL_ML[0]), "isopropanol", "", f"cleans {listed(cleaned)}", "ml")
@@ -362,6 +366,6 @@ def _primed(job: Job) -> tuple[list[str], float]:
     area *= job.design.mold.cavities
     if film is not None and slot is not None:
         strips = strip_count(job)
-        what.append("the strips' faces")
+        what.append(STRIP_FACES)
         area += 2 * (strips + math.ceil(SPARE_SHARE * strips)) * slot.depth * skin.length
     return what, area
