@@ -206,6 +206,7 @@ LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
 MARK = 1.0  # mm, assumption: diameter of a dimple that lines two parts up
+FLARE = 1.5  # assumption: of the cover's thickness, by which a cup widens at most: a flatter one runs over
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
@@ -265,7 +266,15 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     while not chosen and not fits(wide) and cup(wide - STEP).radius <= wide - STEP:
         wide = round(wide - STEP, 6)
     standing += mount_bores(design, place)
-    while not chosen and cup(wide).volume < RISER_SHARE * _skin_volume(design) and fits(wide + STEP):
+    held = [*place.bolts, *cover_pins(place)]
+
+    def grows(wide: float) -> bool:
+        over = cup(wide)
+        least = over.far_radius + BOLT_RADIUS + EDGE
+        apart = all(math.dist((x, over.start[1]), at) >= least for x in place.centres for at in held)
+        return fits(wide) and apart and over.far_radius - over.radius <= FLARE * place.lid
+
+    while not chosen and cup(wide).volume < RISER_SHARE * _skin_volume(design) and grows(wide + STEP):
         wide = round(wide + STEP, 6)
     need = cup(wide).radius
     if not need <= wide <= most:
