@@ -314,12 +314,11 @@ def timeline(job: Job, layer: LayerPour) -> list[TimedStep]:
     screws = cover_screws(job)
     ends = [task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces)] * (first and job.ends)
     lid = task("lid", LID_MIN + SCREW_MIN * (screws.pieces if screws else 2))
-    hold = [task("hold", LAY_MIN)] * bool(job.bone and job.bone.printed)
+    hold = [task("hold", LAY_MIN)] * bool(job.bone and job.bone.printed and group[-1] == made[-1])
     closing = [task("carrier", LAY_MIN), lid, *hold]
     mixes = [task("mix", STIR_MIN + PUMP_MIN + DEGAS_MIN, each.number) for each in reversed(group)]
-    brushing = (_brushing(job) if first and how.brushed else 0.0) + LOAD_MIN * any(
-        brushed_holes(job, each) for each in group
-    )
+    brushing = _brushing(job) if first and how.brushed else 0.0
+    brushing += LOAD_MIN * any(brushed_holes(job, each) for each in group)
     front = [task("brush", brushing)] * bool(brushing)
     front += [task("vacuum", PUMP_MIN + DEGAS_MIN)] * (first and open_back(job))
     usual = job.design.mold.fill_time
@@ -381,7 +380,8 @@ def time_words(seconds: float) -> str:
 
 
 def pouring_findings(job: Job) -> list[Finding]:
-    """Return the rule `pot life`: that the mold is full before the mix thickens."""
+    """Return the rule `pot life`, that the mold is full before a mix thickens, and those of layers: `cure
+    inhibition`, `wet layers` and `layer bond`."""
     findings, made = list[Finding](), pours(job)
     for one in made:
         left, pot = minutes_left(job, one), one.silicone.pot_life_min
@@ -399,8 +399,8 @@ def pouring_findings(job: Job) -> list[Finding]:
 
 
 def _between_layers(job: Job) -> Iterator[Finding]:
-    """Yield what keeps a layer from holding on the one in front of it: that one's pot life, where it is laid
-    on wet, and a tin cure, which keeps platinum silicone from curing."""
+    """Yield what keeps a layer from holding on the one in front of it, or from staying behind it: cures that
+    don't go together, a denser silicone on a lighter one that still flows, and a face without a lock."""
     made = pours(job)
     for front, back in pairwise(made):
         mixed = back.bond == "wet" and front.silicone.platinum_cure != back.silicone.platinum_cure

@@ -44,6 +44,7 @@ LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and b
 BEHIND = 1e-4  # mm, behind the back: less is on it
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
 LEAST_RIM = 0.1  # mm, assumption: of the bone's back round a hole into which a screw goes
+CHAMFER, CHAMFER_STEP = 0.6, 0.05  # mm, assumption: of a hole; a deeper cone is a countersink
 LEAST_GRIP = 1.5  # mm, assumption: of a bone over the cover, for a collar or a clamp's jaws
 ROUND = 0.98  # of its circle, assumption: what fills that much can be turned in its window
 LEAST_SHOULDER = 1.0  # mm2, assumption: on which it stands on the carrier
@@ -126,7 +127,7 @@ class Bone:
 def _closed(back: Any, x: float, y: float, radius: float) -> bool:
     """Whether a hole has the bone's back all round it, beyond a chamfer."""
     middle = shapely.Point(x, y)
-    rims = (radius, *(radius + chamfer for chamfer in np.arange(0.05, 0.61, 0.05).tolist()))
+    rims = [radius, *np.arange(radius + CHAMFER_STEP, radius + CHAMFER + CHORD, CHAMFER_STEP).tolist()]
     rings = (middle.buffer(rim + LEAST_RIM).difference(middle.buffer(rim + CHORD)) for rim in rims)
     return any(back.buffer(CHORD / 10).contains(ring) for ring in rings)
 
@@ -223,7 +224,9 @@ def _bone(path: str, changed: int, size: int, at: Place, turn: Place) -> Bone:
     body = GivenBody(path, _pose(at, turn), 0.0, (changed, size))
     shape = given_solid(body, KEY)
     whole, inside = float(shape.Volume()), volume_in_front(shape)
-    return Bone(replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape), locks_of(shape))
+    return Bone(
+        replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape, CHAMFER), locks_of(shape)
+    )
 
 
 def _depth(path: str) -> int:

@@ -199,9 +199,7 @@ MOST_HOLES = 24
 BLEED = 0.4  # mm, assumption: least radius of the cover's bleed over each of them, which would keep its air
 VENT, WIDE_VENT = 1.0, 2.5  # mm, assumption: through which silicone rises without much pressure
 LARGE = 5000.0  # mm3, assumption: a skin that shrinks by more than a narrow vent passes before it sets
-RISER_SHARE = (
-    0.033  # assumption: of its base's volume, that the cup holds, 3 % of the skin: a third is shrinkage
-)
+RISER_SHARE = 0.033  # assumption: of the base's volume, that the cup holds: 3 % of the skin's
 LEAST_VENT = 0.3  # mm, assumption: a smaller hole is drilled askew through 4 mm, and silicone closes it
 CUP = 2.5  # mm, assumption: least upper radius of the cup; its 50 mm3 are a tenth of a small skin
 CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than below, to be filled and cleaned
@@ -257,22 +255,22 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
 
     def fits(wide: float) -> bool:
         over = cup(wide)
-        apart = all(_web(over, hole) >= EDGE / 2 for hole in standing)
-        clear = clear_of(design, 0.0, over.start[:2], max(over.radius, over.far_radius))
-        return over.radius <= wide <= most and apart and clear
+        webs = all(_web(over, hole) >= EDGE / 2 for hole in standing)
+        beside_bone = clear_of(design, 0.0, over.start[:2], max(over.radius, over.far_radius))
+        return over.radius <= wide <= most and webs and beside_bone
 
     standing = _access(design, place.top, place.lid)
     wide = chosen / 2 if chosen else min(most, max(CUP, end - inner + CUP_RIM))
     while not chosen and not fits(wide) and cup(wide - STEP).radius <= wide - STEP:
         wide = round(wide - STEP, 6)
     standing += mount_bores(design, place)
-    held = [*place.bolts, *cover_pins(place)]
+    fasteners = [*place.bolts, *cover_pins(place)]
 
     def grows(wide: float) -> bool:
         over = cup(wide)
         least = over.far_radius + BOLT_RADIUS + EDGE
-        apart = all(math.dist((x, over.start[1]), at) >= least for x in place.centres for at in held)
-        return fits(wide) and apart and over.far_radius - over.radius <= FLARE * place.lid
+        clear = all(math.dist((x, over.start[1]), at) >= least for x in place.centres for at in fasteners)
+        return fits(wide) and clear and over.far_radius - over.radius <= FLARE * place.lid
 
     while not chosen and cup(wide).volume < RISER_SHARE * _skin_volume(design) and grows(wide + STEP):
         wide = round(wide + STEP, 6)
@@ -506,12 +504,12 @@ def round_marks(design: Design, place: Layout) -> list[Bore]:
         return []
     vent, _, rivets, pulls, mount, cores = openings(design, place)
     radius, inner = MARK / 2, place.trough - design.mold.clearance - EDGE - MARK / 2
-    taken = [(hole.start, hole.radius) for hole in (vent, *pulls, *mount, *cores)] + _filled(rivets)
+    occupied = [(hole.start, hole.radius) for hole in (vent, *pulls, *mount, *cores)] + _filled(rivets)
     outer = [(*at, 0.0) for at in (*place.bolts, *cover_pins(place))]
     for turn in np.radians(np.arange(0.0, 360.0, 5.0)).tolist():
         way = math.cos(turn), math.sin(turn)
         (x, y), (u, v) = ((arm * way[0], arm * way[1]) for arm in (inner, place.trough + EDGE + radius))
-        free = all(_clear((x, y), radius, other, r) for other, r in taken)
+        free = all(_clear((x, y), radius, other, r) for other, r in occupied)
         free = free and all(_clear((u, v), radius, other, BOLT_RADIUS) for other in outer)
         if free and clear_of(design, 0.0, (x, y), radius):
             deep = MARK / 2

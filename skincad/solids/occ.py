@@ -346,13 +346,12 @@ def volume_in_front(shape: cq.Solid) -> float:
 Hole = tuple[float, tuple[float, float, float], float]
 
 
-def holes_of(shape: cq.Solid) -> tuple[Hole, ...]:
+def holes_of(shape: cq.Solid, deepest: float) -> tuple[Hole, ...]:
     """Return the round holes along z, each as radius, lowest place of its axis and highest z, mm. A hole is a
-    cylinder's face whose normal points at its axis; a chamfer at its lower end belongs to it."""
-    upright, chamfers = (
-        dict[tuple[float, float, float], list[float]](),
-        list[tuple[float, float, float, float]](),
-    )
+    cylinder's face whose normal points at its axis; a chamfer of up to `deepest` mm at its lower end belongs
+    to it."""
+    upright = dict[tuple[float, float, float], list[float]]()
+    chamfers = list[tuple[float, float, float, float]]()
     for face in shape.Faces():
         surface, box = BRepAdaptor_Surface(face.wrapped), face.BoundingBox()
         kind = surface.GetType()
@@ -370,11 +369,8 @@ def holes_of(shape: cq.Solid) -> tuple[Hole, ...]:
         row[:] = [min(row[0], box.zmin), max(row[1], box.zmax)]
     for (_, x, y), row in upright.items():
         under = (low for u, v, low, high in chamfers if (u, v) == (x, y) and abs(high - row[0]) < 1e-4)
-        row[0] = next((low for low in under if row[0] - low <= _CHAMFER), row[0])
+        row[0] = next((low for low in under if row[0] - low <= deepest), row[0])
     return tuple((radius, (x, y, low), high) for (radius, x, y), (low, high) in upright.items())
-
-
-_CHAMFER = 0.6  # mm, assumption: a deeper cone is a countersink, in which silicone holds
 
 
 def locks_of(shape: cq.Solid) -> tuple[tuple[float, tuple[float, float] | None], ...]:

@@ -39,9 +39,7 @@ MAGNETS = {
 }
 SQUEEZE = 0.1, 0.2  # mm, assumption: by which a pocket is narrower than its magnet, so that it holds it
 CAP = 0.2  # mm, assumption: least silicone over a magnet that closes its pocket
-MAGNET_PLAY = (
-    0.1  # mm, assumption: by which a carrier's hole is wider than the magnet that goes in through it
-)
+MAGNET_PLAY = 0.1  # mm, assumption: of a magnet in the carrier's hole through which it goes in
 _TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature over a foot; smooth, so exact
 _STEPS, _STILL = 60, 1e-14  # of the way down to the base; mm
 

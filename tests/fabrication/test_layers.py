@@ -77,7 +77,7 @@ def test_core_pins_stay_in_the_layer_from_which_a_plug_is_pulled() -> None:
     steps = sheet_steps(job)
     assert "Push them into plug-2 from above, until they stand 8.00 mm out above it" in steps["core pins"]
     assert "its holes slide over the core pins" in steps["pour shot 2"]
-    assert "level over the core pins" in steps["carrier"]
+    assert "square over the core pins" in steps["carrier"]
     for cured in ("cure the layer in front", "cure shot 2"):
         assert "The core pins stay in the layer" in steps[cured]
     inside = Job(
