@@ -176,20 +176,19 @@ def test_readme_is_short_and_shows_every_command() -> None:
         assert f"skincad {command.name or command.callback.__name__}" in README
 
 
-def glossary() -> list[list[str]]:
-    """Rows of the glossary: words, meaning, places in the code."""
-    lines = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8").splitlines()
-    cells = [line.strip("|").split("|") for line in lines]
-    return [[cell.strip() for cell in row] for row in cells if len(row) == 3 and set(row[0]) - set("- ")]
+def glossary() -> list[tuple[str, str]]:
+    """Entries of the glossary: words, and places in the code, which follow the meaning."""
+    page = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8")
+    return re.findall(r"^- \*\*(.+?)\*\*: .+?\. (`.+)$", page, re.M)
 
 
 def test_the_glossary_points_to_what_is_there_and_explains_a_word_once() -> None:
     package = ROOT / "skincad"
     code = "".join(path.read_text(encoding="utf-8") for path in package.rglob("*.py"))
     classes = {*re.findall(r"^class (\w+)", code, re.MULTILINE)}
-    places = [place for row in glossary() for place in re.findall(r"`([^`]+)`", row[2])]
+    places = [place for _, where in glossary() for place in re.findall(r"`([^`]+)`", where)]
     assert len(places) > 50
     for place in places:
         assert (package / place).exists() if "/" in place else place in classes, place
-    words = [word for row in glossary() for word in row[0].split(", ") if row[0] != "word"]
+    words = [word for entry, _ in glossary() for word in entry.split(", ")]
     assert {word for word in words if words.count(word) > 1} == {"lead"}  # of a strip, and in time
