@@ -2,8 +2,8 @@
 
     python -m bench.gallery [--pictures]
 
-Writes templates/gallery.toml for designs that have changed since. With --pictures all pictures in docs/gallery
-are drawn too.
+Writes templates/gallery.toml for designs that have changed since. With --pictures all pictures in
+docs/gallery are drawn too.
 """
 
 from __future__ import annotations
