@@ -1,4 +1,4 @@
-"""The generated pages of docs/: commands, Python names, TOML and JSON keys, the gallery; and the tables of fits.
+"""Generated parts of docs/: commands, Python names, TOML and JSON keys, the gallery, and the tables of fits.
 
 A hook of mkdocs. They exist in the built site; a checkout has a line in the place of each.
 `python -m bench.docs_reference FOLDER` writes them.
