@@ -1,6 +1,6 @@
-"""The generated pages of docs/reference: commands, Python names, TOML keys and JSON keys.
+"""Generated parts of docs/: commands, Python names, TOML and JSON keys, the gallery, and the tables of fits.
 
-A hook of mkdocs. The pages exist in the built site; a checkout has a line in the place of each.
+A hook of mkdocs. They exist in the built site; a checkout has a line in the place of each.
 `python -m bench.docs_reference FOLDER` writes them.
 """
 
@@ -19,11 +19,12 @@ import typer
 from mkdocs.structure.files import File
 
 import skincad
+from bench import table_fits
 from skincad.base import Record, ReportedProperty, Table, declared_items, key_of
 from skincad.cli.app import app
 from skincad.effects import EFFECTS, effect
 from skincad.inputs import Design, Gripper, Process, Silicone
-from skincad.outputs import table_entries
+from skincad.outputs import gallery, table_entries
 
 RESULTS = {  # a command, and the record that its --json prints
     "new": "studies.wish:WishResult",
@@ -206,6 +207,7 @@ def _cell(text: str) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
+    "gallery.md": gallery.page,
     "reference/cli.md": commands_page,
     "reference/python.md": python_page,
     "reference/toml.md": toml_page,
@@ -222,11 +224,17 @@ def on_files(files: Any, *, config: Any) -> Any:
     return files
 
 
+def with_tables(markdown: str) -> str:
+    """Put the tables of fits where a page's comments ask for them."""
+    tables = {"fits": table_fits.fits, "designs": table_fits.designs}
+    return re.sub(r"<!-- bench\.table_fits: (\w+) -->", lambda asked: "\n".join(tables[asked[1]]()), markdown)
+
+
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
-    """Rank the tables of Evidence below other pages in the search; mkdocs calls this."""
+    """Fill in tables, and rank those of Evidence below other pages in the search; mkdocs calls this."""
     if page.file.src_uri.startswith("evidence/"):
         page.meta["search"] = {"boost": 1e-4}  # a match in a title counts 1000 times one in the text
-    return markdown
+    return with_tables(markdown)
 
 
 if __name__ == "__main__":

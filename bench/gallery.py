@@ -1,9 +1,9 @@
-"""The gallery: each shipped design's all-touch force, its picture and the page that shows them.
+"""The gallery: each shipped design's all-touch force, and its picture. mkdocs makes the page that shows them.
 
     python -m bench.gallery [--pictures]
 
-Writes templates/gallery.toml for designs that have changed since, and docs/gallery.md. With --pictures all
-pictures in docs/gallery are drawn too.
+Writes templates/gallery.toml for designs that have changed since. With --pictures all pictures in
+docs/gallery are drawn too.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from PIL import Image
 import skincad
 from skincad.inputs import template_names
 from skincad.outputs import forces
-from skincad.outputs.gallery import page
 from skincad.studies import first_able
 
 ROOT = Path(__file__).parent.parent
@@ -45,7 +44,6 @@ def main(pictures: bool) -> None:
         rows[name] = known
     FILE.write_text(HEAD + tomlkit.dumps(rows), encoding="utf-8")
     forces.cache_clear()
-    (ROOT / "docs" / "gallery.md").write_text(page(), encoding="utf-8")
     if pictures:
         for name in rows:
             draw(name, ROOT / "docs" / "gallery" / f"{name}.png")

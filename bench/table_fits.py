@@ -1,6 +1,6 @@
 """Prints the tables of docs/evidence/fits.md: every number that was read off runs, and the designs behind it.
 
-`python -m bench.table_fits`; after a change of skincad/mechanics/fits.py paste what it prints.
+`python -m bench.table_fits` prints them. bench/docs_reference.py puts them into the built page.
 """
 
 from __future__ import annotations
