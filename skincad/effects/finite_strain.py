@@ -38,7 +38,7 @@ from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.effects.chosen_steps import ChosenPad
-    from skincad.mechanics.film.stick import PadPiece
+    from skincad.mechanics.bodies.mesh import PadPiece
 
 WITHIN = 2.0
 MOST = 2.0  # of the differential stress, change that is told: beyond it ridges nearly sway by themselves

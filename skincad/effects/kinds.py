@@ -28,8 +28,8 @@ from skincad.mechanics.problem import Pad
 from skincad.mechanics.validity import Limits, height
 
 if TYPE_CHECKING:
+    from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.film.fields import DeformedSection
-    from skincad.mechanics.film.stick import PadPiece
 
 
 FAINT = 0.1

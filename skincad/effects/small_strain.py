@@ -38,9 +38,9 @@ from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
+    from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.film.fields import DeformedSection, WholeState
     from skincad.mechanics.film.sliding import ContactPad
-    from skincad.mechanics.film.stick import PadPiece
 
 
 class SmallStrain(Law):

@@ -8,8 +8,8 @@ __getattr__, __dir__ = face(
     """
     bodies.condense: FrontFactors condense factored
     bodies.film_field: StripStress strip_stress
-    bodies.mesh: PlainMesh Sizes at_faces default_sizes half_of height_of meshed_piece plain_mesh
-        plane_piece triangles unit_of
+    bodies.mesh: PadPiece PlainMesh Sizes at_faces default_sizes half_of height_of meshed_piece piece_of
+        plain_mesh plane_piece triangles unit_of
     bodies.plane_body: excess
     bodies.prisms: fronts_of graded section_forms
     bodies.solid_body: SolidBody
@@ -20,7 +20,6 @@ __getattr__, __dir__ = face(
     contact.frictionless: NodalContact Ridges press
     contact.ridge_model: ridge_forces ridge_model
     contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing
-        law_of
     contact.tips: SWAY TipState Tips advance
     dynamics.modes: ModeStep Modes at_points mode_step resolved slow_modes
     dynamics.pad: linear
@@ -29,7 +28,6 @@ __getattr__, __dir__ = face(
     film.fields: DeformedSection RidgeField WholeState collision on_sides
     film.response: FilmResponse SPANS film_response
     film.sliding: ContactPad of_ends sliding
-    film.stick: PadPiece piece_of
     film.stress: FilmStress FilmStresses check_request filled_pad film_stress film_stresses
     fits: DESIGNS FITS NUMBERS unlike
     left_out: FRICTION LeftOut finite_strain free_ends friction

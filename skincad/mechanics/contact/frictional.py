@@ -33,7 +33,7 @@ from skincad.mechanics.contact.state import (
     GrossSlip,
     Inert,
     Status,
-    law_of,
+    at_rest,
 )
 from skincad.mechanics.problem import ContactError
 
@@ -146,21 +146,9 @@ def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactStat
         raise GrossSlip(limit, "a plate without normal force holds no tangential force")
     m = skin.gap.size
     travel = before.travel if drive.travel is None else drive.travel
-    anchor = skin.free[:m] - travel
     approach = float((skin.gap - skin.free[m:]).min())
-    zero = np.zeros(m)
-    clear = np.zeros(m, dtype=np.int8)
-    return ContactState(
-        normal=zero,
-        tangential=zero,
-        anchor=anchor,
-        status=clear,
-        slipped=zero,
-        approach=approach,
-        travel=travel,
-        residual=0.0,
-        angle=drive.angle,
-    )
+    anchor = skin.free[:m] - travel
+    return replace(at_rest(m), anchor=anchor, approach=approach, travel=travel, angle=drive.angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,11 +193,12 @@ class _Step:
             self.load = max(abs(drive.normal), float(before.normal.sum()), 1e-300)
         self.force = self.load / max(1, int(np.count_nonzero(before.touches)))
         self.length = float(np.ptp(self.gap)) or float(self.load * self.zz.diagonal().mean())
-        self.law = law_of(cone, skin.area)
+        if cone.breakpoints and not skin.area.size:
+            raise ContactError("friction by shear stress asks for the area of each contact point")
         # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
-        self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
-        self.line = self.law.line(before.normal)
-        self.searches = inert is None and not self.law.has_breakpoints and bool(before.touches.any())
+        self.limit = np.where(before.status >= RIGHT, cone.slides, cone.sticks)
+        self.line = cone.line(before.normal, skin.area)
+        self.searches = inert is None and not cone.breakpoints and bool(before.touches.any())
 
     def solution(self, all_slip: float = 0.0) -> ContactState:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
@@ -218,7 +207,7 @@ class _Step:
         near: then the search restarts from all points sliding, and from all sticking; and at last it tries
         one set after the other, the least wrong one first.
         """
-        starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
+        starts = iter([self._all(self._way(all_slip))]) if all_slip else self._starts()
         sweeps, slides = 0, 0.0
         for status in starts:
             result, count = self._sweep(status, all_slip)
@@ -284,11 +273,10 @@ class _Step:
     def _starts(self) -> Iterator[Status]:
         """Where the search starts: the sets before; all that touched sliding either way, or sticking; the
         sets of less friction."""
-        first = self._start()
-        yield first
+        yield self._start()
         ways = (RIGHT, LEFT) if (self.drive.tangential or 0.0) >= 0 else (LEFT, RIGHT)
         for way in (*ways, STICK):
-            yield np.where(first != OPEN, way, OPEN).astype(np.int8)
+            yield self._all(way)
         if self.cone.static > EASY_COEFFICIENT:
             weak = _Step(self.skin, self.before, self.drive, self.cone.capped(START_SHARE), self.inert)
             weak.searches = False
@@ -301,7 +289,7 @@ class _Step:
         """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
         and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
-        single, self.line = False, self.law.line(self.before.normal)
+        single, self.line = False, self.cone.line(self.before.normal, self.skin.area)
         for sweep in range(SWEEPS + SINGLE_SWEEPS):
             safe_point()
             solution = self._solve(status, all_slip)
@@ -324,7 +312,9 @@ class _Step:
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
-            self._update_lines(solution, change)
+            if self.cone.breakpoints:  # points go on the lines on which their pressures lie
+                self.line = self.line.copy()
+                self.line[change] = self.cone.line(solution.p, self.skin.area)[change]
             if self.inert is None and not (status != OPEN).any():
                 status[int(np.argmin(solution.w))] = STICK if not all_slip else self._way(all_slip)
         return 0.0, SWEEPS + SINGLE_SWEEPS
@@ -342,9 +332,9 @@ class _Step:
         dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
         closed = np.flatnonzero(status != OPEN)
         closed = closed[np.argsort(solution.moved[closed], kind="stable")]
-        borne = self.law.borne(solution.p)
-        dragged = self.law.kinetic * (2 * np.cumsum(borne[closed]) - borne.sum())
-        pull, whole = self.drive.tangential or 0.0, self.law.kinetic * float(borne.sum())
+        borne = self.cone.borne(solution.p, self.skin.area)
+        dragged = self.cone.slides * (2 * np.cumsum(borne[closed]) - borne.sum())
+        pull, whole = self.drive.tangential or 0.0, self.cone.slides * float(borne.sum())
         at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
         status = status.copy()
         status[closed[:at]], status[closed[at:]] = RIGHT, LEFT
@@ -362,9 +352,9 @@ class _Step:
     def _way(sign: float) -> int:
         return RIGHT if sign > 0 else LEFT
 
-    def _sliding(self, sign: float) -> Status:
-        start = self._start()
-        return np.where(start != OPEN, self._way(sign), OPEN).astype(np.int8)
+    def _all(self, way: int) -> Status:
+        """All points of the start in one set."""
+        return np.where(self._start() != OPEN, way, OPEN).astype(np.int8)
 
     def _solve(self, status: Status, all_slip: float) -> _TrialSolution:
         """Forces and plate for given sets.
@@ -375,7 +365,8 @@ class _Step:
         """
         inert = self.inert
         closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
-        drag, offset = self.law.sliding(self.line, (status == RIGHT).astype(float) - (status == LEFT))
+        way = (status == RIGHT).astype(float) - (status == LEFT)
+        drag, offset = self.cone.sliding(self.line, way, self.skin.area)
         k, n = closed.size, stuck.size
         travel_given = self.drive.travel is not None or (n == 0 and inert is None)
         # counted from here, so that a tiny force is not lost in rounding
@@ -405,8 +396,9 @@ class _Step:
         place = x - self.home
         if not travel_given:
             travel = float(unknowns[-1]) if inert is None else travel + float(unknowns[-1])
-        elif self.drive.travel is None and inert is None:
-            travel = self._least_travel(place, closed, all_slip)
+        elif self.drive.travel is None and inert is None and all_slip and self.drive.tangential:
+            # the last point has just begun to slip
+            travel = float(place[closed].max() if all_slip > 0 else place[closed].min())
         moved = place - travel
         return _TrialSolution(p, t, d, travel, w, rounded, x, moved, self._unborne(p, t, unknowns[k + n :]))
 
@@ -422,7 +414,7 @@ class _Step:
         self, status: Status, closed: Index, stuck: Index, drag: Array, travel_given: bool
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
-        slopes = drag if self.law.has_breakpoints else np.float64(self.cone.kinetic)
+        slopes = drag if self.cone.breakpoints else np.float64(self.cone.kinetic)
         key = self.skin.tag + status.tobytes() + bytes([travel_given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
@@ -456,12 +448,6 @@ class _Step:
         self.solved[key] = lower, pivots
         return lower, pivots
 
-    def _least_travel(self, place: Array, closed: Index, all_slip: float) -> float:
-        """Where the plate is when the last point has just begun to slip: no force says how far it went."""
-        if all_slip and self.drive.tangential:
-            return float(place[closed].max() if all_slip > 0 else place[closed].min())
-        return self.before.travel
-
     def _violations(self, solution: _TrialSolution, status: Status, all_slip: float) -> tuple[Array, Status]:
         """How wrong each point's set is, relative to scale (0: not at all), and the set it should have."""
         p, t, w, moved = solution.p, solution.t, solution.w, solution.moved
@@ -474,11 +460,11 @@ class _Step:
             wanted[where] = to[where] if isinstance(to, np.ndarray) else to
 
         closed = status != OPEN
-        if self.law.has_breakpoints:
+        if self.cone.breakpoints:
             off = self._off_line(solution, status)
             mark(off > 0, off, 1.0, status)
         if not all_slip:
-            excess = np.abs(t) - self.limit * self.law.borne(p)
+            excess = np.abs(t) - self.limit * self.cone.borne(p, self.skin.area)
             if (breaks := (status == STICK) & (excess > small)).any():
                 mark(breaks, excess, self.force, np.where(t > 0, RIGHT, LEFT))
             way = np.where(status == RIGHT, 1.0, -1.0)
@@ -496,17 +482,11 @@ class _Step:
 
     def _off_line(self, solution: _TrialSolution, status: Status) -> Array:
         """How wrong sliding points' lines are `(m,)`, relative to the forces: by Coulomb's law never."""
-        if not self.law.has_breakpoints:
+        if not self.cone.breakpoints:
             return np.zeros(self.m)
-        off = np.abs(np.abs(solution.t) - self.law.kinetic * self.law.borne(solution.p))
+        off = np.abs(np.abs(solution.t) - self.cone.slides * self.cone.borne(solution.p, self.skin.area))
         off[(status < RIGHT) | (off <= ROUNDING * np.abs(solution.p).max())] = 0.0
         return np.asarray(off / self.force)
-
-    def _update_lines(self, solution: _TrialSolution, change: Index | list[int]) -> None:
-        """Put points on the lines on which their pressures lie."""
-        if self.law.has_breakpoints:
-            self.line = self.line.copy()
-            self.line[change] = self.law.line(solution.p)[change]
 
     def _accepted(self, solution: _TrialSolution, status: Status, all_slip: float) -> ContactState:
         """Measure every condition against its scale; refuse what is not met."""
@@ -537,8 +517,9 @@ class _Step:
     def _residual(self, solution: _TrialSolution, status: Status, all_slip: float) -> float:
         p, t, w = solution.p, solution.t, solution.rounded
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
-        excess = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
-        if self.law.has_breakpoints:
+        borne = self.cone.borne(p, self.skin.area)
+        excess = np.abs(t) - np.where(stuck, self.limit, self.cone.slides) * borne
+        if self.cone.breakpoints:
             excess[slides] = np.abs(excess[slides])  # what slides bears neither more nor less
         largest, length = float(np.abs(p).max()), self.length + abs(solution.d)
         largest = largest or self.force  # nothing touches a plate with mass

@@ -68,34 +68,18 @@ class PadTangent:
 
 @dataclass(frozen=True)
 class PressedState:
-    """An equilibrium at `force`: unknowns `values` `(n,)`, the contact and the plate's `approach`.
+    """An equilibrium at `force`: unknowns `values` `(n,)` and the contact, its residual the body's too.
 
-    `ridges` is the contact linearised here; `residual` is relative to the contact forces' norm and
-    `history` holds it for each step on the way. In the pad's units. `tangent` is the last one, at a state
-    nearby.
+    `ridges` is the contact linearised here; `history` holds the residual, relative to the contact forces'
+    norm, of each step on the way. In the pad's units. `tangent` is the last one, at a state nearby.
     """
 
     values: Array
     force: float
-    approach: float
     contact: NodalContact
     ridges: Ridges
-    residual: float
     history: tuple[float, ...]
     tangent: PadTangent
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """A balanced state: unknowns `values` `(n,)`, the solution of its contact problem, what the body alone
-    leaves `unbalanced` `(n,)`, the residual of each step relative to the contact forces' norm, and the last
-    tangent, at a state nearby."""
-
-    values: Array
-    contact: Any
-    unbalanced: Array
-    history: tuple[float, ...]
-    tangent: Any
 
 
 def equilibrium(
@@ -108,9 +92,11 @@ def equilibrium(
     keeps: Callable[[Any, list[float]], bool],
     steps: int,
     accuracy: float = RESIDUAL,
-) -> Equilibrium:
-    """Return the equilibrium of a body and its contact near `start` `(n,)`; the first of at most so many
-    `steps` takes a `tangent` from another state, unless it is None.
+) -> tuple[Array, Any, Array, tuple[float, ...], Any]:
+    """Return the equilibrium of a body and its contact near `start` `(n,)`: the unknowns `(n,)`, the solution
+    of the contact problem, what the body alone leaves unbalanced `(n,)`, the residual of each step relative
+    to the contact forces' norm, and the last tangent, at a state nearby. The first of at most so many `steps`
+    takes a `tangent` from another state, unless it is None.
 
     In each step the body alone is linearised. `tangent_at` does it at values whose residual is at hand, at a
     known distance from balance; what it returns has the linearised body as `linear`. `contact` takes that
@@ -136,7 +122,7 @@ def equilibrium(
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
         rounded = history[-1] <= ROUNDING / scale and not _falls(history, steps)
         if share == 1.0 and (history[-1] <= accuracy or rounded):
-            return Equilibrium(values, solution, unbalanced, tuple(history), tangent)
+            return values, solution, unbalanced, tuple(history), tangent
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
             break
         if share < 1.0 or not keeps(tangent, history):
@@ -176,23 +162,18 @@ def newton(
         return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
 
     at = partial(_tangent_at, pad)
-    state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS)
-    tangent, (force, nodal, ridges, base) = state.tangent, state.contact
+    values, solution, unbalanced, history, tangent = equilibrium(
+        body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS
+    )
+    force, nodal, ridges, base = solution
     if tangent.residual > NEAR:
-        tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
-        ridges, _ = without_contact_forces(pad, tangent.ridges, state.values, tangent.linear)
+        tangent = at(values, unbalanced, history[-1])
+        ridges, _ = without_contact_forces(pad, tangent.ridges, values, tangent.linear)
     if not stable(body, tangent.linear, ridges, nodal, both=force > stable_to):
         raise DivergedError(UNSTABLE, unstable=True)
-    return PressedState(
-        values=state.values,
-        force=force,
-        approach=nodal.approach + base,
-        contact=nodal,
-        ridges=ridges,
-        residual=state.history[-1],
-        history=state.history,
-        tangent=tangent,
-    )
+    residual = max(nodal.residual, history[-1])
+    touching_state = replace(nodal, approach=nodal.approach + base, residual=residual)
+    return PressedState(values, force, touching_state, ridges, history, tangent)
 
 
 def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: float) -> PadTangent:

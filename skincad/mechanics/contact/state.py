@@ -10,6 +10,7 @@ lines the equations of a step stay linear, and the lines are one more set to be 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -18,57 +19,7 @@ from numpy.typing import NDArray
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.problem import ContactError
 
-NONE = np.zeros(0)
 NO_LINES = np.zeros(0, dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False)
-class FrictionLaw:
-    """A point that sticks bears `static`, one that slides `kinetic` times the force `borne`. Without
-    breakpoints that is the normal force; with them `static` is 1, and `pressure`, `stress` `(k + 1,)` MPa,
-    both from 0 on, are of points of `area` `(m,)` mm2."""
-
-    static: float
-    kinetic: float
-    has_breakpoints: bool
-    area: Array
-    pressure: Array
-    stress: Array
-
-    def borne(self, normal: Array) -> Array:
-        """Return the force `(m,)` N, static friction's of a law with breakpoints, at normal forces `(m,)`
-        N."""
-        if not self.has_breakpoints:
-            return normal
-        return self.area * np.interp(normal / self.area, self.pressure, self.stress)
-
-    def line(self, normal: Array) -> Index:
-        """Return on which line each point lies `(m,)`, 0 up to the first breakpoint; nothing without any."""
-        if not self.has_breakpoints:
-            return NO_LINES
-        return np.searchsorted(self.pressure[1:], normal / self.area)
-
-    def sliding(self, line: Index, way: Array) -> tuple[Array, Array | None]:
-        """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
-        is 1 and to -x where it is -1; None where no law has an offset."""
-        if not self.has_breakpoints:
-            return self.kinetic * way, None
-        slopes = np.append(np.diff(self.stress) / np.diff(self.pressure), 0.0)
-        offsets = self.stress - slopes * self.pressure
-        along = self.kinetic * way
-        return along * slopes[line], along * offsets[line] * self.area
-
-
-def law_of(cone: FrictionCoefficients, area: Array | None) -> FrictionLaw:
-    """Return the law of points of `area` `(m,)` mm2, which Coulomb's does not ask for."""
-    if not cone.breakpoints:
-        return FrictionLaw(cone.static, cone.kinetic, False, NONE, NONE, NONE)
-    if area is None:
-        raise ContactError("friction by shear stress asks for the area of each contact point")
-    pressure, stress = np.array([(0.0, 0.0), *cone.breakpoints]).T
-    return FrictionLaw(1.0, cone.kinetic / cone.static, True, area, pressure, stress)
-
-
 Status = NDArray[np.int8]
 
 OPEN, STICK, RIGHT, LEFT = 0, 1, 2, 3  # RIGHT: slips with t to +x, as the plate drags it; LEFT to -x
@@ -82,11 +33,47 @@ class FrictionCoefficients:
     `breakpoints` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
     rising: straight from 0 on, by `static`, from breakpoint to breakpoint, and constant beyond the last.
     Without any the law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
+    A point that sticks bears `sticks`, one that slides `slides` times the force `borne`.
     """
 
     static: float
     kinetic: float
     breakpoints: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def sticks(self) -> float:
+        """What a point that sticks bears at most of the force `borne`."""
+        return 1.0 if self.breakpoints else self.static
+
+    @property
+    def slides(self) -> float:
+        """What a point that slides bears of the force `borne`."""
+        return self.kinetic / self.static if self.breakpoints else self.kinetic
+
+    @cached_property
+    def _lines(self) -> tuple[Array, Array, Array, Array]:
+        """Pressures and shear stresses at which lines begin, MPa, their slopes, and their offsets, MPa."""
+        pressure, stress = np.array([(0.0, 0.0), *self.breakpoints]).T
+        slopes = np.append(np.diff(stress) / np.diff(pressure), 0.0)
+        return pressure, stress, slopes, stress - slopes * pressure
+
+    def borne(self, normal: Array, area: Array) -> Array:
+        """Return the normal forces `(m,)` N or, with breakpoints, what static friction bears at them, N, at
+        points of `area` `(m,)` mm2."""
+        return area * np.interp(normal / area, *self._lines[:2]) if self.breakpoints else normal
+
+    def line(self, normal: Array, area: Array) -> Index:
+        """Return on which line each point lies `(m,)`, 0 up to the first breakpoint; nothing without any."""
+        return np.searchsorted(self._lines[0][1:], normal / area) if self.breakpoints else NO_LINES
+
+    def sliding(self, line: Index, way: Array, area: Array) -> tuple[Array, Array | None]:
+        """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
+        is 1 and to -x where it is -1; None where no law has an offset."""
+        along = self.slides * way
+        if not self.breakpoints:
+            return along, None
+        _, _, slopes, offsets = self._lines
+        return along * slopes[line], along * offsets[line] * area
 
     def capped(self, share: float) -> FrictionCoefficients:
         """Return the law that bears no more than this share of `static` times the pressure, else as much."""
@@ -190,7 +177,7 @@ class Compliance:
     gap: Array
     free: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
-    area: Array | None = None
+    area: Array = field(default_factory=lambda: np.zeros(0))
     tag: bytes = b""
 
     def swung(self, swing: Swing) -> Compliance:

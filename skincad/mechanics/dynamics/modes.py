@@ -24,10 +24,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from skincad.base.arrays import Array, Index
 from skincad.base.machine import one_blas_thread
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.ringing import RETARDATION
 from skincad.mechanics.dynamics.steps import PadEquations
-from skincad.mechanics.film.stick import Half, PadPiece
+from skincad.mechanics.film.stick import Half
 
 FEWEST, MOST = 20, 160  # modes sought of a half
 HIGHEST = 1 / RETARDATION  # rad/s; what swings faster is damped within a swing

@@ -22,9 +22,10 @@ from skincad.base.arrays import Array, Index
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, fe, film_field
 from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.dynamics.steps import PadEquations
 from skincad.mechanics.film.sliding import MOST_CONTACT_UNKNOWNS, halves_of, whole_points
-from skincad.mechanics.film.stick import PadPiece, in_strip_axes, on_whole
+from skincad.mechanics.film.stick import in_strip_axes, on_whole
 from skincad.mechanics.problem import SizeError
 
 

@@ -17,8 +17,9 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.bodies.plane_body import undetected_contact
-from skincad.mechanics.film.stick import Half, PadPiece, StickSolution, load_scale
+from skincad.mechanics.film.stick import Half, StickSolution
 
 PIECES = 2  # a triangle's edge around a ridge is drawn in so many
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
@@ -107,7 +108,7 @@ class WholeState:
 
     def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
         """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
-        on_piece = force / load_scale(self.piece)[0]
+        on_piece = force / self.piece.scale
         displacements = [
             small.solve(half.points.T @ on_piece)
             for half, small in zip(self.halves, self.factors, strict=True)

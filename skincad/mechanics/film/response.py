@@ -24,14 +24,11 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import StripBody
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.mesh import PadPiece, default_sizes, piece_of, triangles
 from skincad.mechanics.film.stick import (
-    PadPiece,
     condensed_piece,
     level,
-    load_scale,
     load_state,
-    piece_of,
     press_state,
     pull_load,
     with_fine_edges,
@@ -141,7 +138,7 @@ def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: f
     """The response by how the plate's force, N, is distributed over the crowns; NaN of ridges that do not
     touch."""
     state, bonded, _ = press_state(piece, body, small, force)
-    scale, strips = load_scale(piece)[0], piece.whole.section.slots
+    scale, strips = piece.scale, piece.whole.section.slots
     pull = pull_load(piece, body, small, bonded) * scale
     shape = len(piece.pad.ridges), len(strips), 3
     normal, tangential, contact = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[0], np.nan)

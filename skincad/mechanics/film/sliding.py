@@ -17,12 +17,11 @@ from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.film.fields import WholeState
 from skincad.mechanics.film.stick import (
     Half,
-    PadPiece,
     in_strip_axes,
-    load_scale,
     on_whole,
     points_flexibility,
 )
@@ -146,7 +145,7 @@ def whole_points(piece: PadPiece, body: StripBody) -> WholePoints:
     return WholePoints(
         of=of,
         left=left,
-        share=load_scale(piece)[1],
+        share=1 / piece.sides,
         x=np.where(left, -x[of], x[of]),
         gap=gap - gap.min(),
         area=weight[of] * piece.unit * piece.pad.length,

@@ -23,10 +23,10 @@ from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
+from skincad.mechanics.bodies.mesh import PadPiece, Sizes, default_sizes, piece_of, triangles
 from skincad.mechanics.check import LARGEST_FORCE, require_force
 from skincad.mechanics.film.fields import RidgeField, collision, ridge_field
-from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of, with_fine_edges
+from skincad.mechanics.film.stick import StickSolution, level, with_fine_edges
 from skincad.mechanics.problem import Pad, SizeError, check_pad, pad_of
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 from skincad.shape.skin import skin_of

@@ -19,11 +19,11 @@ from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import PadMesh, default_sizes, plane_piece, triangles, unit_of
+from skincad.mechanics.bodies.mesh import PadPiece, default_sizes, plane_piece, triangles, unit_of
 from skincad.mechanics.bodies.plane_body import signed_area, undetected_contact
 from skincad.mechanics.contact.frictionless import (
     NodalContact,
@@ -35,7 +35,7 @@ from skincad.mechanics.contact.frictionless import (
     seen_by_plate,
 )
 from skincad.mechanics.contact.ridge_model import ridge_model
-from skincad.mechanics.models.correction import LevelAnswer
+from skincad.mechanics.models.correction import LevelAnswer, level_answer
 from skincad.mechanics.problem import (
     NEGLIGIBLE,
     Answer,
@@ -113,8 +113,11 @@ MOST_CONTACT_UNKNOWNS = 9_000  # of 8,400 all in all 4.5 GB, at order 4; about 4
 @dataclass(frozen=True, kw_only=True)
 class PlaneSolution(LevelAnswer):
     """The solution on one mesh at one order, with the state of the meshed piece: `ridges`, whether it is a
-    `mirrored` half, and of one in plane strain `half`, its stiffness for loads of either parity."""
+    `mirrored` half, and of one in plane strain `half`, its stiffness for loads of either parity. `x` mm and
+    `pressure` MPa `(m,)` are the meshed contact points'."""
 
+    x: Array
+    pressure: Array
     seconds: dict[str, float]
     ridges: Ridges
     unit: float  # of the piece, mm
@@ -130,23 +133,17 @@ class PlaneSolution(LevelAnswer):
 
 
 # Of a mesh, an order, a force on the pad, crest offsets, and the level before on the same mesh, if any
-LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...], PlaneSolution | None], PlaneSolution]
+LevelSolver = Callable[[PadPiece, int, float, tuple[float, ...], PlaneSolution | None], PlaneSolution]
 
 
-def scale_of(meshed: PadMesh) -> float:
-    """Return the force on the whole pad, N, for a force of 1 on the piece, in its units."""
-    along = meshed.unit if meshed.whole.revolved else meshed.whole.length
-    return meshed.whole.young_modulus * meshed.unit * along * meshed.sides
-
-
-def contact_unknowns(meshed: PadMesh, order: int) -> int:
+def contact_unknowns(meshed: PadPiece, order: int) -> int:
     """Return how many contact unknowns the whole pad has at this order: the yield asks for all of them."""
     return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
 
 
 @one_blas_thread()
 def level(
-    meshed: PadMesh,
+    meshed: PadPiece,
     order: int,
     force: float,
     crest_offsets: tuple[float, ...] = (),
@@ -154,17 +151,17 @@ def level(
 ) -> PlaneSolution:
     """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
     need a mesh of the whole pad."""
-    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
-    clock = [perf_counter()]
-    curved = elements.curved(meshed.mesh, order)
-    contact = contact_unknowns(meshed, order)
-    if contact > MOST_CONTACT_UNKNOWNS:
-        raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
-    assembled = elements.assemble(curved, order, pad.materials, pad.revolved)
-    system = elements.symmetric_system(assembled)
-    clock.append(perf_counter())
-    small = condense(system.matrix, system.interior, system.contact)
-    clock.append(perf_counter())
+    pad, unit, scale = meshed.whole, meshed.unit, meshed.scale
+    watch = Stopwatch()
+    with watch.stage("assemble"):
+        curved = elements.curved(meshed.mesh, order)
+        contact = contact_unknowns(meshed, order)
+        if contact > MOST_CONTACT_UNKNOWNS:
+            raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
+        assembled = elements.assemble(curved, order, pad.materials, pad.revolved)
+        system = elements.symmetric_system(assembled)
+    with watch.stage("condense"):
+        small = condense(system.matrix, system.interior, system.contact)
     ridges = seen_by_plate(pad, system, small.flexibility, unit, crest_offsets)
 
     def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
@@ -176,20 +173,18 @@ def level(
         plate = height_above(pad, ridges, system, state.approach, unit)
         return state, moved, outlines, undetected_contact(outlines, plate, mirrored=meshed.mirrored)
 
-    state, moved, outlines, wrong = pressed(force)
-    threshold = all_touch_force(ridges, force / scale)
-    residual = max(state.residual, _balance(system, moved, force / scale))
-    clock.append(perf_counter())
+    with watch.stage("contact"):
+        state, moved, outlines, wrong = pressed(force)
+        first = all_touch_force(ridges, force / scale)
+        residual = max(state.residual, _balance(system, moved, force / scale))
     x, pressure = pressures(meshed, system.nodes, state.force)
+    forces, unknowns = (state.force, state.approach, first), system.unknowns
+    answer = level_answer(meshed, ridges, *forces, scale=scale, unknowns=unknowns, residual=residual)
     return PlaneSolution(
-        all_touch_force=None if threshold is None else threshold * scale,
-        approach=state.approach * unit,
-        ridge_force=meshed.on_whole(ridges.sums(state.force) * scale),
+        **vars(answer),
         x=x,
         pressure=pressure,
-        unknowns=system.unknowns,
-        residual=residual,
-        seconds=dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        seconds=watch.stages,
         ridges=ridges,
         unit=unit,
         scale=scale,
@@ -201,7 +196,7 @@ def level(
     )
 
 
-def pressures(meshed: PadMesh, nodes: elements.Sample, force: Array) -> tuple[Array, Array]:
+def pressures(meshed: PadPiece, nodes: elements.Sample, force: Array) -> tuple[Array, Array]:
     """Return x, mm, and the pressure, MPa, of contact points under forces `(m,)` in units: one on the axis of
     a turned section stands for no area, and is left out."""
     off = nodes.weight > 0
@@ -374,7 +369,7 @@ class _Levels:
     most: int
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
-    meshes: dict[float, PadMesh] = field(default_factory=dict)
+    meshes: dict[float, PadPiece] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
     def solved(self, refinement: PlaneRefinement, before: object) -> PlaneSolution:

@@ -19,7 +19,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.harmonics import pulled, pushed
-from skincad.mechanics.bodies.mesh import PadMesh, plane_piece
+from skincad.mechanics.bodies.mesh import PadPiece, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
 from skincad.shape.skin import skin_of
@@ -114,7 +114,7 @@ def pin_cell(cell: Design) -> PinCell:
     return PinCell(cell, axial, across, radius, by_push, by_pull)
 
 
-def _meshed(cell: Design) -> tuple[PadMesh, float]:
+def _meshed(cell: Design) -> tuple[PadPiece, float]:
     """The cell's mesh, fine within the radius of its tip, mm, over which loads are spread."""
     shape = skin_of(cell).profile
     loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
@@ -156,7 +156,7 @@ def pin_curve(cell: Design) -> tuple[Array, Array]:
     return force, np.where(light, sparse, indentation)
 
 
-def _compliances(meshed: PadMesh, cell: Design, loaded: float) -> tuple[float, Array, Array, Array, Array]:
+def _compliances(meshed: PadPiece, cell: Design, loaded: float) -> tuple[float, Array, Array, Array, Array]:
     """Compliances of the tip under loads over `loaded` mm of it, and the base's displacements, of PinCell."""
     pad, unit = meshed.whole, meshed.unit
     mesh = elements.curved(meshed.mesh, ORDER)

@@ -118,7 +118,7 @@ def test_the_energy_of_an_even_stretch_is_the_laws(
     across, up, ratio = 1.3, 0.7, 0.4
     piece = plane_piece(replace(disc(3.0, 2.0, ratio), law=law))
     body = plane_body.body(
-        elements.curved(piece.mesh, 2), 2, {"skin": (1.0, ratio)}, piece.piece.laws, revolved=True
+        elements.curved(piece.mesh, 2), 2, {"skin": (1.0, ratio)}, piece.pad.laws, revolved=True
     )
     field = ng.GridFunction(body.space)
     swell = across**2 * up - 1

@@ -66,8 +66,7 @@ def test_pad_is_its_own_mirror_image() -> None:
 def test_the_half_agrees_with_the_whole() -> None:
     """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
     piece, _, half = meshed()
-    slots, unit = piece.whole.section.slots, mech.unit_of(piece.whole)
-    whole = mech.PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
+    whole = mech.piece_of(piece.whole, piece.thickness, halved=False)
     pad = mech.sliding(whole, mech.triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
     for one in (half, pad):
@@ -207,7 +206,7 @@ def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
 def test_the_top_is_cut_a_step_either_side_of_where_contact_ends(unit: float) -> None:
     """Points of a block's top in any order, of which those from -0.5 to 0.5 mm stick."""
     pad: mech.Pad = block(4.0, 1.0, 0.3)
-    piece = mech.PadPiece(pad, pad, False, (), 0.0, unit)
+    piece = mech.PadPiece(pad, pad, False, unit)
     x = np.array([0.5, -2.0, 2.0, -1.0, 1.5, -0.5, 0.0])
     nodes = SimpleNamespace(position=np.column_stack([x, np.ones(7)]) / unit, ridge=np.ones(7, dtype=int))
     body = SimpleNamespace(system=SimpleNamespace(nodes=nodes))
@@ -233,7 +232,7 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
     solution: Any = SimpleNamespace(
         body=SimpleNamespace(system=SimpleNamespace(nodes=nodes)), bonded=np.array([True, True, True, False])
     )
-    cut = stick.with_fine_edges(mech.PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
+    cut = stick.with_fine_edges(mech.PadPiece(pad, pad, False, 1.0), solution).pad.section.outline
     assert [(s.feature, round(s.start.x, 9)) for s in cut] == [
         (2, 4.0),
         (2, 3.8),

@@ -102,14 +102,14 @@ def test_newton_converges_quadratically(monkeypatch: pytest.MonkeyPatch) -> None
     kept = pressing.newton(pad, np.zeros(pad.body.free.size), lambda *_: 0.25)
     monkeypatch.setattr(pressing, "NEAR", 0.0)
     state = pressing.newton(pad, np.zeros(pad.body.free.size), lambda *_: 0.25)
-    assert kept.approach == pytest.approx(state.approach, rel=1e-9)  # the residual
+    assert kept.contact.approach == pytest.approx(state.contact.approach, rel=1e-9)  # the residual
     assert len(kept.history) >= len(state.history)
     assert len(state.history) <= 6
     before, here, after = np.log10(np.array(state.history[:4])[-3:])
     assert here < -2
     assert after / here > 1.7
     assert before > here
-    assert state.residual <= pressing.RESIDUAL
+    assert state.history[-1] <= pressing.RESIDUAL
 
 
 @pytest.mark.slow
@@ -210,7 +210,7 @@ def test_neighbours_that_meet_are_found() -> None:
     """A state moved by hand so that flanks overlap: the model has no contact there."""
     pad = coarse(filleted().with_(**THREE))
     state = pressing.press_to(pad, 0.03)
-    plate = pad.top - state.approach
+    plate = pad.top - state.contact.approach
     pressed_loops, far_loops = (elements.outlines(pad.body.rest, m * state.values) for m in (1, 40))
     assert plane_body.undetected_contact(pressed_loops, lambda x: 0 * x + plate) is None
     assert "meets the plate" in (
@@ -293,7 +293,7 @@ def test_a_scene_without_friction_is_the_models_state() -> None:
         state = pressing.press_to(
             pressing.PressedPad(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length)
         )
-        approach.append(state.approach * unit)
+        approach.append(state.contact.approach * unit)
     assert depth == pytest.approx(approach[0], rel=1e-8)
     assert depth * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law
 
