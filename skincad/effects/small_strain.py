@@ -118,7 +118,7 @@ class CondensedPad:
             return skin if lower is None else replace(skin, gap=skin.gap + lower)
 
         if swing := share.swing:
-            return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone, swing.inert)
+            return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone)
         return halved(seen, state, step.before, step.after, cone)
 
     def shown(self, state: ContactState) -> DeformedSection:
@@ -130,7 +130,11 @@ class CondensedPad:
         is known to. `besides` are displacements that no force holds, by parity, mm."""
         if self.pad.whole is None:
             return None
-        return self.pad.whole.fault(*self._placed(state), self._give(state), besides)
+        from skincad.mechanics.film.fields import collision
+
+        whole, (force, plate, angle) = self.pad.whole, self._placed(state)
+        moved = whole.moved(force, besides)
+        return collision(whole.piece, whole.body, moved, plate, angle, self._give(state))
 
     @property
     def _whole(self) -> WholeState:

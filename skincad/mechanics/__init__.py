@@ -13,7 +13,7 @@ __getattr__, __dir__ = face(
     bodies.plane_body: excess
     bodies.prisms: fronts_of graded section_forms
     bodies.solid_body: SolidBody
-    bodies.solid_law: excess_at
+    bodies.solid_law: Excess
     check: exceeds_model mesh_tolerance require_force spread_of
     contact.frictional: halved in_halves joined solve_contact
     contact.frictional_pad: FrictionalPad FrictionalState Tangential frictional_pad_of
@@ -21,7 +21,7 @@ __getattr__, __dir__ = face(
     contact.ridge_model: ridge_forces ridge_model
     contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing
     contact.tips: SWAY TipState Tips advance
-    dynamics.modes: ModeStep Modes at_points mode_step resolved slow_modes
+    dynamics.modes: Modes at_points mode_step resolved slow_modes
     dynamics.pad: linear
     dynamics.ringing: FREE_TOP RETARDATION layer_period shear_frequency skin_mass
     dynamics.steps: DynamicState Matter PadEquations
@@ -36,7 +36,7 @@ __getattr__, __dir__ = face(
     models.corrected: added_compliance plain_pad
     models.friction: FULL SOLID_ORDER SOLID_STEPS solve_solid
     models.linear: LevelSolver
-    models.pin_cell: crown_radius hertz lone
+    models.pin_cell: hertz lone
     models.reduced: pin_model pin_tops pressed
     models.solid: Layers coarse_sizes condensed_pad forms_of solve_level
     models.solid_finite_strain: COARSE_ERRORS COARSE_LAYERS COARSE_PARTS body_of
@@ -46,7 +46,7 @@ __getattr__, __dir__ = face(
     plate_friction: PlateFriction
     problem: Answer ContactError LateError NEGLIGIBLE PVDF_DENSITY Pad PadLayer Request RidgeModel
         SizeError check_pad pad_of solid_pad_of
-    validity: LARGEST_STRAIN Limits height limits material_warnings mean_width plane_modulus
+    validity: LARGEST_STRAIN Limits crown_radius limits material_warnings plane_modulus
         refuse_crushed ridge_strain small_strain_violation tipping
     verdict: Change ContactCheck NO_MODEL NextModel is_decided
     """,

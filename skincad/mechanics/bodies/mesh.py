@@ -274,12 +274,9 @@ def half_of(pad: Pad) -> Pad | None:
     if outline is None:
         return None
 
-    def right(inner: tuple[Loop, ...]) -> tuple[Loop, ...]:
-        return tuple(loop for loop in inner if loop[0].start.x > 0)
-
+    strips, voids = (tuple(loop for loop in of if loop[0].start.x > 0) for of in (pad.strips, pad.voids))
     layers = tuple(replace(layer, face=_right_part(layer.face)) for layer in pad.layers)
-    section = Section(outline)
-    return replace(pad, section=section, strips=right(pad.strips), voids=right(pad.voids), layers=layers)
+    return replace(pad, section=Section(outline), strips=strips, voids=voids, layers=layers)
 
 
 def _mirrored(segments: list[Segment], tolerance: float) -> bool:
@@ -386,6 +383,28 @@ def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadPiece:
     """Return `piece_of` with its mesh, of all of the pad where asked."""
     piece = piece_of(pad, halved=not whole)
     return replace(piece, mesh=triangles(piece.pad, sizes))
+
+
+@dataclass(frozen=True)
+class MeshRefinement:
+    """Orders `order - 1` and `order` on a mesh of a `fineness`, 1 the usual one.
+
+    `price` is its time on top of the refinements before, as a multiple of the first one's; `usual` is the
+    relative error that it usually reaches. A strip's corners get edges of `tip` of its thickness; `grading`
+    is the growth of the triangles away from them.
+    """
+
+    fineness: float
+    order: int
+    price: float = 1.0
+    usual: float = 0.0
+    tip: float = 0.0
+    grading: float = 0.3
+
+    def sizes(self, piece: PadPiece) -> Sizes:
+        """Return the mesh's edge sizes for a piece with strips."""
+        usual = default_sizes(piece.pad, self.fineness)
+        return replace(usual, tip=self.tip * piece.thickness, grading=self.grading)
 
 
 def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadPiece:

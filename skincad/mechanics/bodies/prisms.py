@@ -63,17 +63,8 @@ def layer_functions(order: int) -> tuple[Array, Array, Array, Array, Array]:
 def constant() -> AlongY:
     """Return the line of plane strain: one function, 1, over a length of 1."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
-    return AlongY(
-        at=np.zeros(1),
-        weight=np.ones(1),
-        mass=one,
-        slope=zero,
-        stiff=zero,
-        mean=one,
-        rise=zero,
-        inverse=one,
-        fine=one,
-    )
+    ones: dict[str, Any] = dict.fromkeys(("mass", "mean", "inverse", "fine"), one)
+    return AlongY(np.zeros(1), np.ones(1), **ones, slope=zero, stiff=zero, rise=zero)
 
 
 def graded(half: float, last: float, growth: float) -> Array:

@@ -17,11 +17,11 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
-from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
-from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
+from skincad.mechanics.bodies.elements import ContactStiffness, outlines
+from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact
 from skincad.mechanics.bodies.prisms import SectionForms, along_y, free_unknowns, fronts_of
-from skincad.mechanics.bodies.solid_law import Elements, elements_of
-from skincad.mechanics.problem import Bend
+from skincad.mechanics.bodies.solid_law import Elements
+from skincad.mechanics.problem import Bend, DeformedLoop
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,6 @@ class SolidBody:
         flexibility[np.ix_(free, free)] = small.flexibility
         return SolidLinearised(self, coupling, small, state, residual, flexibility)
 
-    def x_of_largest_displacement(self, step: Array) -> float:
-        """Return x at rest of the place on the boundary, at the middle or the end, that a step `(n,)` moves
-        furthest."""
-        return x_of_largest_displacement([loop for loops in self.outlines(step) for loop in loops])
-
     def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None."""
         cut = bool(self.forms.cut.any())
@@ -113,7 +108,7 @@ class SolidBody:
         """Cosine of the angle by which the section is turned in the middle and at the end."""
         return 1.0, 1.0 if self.bend is None else float(np.cos(self.along.max() / self.bend.radius))
 
-    def outlines(self, state: Array) -> list[list[Outline]]:
+    def outlines(self, state: Array) -> list[list[DeformedLoop]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
         plane, count = self.forms.plane, self.forms.clamped.size
         loops = []
@@ -238,4 +233,4 @@ def _extruded(
     g = points * at.size
     shear, bulk = (np.repeat(m, thickness.size)[:, None] for m in (section.shear, section.bulk))
     weight, basis = weight.reshape(total, g), basis.reshape(total, g, 3, -1)
-    return elements_of(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)
+    return Elements(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)

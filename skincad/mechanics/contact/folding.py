@@ -15,16 +15,17 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.bodies import plane_body
-from skincad.mechanics.bodies.elements import Outline, outlines
+from skincad.mechanics.bodies.elements import outlines
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState
 from skincad.mechanics.contact.state import ContactState
+from skincad.mechanics.problem import DeformedLoop
 
 WRINKLES = 0.544
 LEAST_VOLUME = 0.02  # of an element's at rest, at any of its points; less is hardly a solution
 FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh
 
 
-def pinch(loops: list[Outline], plate: float) -> tuple[float, Array, bool]:
+def pinch(loops: list[DeformedLoop], plate: float) -> tuple[float, Array, bool]:
     """Return the smallest stretch along itself of the free surface, of loops that do not touch the plate at
     the height `plate`; its place `(2,)` at rest, in units; and whether that may touch the plate."""
     top = max(loop.rest[:, 1].max() for loop in loops)
@@ -42,8 +43,8 @@ def pinch(loops: list[Outline], plate: float) -> tuple[float, Array, bool]:
 
 
 def _lowered(
-    loops: list[Outline], pad: FrictionalPad, contact: ContactState, sunk: Array | None
-) -> list[Outline]:
+    loops: list[DeformedLoop], pad: FrictionalPad, contact: ContactState, sunk: Array | None
+) -> list[DeformedLoop]:
     """The outlines lower by what free ends let the ridges down, and by what masses do, `sunk` `(m,)` mm at
     the contact points: a section at rest knows neither."""
     if sunk is None and not pad.ends.any():
@@ -98,7 +99,7 @@ def undetected_contact(
     return None
 
 
-def _crossing(loops: list[Outline]) -> tuple[float, Array]:
+def _crossing(loops: list[DeformedLoop]) -> tuple[float, Array]:
     """How deep the skin's outline or a slot's goes through itself, in units, and where."""
     return max((plane_body.crossing(loop.moved) for loop in loops), key=lambda found: found[0])
 

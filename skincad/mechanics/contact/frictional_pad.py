@@ -31,7 +31,6 @@ from skincad.mechanics.contact.state import (
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    Inert,
     Swing,
     at_rest,
 )
@@ -192,10 +191,13 @@ def newton(
         free = pad.rows @ (values[pad.contact] + linear.unloaded()) * pad.unit
         skin = Compliance(tangent.compliance, pad.gap, free, tangent.solved, pad.area)
         if swing:
-            found = _contact(skin.swung(swing), before.contact, swing.drive, cone, swing.inert)
-        else:
-            found = _contact(skin, before.contact, drive, cone)
-        return contact_load(pad, found[0]), found
+            skin = skin.swung(swing)
+        slipping = None
+        try:
+            state = solve_contact(skin, before.contact, swing.drive if swing else drive, cone)
+        except GrossSlip as limit:  # the contact as it just slips
+            state, slipping = limit.last, limit
+        return contact_load(pad, state), (state, slipping)
 
     values, solution, _, history, _ = equilibrium(
         body,
@@ -226,20 +228,6 @@ def dissipated(before: ContactState, after: ContactState) -> float:
     mean = (before.tangential + after.tangential) / 2
     mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
     return -float(mean @ after.slipped)
-
-
-def _contact(
-    skin: Compliance,
-    before: ContactState,
-    drive: Drive,
-    cone: FrictionCoefficients,
-    inert: Inert | None = None,
-) -> tuple[ContactState, GrossSlip | None]:
-    """The contact of the linearised body; where friction does not hold, as it just slips."""
-    try:
-        return solve_contact(skin, before, drive, cone, inert), None
-    except GrossSlip as end:
-        return end.last, end
 
 
 def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:

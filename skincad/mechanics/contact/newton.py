@@ -120,7 +120,9 @@ def equilibrium(
         unbalanced = body.residual(values)
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
-        rounded = history[-1] <= ROUNDING / scale and not _falls(history, steps)
+        # a residual that only rounding would excuse, but that still falls, is not rounding
+        falls = RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
+        rounded = history[-1] <= ROUNDING / scale and not falls
         if share == 1.0 and (history[-1] <= accuracy or rounded):
             return values, solution, unbalanced, tuple(history), tangent
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
@@ -187,11 +189,6 @@ def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: flo
     return PadTangent(linear, ridges if pad.drops is None else ridges.lowered(pad.drops), residual)
 
 
-def _falls(history: list[float], steps: int) -> bool:
-    """Whether a residual that only rounding would excuse still falls: then it is not rounding."""
-    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
-
-
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
     """Return the linearised contact's force and state; of a body that needs its plate, where sweeps from
     `active` settle, else DivergedError."""
@@ -235,10 +232,6 @@ SMALLEST_STEP = 1 / 32  # of the load, the smallest load step
 MAX_HALVINGS = 6  # halvings of the way to the threshold before it is given up
 
 
-def _constant_load(force: float) -> Load:
-    return lambda *_: force
-
-
 def at_rest(pad: PressedPad) -> PadTangent:
     """Return the pad linearised at rest: the pad of small strain."""
     return _tangent_at(pad, rest := np.zeros(pad.body.free.size), rest, np.inf)
@@ -255,7 +248,7 @@ def press_to(
     """
     if guess is not None:
         try:
-            return newton(pad, guess, _constant_load(force))
+            return newton(pad, guess, lambda *_: force)
         except DivergedError:
             pass
     last: PressedState | None = None
@@ -281,8 +274,8 @@ def _next_state(
     """The state under `force`, looked for from another one, or from rest, with the tangent there if it is the
     body's latest."""
     if last is None:
-        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force), tangent=tangent)
-    return newton(pad, last.values, _constant_load(force), last.contact.active, tangent)
+        return newton(pad, np.zeros(pad.body.free.size), lambda *_: force, tangent=tangent)
+    return newton(pad, last.values, lambda *_: force, last.contact.active, tangent)
 
 
 def _failure_beyond(pad: PressedPad, last: PressedState | None, failure: DivergedError) -> DivergedError:

@@ -94,23 +94,18 @@ class FrictionCoefficients:
 @dataclass(frozen=True)
 class Drive:
     """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm, both
-    along the plate at its `angle` about y, rad, positive where it rises towards +x."""
+    along the plate at its `angle` about y, rad, positive where it rises towards +x.
+
+    Of a plate with mass the forces fall by its inertia, `stiffness` N/mm times the distance of its approach
+    and travel from those `ahead`, mm. Counting from there avoids cancellation for a heavy plate.
+    """
 
     normal: float
     tangential: float | None = None
     travel: float | None = None
     angle: float = 0.0
-
-
-@dataclass(frozen=True)
-class Inert:
-    """Inertia of a plate with mass in a step: the forces fall by `stiffness` N/mm times the distance of the
-    plate's approach and travel from these two, mm. Counting from there avoids cancellation for a heavy
-    plate."""
-
-    stiffness: float
-    approach: float
-    travel: float
+    stiffness: float = 0.0
+    ahead: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +121,9 @@ class ContactState:
     anchor: Array
     status: Status
     slipped: Array
-    approach: float
-    travel: float
-    residual: float
+    approach: float = 0.0
+    travel: float = 0.0
+    residual: float = 0.0
     gross: bool = False  # all that touches slips, the last point having just begun
     angle: float = 0.0  # of the plate, rad
 
@@ -189,13 +184,12 @@ class Compliance:
 @dataclass(frozen=True, eq=False)
 class Swing:
     """What masses add to a step: `compliance` `(2 m, 2 m)` mm/N and displacements `free` `(2 m,)` mm of the
-    contact points, beside those of a pad without masses; the plate's inertia, None without a mass, and the
-    effective forces on it, `drive`. `tag` names the step's length."""
+    contact points, beside those of a pad without masses; `drive` has the plate's inertia and the effective
+    forces on it. `tag` names the step's length."""
 
     compliance: Array
     free: Array
     drive: Drive
-    inert: Inert | None
     tag: bytes
 
     def sunk(self, force: Array) -> Array:
@@ -207,13 +201,4 @@ class Swing:
 def at_rest(points: int) -> ContactState:
     """Return the unloaded start of `points` points."""
     zero = np.zeros(points)
-    return ContactState(
-        normal=zero,
-        tangential=zero,
-        anchor=zero,
-        status=np.zeros(points, dtype=np.int8),
-        slipped=zero,
-        approach=0.0,
-        travel=0.0,
-        residual=0.0,
-    )
+    return ContactState(zero, zero, zero, np.zeros(points, dtype=np.int8), zero)

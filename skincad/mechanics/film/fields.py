@@ -59,13 +59,10 @@ def _patch(
     here = patches[0]
     if len(patches) > 1:
         image = patches[1]  # about x = 0, drawn where the piece is
-        here = Patch(
-            np.concatenate([here.place, image.place * [-1, 1]]),
-            np.concatenate([here.shift, image.shift * [-1, 1]]),
-            np.concatenate([here.stress, image.stress * [1, -1, 1, 1]]),
-            np.concatenate([here.triangles, image.triangles + len(here.place)]),
-            np.concatenate([here.film, image.film]),
-        )
+        turned = image.place * [-1, 1], image.shift * [-1, 1], image.stress * [1, -1, 1, 1]
+        rest = image.triangles + len(here.place), image.film
+        both = zip(vars(here).values(), (*turned, *rest), strict=True)
+        here = Patch(*(np.concatenate(pair) for pair in both))
     return replace(here, place=here.place * unit, shift=here.shift * unit, stress=here.stress * modulus)
 
 
@@ -88,26 +85,13 @@ class WholeState:
 
     def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
-        patch = _patch(self.piece, self.body, self._moved(force), np.zeros(2), math.inf, 1)
+        patch = _patch(self.piece, self.body, self.moved(force), np.zeros(2), math.inf, 1)
         return DeformedSection(**vars(patch), plate=plate, angle=angle)
 
-    def fault(
-        self,
-        force: Array,
-        plate: float,
-        angle: float,
-        give: tuple[Array, Array] | None = None,
-        besides: Sequence[Array] = (),
-    ) -> str | None:
-        """Return a description of contact in this state that the model does not detect, or None.
-
-        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have. `besides`:
-        displacements `(n,)` mm, by parity, that these forces do not hold, as of masses.
-        """
-        return collision(self.piece, self.body, self._moved(force, besides), plate, angle, give)
-
-    def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
-        """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
+    def moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
+        """Return the displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest
+        mirrors. `besides` are displacements `(n,)` mm, by parity, that these forces do not hold, as of
+        masses."""
         on_piece = force / self.piece.scale
         displacements = [
             small.solve(half.points.T @ on_piece)
@@ -138,7 +122,8 @@ def collision(
     """Return a description of contact that the models do not detect, or None.
 
     `moved` are displacements `(n,)`, in units, of the piece and, of a mirrored pad, of its image; the plate
-    is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
+    is the line through (0, `plate`) mm at `angle` rad. `give`: x, mm, and extra sinking of the skin there,
+    mm, that the field does not have.
     """
 
     def over(way: int, x: Array) -> Array:

@@ -11,7 +11,7 @@ moment by which a plate that keeps its angle holds a ridge upright. Another load
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -55,12 +55,12 @@ class FilmResponse:
     strips: tuple[tuple[int, str], ...]
     normal: Array
     tangential: Array
-    error: Array
     contact: Array
     ridge_force: Array
     ridge_force_per_pull: Array
-    at_other_forces: Array
     unknowns: int
+    error: Array = field(default_factory=lambda: np.empty(0))
+    at_other_forces: Array = field(default_factory=lambda: np.empty(0))
 
     def stress(self, normal: Array, tangential: Array) -> Array:
         """Return the stresses `(strips, 3)` MPa under forces `(ridges,)` N on the ridges."""
@@ -162,10 +162,8 @@ def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: f
         strips=tuple((s.feature, s.side) for s in strips),
         normal=normal,
         tangential=tangential,
-        error=np.zeros((2, shape[0], 3)),
         contact=contact,
         ridge_force=state.normal,
         ridge_force_per_pull=per_pull,
-        at_other_forces=np.zeros((1, 2, shape[0], 3)),
         unknowns=body.system.unknowns,
     )

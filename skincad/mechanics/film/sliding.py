@@ -65,9 +65,7 @@ def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactPa
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, unknowns, "take fewer ridges")
     body = film_field.body(curved, order, pad.materials)
-    functionals = (
-        film_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
-    )
+    functionals = film_field.average_rows(body, piece) if films else None
     system, points = body.system, whole_points(piece, body)
     compliance = np.zeros((2 * points.x.size, 2 * points.x.size))
     strips = np.zeros((len(piece.whole.section.slots) if films else 0, 3, 2 * points.x.size))

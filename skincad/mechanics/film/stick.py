@@ -14,13 +14,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from time import perf_counter
 
 import numpy as np
 from scipy import linalg, optimize, sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Stopwatch
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
@@ -91,30 +91,29 @@ class StickSolution:
 @one_blas_thread()
 def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     """Solve one order on netgen's mesh of the piece: pressed by `force` N, and pulled if asked."""
-    clock = [perf_counter()]
-    pad = piece.pad
-    curved = elements.curved(mesh, order)
-    body = film_field.body(curved, order, pad.materials)
-    clock.append(perf_counter())
-    symmetric, antisymmetric = body.on_cut if piece.mirrored else (np.empty(0, np.int64),) * 2
-    small = condensed_piece(body, symmetric)
-    small_odd = small if not piece.mirrored else condensed_piece(body, antisymmetric) if pull else None
-    clock.append(perf_counter())
-    push_state, bonded, residual = press_state(piece, body, small, force)
-    pull_state = None
-    if pull and small_odd is not None:
-        pull_state, balance = _pull(piece, body, small_odd, bonded)
-        residual = max(residual, balance)
-    clock.append(perf_counter())
-    stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
+    watch, balance = Stopwatch(), 0.0
+    with watch.stage("assemble"):
+        body = film_field.body(elements.curved(mesh, order), order, piece.pad.materials)
+    with watch.stage("condense"):
+        symmetric, antisymmetric = body.on_cut if piece.mirrored else (np.empty(0, np.int64),) * 2
+        small = condensed_piece(body, symmetric)
+        small_odd = condensed_piece(body, antisymmetric) if piece.mirrored and pull else small
+    with watch.stage("contact"):
+        push_state, bonded, residual = press_state(piece, body, small, force)
+        pull_state = None
+        if pull:  # the bonded points moved as one until the plate's tangential force is 1 N
+            load = pull_load(piece, body, small_odd, bonded)
+            moved, wanted = small_odd.solve(body.points.T @ load), np.array([1.0, 0.0]) / piece.scale
+            balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
+            pull_state = load_state(piece, body, moved, load, -1)
     return StickSolution(
         piece=piece,
         normal_state=push_state,
         pull_state=pull_state,
         bonded=bonded,
         unknowns=body.system.unknowns,
-        residual=residual,
-        seconds=stages,
+        residual=max(residual, balance),
+        seconds=watch.stages,
         body=body,
     )
 
@@ -150,15 +149,6 @@ def press_state(
     balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
     state = load_state(piece, body, moved, load, 1)
     return state, contact.force > 0, max(contact.residual, balance)
-
-
-def _pull(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> tuple[LoadState, float]:
-    """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
-    load = pull_load(piece, body, small, bonded)
-    moved = small.solve(body.points.T @ load)
-    wanted = np.array([1.0, 0.0]) / piece.scale
-    balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
-    return load_state(piece, body, moved, load, -1), balance
 
 
 def pull_load(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> Array:
@@ -199,14 +189,12 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
 def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> LoadState:
     """Return the whole pad's state for displacements `(n,)` under forces `(2 m,)` on the piece."""
     film_field.set_state(body, moved)
-    stress = film_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
+    stress = film_field.averages(body, piece) * piece.pad.young_modulus
     nodes, force = body.system.nodes, load * piece.scale / piece.sides
     m = nodes.weight.size
     numbers = piece.whole.ridges
-    pull, push = np.zeros(len(numbers)), np.zeros(len(numbers))
     at = np.searchsorted(numbers, nodes.ridge)
-    np.add.at(pull, at, force[:m])
-    np.add.at(push, at, -force[m:])
+    pull, push = (np.bincount(at, part, len(numbers)).astype(np.float64) for part in (force[:m], -force[m:]))
     if piece.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
     strips = on_whole(piece, in_strip_axes(stress, piece.slots), parity)

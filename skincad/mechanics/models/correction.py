@@ -144,11 +144,8 @@ class Correction:
 
         A negligible one is replaced by the level's own, known to NEGLIGIBLE of the force.
         """
-        value, first, last = (
-            fine.all_touch_force.value,
-            self.before.all_touch_force,
-            self.after.all_touch_force,
-        )
+        value = fine.all_touch_force.value
+        first, last = self.before.all_touch_force, self.after.all_touch_force
         if value is None or first is None or last is None:
             return Estimate(None, None, "N")
         if min(value, first) <= NEGLIGIBLE * force:

@@ -135,12 +135,9 @@ def at_force(
     if wrong is None:
         return state
     range_ = f" (up to about {reached * scale:.3g} N)" if reached else ""
-    raise InputError(
-        "force",
-        f"must lie within the finite-strain model's range{range_}: {wrong}",
-        force * scale,
-        "take a smaller force, or a harder silicone or wider ridges",
-    )
+    rule = f"must lie within the finite-strain model's range{range_}: {wrong}"
+    remedy = "take a smaller force, or a harder silicone or wider ridges"
+    raise InputError("force", rule, force * scale, remedy)
 
 
 def all_touch(

@@ -139,13 +139,10 @@ def with_friction(
         unknown += LOST.share * strain.share
     elif strain:
         part, unknown = PLANE_PART * part, unknown + changes.share
-    middle = LevelAnswer(
-        before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2),
-        before.approach * (1 + sum(approaches) / 2),
-        before.ridge_force + part * (after.ridge_force - before.ridge_force),
-        after.unknowns,
-        after.residual,
-    )
+    first = before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2)
+    down = before.approach * (1 + sum(approaches) / 2)
+    shares = before.ridge_force + part * (after.ridge_force - before.ridge_force)
+    middle = replace(after, all_touch_force=first, approach=down, ridge_force=shares)
     half = Errors((approaches[1] - approaches[0]) / 2, (forces[1] - forces[0]) / 2, unknown)
     errors = friction.errors
     left = LeftOut(effect=FRICTION, threshold=half.threshold, approach=half.approach, share=half.share)

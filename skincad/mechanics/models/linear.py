@@ -23,7 +23,14 @@ from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import PadPiece, default_sizes, plane_piece, triangles, unit_of
+from skincad.mechanics.bodies.mesh import (
+    MeshRefinement,
+    PadPiece,
+    default_sizes,
+    plane_piece,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies.plane_body import signed_area, undetected_contact
 from skincad.mechanics.contact.frictionless import (
     NodalContact,
@@ -69,7 +76,7 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
         # an edge's last point is the next one's first
         touches = outline.touches | np.roll(outline.touches, 1)
         there = np.where(touches, np.interp(rest[:, 0], x, pressure), 0.0)
-        loops.append(DeformedLoop(rest, outline.moved * solution.unit, np.maximum(there, 0.0)))
+        loops.append(DeformedLoop(rest, outline.moved * solution.unit, touches, np.maximum(there, 0.0)))
     if not loops:
         return ()
     outer = max(loops, key=lambda loop: abs(signed_area(loop.rest)))
@@ -82,7 +89,8 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
 def _reversed(loop: DeformedLoop, x: float = 1.0) -> DeformedLoop:
     """The loop run backwards, its x times a number: of its image at x = 0 by -1."""
     axes = np.array([x, 1.0])
-    return DeformedLoop(loop.rest[::-1] * axes, loop.moved[::-1] * axes, loop.pressure[::-1])
+    touches, pressure = loop.touches[::-1], loop.pressure[::-1]
+    return DeformedLoop(loop.rest[::-1] * axes, loop.moved[::-1] * axes, touches, pressure)
 
 
 def relative_error(answer: Answer, force: float, unit: float) -> float:
@@ -125,7 +133,7 @@ class PlaneSolution(LevelAnswer):
     fault: str = ""  # undetected contact of the skin with itself or the plate
     half: elements.ContactStiffness | None = None
     mirrored: bool = False
-    outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
+    outlines: tuple[DeformedLoop, ...] = ()  # of the piece, at rest and under the force, in units
     # the fault at another force, N
     pressed: Callable[[float], str] | None = field(default=None, compare=False, repr=False)
     out_of_range: str = ""  # why the all-touch force is None, where a model ends before it
@@ -164,7 +172,7 @@ def level(
         small = condense(system.matrix, system.interior, system.contact)
     ridges = seen_by_plate(pad, system, small.flexibility, unit, crest_offsets)
 
-    def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
+    def pressed(force: float) -> tuple[NodalContact, Array, list[DeformedLoop], str | None]:
         state = press(ridges.flexibility, ridges.gap, force / scale)
         load = np.zeros(system.lift.size)
         load[system.contact] = -(system.nodes.rows.T @ state.force)
@@ -231,12 +239,8 @@ def self_contact(solution: PlaneSolution, force: float, ridge_limit: float) -> S
 
 def too_large(contact: int, most: int, model: str) -> SizeError:
     """Return a model's refusal of a pad with so many contact unknowns, more than `most`."""
-    return SizeError(
-        "ridge.count",
-        f"the {model} model takes at most {most} contact unknowns",
-        contact,
-        "take fewer ridges, or the reduced or winkler model",
-    )
+    rule = f"the {model} model takes at most {most} contact unknowns"
+    return SizeError("ridge.count", rule, contact, "take fewer ridges, or the reduced or winkler model")
 
 
 def _balance(system: elements.ContactStiffness, moved: Array, force: float) -> float:
@@ -264,29 +268,16 @@ CREST_TOLERANCE = 1e-9  # mm; crests that differ by less lie as designed
 AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 
 
-@dataclass(frozen=True)
-class PlaneRefinement:
-    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it usually reaches.
-
-    `price` is its time on top of the refinements before, as a multiple of the first one's (measured on four
-    templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2).
-    """
-
-    fineness: float
-    order: int
-    usual: float
-    price: float
-
-
 NEVER_ALL_TOUCH = (
     "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
 )
+# Prices measured on four templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2
 REFINEMENTS = (
-    PlaneRefinement(0.5, 3, 6e-3, 1.0),
-    PlaneRefinement(1.0, 3, 2e-3, 1.2),
-    PlaneRefinement(1.0, 4, 1e-3, 2.0),
-    PlaneRefinement(2.0, 4, 4e-4, 4.5),
-    PlaneRefinement(2.0, 5, 0.0, 4.0),
+    MeshRefinement(0.5, 3, 1.0, usual=6e-3),
+    MeshRefinement(1.0, 3, 1.2, usual=2e-3),
+    MeshRefinement(1.0, 4, 2.0, usual=1e-3),
+    MeshRefinement(2.0, 4, 4.5, usual=4e-4),
+    MeshRefinement(2.0, 5, 4.0),
 )
 
 
@@ -331,14 +322,11 @@ def refine(
     """
     most = MOST_CONTACT_UNKNOWNS if most is None else most
     check_pad(pad)
-    if (
-        request.crest_offsets and np.ptp(request.crest_offsets) <= CREST_TOLERANCE
-    ):  # the first touch is later, and that is all
-        request = replace(request, crest_offsets=())
-    whole = bool(request.crest_offsets)  # crests of one part are not mirrored
+    if request.crest_offsets and np.ptp(request.crest_offsets) <= CREST_TOLERANCE:
+        request = replace(request, crest_offsets=())  # the first touch is later, and that is all
     check_coarsest(pad, most, model)
     budget = request.budget
-    levels = _Levels(pad, request, at, model, progress, whole, most, perf_counter())
+    levels = _Levels(pad, request, at, model, progress, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     reached = adaptivity.refine(
         levels.solved,
@@ -365,18 +353,18 @@ class _Levels:
     at: LevelSolver
     model: str
     progress: Progress | None
-    whole: bool
     most: int
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
     meshes: dict[float, PadPiece] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
-    def solved(self, refinement: PlaneRefinement, before: object) -> PlaneSolution:
+    def solved(self, refinement: MeshRefinement, before: object) -> PlaneSolution:
         """Solve both orders on a mesh; raises SizeError first if it is too large."""
         if refinement.fineness not in self.meshes:
             started = perf_counter()
-            self.meshes[refinement.fineness] = plane_piece(self.pad, refinement.fineness, whole=self.whole)
+            whole = bool(self.request.crest_offsets)  # crests of one part are not mirrored
+            self.meshes[refinement.fineness] = plane_piece(self.pad, refinement.fineness, whole=whole)
             _add(self.seconds, {"mesh": perf_counter() - started})
             self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
         mesh = self.meshes[refinement.fineness]
@@ -399,7 +387,7 @@ class _Levels:
         return replace(self.levels[refinement.fineness, refinement.order], states=None)
 
     def estimated(
-        self, refinement: PlaneRefinement, best: PlaneSolution, before: PlaneSolution | None
+        self, refinement: MeshRefinement, best: PlaneSolution, before: PlaneSolution | None
     ) -> tuple[Answer, float]:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]

@@ -22,6 +22,7 @@ from skincad.mechanics.bodies.harmonics import pulled, pushed
 from skincad.mechanics.bodies.mesh import PadPiece, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
+from skincad.mechanics.validity import crown_radius
 from skincad.shape.skin import skin_of
 
 # Thicknesses of the base beyond a pin's foot. A row of pins is felt as by the plane model one thickness away
@@ -73,29 +74,12 @@ def lone(design: Design, height: float, thickness: float) -> Design:
     cell."""
     pin = skin_of(design).profile
     width = 2 * (pin.feet[0].x + REACH * thickness)
-    skin = design.skin.model_copy(
-        update={
-            "curvature_radius": 1e8,
-            "curvature_radius_y": None,
-            "thickness": thickness,
-            "outline": "round",
-            "width": width,
-            "length": width,
-        }
-    )
-    table = design.features.model_copy(
-        update={
-            "pattern": "square",
-            "columns": 1,
-            "rows": 1,
-            "rings": None,
-            "margin": None,
-            "height": height,
-            "heights": None,
-            "levelling": None,
-            "pocket": None,
-        }
-    )
+    flat = {"curvature_radius": 1e8, "curvature_radius_y": None, "thickness": thickness}
+    disc_of_base = {"outline": "round", "width": width, "length": width}
+    alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height}
+    nothing = dict.fromkeys(("rings", "margin", "heights", "levelling", "pocket"))
+    skin = design.skin.model_copy(update=flat | disc_of_base)
+    table = design.features.model_copy(update=alone | nothing)
     return design.model_copy(update={"name": "cell", "skin": skin, "pin": table})
 
 
@@ -119,12 +103,6 @@ def _meshed(cell: Design) -> tuple[PadPiece, float]:
     shape = skin_of(cell).profile
     loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
     return plane_piece(replace(pad_of(cell), focus=loaded if shape.crown else 0.0), FINENESS), loaded
-
-
-def crown_radius(design: Design) -> float:
-    """Return the radius, mm, of the pins' spherical tips; infinite for flat ones."""
-    shape = skin_of(design).profile
-    return shape.tip_width**2 / (8 * shape.crown) + shape.crown / 2 if shape.crown else math.inf
 
 
 def hertz(force: Array, radius: float, modulus: float) -> Array:

@@ -20,7 +20,15 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, prisms
-from skincad.mechanics.bodies.mesh import FOCUS_EDGES, PadPiece, Sizes, height_of, meshed_piece, unit_of
+from skincad.mechanics.bodies.mesh import (
+    FOCUS_EDGES,
+    MeshRefinement,
+    PadPiece,
+    Sizes,
+    height_of,
+    meshed_piece,
+    unit_of,
+)
 from skincad.mechanics.contact.frictionless import seen_by_plate
 from skincad.mechanics.models.correction import LevelAnswer, frictionless_level
 from skincad.mechanics.models.linear import relative_error, shortfalls
@@ -136,12 +144,9 @@ def check_size(forms: prisms.SectionForms, line: prisms.AlongY, directions: int 
     unknowns = 3 * forms.clamped.size * line.at.size
     contact = directions * forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
-        raise SizeError(
-            "ridge.count",
-            f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
-            max(unknowns, contact),
-            "take fewer ridges, a shorter skin or the linear model",
-        )
+        rule = f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact"
+        remedy = "take fewer ridges, a shorter skin or the linear model"
+        raise SizeError("ridge.count", rule, max(unknowns, contact), remedy)
 
 
 DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (docs/evidence/facts.md)
@@ -150,24 +155,12 @@ SECTION_TAIL = 0.6
 LAYERS_TAIL = 1.0  # what is left after the finer layers, against their difference to the coarser
 
 
-@dataclass(frozen=True)
-class SolidRefinement:
-    """A section mesh at `order - 1` and `order`, and layers against finer ones.
-
-    `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first refinement's.
-    """
-
-    fineness: float
-    order: int
-    layers: Layers
-    finer: Layers
-    price: float
-
-
-REFINEMENTS = (
-    SolidRefinement(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
-    SolidRefinement(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
-)
+# A section mesh, fineness 1 the coarsest, and by fineness the layers on it and the finer ones
+REFINEMENTS = MeshRefinement(1.0, 3), MeshRefinement(1.5, 3, 5.0)
+LAYERS = {
+    1.0: (Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4)),
+    1.5: (Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4)),
+}
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -185,7 +178,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     seconds: dict[str, float] = {}
-    reached: Refinement[SolidRefinement, Answer, Answer] = refine(
+    reached: Refinement[MeshRefinement, Answer, Answer] = refine(
         lambda refinement, _: _refine(pad, refinement, force, seconds, progress),
         REFINEMENTS,
         lambda _, answer, __: (answer, relative_error(answer, force, unit_of(pad))),
@@ -200,7 +193,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def _refine(
-    pad: Pad, refinement: SolidRefinement, force: float, seconds: dict[str, float], progress: Progress | None
+    pad: Pad, refinement: MeshRefinement, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
         progress(f"solid model: fineness {refinement.fineness:g}, order {refinement.order}")
@@ -209,11 +202,12 @@ def _refine(
         meshed = meshed_piece(pad, coarse_sizes(pad, refinement.fineness))
     with watch.stage("assemble"):
         lower_forms, forms = (forms_of(meshed, order) for order in (refinement.order - 1, refinement.order))
-    for section, line in ((lower_forms, refinement.finer), (forms, refinement.layers)):
+    layers, finer_layers = LAYERS[refinement.fineness]
+    for section, line in ((lower_forms, finer_layers), (forms, layers)):
         check_size(section, layers_of(meshed, line))  # of all that the refinement solves, before the first
-    lower = solve_level(meshed, lower_forms, refinement.layers, force, seconds)
-    finer = solve_level(meshed, lower_forms, refinement.finer, force, seconds)
-    best = solve_level(meshed, forms, refinement.layers, force, seconds)
+    lower = solve_level(meshed, lower_forms, layers, force, seconds)
+    finer = solve_level(meshed, lower_forms, finer_layers, force, seconds)
+    best = solve_level(meshed, forms, layers, force, seconds)
     return estimated_answer(best, lower, finer)
 
 

@@ -113,11 +113,10 @@ def solve(
     """Return the change at `force` N from small to finite strain; raises InputError as `answer`, and for too
     large a pad. `crest_offsets` as in Request."""
     check_pad(pad)
-    watch, drops = Stopwatch(stages=seconds), None
+    watch = Stopwatch(stages=seconds)
     with watch.stage("mesh"):  # crests of one part are not mirrored
         meshed = meshed_piece(pad, coarse_sizes(pad, fineness), whole=bool(crest_offsets))
-    if crest_offsets:
-        drops = np.array(crest_offsets) / meshed.unit
+    drops = np.array(crest_offsets) / meshed.unit if crest_offsets else None
     with one_blas_thread():
         with watch.stage("assemble"):
             body = body_of(meshed, along)
@@ -143,11 +142,8 @@ def body_of(meshed: PadPiece, along: Layers, order: int = ORDER, *, clamped_end:
     borders, bend = borders_of(meshed, along), bend_of(meshed)
     unknowns = 3 * forms.clamped.size * ((borders.size - 1) * along.order + 1)
     if unknowns > MOST_UNKNOWNS:
-        raise SizeError(
-            "ridge.count",
-            f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
-            unknowns,
-            "take fewer ridges, a shorter skin or the corrected model",
-        )
+        rule = f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns"
+        remedy = "take fewer ridges, a shorter skin or the corrected model"
+        raise SizeError("ridge.count", rule, unknowns, remedy)
     laws = meshed.pad.laws
     return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=laws, bend=bend)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -101,11 +101,11 @@ def test_contact_points_move_as_the_condensed_pads() -> None:
 
 def test_strips_feel_what_the_condensed_pad_says() -> None:
     part, _, pad = meshed()
-    sides = pad.whole._moved(force())
+    sides = pad.whole.moved(force())
     stresses = []
     for moved in sides:
         film_field.set_state(pad.whole.body, moved)
-        average = film_field.averages(pad.whole.body, part.slots, part.thickness, part.unit)
+        average = film_field.averages(pad.whole.body, part)
         stresses.append(
             stick.on_whole(part, stick.in_strip_axes(average * part.pad.young_modulus, part.slots), 1)
         )
@@ -117,14 +117,15 @@ def test_strips_feel_what_the_condensed_pad_says() -> None:
 
 def test_a_plate_through_the_flanks_is_a_fault() -> None:
     part, _, pad = meshed()
-    top, none, x = part.whole.top, 0 * force(), np.array([-1.0, 1.0])
-    assert pad.whole.fault(none, top, 0.0) is None
+    top, x, whole = part.whole.top, np.array([-1.0, 1.0]), pad.whole
+    collision = partial(mech.collision, part, whole.body, whole.moved(0 * force()))
+    assert collision(top, 0.0) is None
     # the plate falls towards -x: what is met lies in the mirrored half
     for height, angle in ((top - 0.4, 0.0), (top, 0.3), (top, -0.3)):
-        assert "meets the plate" in pad.whole.fault(none, height, angle)
+        assert "meets the plate" in collision(height, angle)
     # no longer where the ends let every ridge down by as much
-    assert pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.4))) is None
-    assert "meets the plate" in pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.01)))
+    assert collision(top - 0.4, 0.0, (x, np.full(2, 0.4))) is None
+    assert "meets the plate" in collision(top - 0.4, 0.0, (x, np.full(2, 0.01)))
 
 
 FORCE = 0.3  # N

@@ -328,16 +328,15 @@ def test_strips_stress_is_the_laws() -> None:
     """Cauchy's, J sigma = P F^T, resolved along and across the strip as it then lies."""
     design = yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
     piece = mech.piece_of(*mech.filled_pad(design), halved=False)
-    both = {"skin": (1.0, 0.3), "film": (1.0, 0.3)}
-    what = whole(replace(piece.pad, poisson_ratio=0.3), 0.25)
+    pad = replace(piece.pad, poisson_ratio=0.3, film_modulus=piece.pad.young_modulus, film_ratio=0.3)
+    what = whole(pad, 0.25)
     gradient = np.array([[0.2, 0.3], [-0.1, 0.15]])
     stretch, shear, bulk = np.eye(2) + gradient, 1 / 2.6, 1 / 1.2
     swell = np.linalg.det(stretch) - 1
     pressure = bulk * swell
     state = affine(what, gradient, pressure)
     for law in (Ogden(mu=[0.3, 0.1], alpha=[3.5, -2.0]), Gent(mu=0.2, j_m=2.0), NEO, None):
-        laws = {"skin": law, "film": law} if law else {}
-        strips = mech.strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit, laws)
+        strips = mech.strip_stress(what.body, 2, replace(piece, pad=replace(pad, law=law)))
         # q enters as q cof F beside what has none, in units of E
         nominal = plane_stress(law or NEO, gradient) / (law or NEO).shear * shear
         cauchy = nominal @ stretch.T / (1 + swell) + pressure * np.eye(2)
