@@ -34,8 +34,7 @@ from threadpoolctl import threadpool_limits
 from bench import runner
 from skincad import load
 from skincad.laws import Ogden
-from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of, pad_of, plane_piece
-from skincad.mechanics.bodies.mesh import on_whole
+from skincad.mechanics import Pad, Sizes, at_faces, default_sizes, half_of, pad_of, piece_of, plane_piece
 from skincad.mechanics.models import finite_strain, linear
 from skincad.shape import Segment
 
@@ -311,7 +310,7 @@ def press(
     if abs(shares.sum() * length / borne - 1) > UNBALANCED:
         raise RuntimeError(f"CalculiX's ridges carry {shares.sum() * length:.4g} N of {borne:g} N")
     if not (whole or pad.revolved):
-        shares = on_whole(pad, piece, 2 * shares)
+        shares = piece_of(pad).on_whole(2 * shares)
     return PressedPad(shares * length, approach, 2 * len(mesh.nodes), seconds)
 
 

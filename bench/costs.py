@@ -24,7 +24,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from importlib import import_module
 from itertools import pairwise
 from time import perf_counter, process_time
 from typing import Any
@@ -146,7 +145,7 @@ def measured(model: str) -> dict[str, Any]:
     from skincad.mechanics.check import check
 
     for name in (model, *MODELS[model].builds_on):
-        import_module(MODELS[name].where.partition(":")[0])
+        table.load(name)
     design = load(DESIGN, [SMOOTH])
     check(design, model="winkler")
     runs = [check(design, model=model) for _ in range(REPEATS)]

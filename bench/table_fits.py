@@ -24,16 +24,16 @@ def fits() -> list[str]:
     lines = ["| where | numbers | what they are | designs |", "|---|---|---|---|"]
     for fit in FITS:
         numbers = "; ".join(f"{name} {as_text(value)}" for name, value in fit.values.items())
-        room = fit.where.split(":")[0].replace(".", "/")
+        room = fit.module.replace(".", "/")
         lines.append(f"| {room}.py | {numbers} | {fit.what} | {', '.join(fit.designs)} |")
     return lines
 
 
 def designs() -> list[str]:
     lines = [f"| set | designs | {' | '.join(NUMBERS.values())} |", "|---" * (2 + len(NUMBERS)) + "|"]
-    for name, drawn in DESIGNS.items():
-        ranges = " | ".join(f"{low:g} to {high:g}" for low, high in drawn.ranges.values())
-        lines.append(f"| {name} | {drawn.what} | {ranges} |")
+    for name, (what, drawn) in DESIGNS.items():
+        ranges = " | ".join(f"{low:g} to {high:g}" for low, high in drawn.values())
+        lines.append(f"| {name} | {what} | {ranges} |")
     return lines
 
 

@@ -396,7 +396,7 @@ class ChosenPad:
 
         try:
             if swing:
-                return of(solve_contact(skin.swung(swing), before.contact, swing.drive, cone, swing.inert))
+                return of(solve_contact(skin.swung(swing), before.contact, swing.drive, cone))
             return of(halved(lambda _: skin, before.contact, start, end, cone))
         except GrossSlip as limit:
             limit.last = of(limit.last)

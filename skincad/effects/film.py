@@ -21,7 +21,6 @@ from skincad.base.errors import InputError
 from skincad.effects.kinds import LeftOutEffect, PadChange, SceneOutline
 from skincad.inputs.design import Design
 from skincad.mechanics.problem import Pad
-from skincad.mechanics.validity import mean_width
 from skincad.shape.skin import skin_of
 
 OF_SHEAR, OF_PRESSURE = 0.133, 0.033  # fitted to 30 random scenes
@@ -72,7 +71,7 @@ class FilmStrips(PadChange):
         slot = skin_of(design).slot
         if design.film is None or slot is None or outline.ridge_normal <= 0:
             return None
-        area = mean_width(design) * design.skin.length
+        area = skin_of(design).profile.mean_width * design.skin.length
         shear, pressure = (float(np.abs(part).max()) / area for part in (path.pulled, path.pressed))
         borne = OF_SHEAR * shear + OF_PRESSURE * pressure
         blunt = math.sqrt(design.film.thickness / slot.depth)

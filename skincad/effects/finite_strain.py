@@ -33,12 +33,12 @@ from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Law, LeftOutEffect, SceneOutline, Term
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.validity import SHEAR_FACTOR, mean_width, plane_modulus
+from skincad.mechanics.validity import SHEAR_FACTOR, plane_modulus
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.effects.chosen_steps import ChosenPad
-    from skincad.mechanics.film.stick import PadPiece
+    from skincad.mechanics.bodies.mesh import PadPiece
 
 WITHIN = 2.0
 MOST = 2.0  # of the differential stress, change that is told: beyond it ridges nearly sway by themselves
@@ -90,11 +90,7 @@ class FiniteStrain(Law):
             body = plane_body.body(curved, order, pad.materials, pad.laws, face=pad.face)
             scale, ends = pad.young_modulus * unit * pad.length, partial(of_ends, pad)
             whole = frictional_pad_of(body, pad.top, unit, scale, pad.length, ends)
-        strips = (
-            strip_stress(body, order, pad.materials, piece.slots, piece.thickness, unit, pad.laws)
-            if films
-            else None
-        )
+        strips = strip_stress(body, order, piece) if films else None
         narrowest = min(np.ptp(whole.x[whole.ridge == number]) for number in np.unique(whole.ridge))
         interval = None if self.steps == "all" else UPDATE_INTERVAL * float(narrowest)
         fillets = [s.radius for s in pad.section.outline if s.kind in ("tip_fillet", "root_fillet")]
@@ -115,7 +111,7 @@ class FiniteStrain(Law):
         if normal <= 0:
             return None
         part = normal / sway_force(design, normal)
-        strain = normal / (plane_modulus(design) * design.skin.length * mean_width(design))
+        strain = normal / (plane_modulus(design) * design.skin.length * skin_of(design).profile.mean_width)
         text = f"nominal strain {strain:.2g}, and {part:.0%} of the force at which a ridge so pressed sways"
         return LeftOutEffect(
             "finite_strain", text, sway_amplification(design, normal, MOST), calibrated=True, within=WITHIN
@@ -137,10 +133,10 @@ def sway_force(design: Design, normal: float) -> float:
     """
     skin = skin_of(design)
     modulus, length, material = plane_modulus(design), design.skin.length, silicone(design)
-    squeeze = min(normal / (modulus * length * mean_width(design)), LARGEST_SQUEEZE)
+    squeeze = min(normal / (modulus * length * skin.profile.mean_width), LARGEST_SQUEEZE)
     height = max(skin.heights) * (1 - squeeze)
     width, tip = (
-        width_at_rest * (1 + squeeze) for width_at_rest in (mean_width(design), skin.profile.tip_width)
+        width_at_rest * (1 + squeeze) for width_at_rest in (skin.profile.mean_width, skin.profile.tip_width)
     )
     bending = modulus * length * width**3 / 12
     root, top = (

@@ -25,11 +25,12 @@ from skincad.base.tables import Table
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import ContactState, Drive, FrictionCoefficients, Swing
 from skincad.mechanics.problem import Pad
-from skincad.mechanics.validity import Limits, height
+from skincad.mechanics.validity import Limits
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
+    from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.film.fields import DeformedSection
-    from skincad.mechanics.film.stick import PadPiece
 
 
 FAINT = 0.1
@@ -310,7 +311,7 @@ class Law(Effect):
 
     def limits(self, design: Design) -> Limits:
         """Return where the law's range ends; any law's does where the skin is pressed flat."""
-        return Limits(height(design))
+        return Limits(skin_of(design).height)
 
     def marched(
         self, piece: PadPiece, mesh: object, order: int, films: bool, terms: Sequence[Term]

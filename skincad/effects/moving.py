@@ -12,7 +12,7 @@ from skincad.effects.kinds import FRICTIONLESS, Discretisation, Observables, Sha
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
 if TYPE_CHECKING:
-    from skincad.mechanics.film.stick import PadPiece
+    from skincad.mechanics.bodies.mesh import PadPiece
 
 
 def matter_of(step: Step, share: Share) -> Matter:

@@ -32,9 +32,8 @@ from skincad.mechanics.contact.frictional import in_halves, joined
 from skincad.mechanics.contact.state import Drive
 from skincad.mechanics.contact.tips import SWAY, Tips, TipState, advance, unloaded
 from skincad.mechanics.models import reduced
-from skincad.mechanics.models.pin_cell import crown_radius
 from skincad.mechanics.problem import ContactError
-from skincad.mechanics.validity import limits
+from skincad.mechanics.validity import crown_radius, limits
 from skincad.shape.skin import skin_of
 
 # Of a pin's height; a cantilever is 13 % stiffer then: Bisshopp and Drucker, Q. Appl. Math. 3 (1945) 272

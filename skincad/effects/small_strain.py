@@ -38,9 +38,9 @@ from skincad.mechanics.film import turning
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
+    from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.film.fields import DeformedSection, WholeState
     from skincad.mechanics.film.sliding import ContactPad
-    from skincad.mechanics.film.stick import PadPiece
 
 
 class SmallStrain(Law):
@@ -118,7 +118,7 @@ class CondensedPad:
             return skin if lower is None else replace(skin, gap=skin.gap + lower)
 
         if swing := share.swing:
-            return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone, swing.inert)
+            return solve_contact(seen(step.after).swung(swing), state, swing.drive, cone)
         return halved(seen, state, step.before, step.after, cone)
 
     def shown(self, state: ContactState) -> DeformedSection:
@@ -130,7 +130,11 @@ class CondensedPad:
         is known to. `besides` are displacements that no force holds, by parity, mm."""
         if self.pad.whole is None:
             return None
-        return self.pad.whole.fault(*self._placed(state), self._give(state), besides)
+        from skincad.mechanics.film.fields import collision
+
+        whole, (force, plate, angle) = self.pad.whole, self._placed(state)
+        moved = whole.moved(force, besides)
+        return collision(whole.piece, whole.body, moved, plate, angle, self._give(state))
 
     @property
     def _whole(self) -> WholeState:

@@ -117,13 +117,8 @@ def check(
     if measured is not None and design.skin.curvature_radius_y is not None:
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     crest_offsets, notes = ((), ()) if measured is None else crest_drops(measured, design)
-    notes = (
-        *notes,
-        *slope_warnings(design),
-        *shift_warnings(crest_offsets, design),
-        *material_warnings(design),
-    )
-    notes = (*notes, *bone_warnings(design), *_scatter_warnings(design))
+    notes = (*notes, *slope_warnings(design), *shift_warnings(crest_offsets, design))
+    notes = (*notes, *material_warnings(design), *bone_warnings(design), *_scatter_warnings(design))
     solutions = Solutions(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
         return _auto(solutions, tol, budget)

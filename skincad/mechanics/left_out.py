@@ -148,13 +148,10 @@ def pockets(design: Design, answer: Answer) -> LeftOut:
 
 def friction_along(design: Design) -> LeftOut:
     """Return the bound for tips that cannot spread along y: they reduce the effect of free ends."""
-    ends, (force, approach, share) = free_ends(design), ALONG_PART
-    return LeftOut(
-        effect=ALONG,
-        threshold=force * ends.threshold,
-        approach=approach * ends.approach,
-        share=share * ends.share,
-    )
+    ends = free_ends(design)
+    parts = zip(ALONG_PART, (ends.threshold, ends.approach, ends.share), strict=True)
+    force, approach, share = (part * of_ends for part, of_ends in parts)
+    return LeftOut(effect=ALONG, threshold=force, approach=approach, share=share)
 
 
 def tip_constraint(design: Design, ridges: int) -> float:

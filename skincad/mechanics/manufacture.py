@@ -32,14 +32,8 @@ from skincad.shape.skin import skin_of
 
 STEP = 1e-3  # relative, of each key, one way
 KEYS = (
-    "skin.curvature_radius",
-    "skin.thickness",
-    "skin.width",
-    "skin.length",
-    "ridge.pitch",
-    "ridge.height",
-    "ridge.root_width",
-    "ridge.tip_width",
+    *(f"skin.{key}" for key in ("curvature_radius", "thickness", "width", "length")),
+    *(f"ridge.{key}" for key in ("pitch", "height", "root_width", "tip_width")),
 )
 MODULUS = "material.young_modulus"
 # half-widths of the exponents of single ridges and of the base circle
@@ -159,11 +153,8 @@ def manufacture(
     unit, scale, count = model.unit, model.scale, model.gap.size
     model_threshold = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
     # the ratio of two negligible all-touch forces is rounding
-    softer = (
-        model_threshold * scale / threshold
-        if min(model_threshold * scale, threshold) > NEGLIGIBLE * force
-        else 1.0
-    )
+    counts = min(model_threshold * scale, threshold) > NEGLIGIBLE * force
+    softer = model_threshold * scale / threshold if counts else 1.0
     scaled_force = force / scale * softer
     crest_offsets, moduli = _parts(spread, unit, count)
     part_forces = scaled_force * spread.modulus[1] / moduli

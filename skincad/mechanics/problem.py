@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Record, item, reported
@@ -285,12 +285,14 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class DeformedLoop:
-    """A closed loop of the section's boundary at rest and `moved` `(n, 2)` mm, x and z of the design's frame,
-    and the plate's `pressure` `(n,)` MPa on it."""
+    """A closed loop of the section's boundary at rest and `moved` `(n, 2)`, x and z of the design's frame.
+    `touches` `(n,)` marks what of it may meet the plate, whose `pressure` `(n,)` MPa on it is empty where it
+    is not known. In units while it is, else in mm."""
 
     rest: Array
     moved: Array
-    pressure: Array
+    touches: Mask
+    pressure: Array = field(default_factory=lambda: np.empty(0))
 
 
 DeformedPiece = tuple[DeformedLoop, ...]  # of the section: its outer loop and its holes, in any order
@@ -387,62 +389,38 @@ def pad_of(design: Design) -> Pad:
     return solid_pad_of(design)
 
 
-def pin_cell(design: Design, radius: float, number: int = 1, curvature_radius: float = math.inf) -> Pad:
-    """Return the pad of one pin alone, upright in the middle of a disc of base of a `radius` mm whose rim is
-    free: its section turns about its axis. The base is flat unless it has a `curvature_radius` mm. Pockets
-    are silicone.
-
-    Valid under a flat plate that is square to the pin's axis.
-    """
-    material, shape = silicone(design), cell_section(design, radius, number, curvature_radius)
-    return Pad(
-        section=shape,
-        length=2 * radius,
-        young_modulus=material.young_modulus.value,
-        poisson_ratio=material.poisson_ratio,
-        plate=design.contact.plate,
-        density=material.density,
-        law=material.law,
-        revolved=True,
-        layers=tuple(layers_of(design, shape, radius)),
-    )
-
-
 def solid_pad_of(design: Design) -> Pad:
     """Return the pad of a design, straight along y or not; a round skin's section turns.
 
     Raises InputError for pins, as `pad_of`.
     """
-    skin = skin_of(design)
+    skin, base, radius = skin_of(design), design.skin, design.skin.curvature_radius_y
     if skin.symmetry == "revolved":
         if skin.count > 1:
             raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
-        if not design.skin.round:
+        if not base.round:
             remedy = 'give skin.outline = "round"'
-            rule = "must be 'round' round a single pin"
-            raise InputError("skin.outline", rule, design.skin.outline, remedy)
-        return pin_cell(design, design.skin.width / 2, curvature_radius=design.skin.curvature_radius)
-    radius = design.skin.curvature_radius_y
-    shape, material, film = section(design), silicone(design), design.film
-    state = design.film_state
-    bonded = film if state == "bonded" else None
-    strips = tuple(slot.loop(bonded.thickness) for slot in shape.slots) if bonded else ()
+            raise InputError("skin.outline", "must be 'round' round a single pin", base.outline, remedy)
+        shape, radius = cell_section(design, base.width / 2, 1, base.curvature_radius), None
+    else:
+        shape = section(design)
+    material, bonded = silicone(design), design.film if design.film_state == "bonded" else None
     return Pad(
         section=shape,
-        length=design.skin.length,
+        length=base.length,
         young_modulus=material.young_modulus.value,
         poisson_ratio=material.poisson_ratio,
-        strips=strips,
-        voids=tuple(slot.loop() for slot in shape.slots) if state == "loose" else (),
+        strips=tuple(slot.loop(bonded.thickness) for slot in shape.slots) if bonded else (),
+        voids=tuple(slot.loop() for slot in shape.slots) if design.film_state == "loose" else (),
         film_modulus=bonded.young_modulus if bonded else 0.0,
         film_ratio=bonded.poisson_ratio if bonded else 0.0,
         plate=design.contact.plate,
         density=material.density,
-        film_density=PVDF_DENSITY if strips else 0.0,
+        film_density=PVDF_DENSITY if bonded and shape.slots else 0.0,
         law=material.law,
-        bend=None if radius is None else Bend(radius, design.skin.thickness - radius),
-        revolved=design.skin.round,
-        layers=tuple(layers_of(design, shape, design.skin.width / 2)),
+        bend=None if radius is None else Bend(radius, base.thickness - radius),
+        revolved=base.round,
+        layers=tuple(layers_of(design, shape, base.width / 2)),
     )
 
 

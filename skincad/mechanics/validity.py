@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.inputs.design import Design
@@ -80,16 +83,16 @@ def limits(design: Design) -> Limits:
     modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
     skin = skin_of(design)
     if skin.symmetry == "none":
-        return Limits(height(design), family="")
+        return Limits(skin.height, family="")
     area = areas(design)[0]
     shear = modulus[0] / (1 + modulus[1]) * area
     squeeze = column_modulus(design) * area
-    return Limits(height(design), squeeze, shear, buckling_force(design), skin.family)
+    return Limits(skin.height, squeeze, shear, buckling_force(design), skin.family)
 
 
 def areas(design: Design) -> tuple[float, ...]:
     """Return each feature's area halfway up, mm2: a ring's along its crest line; a flat skin's face."""
-    skin, width = skin_of(design), mean_width(design)
+    skin, width = skin_of(design), skin_of(design).profile.mean_width
     if skin.symmetry == "revolved":
         return (math.pi * width**2 / 4,) * skin.count
     if skin.symmetry == "concentric":
@@ -106,24 +109,30 @@ def column_modulus(design: Design) -> float:
     return silicone(design).young_modulus.value if revolved else plane_modulus(design)
 
 
-def height(design: Design) -> float:
-    """Return how high skin and ridges are, mm: the plate cannot come further."""
-    return skin_of(design).height
-
-
 def refuse_crushed(design: Design, force: float, model: str, approach: float) -> None:
     """Raise InputError where a model finds the skin pressed flat: `approach` mm at `force` N."""
-    skin = height(design)
+    skin = skin_of(design).height
     if approach >= skin:
         most = force * skin / approach
         words = f"must stay below about {most:.3g} N, which press the skin flat in the {model} model"
         raise InputError("force", words, force, "take a smaller force")
 
 
-def mean_width(design: Design) -> float:
-    """Return a ridge's width halfway up, mm."""
-    skin = skin_of(design)
-    return (skin.profile.root_width + skin.profile.tip_width) / 2
+def crown_radius(design: Design) -> float:
+    """Return the radius, mm, of the features' rounded tips; infinite for flat ones."""
+    shape = skin_of(design).profile
+    return shape.tip_width**2 / (8 * shape.crown) + shape.crown / 2 if shape.crown else math.inf
+
+
+def crown_rises(design: Design) -> Array:
+    """Return by how much each feature's highest point is above its tip on the axis `(n,)` mm: a crown of
+    radius r that leans by a rises 2 r sin(a / 2)^2, up to its edge."""
+    shape, radius, lean = skin_of(design).profile, crown_radius(design), np.abs(skin_of(design).leans)
+    edge = shape.tip_width / 2 * np.sin(lean) - shape.crown * np.cos(lean)
+    if not math.isfinite(radius):
+        return np.asarray(edge)
+    on_crown = 2 * radius * np.sin(lean / 2) ** 2
+    return np.where(radius * np.sin(lean) <= shape.tip_width / 2, on_crown, edge)
 
 
 def plane_modulus(design: Design) -> float:
@@ -156,7 +165,7 @@ def ridge_strain(design: Design, answer: Shares) -> float:
     """Return the nominal strain of the most strained feature: its force over its modulus as a column and its
     area halfway up; of a flat skin the approach over its thickness."""
     if skin_of(design).symmetry == "none":
-        return (answer.approach.value or 0.0) / height(design)
+        return (answer.approach.value or 0.0) / skin_of(design).height
     return limits(design).strain(_largest(design, answer))
 
 
@@ -204,7 +213,7 @@ def buckling_force(design: Design) -> float:
     high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to 1.22 for
     the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
-    material, width = silicone(design), mean_width(design)
+    material, width = silicone(design), skin_of(design).profile.mean_width
     length = areas(design)[0] / width if skin_of(design).symmetry == "concentric" else design.skin.length
     inertia, factor = length * width**3 / 12, SHEAR_FACTOR
     if skin_of(design).symmetry == "revolved":
@@ -262,12 +271,8 @@ def slope_warnings(design: Design) -> tuple[str, ...]:
     plate = design.contact.plate
     slope = steepest(plate, design.skin.width / 2)
     if slope > LARGEST_SLOPE:
-        raise InputError(
-            "contact.plate",
-            f"must not slope by more than {LARGEST_SLOPE:g} within the skin (contact is taken as vertical)",
-            slope,
-            "take a larger radius",
-        )
+        rule = f"must not slope by more than {LARGEST_SLOPE:g} within the skin (contact is taken as vertical)"
+        raise InputError("contact.plate", rule, slope, "take a larger radius")
     if slope == 0.0:
         return ()
     return (f"contact is taken as vertical: with slopes of up to {slope:.2g} that is {slope**2 / 2:.1%} off",)

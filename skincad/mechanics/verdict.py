@@ -56,10 +56,8 @@ class Change(Record):
 
     def __str__(self) -> str:
         """As `skin.curvature_radius 60 -> 76`."""
-        before, after = (
-            value if isinstance(value, str) else f"{value:g}" for value in (self.before, self.after)
-        )
-        return f"{self.key} {before} -> {after}"
+        values = (v if isinstance(v, str) else f"{v:g}" for v in (self.before, self.after))
+        return f"{self.key} {' -> '.join(values)}"
 
 
 @record()
@@ -125,7 +123,9 @@ class ContactCheck(Result):
         """What may decide an undecided check, as a sentence; "" where it is decided."""
         if self.verdict != "undecided" or self.out_of_range:
             return "take a force within the model's range." if self.out_of_range else ""
-        by_friction, by_both = self._friction_errors
+        # errors that no better model removes; those of the closed form are included in better models
+        parts = {part.effect: part.threshold for part in self.left_out if self.model != "winkler"}
+        by_friction, by_both = parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
         if any(FRICTION_DECIDES in warning for warning in self.warnings):
             return "give contact.friction: without friction's error it is decided."
         if self.next_model and not is_undecidable(self, by_both):
@@ -137,13 +137,6 @@ class ContactCheck(Result):
         passes = "" if upper is None else f" The design passes from {upper:.3g} N"
         below = f" and fails below {lower:.3g} N" if lower > 0 else ""
         return f"{NO_MODEL}.{passes}{below}{passes and '.'}"
-
-    @property
-    def _friction_errors(self) -> tuple[float, float]:
-        """Relative errors of the all-touch force that no better model removes: of friction, and with friction
-        along y. Zero for the closed form, as better models include both."""
-        parts = {part.effect: part.threshold for part in self.left_out if self.model != "winkler"}
-        return parts.get(FRICTION, 0.0), parts.get(FRICTION, 0.0) + parts.get(ALONG, 0.0)
 
     @reported("N", "from the pessimistic end of the all-touch force to the plate's")
     def margin(self) -> float | None:

@@ -33,7 +33,7 @@ import numpy as np
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.estimate import Estimate
 from skincad.circuit.state import longest_step
-from skincad.mechanics.contact.state import FrictionCoefficients, law_of
+from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.scenes.march import March
 from skincad.scenes.runs import COARSE_STEP_FACTOR, Runs
 
@@ -348,7 +348,7 @@ def spread(time: Array, loads: Array, step: int | None, change: float, cone: Fri
         return 0.0
     normal, tangential, area = loads.T
     touches = (normal > 0) & (area > 0)
-    borne = law_of(cone, np.where(touches, area, 1.0)).borne(np.where(touches, normal, 1.0))
+    borne = cone.borne(np.where(touches, normal, 1.0), np.where(touches, area, 1.0))
     used = np.where(touches, np.abs(tangential) / borne, 0.0)
     low = np.flatnonzero(used[: step + 1] < used[step] / (1 + change))
     first = int(low[-1]) + 1 if low.size else 0

@@ -26,8 +26,8 @@ from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
+    from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.dynamics.modes import Modes
-    from skincad.mechanics.film.stick import PadPiece
 
 
 COARSE_STEP_FACTOR = 5  # steps of a march that are one of the march with fewer
@@ -88,7 +88,7 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
     None of pins."""
     if skin_of(scene.design).symmetry == "revolved":
         return None
-    from skincad.mechanics.film.stick import piece_of
+    from skincad.mechanics.bodies.mesh import piece_of
     from skincad.mechanics.film.stress import filled_pad
     from skincad.mechanics.problem import check_pad, pad_of
 

@@ -25,8 +25,15 @@ from skincad.inputs.design import Design
 from skincad.inputs.gripper import Gripper, gripper_named
 from skincad.inputs.silicone import silicones as listed_silicones
 from skincad.mechanics.check import check, mesh_tolerance
-from skincad.mechanics.models.pin_cell import crown_radius, hertz
-from skincad.mechanics.validity import LARGEST_STRAIN, limits, plane_modulus, ridge_strain, tipping
+from skincad.mechanics.models.pin_cell import hertz
+from skincad.mechanics.validity import (
+    LARGEST_STRAIN,
+    crown_radius,
+    limits,
+    plane_modulus,
+    ridge_strain,
+    tipping,
+)
 from skincad.mechanics.verdict import ContactCheck
 from skincad.shape.skin import skin_of
 from skincad.studies.query import first_able

@@ -125,10 +125,10 @@ def stiffness(skin: Any, terms: list[Term], state: Any) -> float:
     inertia = 0.0
     if isinstance(skin, MovingPad):
         matter = matter_of(now, share_of(terms, now))
-        ops = skin.pad.factorised(DT, matter)
-        compliance = ops.skin.compliance
+        scheme, _, seen = skin.pad.factorised(DT, matter)
+        compliance = seen.compliance
         if MASS in terms[-1].asks:
-            inertia = 1e-6 * matter.plate * ops.scheme.force
+            inertia = 1e-6 * matter.plate * scheme.force
     else:
         compliance = skin.skin.compliance
     contact_state = state.contact

@@ -23,8 +23,9 @@ from skincad.effects import (
     sway_force,
 )
 from skincad.inputs import Design, template_text
-from skincad.mechanics import FREE_TOP, added_compliance, mean_width, skin_mass, validity
+from skincad.mechanics import FREE_TOP, added_compliance, skin_mass, validity
 from skincad.scenes import LEVELS, Simulation, at_level, load_scene, plan
+from skincad.shape.skin import skin_of
 from tests.mechanics.designs import filleted, yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import small_scene
@@ -236,7 +237,9 @@ def test_what_leaving_films_out_changes_goes_by_load_and_bluntness() -> None:
     design = yamada()
     assert design.film is not None
     assert design.slot is not None
-    blunt = math.sqrt(design.film.thickness / design.slot.depth) / (mean_width(design) * design.skin.length)
+    blunt = math.sqrt(design.film.thickness / design.slot.depth) / (
+        skin_of(design).profile.mean_width * design.skin.length
+    )
     wanted = blunt * (FILMS_SHEAR + FILMS_PRESSURE * 4.0 / 0.5) / 2
     assert said("film", design, 0.5).change == pytest.approx(wanted)
     thick = design.with_(film={"thickness": design.film.thickness / 4})
@@ -379,7 +382,7 @@ def test_similar_ridges_sway_at_similar_forces() -> None:
         "pitch": 2 * design.ridge.pitch,
     }
     larger = design.with_(ridge=twice, skin={"length": 2 * design.skin.length, "width": 22.0})
-    assert mean_width(larger) == 2 * mean_width(design)
+    assert skin_of(larger).profile.mean_width == 2 * skin_of(design).profile.mean_width
     assert sway_force(larger, 2.0) == pytest.approx(4 * one, rel=1e-12)
 
 

@@ -20,7 +20,7 @@ import pytest
 import skincad
 from skincad.base import InputError
 from skincad.laws import LAWS, Gent, MooneyRivlin, NeoHooke, Ogden, Rubber, Yeoh, law, law_of
-from skincad.mechanics import Layers, Sizes, SolidBody, body_of, excess, excess_at, triangles
+from skincad.mechanics import Excess, Layers, Sizes, SolidBody, body_of, excess, triangles
 from skincad.mechanics.bodies import elements, plane_body
 from tests.mechanics.bodies.test_elements import block
 from tests.mechanics.models.test_solid_finite_strain import affine, meshed_of
@@ -63,7 +63,7 @@ def plane_stress(law: Rubber, gradient: Array) -> Array:
 def solid_stress(law: Rubber, stretch: Array) -> Array:
     """First Piola-Kirchhoff stress `(3, 3)`, MPa, of F in three dimensions, without a pressure."""
     swell = np.full((1, 1), np.linalg.det(stretch) - 1)
-    more = excess_at(law, np.zeros(1, dtype=int), stretch[None, None], swell)
+    more = Excess(law, np.zeros(1, dtype=int), stretch[None, None], swell)
     cofactor = np.linalg.inv(stretch).T  # over J
     stress = stretch - cofactor + more.stress()[0, 0] + more.volume[0, 0] * cofactor
     return law.shear * (stress - 2 / 3 * swell[0, 0] * (1 + swell[0, 0]) * cofactor)

@@ -66,7 +66,7 @@ def of_layered_pins() -> Iterable[Design]:
 )
 def test_designs_drawn_again_fill_their_ranges(draw: Callable[[], Iterable[Design]]) -> None:
     """To 0.5 %: the table has four digits."""
-    ranges = DESIGNS[draw.__name__.removeprefix("of_").replace("_", " ")].ranges
+    ranges = DESIGNS[draw.__name__.removeprefix("of_").replace("_", " ")][1]
     for key, drawn_range in hull(draw()).items():
         assert drawn_range == pytest.approx(ranges[key], rel=5e-3, abs=1e-3), key
 

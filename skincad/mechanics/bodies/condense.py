@@ -92,24 +92,17 @@ def factors(block: sparse.csc_matrix) -> Any:
         raise ContactError("the stiffness is singular") from None
 
 
-def trailing(matrix: sparse.csr_matrix, order: Index, k: int) -> tuple[Any, Array, Array]:
-    """Return SuperLU's factors in this order, the pivots `(n,)`, and the last rows of L `(k, k)`.
-
-    Symmetric without pivoting: what is left of the last k is L D L^T with D the diagonal of U.
-    """
-    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
-    natural = np.arange(order.size)
-    if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
-        raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
-    return factor, factor.U.diagonal(), factor.L[-k:, -k:].toarray(order="F")
-
-
 def factorise(matrix: sparse.csr_matrix, order: Index, k: int) -> Condensation:
     """Return `condense` for a given order, whose last `k` are the contact unknowns, definite or not.
 
     Over a Newton run the pattern stays, and with it the order from `fill_order`.
     """
-    factor, pivots, lower = trailing(matrix, order, k)
+    factor = factors(sparse.csc_matrix(matrix[order][:, order]))
+    natural = np.arange(order.size)
+    if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
+        raise ContactError("the factorisation left the given order; the stiffness is not positive definite")
+    # symmetric without pivoting: what is left of the last k is L D L^T with D the diagonal of U
+    pivots, lower = factor.U.diagonal(), factor.L[-k:, -k:].toarray(order="F")
     last = pivots[-k:]
     if (last > 0).all():
         lower, failed = linalg.lapack.dpotri(lower * np.sqrt(last), lower=True, overwrite_c=True)

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy import sparse
 
-from skincad.base.arrays import Array, Index, Mask
+from skincad.base.arrays import Array, Index
 from skincad.mechanics.bodies import fe
+from skincad.mechanics.problem import DeformedLoop
 
 FINE = 16  # intervals an edge in the fine sampling of gaps
 EDGE_POINTS = np.linspace(0.0, 1.0, 9)  # of the deformed outline, on each edge
@@ -220,22 +221,11 @@ def _merged(sample: Sample) -> Sample:
     is_vertex = (is_vertex[:-1] != 0) | (is_vertex[1:] != 0)
     key = np.where(is_vertex, largest, sample.rows.shape[1] + np.arange(count))
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
-    weight = np.zeros(first.size)
-    np.add.at(weight, group.ravel(), sample.weight)
+    weight = np.bincount(group.ravel(), sample.weight).astype(np.float64)
     return Sample(sample.rows[first], sample.position[first], sample.ridge[first], weight, sample.edge[first])
 
 
-@dataclass(frozen=True)
-class Outline:
-    """A closed loop of the boundary at rest and `moved`, `(points, 2)` in units; `touches` `(points,)` marks
-    what of it may meet the plate."""
-
-    rest: Array
-    moved: Array
-    touches: Mask
-
-
-def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
+def outlines(system: ContactStiffness, values: Array) -> list[DeformedLoop]:
     """Return the loops of the boundary under displacements `values` `(n,)`; edges inside are left out."""
     field = ng.GridFunction(system.space)
     field.vec.FV().NumPy()[:] = values
@@ -257,5 +247,5 @@ def outlines(system: ContactStiffness, values: Array) -> list[Outline]:
             following, *parts = edges.pop(following)
             loop.append(parts)
         rest, moves, touches = (np.concatenate(columns) for columns in zip(*loop, strict=True))
-        loops.append(Outline(rest, rest + moves, touches))
+        loops.append(DeformedLoop(rest, rest + moves, touches))
     return loops

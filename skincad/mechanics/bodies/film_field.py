@@ -20,12 +20,11 @@ import numpy as np
 from scipy import sparse
 
 from skincad.base.arrays import Array, Index, Mask
-from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.elements import ContactStiffness
-from skincad.mechanics.bodies.plane_body import NO_LAWS, NeoHookeBody, dilatation, excess
+from skincad.mechanics.bodies.mesh import PadPiece
+from skincad.mechanics.bodies.plane_body import NeoHookeBody, dilatation, excess
 from skincad.mechanics.problem import ContactError
-from skincad.shape.feature import SensorPlace
 
 AREA = 1e-9  # relative; the triangles of a strip make up its area
 
@@ -100,55 +99,50 @@ def set_state(body: StripBody, condensed: Array) -> None:
     whole.data += body.form.harmonic_extension * whole
 
 
-def averages(body: StripBody, slots: Sequence[SensorPlace], thickness: float, unit: float) -> Array:
+def averages(body: StripBody, piece: PadPiece) -> Array:
     """Return `(strips, 4)`: the state's stresses xx, xz, zz, yy averaged over each strip of domain `film`.
 
-    `slots` are the strips' places, `thickness` theirs, both mm. Integrated exactly. Because a Galerkin
-    solution satisfies a(u, v) = 0 for the v that is linear in a strip and dies out in the skin, this mean
-    is the mean of n x over the strip's sides of what the skin exerts, and converges as fast as an energy.
+    Integrated exactly. Because a Galerkin solution satisfies a(u, v) = 0 for the v that is linear in a strip
+    and dies out in the skin, this mean is the mean of n x over the strip's sides of what the skin exerts, and
+    converges as fast as an energy.
     """
     mesh = body.system.mesh
-    film = mesh.Materials("film")
     parts = (ng.CF(1.0), *(body.stress[i] for i in range(4)))
-    sums = [
-        ng.Integrate(part, mesh, order=body.order + 1, definedon=film, element_wise=True) for part in parts
-    ]
-    elements, strip = strips_of(mesh, slots, thickness, unit)
-    inside = np.array(sums).T[elements]
-    total = np.zeros((len(slots), 5))
-    np.add.at(total, strip, inside)
-    areas = np.array([slot.depth * thickness for slot in slots]) / unit**2
-    if np.abs(total[:, 0] / areas - 1).max() > AREA:
+    total = _sums(mesh, parts, body.order + 1, *strips_of(mesh, piece))
+    if np.abs(total[:, 0] / strip_areas(piece) - 1).max() > AREA:
         raise ContactError("the triangles of a strip do not make up its area")
     return np.asarray(total[:, 1:] / total[:, :1])
 
 
-def average_rows(
-    body: StripBody,
-    materials: Mapping[str, tuple[float, float]],
-    slots: Sequence[SensorPlace],
-    thickness: float,
-    unit: float,
-) -> Array:
+def _sums(mesh: Any, parts: Sequence[Any], order: int, elements: Index, strip: Index) -> Array:
+    """Integrals `(strips, parts)` over each strip, of whose elements `(e,)` the `strip` is known."""
+    film = mesh.Materials("film")
+    sums = [ng.Integrate(part, mesh, order=order, definedon=film, element_wise=True) for part in parts]
+    total = np.zeros((strip.max(initial=-1) + 1, len(parts)))
+    np.add.at(total, strip, np.array(sums).T[elements])
+    return total
+
+
+def average_rows(body: StripBody, piece: PadPiece) -> Array:
     """Return `(strips, 4, n)`: `averages` as linear functionals of the condensed unknowns.
 
     Each is assembled against the test functions and carried from inside the elements to their edges, so that
     one solve gives the stress under any load (its adjoint). The mesh must have the strips as domain `film`.
     """
     mesh, space = body.system.mesh, body.system.space
-    elements, strip = strips_of(mesh, slots, thickness, unit)
+    elements, strip = strips_of(mesh, piece)
     inside = ng.GridFunction(ng.L2(mesh, order=0))
     forms = []  # each takes one of the library's 8192 timers for good, so there is not one for each strip too
-    stress = _stress(mesh, materials, *space.TestFunction())
+    stress = _stress(mesh, piece.pad.materials, *space.TestFunction())
     for j in range(4):
         forms.append(ng.LinearForm(space))
         forms[-1] += inside * stress[j] * ng.dx(definedon=mesh.Materials("film"))
-    rows = np.empty((len(slots), 4, space.ndof))
-    for i, slot in enumerate(slots):
+    rows = np.empty((len(piece.slots), 4, space.ndof))
+    for i, slot in enumerate(piece.slots):
         mark = np.zeros(mesh.ne)
         mark[elements[strip == i]] = 1.0
         inside.vec.FV().NumPy()[:] = mark
-        share = unit**2 / (slot.depth * thickness)
+        share = piece.unit**2 / (slot.depth * piece.thickness)
         for j, form in enumerate(forms):
             form.Assemble()
             form.vec.data += body.form.harmonic_extension_trans * form.vec
@@ -156,14 +150,20 @@ def average_rows(
     return rows
 
 
-def strips_of(mesh: Any, slots: Sequence[SensorPlace], thickness: float, unit: float) -> tuple[Index, Index]:
+def strip_areas(piece: PadPiece) -> Array:
+    """Return the areas of a piece's strips `(strips,)`, in units."""
+    return np.array([slot.depth * piece.thickness for slot in piece.slots]) / piece.unit**2
+
+
+def strips_of(mesh: Any, piece: PadPiece) -> tuple[Index, Index]:
     """Return the elements of domain `film` and the number of the strip that each lies in, both `(e,)`."""
+    slots = piece.slots
     inside = list(mesh.Materials("film").Elements())
     numbers = np.array([e.nr for e in inside], dtype=np.int64)
-    away = (fe.centres(mesh, inside) * unit)[:, None] - np.array([s.centre for s in slots])
+    away = (fe.centres(mesh, inside) * piece.unit)[:, None] - np.array([s.centre for s in slots])
     along, normal = np.array([s.direction for s in slots]), np.array([s.normal for s in slots])
     depth = np.array([s.depth for s in slots])
-    parts = np.abs((away * along).sum(2)) / depth, np.abs((away * normal).sum(2)) / thickness
+    parts = np.abs((away * along).sum(2)) / depth, np.abs((away * normal).sum(2)) / piece.thickness
     return numbers, np.maximum(*parts).argmin(axis=1)
 
 
@@ -247,45 +247,29 @@ class StripStress:
     def _totals(self, values: Array) -> Array:
         """Each strip's present volume and, times it, its stresses `(strips, 4)`."""
         self.moved.vec.FV().NumPy()[:] = values
-        mesh = self.moved.space.mesh
-        film = mesh.Materials("film")
-        sums = [
-            ng.Integrate(part, mesh, order=self.order, definedon=film, element_wise=True)
-            for part in self.parts
-        ]
-        total = np.zeros((self.strip.max(initial=-1) + 1, len(sums)))
-        np.add.at(total, self.strip, np.array(sums).T[self.elements])
-        return total
+        return _sums(self.moved.space.mesh, self.parts, self.order, self.elements, self.strip)
 
 
-def strip_stress(
-    body: NeoHookeBody,
-    order: int,
-    materials: Mapping[str, tuple[float, float]],
-    slots: Sequence[SensorPlace],
-    thickness: float,
-    unit: float,
-    laws: Mapping[str, Rubber] = NO_LAWS,
-) -> StripStress:
-    """Return the stresses of the strips in `slots`, `thickness` mm; the mesh has them as domain `film`.
+def strip_stress(body: NeoHookeBody, order: int, piece: PadPiece) -> StripStress:
+    """Return the stresses of a piece's strips; the mesh has them as domain `film`.
 
     sigma = G / J (F F^T - 1) + (q - 2 G / 3 (J - 1)) 1: neo_hooke.strain_energy's own, with lambda (J - 1)
-    lengthwise, where plane strain has a stretch of 1. A law of `laws` adds P F^T / J of what its energy has
+    lengthwise, where plane strain has a stretch of 1. Another law adds P F^T / J of what its energy has
     more (plane_body.py), and nothing lengthwise: there each power of the stretch, 1, balances ln J.
     """
-    mesh = body.mesh
-    elements, strip = strips_of(mesh, slots, thickness, unit)
+    mesh, pad = body.mesh, piece.pad
+    elements, strip = strips_of(mesh, piece)
     moved = ng.GridFunction(body.space)
     u, q = moved.components[0], moved.components[1].MakeVariable()
-    shear, _ = fe.shear_and_bulk(*materials["film"])
+    shear, _ = fe.shear_and_bulk(*pad.materials["film"])
     h = ng.Grad(u).MakeVariable()  # by which a law is derived, and the stress itself
     swell = dilatation(h)
     stretch, mean = ng.Id(2) + h, q - 2 * shear / 3 * swell
     # J sigma, so that sums are over the present volume
     stress = shear * (stretch * stretch.trans - ng.Id(2)) + (1 + swell) * mean * ng.Id(2)
-    if "film" in laws:
-        stress += shear * (excess(laws["film"], h).Diff(h) * stretch.trans)
-    along = stretch * _directions(mesh, elements, np.array([s.direction for s in slots])[strip])
+    if "film" in pad.laws:
+        stress += shear * (excess(pad.laws["film"], h).Diff(h) * stretch.trans)
+    along = stretch * _directions(mesh, elements, np.array([s.direction for s in piece.slots])[strip])
     normal = ng.CF((-along[1], along[0]))  # Nanson's, of the faces that the strip's direction lies in
     parts = (
         1 + swell,
@@ -314,11 +298,7 @@ def _slope(space: Any, part: Any, by: tuple[Any, Any], extra: int) -> Any:
 
 def _directions(mesh: Any, elements: Index, direction: Array) -> Any:
     """Return a vector that is constant on each of the elements, `(e, 2)`, zero elsewhere."""
-    components = []
-    for values in direction.T:
-        constant = ng.GridFunction(ng.L2(mesh, order=0))
-        on_all = np.zeros(mesh.ne)
-        on_all[elements] = values
-        constant.vec.FV().NumPy()[:] = on_all
-        components.append(constant)
-    return ng.CF(tuple(components))
+    constant, on_all = ng.GridFunction(ng.VectorL2(mesh, order=0)), np.zeros((2, mesh.ne))
+    on_all[:, elements] = direction.T
+    constant.vec.FV().NumPy()[:] = on_all.ravel()
+    return constant

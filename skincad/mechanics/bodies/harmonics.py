@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import ngsolve as ng
@@ -20,38 +19,35 @@ from skincad.mechanics.bodies import fe
 from skincad.mechanics.bodies.elements import small_strain
 
 
-@dataclass(frozen=True)
-class Harmonic:
-    """The condensed stiffness of one harmonic: NGSolve's `form` over `space`, and which unknowns are `free`.
-    The space's first component is (u_r, u_z), of n > 0 the second is u_r + n u_t."""
-
-    form: Any
-    space: Any
-    free: Any
-
-    def solved(self, loads: Sequence[Any]) -> list[Any]:
-        """Return the displacements under loads: NGSolve's linear forms of traction on the boundary."""
-        inverse = self.form.mat.Inverse(self.free, inverse="sparsecholesky")
-        fields = []
-        for load in loads:
-            field = ng.GridFunction(self.space)
-            field.vec.data = inverse * load.vec
-            field.vec.data += self.form.harmonic_extension * field.vec
-            fields.append(field)
-        return fields
+def _solved(form: Any, space: Any, held: Sequence[Any], loads: Sequence[Any]) -> list[Any]:
+    """The displacements under loads, NGSolve's linear forms of traction on the boundary, by a condensed
+    stiffness `form` over a space of which the unknowns `held` are 0."""
+    free = ng.BitArray(space.FreeDofs(True))
+    for number in np.concatenate(held).tolist():
+        free.Clear(number)
+    inverse, fields = form.mat.Inverse(free, inverse="sparsecholesky"), []
+    for load in loads:
+        field = ng.GridFunction(space)
+        field.vec.data = inverse * load.vec
+        field.vec.data += form.harmonic_extension * field.vec
+        fields.append(field)
+    return fields
 
 
-def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], number: int) -> Harmonic:
+def harmonic(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], number: int
+) -> tuple[Any, Any, list[Any]]:
     """Return harmonic `number` of a section that turns about x = 0, in small strain, with the pressure as an
-    unknown; materials and orders as in `small_strain`, which is harmonic 0.
+    unknown: NGSolve's condensed form, its space, and which unknowns the axis holds. Materials and orders as
+    in `small_strain`, which is harmonic 0.
 
-    For n > 0 the unknown round the axis is w = u_r + n u_t: the hoop strain is w / r, and strains stay
-    finite on the axis with w = 0 there, without any condition that ties unknowns to each other.
+    The space's first component is (u_r, u_z). For n > 0 the second, round the axis, is w = u_r + n u_t: the
+    hoop strain is w / r, and strains stay finite on the axis with w = 0 there, without any condition that
+    ties unknowns to each other.
     """
     if number == 0:
         form, both = small_strain(mesh, order, materials, revolved=True)
-        held = [fe.held_on_cut(mesh, both.components[0])[0]]
-        return Harmonic(form, both, _free(both, held))
+        return form, both, [fe.held_on_cut(mesh, both.components[0])[0]]
     plane = ng.VectorH1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     around = ng.H1(mesh, order=order, orderinner=order + 1, dirichlet="back")
     both = plane * around * ng.L2(mesh, order=order - 1)
@@ -69,7 +65,7 @@ def harmonic(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
     form.Assemble()
     in_r, in_z = fe.held_on_cut(mesh, plane)
     on_axis = np.flatnonzero(fe.on_cut(mesh, around)) + both.Range(1).start
-    return Harmonic(form, both, _free(both, [in_z, on_axis] if number == 1 else [in_r, in_z, on_axis]))
+    return form, both, [in_z, on_axis] if number == 1 else [in_r, in_z, on_axis]
 
 
 def _strains(u: Any, w: Any, n: int) -> list[Any]:
@@ -86,13 +82,6 @@ def _strains(u: Any, w: Any, n: int) -> list[Any]:
     ]
 
 
-def _free(space: Any, held: Sequence[Any]) -> Any:
-    free = ng.BitArray(space.FreeDofs(True))
-    for number in np.concatenate(held).tolist():
-        free.Clear(number)
-    return free
-
-
 Places = tuple[Array, Array]  # radii and heights `(m,)`, in units
 
 
@@ -103,9 +92,9 @@ def pushed(
     radius, the mean weighted by the load; and the displacements `(2, m)`, outward and up, at places."""
     inside, area, ds = _tip(mesh, loaded)
     push = harmonic(mesh, order, materials, 0)
-    (_, _), (v, _) = push.space.TnT()
+    (_, _), (v, _) = push[1].TnT()
     down = ng.LinearForm(-2 * math.pi * ng.x * inside / area * v[1] * ds).Assemble()
-    (field,) = push.solved([down])
+    (field,) = _solved(*push, [down])
     return float(ng.InnerProduct(down.vec, field.vec)), np.asarray(field.components[0](mesh(*at))).T
 
 
@@ -118,12 +107,12 @@ def pulled(
     inside, area, ds = _tip(mesh, loaded)
     turning = ng.Integrate(math.pi * ng.x**3 * inside * ds, mesh)
     pull = harmonic(mesh, order, materials, 1)
-    _, (v, s, _) = pull.space.TnT()
+    _, (v, s, _) = pull[1].TnT()
     loads = [
         ng.LinearForm(math.pi * ng.x * inside / area * (2 * v[0] - s) * ds).Assemble(),
         ng.LinearForm(math.pi * ng.x**2 * inside / turning * v[1] * ds).Assemble(),
     ]
-    fields, points, moves = pull.solved(loads), mesh(*at), []
+    fields, points, moves = _solved(*pull, loads), mesh(*at), []
     for field in fields:
         u, w = (np.asarray(field.components[i](points)).T for i in (0, 1))
         moves.append(np.stack([u[0], u[1], w.ravel() - u[0]]))

@@ -21,6 +21,7 @@ from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError, exhausted
 from skincad.mechanics.problem import Pad
 from skincad.shape.curves import Loop, Point, Segment
+from skincad.shape.feature import SensorPlace
 from skincad.shape.skin import Section
 
 SKIN, FILM = 1, 2  # domain numbers, 0 is outside
@@ -273,12 +274,9 @@ def half_of(pad: Pad) -> Pad | None:
     if outline is None:
         return None
 
-    def right(inner: tuple[Loop, ...]) -> tuple[Loop, ...]:
-        return tuple(loop for loop in inner if loop[0].start.x > 0)
-
+    strips, voids = (tuple(loop for loop in of if loop[0].start.x > 0) for of in (pad.strips, pad.voids))
     layers = tuple(replace(layer, face=_right_part(layer.face)) for layer in pad.layers)
-    section = Section(outline)
-    return replace(pad, section=section, strips=right(pad.strips), voids=right(pad.voids), layers=layers)
+    return replace(pad, section=Section(outline), strips=strips, voids=voids, layers=layers)
 
 
 def _mirrored(segments: list[Segment], tolerance: float) -> bool:
@@ -322,39 +320,46 @@ def _right_part(segment: Segment) -> Segment:
 
 
 @dataclass(frozen=True)
-class PadMesh:
-    """The piece of a pad that is meshed: half of it where `mirrored`, as always where the section turns about
-    x = 0; `height` is the pad's, mm.
+class PadPiece:
+    """What is meshed of a pad: its half where `mirrored`, as always where the section turns about x = 0.
 
     `unit` is the piece's, mm: another one than the pad's where a middle ridge is cut, which no number in mm
-    or N depends on.
+    or N depends on. `mesh` is netgen's, None before there is one; `thickness` mm is the strips' in its slots.
     """
 
     whole: Pad
-    piece: Pad
+    pad: Pad
     mirrored: bool
     unit: float
-    height: float
-    mesh: Any
+    mesh: Any = None
+    thickness: float = 0.0
 
     @property
     def sides(self) -> int:
         """How many times the piece makes up the pad."""
         return 2 if self.mirrored and not self.whole.revolved else 1
 
+    @property
+    def scale(self) -> float:
+        """The force on the whole pad, N, for a force of 1 on the piece, in its units."""
+        along = self.unit if self.whole.revolved else self.whole.length
+        return self.whole.young_modulus * self.unit * along * self.sides
+
+    @property
+    def slots(self) -> tuple[SensorPlace, ...]:
+        """The places of the piece's strips, mm."""
+        slots = self.whole.section.slots
+        return tuple(s for s in slots if s.centre.x > 0) if self.mirrored else slots
+
     def on_whole(self, shares: Array) -> Array:
         """Return each ridge's force `(ridges,)` from those of the piece's ridges, in N on the whole pad; of a
         mirrored half, the sides share what its ridges carry."""
-        return on_whole(self.whole, self.piece, shares) if self.sides > 1 else shares
-
-
-def on_whole(pad: Pad, half: Pad, shares: Array) -> Array:
-    """Return the force on each ridge of a pad from what those of its half carry on both sides together."""
-    numbers = pad.ridges
-    values = np.zeros(len(numbers))
-    for ridge, share in zip(half.ridges, shares, strict=True):
-        values[numbers.index(ridge)] += share / 2
-    return values + values[::-1]
+        if self.sides == 1:
+            return shares
+        values = np.zeros(len(self.whole.ridges))
+        for ridge, share in zip(self.pad.ridges, shares, strict=True):
+            values[self.whole.ridges.index(ridge)] += share / 2
+        return values + values[::-1]
 
 
 def height_of(pad: Pad) -> float:
@@ -363,17 +368,46 @@ def height_of(pad: Pad) -> float:
     return max(heights) - min(heights)
 
 
-def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadMesh:
-    """Return the mesh of the pad's half, or of all of it where asked or not mirror-symmetric. Raises
-    InputError for a section that can't turn about x = 0 and should."""
-    half = None if whole and not pad.revolved else half_of(pad)
+def piece_of(pad: Pad, thickness: float = 0.0, halved: bool = True) -> PadPiece:
+    """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots: the
+    half of a mirror-symmetric one, unless `halved` says otherwise. Raises InputError for a section that can't
+    turn about x = 0 and should."""
+    half = half_of(pad) if halved or pad.revolved else None
     if half is None and pad.revolved:
         raise InputError("section", "must be its own mirror image at x = 0, about which it turns")
-    piece = pad if half is None else half
-    return PadMesh(pad, piece, half is not None, unit_of(piece), height_of(pad), triangles(piece, sizes))
+    piece = half or pad
+    return PadPiece(pad, piece, half is not None, unit_of(piece), thickness=thickness)
 
 
-def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadMesh:
+def meshed_piece(pad: Pad, sizes: Sizes, *, whole: bool = False) -> PadPiece:
+    """Return `piece_of` with its mesh, of all of the pad where asked."""
+    piece = piece_of(pad, halved=not whole)
+    return replace(piece, mesh=triangles(piece.pad, sizes))
+
+
+@dataclass(frozen=True)
+class MeshRefinement:
+    """Orders `order - 1` and `order` on a mesh of a `fineness`, 1 the usual one.
+
+    `price` is its time on top of the refinements before, as a multiple of the first one's; `usual` is the
+    relative error that it usually reaches. A strip's corners get edges of `tip` of its thickness; `grading`
+    is the growth of the triangles away from them.
+    """
+
+    fineness: float
+    order: int
+    price: float = 1.0
+    usual: float = 0.0
+    tip: float = 0.0
+    grading: float = 0.3
+
+    def sizes(self, piece: PadPiece) -> Sizes:
+        """Return the mesh's edge sizes for a piece with strips."""
+        usual = default_sizes(piece.pad, self.fineness)
+        return replace(usual, tip=self.tip * piece.thickness, grading=self.grading)
+
+
+def plane_piece(pad: Pad, fineness: float = 1.0, *, whole: bool = False) -> PadPiece:
     """Return `meshed_piece` in the default sizes of the plane; twice the fineness halves them all."""
     return meshed_piece(pad, replace(default_sizes(pad, fineness), smooth=True), whole=whole)
 

@@ -31,14 +31,14 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import elements, fe
 from skincad.mechanics.bodies.condense import Condensation, factorise, fill_order
-from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines, with_contact
-from skincad.mechanics.problem import ContactError
+from skincad.mechanics.bodies.elements import ContactStiffness, outlines, with_contact
+from skincad.mechanics.problem import ContactError, DeformedLoop
 
 THROUGH = 2e-3  # of the unit; between contact points the crown itself is up to 1e-3 above the plate
 
 
 def undetected_contact(
-    loops: list[Outline],
+    loops: list[DeformedLoop],
     plate: Callable[[Array], Array],
     with_itself: bool = True,
     *,
@@ -81,12 +81,6 @@ def crossing(loop: Array) -> tuple[float, Array]:
         if depth > deepest:
             deepest, place = depth, inside
     return deepest, place
-
-
-def x_of_largest_displacement(loops: list[Outline]) -> float:
-    """Return x at rest of the place that moves furthest."""
-    moves = np.concatenate([loop.moved - loop.rest for loop in loops])
-    return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])
 
 
 def signed_area(loop: Array) -> float:
@@ -234,9 +228,9 @@ class NeoHookeBody:
         small = factorise(matrix, self.order if order is None else order, contact or self.rest.contact.size)
         return PlaneLinearised(self, matrix, small, small.flexibility, *_condensed(self, residual))
 
-    def x_of_largest_displacement(self, step: Array) -> float:
-        """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
-        return x_of_largest_displacement(outlines(self.rest, step))
+    def outlines(self, state: Array) -> list[list[DeformedLoop]]:
+        """Return the loops of the boundary in a state `(n,)`, of the one section there is."""
+        return [outlines(self.rest, state)]
 
     def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact, under a plate at the height `plate`, or None."""

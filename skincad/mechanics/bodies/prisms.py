@@ -11,8 +11,7 @@ is unknown are movements along x, z and y at every layer's points all the same.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Any
@@ -24,7 +23,7 @@ from scipy import linalg, sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.bodies import elements, fe
-from skincad.mechanics.bodies.condense import Front, Unknowns, dissection, schur
+from skincad.mechanics.bodies.condense import NOT_DEFINITE, Front, Unknowns, dissection, schur
 from skincad.mechanics.bodies.elements import ContactStiffness, Sample, lobatto
 from skincad.mechanics.problem import Bend, ContactError
 
@@ -51,40 +50,21 @@ class AlongY:
     bend: Bend | None = None
 
 
-@dataclass(frozen=True)
-class LayerFunctions:
-    """A layer of thickness 1 at its Gauss points `at` `(g,)` of these weights: displacement functions
-    `value`, their `slope`, both `(g, order + 1)`, and the pressure functions `test` `(g, order - 1)`."""
-
-    at: Array
-    weight: Array
-    value: Array
-    slope: Array
-    test: Array
-
-
-def layer_functions(order: int) -> LayerFunctions:
-    """Return a layer's functions; exact for what `line` integrates."""
+def layer_functions(order: int) -> tuple[Array, Array, Array, Array, Array]:
+    """Return what a layer of thickness 1 has at its Gauss points, exact for what `line` integrates: their
+    place and weight `(g,)`, displacement functions and their slope `(g, order + 1)`, and the pressure
+    functions `(g, order - 1)`."""
     gauss, weight = legendre.leggauss(order + 1)
     value, slope = _lagrange(lobatto(order)[0], (gauss + 1) / 2)
     test: Array = legendre.legvander(gauss, order - 2).astype(np.float64)
-    return LayerFunctions((gauss + 1) / 2, weight / 2, value, slope, test)
+    return (gauss + 1) / 2, weight / 2, value, slope, test
 
 
 def constant() -> AlongY:
     """Return the line of plane strain: one function, 1, over a length of 1."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
-    return AlongY(
-        at=np.zeros(1),
-        weight=np.ones(1),
-        mass=one,
-        slope=zero,
-        stiff=zero,
-        mean=one,
-        rise=zero,
-        inverse=one,
-        fine=one,
-    )
+    ones: dict[str, Any] = dict.fromkeys(("mass", "mean", "inverse", "fine"), one)
+    return AlongY(np.zeros(1), np.ones(1), **ones, slope=zero, stiff=zero, rise=zero)
 
 
 def graded(half: float, last: float, growth: float) -> Array:
@@ -112,8 +92,7 @@ def line(borders: Array, order: int, samples: int = 4, bend: Bend | None = None)
     mass, slope, stiff = (np.zeros((count, count)) for _ in range(3))
     mean, rise, inverse = np.zeros((total, count)), np.zeros((total, count)), np.zeros((total, total))
     fine = []
-    layer = layer_functions(order)
-    w, value, derivative, test = layer.weight, layer.value, layer.slope, layer.test
+    _, w, value, derivative, test = layer_functions(order)
     for i, (low, high) in enumerate(pairwise(borders.tolist())):
         size = high - low
         here = slice(i * order, i * order + order + 1)
@@ -195,45 +174,16 @@ class Solid:
     """The condensed solid: `flexibility` `(k, k)` of the contact unknowns, seen like a section's.
 
     `rigid_body_error` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns
-    by 1, beyond what the functions miss of it: the factorisation's rounding error. `along` `(points,)` is y
-    of the contact points. `in_plane` `(3 k, 3 k)` is the flexibility of movements along x, z and y, 0 where
+    by 1, beyond what the functions miss of it: the factorisation's rounding error. `in_plane` `(3 k, 3 k)` is
+    the flexibility of movements along x, z and y, 0 where
     one is held; empty unless asked for.
     """
 
     seen: ContactStiffness
     flexibility: Array
-    along: Array
     rigid_body_error: float
     unknowns: int
     in_plane: Array
-
-
-@dataclass(frozen=True)
-class Prisms:
-    """Stiffness of the prisms over each triangle, small strain: the sum of `section` `(t, 8, (3 f)^2)` times
-    `along` `(8, n^2)`, whose 8 say which factors derive along y. `unknowns` `(t, 3 f n)` numbers them:
-    component x, z, y; section function; function along y. `turn` `(n,)` are the angles, rad, by which a
-    section is turned there, None of a straight solid."""
-
-    section: Array
-    along: Array
-    unknowns: Index
-    turn: Array | None
-
-    def stiffness(self, triangle: int) -> Array:
-        """Return one triangle's stiffness `(3 f n, 3 f n)`."""
-        f, n = (math.isqrt(a.shape[-1]) for a in (self.section, self.along))
-        both = (self.section[triangle].T @ self.along).reshape(f, f, n, n)
-        matrix = np.asarray(both.transpose(0, 2, 1, 3).reshape(f * n, f * n))
-        return matrix if self.turn is None else self._upright(self._upright(matrix).T)
-
-    def _upright(self, rows: Array) -> Array:
-        """Rows for movements along z and y, from those for movements away from the axis and around it."""
-        turn = self.turn if self.turn is not None else np.zeros(1)
-        x, away, around = rows.reshape(3, -1, turn.size, len(rows))
-        cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
-        upright = [x, cosine * away - sine * around, sine * away + cosine * around]
-        return np.asarray(np.stack(upright).reshape(rows.shape))
 
 
 def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> SectionForms:
@@ -277,11 +227,13 @@ def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, fl
     )
 
 
-def prisms(forms: SectionForms, line: AlongY) -> Prisms:
-    """Return the stiffness of the prisms that a line makes of the triangles.
+def prisms(forms: SectionForms, line: AlongY) -> tuple[Index, Callable[[int], Array]]:
+    """Return the prisms that a line makes of the triangles: the unknowns `(t, 3 f n)` above each (component
+    x, z, y; section function; function along y), and what gives their stiffness `(3 f n, 3 f n)`.
 
     2 G dev(e):dev(e) + K (P div u)^2 with the projection P on the pressures: what `elements.assemble`
-    leaves after condensing the pressure, its weak form the same.
+    leaves after condensing the pressure, its weak form the same. The stiffness is the sum of eight products,
+    by which factors derive along y.
     """
     bend, weight, basis = line.bend, forms.weight, forms.basis
     if bend is not None:
@@ -309,15 +261,23 @@ def prisms(forms: SectionForms, line: AlongY) -> Prisms:
     strip = line.mean, line.rise
     along = [line.mass, line.slope, line.slope.T, line.stiff]
     along += [one.T @ line.inverse @ other for one in strip for other in strip]
+    by_section, by_line = section.reshape(count, 8, -1), np.array(along).reshape(8, -1)
     size, n = forms.clamped.size, line.at.size
     functions = forms.functions[:, None, :] + size * np.arange(3)[:, None]
     unknowns = functions.reshape(count, -1, 1) * n + np.arange(n)
-    return Prisms(
-        section=section.reshape(count, 8, -1),
-        along=np.array(along).reshape(8, -1),
-        unknowns=unknowns.reshape(count, -1),
-        turn=None if bend is None else line.at / bend.radius,
-    )
+    cosine, sine = (of(line.at / (bend.radius if bend else 1.0))[:, None] for of in (np.cos, np.sin))
+
+    def upright(rows: Array) -> Array:
+        """Rows for movements along z and y, from those for movements away from the axis and around it."""
+        x, away, around = rows.reshape(3, -1, n, len(rows))
+        return np.stack([x, cosine * away - sine * around, sine * away + cosine * around]).reshape(rows.shape)
+
+    def stiffness(triangle: int) -> Array:
+        both = (by_section[triangle].T @ by_line).reshape(3 * f, 3 * f, n, n)
+        matrix = np.asarray(both.transpose(0, 2, 1, 3).reshape(3 * f * n, 3 * f * n))
+        return matrix if bend is None else upright(upright(matrix).T)
+
+    return unknowns.reshape(count, -1), stiffness
 
 
 def condensed(
@@ -333,7 +293,7 @@ def condensed(
     With `plane` u_y is 0 everywhere, with `clamped_end` at the end as well: both are plane strain. With
     `in_plane` the flexibility along x and y is returned too.
     """
-    solid = prisms(forms, line)
+    numbers, stiffness = prisms(forms, line)
     count, layers = forms.clamped.size, line.at.size
     free = free_unknowns(forms, line, plane=plane, clamped_end=clamped_end)
     flat = forms.plane.contact
@@ -342,19 +302,16 @@ def condensed(
     fixed, load = np.zeros((3, count, layers)), np.zeros(3 * count * layers)
     fixed[1] = (forms.plane.lift[count : 2 * count] * forms.clamped)[:, None]
     for triangle in np.flatnonzero(forms.clamped[forms.functions].any(axis=1)).tolist():
-        corners = solid.unknowns[triangle]
-        load[corners] += solid.stiffness(triangle) @ fixed.ravel()[corners]
+        load[numbers[triangle]] += stiffness(triangle) @ fixed.ravel()[numbers[triangle]]
 
     def inside(triangle: int) -> Iterator[tuple[Index, Array]]:
-        yield solid.unknowns[triangle], solid.stiffness(triangle)
+        yield numbers[triangle], stiffness(triangle)
 
     complement, load = schur(inside, fronts, unknowns, load)
     try:
         root = linalg.cho_factor(complement, check_finite=False)
     except linalg.LinAlgError:
-        raise ContactError(
-            "the condensed stiffness is not positive definite; take a smaller poisson_ratio or film modulus"
-        ) from None
+        raise ContactError(NOT_DEFINITE) from None
     flexibility = linalg.cho_solve(root, np.eye(load.size), check_finite=False)
     flexibility, moved = (flexibility + flexibility.T) / 2, flexibility @ load
     whole = np.zeros((0, 0))
@@ -368,8 +325,7 @@ def condensed(
     expected = np.repeat(forms.plane.lift[flat], layers)
     rigid_body_error = max(0.0, float(np.abs(moved + expected).max()) - MISSED * missed_lift(line))
     seen = along_y(forms.plane, line)
-    along = np.repeat(line.at, forms.plane.nodes.weight.size)
-    return Solid(seen, flexibility, along, rigid_body_error, int(free.sum()), whole)
+    return Solid(seen, flexibility, rigid_body_error, int(free.sum()), whole)
 
 
 MISSED = 20.0  # of what its functions miss of a rigid lift, at most so much is felt; measured: 3 to 10

@@ -17,11 +17,11 @@ from skincad.base.arrays import Array, Index, Mask
 from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
-from skincad.mechanics.bodies.elements import ContactStiffness, Outline, outlines
-from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact, x_of_largest_displacement
+from skincad.mechanics.bodies.elements import ContactStiffness, outlines
+from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact
 from skincad.mechanics.bodies.prisms import SectionForms, along_y, free_unknowns, fronts_of
-from skincad.mechanics.bodies.solid_law import Elements, elements_of
-from skincad.mechanics.problem import Bend
+from skincad.mechanics.bodies.solid_law import Elements
+from skincad.mechanics.problem import Bend, DeformedLoop
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,6 @@ class SolidBody:
         flexibility[np.ix_(free, free)] = small.flexibility
         return SolidLinearised(self, coupling, small, state, residual, flexibility)
 
-    def x_of_largest_displacement(self, step: Array) -> float:
-        """Return x at rest of the place on the boundary, at the middle or the end, that a step `(n,)` moves
-        furthest."""
-        return x_of_largest_displacement([loop for loops in self.outlines(step) for loop in loops])
-
     def undetected_contact(self, state: Array, plate: float) -> str | None:
         """Return what touches without being in contact in the middle or at the end, or None."""
         cut = bool(self.forms.cut.any())
@@ -113,7 +108,7 @@ class SolidBody:
         """Cosine of the angle by which the section is turned in the middle and at the end."""
         return 1.0, 1.0 if self.bend is None else float(np.cos(self.along.max() / self.bend.radius))
 
-    def outlines(self, state: Array) -> list[list[Outline]]:
+    def outlines(self, state: Array) -> list[list[DeformedLoop]]:
         """Return the loops of the boundary, moved in their plane, at the middle y = 0 and at the end."""
         plane, count = self.forms.plane, self.forms.clamped.size
         loops = []
@@ -179,7 +174,11 @@ def solid_body(
     """
     line, count = prisms.line(borders, order, bend=bend), forms.clamped.size
     along, height = line.at.size, len(borders) - 1
-    elements = _extruded(forms, borders, prisms.layer_functions(order), _numbered(forms, laws, height), bend)
+    domains, by_law = np.array([element.mat for element in forms.plane.mesh.Elements(ng.VOL)]), []
+    for law in dict.fromkeys(laws.values()):  # with the numbers of its elements, `height` above a triangle
+        triangles = np.flatnonzero(np.isin(domains, [name for name, other in laws.items() if other == law]))
+        by_law.append((law, (triangles[:, None] * height + np.arange(height)).ravel()))
+    elements = _extruded(forms, borders, order, tuple(by_law), bend)
     # an element's functions: the section's first, then y's; elements: triangle, then layer
     functions = forms.functions[:, None, :, None] * along
     functions = functions + (np.arange(height)[:, None] * order + np.arange(order + 1))[:, None]
@@ -202,49 +201,36 @@ def solid_body(
     )
 
 
-def _numbered(
-    forms: SectionForms, laws: Mapping[str, Rubber], height: int
-) -> tuple[tuple[Rubber, Index], ...]:
-    """The laws of domains with the numbers of their elements, `height` of them above each triangle."""
-    domains = np.array([element.mat for element in forms.plane.mesh.Elements(ng.VOL)])
-    numbered = []
-    for law in dict.fromkeys(laws.values()):
-        triangles = np.flatnonzero(
-            np.isin(domains, [name for name, law_of_domain in laws.items() if law_of_domain == law])
-        )
-        numbered.append((law, (triangles[:, None] * height + np.arange(height)).ravel()))
-    return tuple(numbered)
-
-
 def _extruded(
     section: SectionForms,
     borders: Array,
-    layer: prisms.LayerFunctions,
+    order: int,
     laws: tuple[tuple[Rubber, Index], ...],
     bend: Bend | None,
 ) -> Elements:
     """Products of the section's functions and points with those of layers between `borders`
     `(layers + 1,)`."""
+    at, by_layer, value, slope, tested = prisms.layer_functions(order)
     thickness, (triangles, points) = np.diff(borders), section.weight.shape
-    shape = (triangles, thickness.size, points, layer.weight.size)
+    shape = (triangles, thickness.size, points, at.size)
     total = triangles * thickness.size
-    weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, layer.weight)
-    flat = np.einsum("tgjf,ha->tghjfa", section.basis[:, :, :2], layer.value)
-    upright = np.einsum("tgf,ha,l->tlghfa", section.basis[:, :, 2], layer.slope, 1 / thickness)
+    weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, by_layer)
+    flat = np.einsum("tgjf,ha->tghjfa", section.basis[:, :, :2], value)
+    upright = np.einsum("tgf,ha,l->tlghfa", section.basis[:, :, 2], slope, 1 / thickness)
     basis = np.empty((*shape, 3, *upright.shape[-2:]))
     basis[..., :2, :, :] = flat[:, None]
     basis[..., 2, :, :] = upright
     if bend is not None:
         stretch = bend.stretch(section.height)[:, None, :, None]
         weight = weight * stretch
-        turn = (borders[:-1, None] + thickness[:, None] * layer.at) / bend.radius
+        turn = (borders[:-1, None] + thickness[:, None] * at) / bend.radius
         cosine, sine = (f(turn)[None, :, None, :, None, None] for f in (np.cos, np.sin))
         away, around = basis[..., 1, :, :].copy(), basis[..., 2, :, :] / stretch[..., None, None]
         basis[..., 1, :, :] = cosine * away - sine * around
         basis[..., 2, :, :] = sine * away + cosine * around
-    test = np.einsum("tgp,hr->tghpr", section.test, layer.test)
+    test = np.einsum("tgp,hr->tghpr", section.test, tested)
     test = np.broadcast_to(test[:, None], (*shape, *test.shape[-2:]))
-    g = points * layer.weight.size
+    g = points * at.size
     shear, bulk = (np.repeat(m, thickness.size)[:, None] for m in (section.shear, section.bulk))
     weight, basis = weight.reshape(total, g), basis.reshape(total, g, 3, -1)
-    return elements_of(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)
+    return Elements(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)

@@ -17,6 +17,7 @@ point by point, and the rest by the pressure: the same law, and with functions f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -33,35 +34,47 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 
 @dataclass(frozen=True)
 class Excess:
-    """A law's excess at the points `(e, g)` of the elements numbered `elements` `(e,)`.
-
-    `slope` and `bend` are f'(x) and f''(x); `square` `(e, g, 3)` C's eigenvalues, `axes` `(e, g, 3, 3)` its
-    eigenvectors as columns, `moved` `(e, g, component, axis)` the axes times F, and `pull` `(e, g, 3)` is
-    f(L); `swell` is J - 1.
-    """
+    """A law's excess at the points `(e, g)` of the elements numbered `elements` `(e,)`: at F `deformed`
+    `(e, g, 3, 3)` with J - 1 `swell` `(e, g)`."""
 
     law: Rubber
     elements: Index
-    slope: Array
-    bend: Array
-    square: Array
-    axes: Array
-    moved: Array
-    pull: Array
+    deformed: Array
     swell: Array
+
+    @cached_property
+    def _eigen(self) -> tuple[Array, Array]:
+        """C's eigenvalues `(e, g, 3)`, and its eigenvectors as columns `(e, g, 3, 3)`."""
+        square, axes = np.linalg.eigh(np.swapaxes(self.deformed, -1, -2) @ self.deformed)
+        return square, axes
+
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        """f'(x) and f''(x) `(e, g)`."""
+        return self.law.slopes(_measure(self.law, self._eigen[0], self.swell))
+
+    @cached_property
+    def _moved(self) -> Array:
+        """C's axes times F `(e, g, component, axis)`."""
+        return self.deformed @ self._eigen[1]
+
+    @cached_property
+    def _pulls(self) -> Array:
+        """f(L) `(e, g, 3)`."""
+        return _pull(self.law, self._eigen[0])
 
     @property
     def volume(self) -> Array:
         """Factor of ln J in the excess, to first order: 1 - p f'(x)."""
-        return np.asarray(1 - _pull(self.law, np.ones(1))[0] * self.slope)
+        return np.asarray(1 - _pull(self.law, np.ones(1))[0] * self._slopes[0])
 
     def stress(self) -> Array:
         """Return the nominal stress `(e, g, component, axis)`, that of ln J apart."""
-        return self._drawn(self.slope[..., None] * self.pull - 1)
+        return self._drawn(self._slopes[0][..., None] * self._pulls - 1)
 
     def _drawn(self, by_axis: Array) -> Array:
         """F times what has the eigenvalues `by_axis` `(e, g, 3)` on C's axes."""
-        return np.asarray((self.moved * by_axis[..., None, :]) @ np.swapaxes(self.axes, -1, -2))
+        return np.asarray((self._moved * by_axis[..., None, :]) @ np.swapaxes(self._eigen[1], -1, -2))
 
     def stiffness(self, cofactor: Array, basis: Array, weight: Array) -> Array:
         """Return the elements' stiffness `(e, 3 b, 3 b)`, ln J's apart, at points of `weight` `(e, g)`."""
@@ -74,8 +87,9 @@ class Excess:
 
     def _stiffness(self, some: slice, cofactor: Array, basis: Array, weight: Array) -> Array:
         count, points, _, b = basis.shape
-        moved, slope = self.moved[some], self.slope[some]
-        along = np.swapaxes(self.axes[some], -1, -2) @ basis  # the functions' gradients by C's axes
+        moved, slope, pull = self._moved[some], self._slopes[0][some], self._pulls[some]
+        axes = np.swapaxes(self._eigen[1][some], -1, -2)
+        along = axes @ basis  # the functions' gradients by C's axes
         rows = np.empty((count, points, len(PAIRS) + 1, 3, b))
         factor = np.empty((count, points, len(PAIRS) + 1))
         for place, (i, j) in enumerate(PAIRS):
@@ -84,13 +98,13 @@ class Excess:
             # rows are twice the strain; off the diagonal it counts twice
             factor[:, :, place] = slope * self._divided(some, i, j) / (2 if i == j else 1)
         ends = _pull(self.law, np.ones(1))[0] / (1 + self.swell[some])
-        by_gradient = self._drawn(self.pull)[some] - ends[..., None, None] * cofactor
+        by_gradient = (moved * pull[..., None, :]) @ axes - ends[..., None, None] * cofactor
         rows[:, :, -1] = by_gradient @ basis
-        factor[:, :, -1] = self.bend[some]
+        factor[:, :, -1] = self._slopes[1][some]
         flat = rows.reshape(count, -1, 3 * b)
         weighted = flat * (factor * weight[..., None]).reshape(count, -1, 1)
         product = np.swapaxes(weighted, 1, 2) @ flat
-        turning = along * ((slope[..., None] * self.pull[some] - 1) * weight[..., None])[..., None]
+        turning = along * ((slope[..., None] * pull - 1) * weight[..., None])[..., None]
         block = np.swapaxes(turning.reshape(count, -1, b), 1, 2) @ along.reshape(count, -1, b)
         for k in range(3):
             product[:, k * b : (k + 1) * b, k * b : (k + 1) * b] += block
@@ -98,29 +112,12 @@ class Excess:
 
     def _divided(self, some: slice, i: int, j: int) -> Array:
         """(f(Li) - f(Lj)) / (Li - Lj), and its limit."""
-        one, other = self.square[some, :, i], self.square[some, :, j]
+        one, other = self._eigen[0][some, :, i], self._eigen[0][some, :, j]
         middle, difference = (one + other) / 2, one - other
         near = np.abs(difference) < CLOSE * middle
         series = _pull(self.law, middle, 1) + _pull(self.law, middle, 3) * difference**2 / 24
-        exact = (self.pull[some, :, i] - self.pull[some, :, j]) / np.where(near, 1.0, difference)
+        exact = (self._pulls[some, :, i] - self._pulls[some, :, j]) / np.where(near, 1.0, difference)
         return np.where(near, series, exact)
-
-
-def excess_at(law: Rubber, numbers: Index, deformed: Array, swell: Array) -> Excess:
-    """Return a law's excess at F `(e, g, 3, 3)` with J - 1 `(e, g)`."""
-    square, axes = np.linalg.eigh(np.swapaxes(deformed, -1, -2) @ deformed)
-    slope, bend = law.slopes(_measure(law, square, swell))
-    return Excess(
-        law=law,
-        elements=numbers,
-        slope=slope,
-        bend=bend,
-        square=square,
-        axes=axes,
-        moved=deformed @ axes,
-        pull=_pull(law, square),
-        swell=swell,
-    )
 
 
 def excess_density(law: Rubber, deformed: Array, swell: Array) -> Array:
@@ -167,48 +164,38 @@ class Elements:
     """e elements with g points of `weight` `(e, g)` in volume, b functions of displacements, q of pressure.
 
     `basis` `(e, g, 3, b)` are the functions' gradients by the three axes, `test` `(e, g, q)` the pressure
-    functions. `shear`, `pointwise_bulk` and `bulk`, the rest of the bulk modulus, are `(e, 1)`. `stretch`
-    `(e, b, b)` is the stiffness of G F:F / 2 and `softening` `(e, q, q)` the inverse of the pressures' part.
-    `laws` are laws with the numbers of the elements that have them; all others are neo-Hookean.
+    functions; moduli are `(e, 1)`. `laws` are laws with the numbers of the elements that have them; all
+    others are neo-Hookean.
     """
 
     weight: Array
     basis: Array
     test: Array
     shear: Array
-    pointwise_bulk: Array
-    bulk: Array
-    stretch: Array
-    softening: Array
+    whole_bulk: Array
     laws: tuple[tuple[Rubber, Index], ...] = ()
 
+    @cached_property
+    def pointwise_bulk(self) -> Array:
+        """The part of the bulk modulus that acts without the pressure."""
+        return np.minimum(POINTWISE_BULK * self.shear, self.whole_bulk / 2)
 
-def elements_of(
-    weight: Array,
-    basis: Array,
-    test: Array,
-    shear: Array,
-    bulk: Array,
-    laws: tuple[tuple[Rubber, Index], ...] = (),
-) -> Elements:
-    """Return elements of these moduli, `(e, 1)` both."""
-    pointwise_bulk = np.minimum(POINTWISE_BULK * shear, bulk / 2)
-    bulk = bulk - pointwise_bulk
-    pulled = _flat(basis) * np.repeat(weight * shear, 3, axis=1)[:, :, None]
-    stretch = np.swapaxes(pulled, 1, 2) @ _flat(basis)
-    volume_terms = np.swapaxes(test * (weight / bulk)[:, :, None], 1, 2) @ test
-    softening = np.linalg.inv(volume_terms).astype(np.float64)
-    return Elements(
-        weight=weight,
-        basis=basis,
-        test=test,
-        shear=shear,
-        pointwise_bulk=pointwise_bulk,
-        bulk=bulk,
-        stretch=stretch,
-        softening=softening,
-        laws=laws,
-    )
+    @cached_property
+    def bulk(self) -> Array:
+        """The rest of the bulk modulus."""
+        return self.whole_bulk - self.pointwise_bulk
+
+    @cached_property
+    def stretch(self) -> Array:
+        """The stiffness of G F:F / 2 `(e, b, b)`."""
+        pulled = _flat(self.basis) * np.repeat(self.weight * self.shear, 3, axis=1)[:, :, None]
+        return np.swapaxes(pulled, 1, 2) @ _flat(self.basis)
+
+    @cached_property
+    def softening(self) -> Array:
+        """The inverse of the pressures' part `(e, q, q)`."""
+        terms = np.swapaxes(self.test * (self.weight / self.bulk)[:, :, None], 1, 2) @ self.test
+        return np.linalg.inv(terms).astype(np.float64)
 
 
 @dataclass(frozen=True)
@@ -241,7 +228,7 @@ def points(of: Elements, displacement: Array, pressure: Array) -> Points:
     deformed = gradient + np.eye(3)
     cofactor = np.stack([np.cross(deformed[:, :, j], deformed[:, :, k]) for _, j, k in NEXT], axis=2)
     swell = _swelling(gradient)
-    excess = tuple(excess_at(law, numbers, deformed[numbers], swell[numbers]) for law, numbers in of.laws)
+    excess = tuple(Excess(law, numbers, deformed[numbers], swell[numbers]) for law, numbers in of.laws)
     return Points(of, deformed, cofactor, swell, at_points, excess)
 
 

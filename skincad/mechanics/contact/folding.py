@@ -9,52 +9,42 @@ no model here knows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.mechanics.bodies import plane_body
-from skincad.mechanics.bodies.elements import Outline, outlines
+from skincad.mechanics.bodies.elements import outlines
 from skincad.mechanics.contact.frictional_pad import FrictionalPad, FrictionalState
 from skincad.mechanics.contact.state import ContactState
+from skincad.mechanics.problem import DeformedLoop
 
 WRINKLES = 0.544
 LEAST_VOLUME = 0.02  # of an element's at rest, at any of its points; less is hardly a solution
 FOOT = 0.2  # of the height; below, strains at the ends of the clamped back are unbounded in any mesh
 
 
-@dataclass(frozen=True)
-class Pinch:
-    """The free surface's smallest stretch along itself, at `place` `(2,)` at rest, in units; `tip` whether
-    that may touch the plate."""
-
-    stretch: float
-    place: Array
-    tip: bool
-
-
-def pinch(loops: list[Outline], plate: float) -> Pinch:
-    """Return where loops are compressed most that do not touch the plate at the height `plate`."""
+def pinch(loops: list[DeformedLoop], plate: float) -> tuple[float, Array, bool]:
+    """Return the smallest stretch along itself of the free surface, of loops that do not touch the plate at
+    the height `plate`; its place `(2,)` at rest, in units; and whether that may touch the plate."""
     top = max(loop.rest[:, 1].max() for loop in loops)
-    tightest = Pinch(np.inf, np.zeros(2), False)
+    tightest = np.inf, np.zeros(2), False
     for loop in loops:
         start, end = loop.rest, np.roll(loop.rest, -1, axis=0)
         moved = np.roll(loop.moved, -1, axis=0) - loop.moved
         stretch = np.hypot(*moved.T) / np.hypot(*(end - start).T)
         free = loop.moved[:, 1] < plate - plane_body.THROUGH
         free &= np.roll(free, -1) & (start[:, 1] > FOOT * top)
-        if not free.any():
-            continue
         i = int(np.where(free, stretch, np.inf).argmin())
-        if stretch[i] < tightest.stretch:
-            tightest = Pinch(float(stretch[i]), (start[i] + end[i]) / 2, bool(loop.touches[i]))
+        if free[i] and stretch[i] < tightest[0]:
+            tightest = float(stretch[i]), (start[i] + end[i]) / 2, bool(loop.touches[i])
     return tightest
 
 
 def _lowered(
-    loops: list[Outline], pad: FrictionalPad, contact: ContactState, sunk: Array | None
-) -> list[Outline]:
+    loops: list[DeformedLoop], pad: FrictionalPad, contact: ContactState, sunk: Array | None
+) -> list[DeformedLoop]:
     """The outlines lower by what free ends let the ridges down, and by what masses do, `sunk` `(m,)` mm at
     the contact points: a section at rest knows neither."""
     if sunk is None and not pad.ends.any():
@@ -73,16 +63,11 @@ def _lowered(
 def fold_of(pad: FrictionalPad, state: FrictionalState) -> str | None:
     """Return where the free surface is compressed along itself to less than WRINKLES, or where the skin goes
     through itself; None where neither is so."""
-    if folded := _fold(pad, pinch_of(pad, state)):
+    loops, plate = outlines(pad.rest, state.values), _plate(pad, state)
+    if folded := _fold(pad, *pinch(_lowered(loops, pad, state.contact, None), plate)):
         return folded
-    depth, place = _crossing(outlines(pad.rest, state.values))
+    depth, place = _crossing(loops)
     return _through(pad, depth, place) if depth > 0 else None
-
-
-def pinch_of(pad: FrictionalPad, state: FrictionalState) -> Pinch:
-    """Return where the free surface is compressed most along itself."""
-    loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, None)
-    return pinch(loops, _plate(pad, state))
 
 
 def undetected_contact(
@@ -98,7 +83,7 @@ def undetected_contact(
     masses let the contact points be. None for a sound state."""
     plate = _plate(pad, state)
     loops = _lowered(outlines(pad.rest, state.values), pad, state.contact, sunk)
-    if creases and (folded := _fold(pad, pinch(loops, plate))):
+    if creases and (folded := _fold(pad, *pinch(loops, plate))):
         return folded
     wrong = plane_body.undetected_contact(loops, lambda x: np.full_like(x, plate), with_itself=creases)
     if wrong or creases:
@@ -114,7 +99,7 @@ def undetected_contact(
     return None
 
 
-def _crossing(loops: list[Outline]) -> tuple[float, Array]:
+def _crossing(loops: list[DeformedLoop]) -> tuple[float, Array]:
     """How deep the skin's outline or a slot's goes through itself, in units, and where."""
     return max((plane_body.crossing(loop.moved) for loop in loops), key=lambda found: found[0])
 
@@ -133,11 +118,11 @@ def _ridge_at(pad: FrictionalPad, place: Array) -> int:
     return int(pad.ridge[int(np.abs(pad.x / pad.unit - place[0]).argmin())])
 
 
-def _fold(pad: FrictionalPad, least: Pinch) -> str | None:
-    if least.stretch >= WRINKLES:
+def _fold(pad: FrictionalPad, stretch: float, place: Array, tip: bool) -> str | None:
+    if stretch >= WRINKLES:
         return None
-    where = "tip" if least.tip else "flank or root"
+    where = "tip" if tip else "flank or root"
     return (
-        f"the surface folds onto itself at ridge {_ridge_at(pad, least.place)}'s {where}: its stretch there "
-        f"is {least.stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
+        f"the surface folds onto itself at ridge {_ridge_at(pad, place)}'s {where}: its stretch there "
+        f"is {stretch:.3f}, and below {WRINKLES:g} no free surface stays smooth in plane strain"
     )

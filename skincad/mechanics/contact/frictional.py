@@ -31,9 +31,8 @@ from skincad.mechanics.contact.state import (
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    Inert,
     Status,
-    law_of,
+    at_rest,
 )
 from skincad.mechanics.problem import ContactError
 
@@ -76,14 +75,13 @@ def halved(
     start: Drive,
     end: Drive,
     cone: FrictionCoefficients,
-    deepest: int = 4,
 ) -> ContactState:
     """Return `solve_contact` at `end`, in halves where need be; what the parts slipped is added up."""
 
     def advance(before: ContactState, _start: Drive, end: Drive, _share: float) -> ContactState:
         return solve_contact(skin(end), before, end, cone)
 
-    return in_halves(advance, before, start, end, joined, deepest)
+    return in_halves(advance, before, start, end, joined, 4)
 
 
 def joined(first: Contact, second: Contact) -> Contact:
@@ -114,19 +112,15 @@ MAX_RESIDUAL = 1e-10  # relative; a larger residual is never accepted
 
 
 def solve_contact(
-    skin: Compliance,
-    before: ContactState,
-    drive: Drive,
-    cone: FrictionCoefficients,
-    inert: Inert | None = None,
+    skin: Compliance, before: ContactState, drive: Drive, cone: FrictionCoefficients
 ) -> ContactState:
-    """Return the state at the end of a step; a plate with mass, `inert`, may leave the skin and may slide.
+    """Return the state at the end of a step; a plate with mass may leave the skin and may slide.
 
     Raises GrossSlip where friction cannot hold the tangential force, ContactError where the sets do not
     settle or the residual is above 1e-10 of scale: halve the step then.
     """
-    if inert is not None:
-        return _Step(skin, before, drive, cone, inert).solution()
+    if drive.stiffness:
+        return _Step(skin, before, drive, cone).solution()
     if drive.normal < 0:
         raise ContactError(f"the plate's normal force must not pull, got {drive.normal:g} N")
     if drive.normal == 0.0:
@@ -146,21 +140,9 @@ def _lifted(skin: Compliance, before: ContactState, drive: Drive) -> ContactStat
         raise GrossSlip(limit, "a plate without normal force holds no tangential force")
     m = skin.gap.size
     travel = before.travel if drive.travel is None else drive.travel
-    anchor = skin.free[:m] - travel
     approach = float((skin.gap - skin.free[m:]).min())
-    zero = np.zeros(m)
-    clear = np.zeros(m, dtype=np.int8)
-    return ContactState(
-        normal=zero,
-        tangential=zero,
-        anchor=anchor,
-        status=clear,
-        slipped=zero,
-        approach=approach,
-        travel=travel,
-        residual=0.0,
-        angle=drive.angle,
-    )
+    anchor = skin.free[:m] - travel
+    return replace(at_rest(m), anchor=anchor, approach=approach, travel=travel, angle=drive.angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,29 +169,25 @@ class _Step:
     """One step's data and scales."""
 
     def __init__(
-        self,
-        skin: Compliance,
-        before: ContactState,
-        drive: Drive,
-        cone: FrictionCoefficients,
-        inert: Inert | None = None,
+        self, skin: Compliance, before: ContactState, drive: Drive, cone: FrictionCoefficients
     ) -> None:
-        self.skin, self.before, self.drive, self.cone, self.inert = skin, before, drive, cone, inert
+        self.skin, self.before, self.drive, self.cone = skin, before, drive, cone
         m = self.m = skin.gap.size
         c, self.solved = skin.compliance, skin.solved
         self.xx, self.xz, self.zx, self.zz = c[:m, :m], c[:m, m:], c[m:, :m], c[m:, m:]
         self.gap = skin.gap - skin.free[m:]
         self.home = before.anchor - skin.free[:m]  # what C (t, -p) in x is compared with, plus the travel
         self.load = drive.normal  # scale of the forces
-        if inert is not None:
+        if drive.stiffness:
             self.load = max(abs(drive.normal), float(before.normal.sum()), 1e-300)
         self.force = self.load / max(1, int(np.count_nonzero(before.touches)))
         self.length = float(np.ptp(self.gap)) or float(self.load * self.zz.diagonal().mean())
-        self.law = law_of(cone, skin.area)
+        if cone.breakpoints and not skin.area.size:
+            raise ContactError("friction by shear stress asks for the area of each contact point")
         # a point that slid keeps sliding by the kinetic coefficient; one that stuck breaks off at the static
-        self.limit = np.where(before.status >= RIGHT, self.law.kinetic, self.law.static)
-        self.line = self.law.line(before.normal)
-        self.searches = inert is None and not self.law.has_breakpoints and bool(before.touches.any())
+        self.limit = np.where(before.status >= RIGHT, cone.slides, cone.sticks)
+        self.line = cone.line(before.normal, skin.area)
+        self.searches = not drive.stiffness and not cone.breakpoints and bool(before.touches.any())
 
     def solution(self, all_slip: float = 0.0) -> ContactState:
         """The state whose sets reproduce themselves; with `all_slip` every closed point slips that way.
@@ -218,7 +196,7 @@ class _Step:
         near: then the search restarts from all points sliding, and from all sticking; and at last it tries
         one set after the other, the least wrong one first.
         """
-        starts = iter([self._sliding(all_slip)]) if all_slip else self._starts()
+        starts = iter([self._all(self._way(all_slip))]) if all_slip else self._starts()
         sweeps, slides = 0, 0.0
         for status in starts:
             result, count = self._sweep(status, all_slip)
@@ -265,32 +243,24 @@ class _Step:
         while found is None and queue and len(seen) < SEARCHED:
             safe_point()
             _, _, status, wrong, wanted = heapq.heappop(queue)
-            for change in self._neighbours(status, wrong, wanted):
-                if found := add(change):
-                    break
+            # all wrong points put right, or one of the most wrong ones put elsewhere
+            neighbours = [np.where(wrong > 0, wanted, status)]
+            for point in np.argsort(-wrong, kind="stable")[: min(MOST_WRONG, np.count_nonzero(wrong))]:
+                for other in (kind for kind in (OPEN, STICK, RIGHT, LEFT) if kind != status[point]):
+                    neighbours.append(status.copy())
+                    neighbours[-1][point] = other
+            found = next((state for change in neighbours if (state := add(change))), None)
         return found
-
-    @staticmethod
-    def _neighbours(status: Status, wrong: Array, wanted: Status) -> Iterator[Status]:
-        """Sets with all wrong points put right, and with one of the most wrong ones put elsewhere."""
-        yield np.where(wrong > 0, wanted, status)
-        for point in np.argsort(-wrong, kind="stable")[: min(MOST_WRONG, np.count_nonzero(wrong))]:
-            for other in (OPEN, STICK, RIGHT, LEFT):
-                if other != status[point]:
-                    moved = status.copy()
-                    moved[point] = other
-                    yield moved
 
     def _starts(self) -> Iterator[Status]:
         """Where the search starts: the sets before; all that touched sliding either way, or sticking; the
         sets of less friction."""
-        first = self._start()
-        yield first
+        yield self._start()
         ways = (RIGHT, LEFT) if (self.drive.tangential or 0.0) >= 0 else (LEFT, RIGHT)
         for way in (*ways, STICK):
-            yield np.where(first != OPEN, way, OPEN).astype(np.int8)
+            yield self._all(way)
         if self.cone.static > EASY_COEFFICIENT:
-            weak = _Step(self.skin, self.before, self.drive, self.cone.capped(START_SHARE), self.inert)
+            weak = _Step(self.skin, self.before, self.drive, self.cone.capped(START_SHARE))
             weak.searches = False
             try:
                 yield weak.solution().status
@@ -301,7 +271,7 @@ class _Step:
         """The state that the sets lead to; 0 where they cycle, the way (+1, -1) where all that touches slides
         and does not hold the pull; and the sweeps that it took."""
         seen: set[bytes] = set()
-        single, self.line = False, self.law.line(self.before.normal)
+        single, self.line = False, self.cone.line(self.before.normal, self.skin.area)
         for sweep in range(SWEEPS + SINGLE_SWEEPS):
             safe_point()
             solution = self._solve(status, all_slip)
@@ -324,15 +294,17 @@ class _Step:
             status = status.copy()
             change = [int(np.argmax(wrong))] if single else np.flatnonzero(wrong)
             status[change] = wanted[change]
-            self._update_lines(solution, change)
-            if self.inert is None and not (status != OPEN).any():
+            if self.cone.breakpoints:  # points go on the lines on which their pressures lie
+                self.line = self.line.copy()
+                self.line[change] = self.cone.line(solution.p, self.skin.area)[change]
+            if not self.drive.stiffness and not (status != OPEN).any():
                 status[int(np.argmin(solution.w))] = STICK if not all_slip else self._way(all_slip)
         return 0.0, SWEEPS + SINGLE_SWEEPS
 
     def _missing_pull(self, solution: _TrialSolution, status: Status) -> float:
         """The part of the pull, N, that is not borne. Without a sticking point `_solve` does not enforce
         it."""
-        if self.inert is not None or self.drive.tangential is None or (status == STICK).any():
+        if self.drive.stiffness or self.drive.tangential is None or (status == STICK).any():
             return 0.0
         missing = self.drive.tangential - float(solution.t.sum())
         return missing if abs(missing) > ROUNDING * self.drive.normal else 0.0
@@ -342,9 +314,9 @@ class _Step:
         dragged along, the others back; the one at which the sum is reached sticks, none where it is not."""
         closed = np.flatnonzero(status != OPEN)
         closed = closed[np.argsort(solution.moved[closed], kind="stable")]
-        borne = self.law.borne(solution.p)
-        dragged = self.law.kinetic * (2 * np.cumsum(borne[closed]) - borne.sum())
-        pull, whole = self.drive.tangential or 0.0, self.law.kinetic * float(borne.sum())
+        borne = self.cone.borne(solution.p, self.skin.area)
+        dragged = self.cone.slides * (2 * np.cumsum(borne[closed]) - borne.sum())
+        pull, whole = self.drive.tangential or 0.0, self.cone.slides * float(borne.sum())
         at = int(np.searchsorted(dragged, pull)) if pull >= -whole else closed.size
         status = status.copy()
         status[closed[:at]], status[closed[at:]] = RIGHT, LEFT
@@ -353,7 +325,7 @@ class _Step:
 
     def _start(self) -> Status:
         """The sets before, or from rest the points within a stiff guess of the approach, sticking."""
-        if self.inert is not None or self.before.touches.any():
+        if self.drive.stiffness or self.before.touches.any():
             return self.before.status
         near = min(float(np.ptp(self.gap)), 0.5 * self.drive.normal * float(np.mean(self.zz)))
         return np.where(self.gap <= self.gap.min() + near, STICK, OPEN).astype(np.int8)
@@ -362,9 +334,9 @@ class _Step:
     def _way(sign: float) -> int:
         return RIGHT if sign > 0 else LEFT
 
-    def _sliding(self, sign: float) -> Status:
-        start = self._start()
-        return np.where(start != OPEN, self._way(sign), OPEN).astype(np.int8)
+    def _all(self, way: int) -> Status:
+        """All points of the start in one set."""
+        return np.where(self._start() != OPEN, way, OPEN).astype(np.int8)
 
     def _solve(self, status: Status, all_slip: float) -> _TrialSolution:
         """Forces and plate for given sets.
@@ -373,17 +345,18 @@ class _Step:
         sticking point the travel is not determined by the forces; it stays as it was, or the smallest that
         lets all slip. A plate with mass always has its place: its approach and travel are counted from there.
         """
-        inert = self.inert
+        inert = self.drive.stiffness
         closed, stuck = np.flatnonzero(status != OPEN), np.flatnonzero(status == STICK)
-        drag, offset = self.law.sliding(self.line, (status == RIGHT).astype(float) - (status == LEFT))
+        way = (status == RIGHT).astype(float) - (status == LEFT)
+        drag, offset = self.cone.sliding(self.line, way, self.skin.area)
         k, n = closed.size, stuck.size
-        travel_given = self.drive.travel is not None or (n == 0 and inert is None)
+        travel_given = self.drive.travel is not None or (n == 0 and not inert)
         # counted from here, so that a tiny force is not lost in rounding
-        first = float(self.gap[closed].min()) if inert is None else inert.approach
-        start = self.before.travel if inert is None else inert.travel
+        first = self.drive.ahead[0] if inert else float(self.gap[closed].min())
+        start = self.drive.ahead[1] if inert else self.before.travel
         travel = start if self.drive.travel is None else self.drive.travel
         side = np.concatenate([first - self.gap[closed], self.home[stuck], [self.drive.normal]])
-        if travel_given or inert is not None:
+        if travel_given or inert:
             side[k : k + n] += travel
         if not travel_given:
             side = np.append(side, self.drive.tangential or 0.0)
@@ -404,25 +377,23 @@ class _Step:
         x = self.xx @ t - self.xz @ p
         place = x - self.home
         if not travel_given:
-            travel = float(unknowns[-1]) if inert is None else travel + float(unknowns[-1])
-        elif self.drive.travel is None and inert is None:
-            travel = self._least_travel(place, closed, all_slip)
+            travel = (travel if inert else 0.0) + float(unknowns[-1])
+        elif self.drive.travel is None and not inert and all_slip and self.drive.tangential:
+            # the last point has just begun to slip
+            travel = float(place[closed].max() if all_slip > 0 else place[closed].min())
         moved = place - travel
-        return _TrialSolution(p, t, d, travel, w, rounded, x, moved, self._unborne(p, t, unknowns[k + n :]))
-
-    def _unborne(self, p: Array, t: Array, ahead: Array) -> float:
-        """What the plate's equations miss; `ahead` is what it is beyond its `inert` place."""
-        if self.inert is None:
-            return 0.0
-        sums = [p.sum() - self.drive.normal, t.sum() - (self.drive.tangential or 0.0)]
-        missing = np.abs(np.array(sums[: ahead.size]) + self.inert.stiffness * ahead)
-        return float(missing.max()) / self.load
+        unborne = 0.0
+        if inert:  # what the plate's equations miss, by how far it is beyond its drive's place
+            ahead = unknowns[k + n :]
+            sums = [p.sum() - self.drive.normal, t.sum() - (self.drive.tangential or 0.0)]
+            unborne = float(np.abs(np.array(sums[: ahead.size]) + inert * ahead).max()) / self.load
+        return _TrialSolution(p, t, d, travel, w, rounded, x, moved, unborne)
 
     def _factor(
         self, status: Status, closed: Index, stuck: Index, drag: Array, travel_given: bool
     ) -> tuple[Array, Array]:
         """The factorised equations of these sets; t is drag p, plus an own unknown where a point sticks."""
-        slopes = drag if self.law.has_breakpoints else np.float64(self.cone.kinetic)
+        slopes = drag if self.cone.breakpoints else np.float64(self.cone.kinetic)
         key = self.skin.tag + status.tobytes() + bytes([travel_given]) + slopes.tobytes()
         if key in self.solved:
             return self.solved[key]  # type: ignore[no-any-return]
@@ -440,14 +411,12 @@ class _Step:
             points[k:, slides] += dragged[k:]
         matrix[:k, k + n] = -1.0
         matrix[k + n, :k] = 1.0
-        if self.inert is not None:
-            matrix[k + n, k + n] = self.inert.stiffness
+        matrix[k + n, k + n] = self.drive.stiffness
         if not travel_given:
             matrix[k : k + n, -1] = -1.0
             matrix[-1, :k] = drag[closed]
             matrix[-1, k : k + n] = 1.0
-            if self.inert is not None:
-                matrix[-1, -1] = self.inert.stiffness
+            matrix[-1, -1] = self.drive.stiffness
         lower, pivots, singular = linalg.lapack.dgetrf(matrix, overwrite_a=True)
         if singular:
             raise ContactError("the contact equations are singular: friction wedges the points")
@@ -455,12 +424,6 @@ class _Step:
             self.solved.clear()
         self.solved[key] = lower, pivots
         return lower, pivots
-
-    def _least_travel(self, place: Array, closed: Index, all_slip: float) -> float:
-        """Where the plate is when the last point has just begun to slip: no force says how far it went."""
-        if all_slip and self.drive.tangential:
-            return float(place[closed].max() if all_slip > 0 else place[closed].min())
-        return self.before.travel
 
     def _violations(self, solution: _TrialSolution, status: Status, all_slip: float) -> tuple[Array, Status]:
         """How wrong each point's set is, relative to scale (0: not at all), and the set it should have."""
@@ -474,11 +437,11 @@ class _Step:
             wanted[where] = to[where] if isinstance(to, np.ndarray) else to
 
         closed = status != OPEN
-        if self.law.has_breakpoints:
+        if self.cone.breakpoints:
             off = self._off_line(solution, status)
             mark(off > 0, off, 1.0, status)
         if not all_slip:
-            excess = np.abs(t) - self.limit * self.law.borne(p)
+            excess = np.abs(t) - self.limit * self.cone.borne(p, self.skin.area)
             if (breaks := (status == STICK) & (excess > small)).any():
                 mark(breaks, excess, self.force, np.where(t > 0, RIGHT, LEFT))
             way = np.where(status == RIGHT, 1.0, -1.0)
@@ -496,25 +459,18 @@ class _Step:
 
     def _off_line(self, solution: _TrialSolution, status: Status) -> Array:
         """How wrong sliding points' lines are `(m,)`, relative to the forces: by Coulomb's law never."""
-        if not self.law.has_breakpoints:
+        if not self.cone.breakpoints:
             return np.zeros(self.m)
-        off = np.abs(np.abs(solution.t) - self.law.kinetic * self.law.borne(solution.p))
+        off = np.abs(np.abs(solution.t) - self.cone.slides * self.cone.borne(solution.p, self.skin.area))
         off[(status < RIGHT) | (off <= ROUNDING * np.abs(solution.p).max())] = 0.0
         return np.asarray(off / self.force)
-
-    def _update_lines(self, solution: _TrialSolution, change: Index | list[int]) -> None:
-        """Put points on the lines on which their pressures lie."""
-        if self.law.has_breakpoints:
-            self.line = self.line.copy()
-            self.line[change] = self.law.line(solution.p)[change]
 
     def _accepted(self, solution: _TrialSolution, status: Status, all_slip: float) -> ContactState:
         """Measure every condition against its scale; refuse what is not met."""
         residual = self._residual(solution, status, all_slip)
         if not residual <= MAX_RESIDUAL:
-            raise ContactError(
-                f"contact and friction are satisfied only to {residual:.1e}, not to {MAX_RESIDUAL:g}"
-            )
+            words = f"contact and friction are satisfied only to {residual:.1e}, not to {MAX_RESIDUAL:g}"
+            raise ContactError(words)
         stuck = status == STICK
         # what does not stick sits where it is now; counted from its last anchor, rounding would add up
         anchor = np.where(stuck, self.before.anchor, solution.x + self.skin.free[: self.m] - solution.s)
@@ -537,8 +493,9 @@ class _Step:
     def _residual(self, solution: _TrialSolution, status: Status, all_slip: float) -> float:
         p, t, w = solution.p, solution.t, solution.rounded
         closed, stuck, slides = status != OPEN, status == STICK, status >= RIGHT
-        excess = np.abs(t) - np.where(stuck, self.limit, self.law.kinetic) * self.law.borne(p)
-        if self.law.has_breakpoints:
+        borne = self.cone.borne(p, self.skin.area)
+        excess = np.abs(t) - np.where(stuck, self.limit, self.cone.slides) * borne
+        if self.cone.breakpoints:
             excess[slides] = np.abs(excess[slides])  # what slides bears neither more nor less
         largest, length = float(np.abs(p).max()), self.length + abs(solution.d)
         largest = largest or self.force  # nothing touches a plate with mass
@@ -550,9 +507,9 @@ class _Step:
             float(np.abs(solution.moved[stuck]).max(initial=0.0)) / length,
             solution.plate_residual,
         ]
-        if self.inert is None:
+        if not self.drive.stiffness:
             terms.append(abs(float(p.sum()) / self.drive.normal - 1))
-        if self.inert is None and self.drive.tangential is not None and not all_slip:
+        if not self.drive.stiffness and self.drive.tangential is not None and not all_slip:
             terms.append(abs(float(t.sum()) - self.drive.tangential) / self.drive.normal)
         way = np.where(status == RIGHT, 1.0, -1.0)[slides]
         if not all_slip:

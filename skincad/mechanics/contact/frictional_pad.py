@@ -31,7 +31,6 @@ from skincad.mechanics.contact.state import (
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    Inert,
     Swing,
     at_rest,
 )
@@ -188,15 +187,19 @@ def newton(
     def contact(
         tangent: Tangential, linear: PlaneLinearised, values: Array
     ) -> tuple[Array, tuple[ContactState, GrossSlip | None]]:
-        ahead = values[pad.contact] + linear.unloaded()
-        skin = _compliance(pad, tangent, ahead)
+        # where contact unknowns go without contact forces
+        free = pad.rows @ (values[pad.contact] + linear.unloaded()) * pad.unit
+        skin = Compliance(tangent.compliance, pad.gap, free, tangent.solved, pad.area)
         if swing:
-            found = _contact(skin.swung(swing), before.contact, swing.drive, cone, swing.inert)
-        else:
-            found = _contact(skin, before.contact, drive, cone)
-        return contact_load(pad, found[0]), found
+            skin = skin.swung(swing)
+        slipping = None
+        try:
+            state = solve_contact(skin, before.contact, swing.drive if swing else drive, cone)
+        except GrossSlip as limit:  # the contact as it just slips
+            state, slipping = limit.last, limit
+        return contact_load(pad, state), (state, slipping)
 
-    balanced = equilibrium(
+    values, solution, _, history, _ = equilibrium(
         body,
         values,
         pad.tangents[0] if pad.tangents else None,
@@ -206,14 +209,13 @@ def newton(
         steps=steps,
         accuracy=accuracy,
     )
-    found, slipping = balanced.contact
-    size, values = balanced.history[-1], balanced.values
+    found, slipping = solution
     state = FrictionalState(
         values=values,
-        contact=replace(found, residual=max(found.residual, size)),
+        contact=replace(found, residual=max(found.residual, history[-1])),
         dissipated=dissipated(before.contact, found),
-        residual=size,
-        iterations=len(balanced.history),
+        residual=history[-1],
+        iterations=len(history),
     )
     if slipping is not None:
         raise GrossSlip(state, str(slipping))
@@ -226,27 +228,6 @@ def dissipated(before: ContactState, after: ContactState) -> float:
     mean = (before.tangential + after.tangential) / 2
     mean = np.where(before.tangential * after.tangential < 0, after.tangential, mean)
     return -float(mean @ after.slipped)
-
-
-def _contact(
-    skin: Compliance,
-    before: ContactState,
-    drive: Drive,
-    cone: FrictionCoefficients,
-    inert: Inert | None = None,
-) -> tuple[ContactState, GrossSlip | None]:
-    """The contact of the linearised body; where friction does not hold, as it just slips."""
-    try:
-        return solve_contact(skin, before, drive, cone, inert), None
-    except GrossSlip as end:
-        return end.last, end
-
-
-def _compliance(pad: FrictionalPad, linear: Tangential, ahead: Array) -> Compliance:
-    """The linearised body as the plate sees it; `ahead` `(k,)` is where its contact unknowns go without
-    contact forces."""
-    free = pad.rows @ ahead * pad.unit
-    return Compliance(linear.compliance, pad.gap, free, linear.solved, pad.area)
 
 
 def contact_load(pad: FrictionalPad, contact: ContactState) -> Array:

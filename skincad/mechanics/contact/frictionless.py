@@ -120,28 +120,23 @@ def _equilibrium(
     """Forces and approach that close exactly the active points under the total force."""
     inside, key = np.flatnonzero(active), active.tobytes()
     first = gap[inside].min()  # counted from here, so that a tiny force is not lost in rounding
-    if key not in solved:
-        solved[key] = _carried(flexibility, inside, gap[inside] - first, definite)
+    if key not in solved:  # forces that move the points by their gaps, and all by one
+        sides = np.column_stack([gap[inside] - first, np.ones(inside.size)])
+        block = flexibility[np.ix_(inside, inside)]
+        try:
+            if definite:
+                root = linalg.cho_factor(block, check_finite=False)
+                columns = linalg.cho_solve(root, sides, check_finite=False)
+            else:
+                columns = linalg.solve(block, sides, assume_a="sym", check_finite=False)
+        except linalg.LinAlgError:
+            raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
+        solved[key] = columns[:, 0], columns[:, 1]
     by_gap, by_one = solved[key]
     approach = (force + by_gap.sum()) / by_one.sum()
     nodal = np.zeros_like(gap)
     nodal[inside] = approach * by_one - by_gap
     return nodal, float(first + approach)
-
-
-def _carried(flexibility: Array, inside: Index, gap: Array, definite: bool) -> tuple[Array, Array]:
-    """Forces that move the points `inside` by their gaps, and all by one, while no other carries any."""
-    sides = np.column_stack([gap, np.ones(gap.size)])
-    block = flexibility[np.ix_(inside, inside)]
-    try:
-        if definite:
-            root = linalg.cho_factor(block, check_finite=False)
-            columns = linalg.cho_solve(root, sides, check_finite=False)
-        else:
-            columns = linalg.solve(block, sides, assume_a="sym", check_finite=False)
-    except linalg.LinAlgError:
-        raise ContactError("the contact flexibility is singular; take a coarser contact mesh") from None
-    return columns[:, 0], columns[:, 1]
 
 
 def _descend(flexibility: Array, gap: Array, force: float, may: Mask) -> NodalContact:
@@ -186,10 +181,8 @@ def _accepted(
         0.0,
     )
     if not residual <= COMPLEMENTARITY:
-        raise ContactError(
-            f"the contact is satisfied only to {residual:.1e}, not to {COMPLEMENTARITY:g}; "
-            "take a smaller poisson_ratio or a coarser mesh"
-        )
+        words = f"the contact is satisfied only to {residual:.1e}, not to {COMPLEMENTARITY:g}"
+        raise ContactError(f"{words}; take a smaller poisson_ratio or a coarser mesh")
     return NodalContact(nodal, approach, open_gap, active, residual)
 
 
@@ -396,10 +389,9 @@ def seen_by_plate(
 ) -> Ridges:
     """Return the contact points as the pad's plate sees them, crests lower than the section's by
     `crest_offsets` mm; `unit` is the pad's, mm."""
-    if pad.plate.shape == "flat":
-        ridges = Ridges.of(system, flexibility, pad.top / unit)
-    else:
-        ridges = Ridges.of(system, flexibility, pad.top / unit, lambda x: rise(pad.plate, x * unit) / unit)
+    flat = pad.plate.shape == "flat"
+    over = np.zeros_like if flat else lambda x: rise(pad.plate, x * unit) / unit
+    ridges = Ridges.of(system, flexibility, pad.top / unit, over)
     return ridges.lowered(np.array(crest_offsets) / unit) if crest_offsets else ridges
 
 

@@ -68,34 +68,18 @@ class PadTangent:
 
 @dataclass(frozen=True)
 class PressedState:
-    """An equilibrium at `force`: unknowns `values` `(n,)`, the contact and the plate's `approach`.
+    """An equilibrium at `force`: unknowns `values` `(n,)` and the contact, its residual the body's too.
 
-    `ridges` is the contact linearised here; `residual` is relative to the contact forces' norm and
-    `history` holds it for each step on the way. In the pad's units. `tangent` is the last one, at a state
-    nearby.
+    `ridges` is the contact linearised here; `history` holds the residual, relative to the contact forces'
+    norm, of each step on the way. In the pad's units. `tangent` is the last one, at a state nearby.
     """
 
     values: Array
     force: float
-    approach: float
     contact: NodalContact
     ridges: Ridges
-    residual: float
     history: tuple[float, ...]
     tangent: PadTangent
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """A balanced state: unknowns `values` `(n,)`, the solution of its contact problem, what the body alone
-    leaves `unbalanced` `(n,)`, the residual of each step relative to the contact forces' norm, and the last
-    tangent, at a state nearby."""
-
-    values: Array
-    contact: Any
-    unbalanced: Array
-    history: tuple[float, ...]
-    tangent: Any
 
 
 def equilibrium(
@@ -108,9 +92,11 @@ def equilibrium(
     keeps: Callable[[Any, list[float]], bool],
     steps: int,
     accuracy: float = RESIDUAL,
-) -> Equilibrium:
-    """Return the equilibrium of a body and its contact near `start` `(n,)`; the first of at most so many
-    `steps` takes a `tangent` from another state, unless it is None.
+) -> tuple[Array, Any, Array, tuple[float, ...], Any]:
+    """Return the equilibrium of a body and its contact near `start` `(n,)`: the unknowns `(n,)`, the solution
+    of the contact problem, what the body alone leaves unbalanced `(n,)`, the residual of each step relative
+    to the contact forces' norm, and the last tangent, at a state nearby. The first of at most so many `steps`
+    takes a `tangent` from another state, unless it is None.
 
     In each step the body alone is linearised. `tangent_at` does it at values whose residual is at hand, at a
     known distance from balance; what it returns has the linearised body as `linear`. `contact` takes that
@@ -134,9 +120,11 @@ def equilibrium(
         unbalanced = body.residual(values)
         scale = float(np.linalg.norm(push))
         history.append(float(np.linalg.norm((unbalanced + push)[body.free])) / scale)
-        rounded = history[-1] <= ROUNDING / scale and not _falls(history, steps)
+        # a residual that only rounding would excuse, but that still falls, is not rounding
+        falls = RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
+        rounded = history[-1] <= ROUNDING / scale and not falls
         if share == 1.0 and (history[-1] <= accuracy or rounded):
-            return Equilibrium(values, solution, unbalanced, tuple(history), tangent)
+            return values, solution, unbalanced, tuple(history), tangent
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
             break
         if share < 1.0 or not keeps(tangent, history):
@@ -176,23 +164,18 @@ def newton(
         return tangent.residual <= NEAR and len(history) > 1 and history[-1] <= SLOW * history[-2]
 
     at = partial(_tangent_at, pad)
-    state = equilibrium(body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS)
-    tangent, (force, nodal, ridges, base) = state.tangent, state.contact
+    values, solution, unbalanced, history, tangent = equilibrium(
+        body, start, tangent, tangent_at=at, contact=contact, keeps=keeps, steps=MAX_STEPS
+    )
+    force, nodal, ridges, base = solution
     if tangent.residual > NEAR:
-        tangent = _tangent_at(pad, state.values, state.unbalanced, state.history[-1])
-        ridges, _ = without_contact_forces(pad, tangent.ridges, state.values, tangent.linear)
+        tangent = at(values, unbalanced, history[-1])
+        ridges, _ = without_contact_forces(pad, tangent.ridges, values, tangent.linear)
     if not stable(body, tangent.linear, ridges, nodal, both=force > stable_to):
         raise DivergedError(UNSTABLE, unstable=True)
-    return PressedState(
-        values=state.values,
-        force=force,
-        approach=nodal.approach + base,
-        contact=nodal,
-        ridges=ridges,
-        residual=state.history[-1],
-        history=state.history,
-        tangent=tangent,
-    )
+    residual = max(nodal.residual, history[-1])
+    touching_state = replace(nodal, approach=nodal.approach + base, residual=residual)
+    return PressedState(values, force, touching_state, ridges, history, tangent)
 
 
 def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: float) -> PadTangent:
@@ -204,11 +187,6 @@ def _tangent_at(pad: PressedPad, values: Array, unbalanced: Array, residual: flo
     ridges = Ridges.of(pad.body.rest, linear.flexibility, pad.top)
     ridges = replace(ridges, definite=not any(linear.negative_eigenvalues))
     return PadTangent(linear, ridges if pad.drops is None else ridges.lowered(pad.drops), residual)
-
-
-def _falls(history: list[float], steps: int) -> bool:
-    """Whether a residual that only rounding would excuse still falls: then it is not rounding."""
-    return RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
 
 
 def contact_under(ridges: Ridges, load: Load, active: Mask | None) -> tuple[float, NodalContact]:
@@ -254,10 +232,6 @@ SMALLEST_STEP = 1 / 32  # of the load, the smallest load step
 MAX_HALVINGS = 6  # halvings of the way to the threshold before it is given up
 
 
-def _constant_load(force: float) -> Load:
-    return lambda *_: force
-
-
 def at_rest(pad: PressedPad) -> PadTangent:
     """Return the pad linearised at rest: the pad of small strain."""
     return _tangent_at(pad, rest := np.zeros(pad.body.free.size), rest, np.inf)
@@ -274,7 +248,7 @@ def press_to(
     """
     if guess is not None:
         try:
-            return newton(pad, guess, _constant_load(force))
+            return newton(pad, guess, lambda *_: force)
         except DivergedError:
             pass
     last: PressedState | None = None
@@ -300,8 +274,8 @@ def _next_state(
     """The state under `force`, looked for from another one, or from rest, with the tangent there if it is the
     body's latest."""
     if last is None:
-        return newton(pad, np.zeros(pad.body.free.size), _constant_load(force), tangent=tangent)
-    return newton(pad, last.values, _constant_load(force), last.contact.active, tangent)
+        return newton(pad, np.zeros(pad.body.free.size), lambda *_: force, tangent=tangent)
+    return newton(pad, last.values, lambda *_: force, last.contact.active, tangent)
 
 
 def _failure_beyond(pad: PressedPad, last: PressedState | None, failure: DivergedError) -> DivergedError:

@@ -160,9 +160,8 @@ def press_with_friction(
         state, load = after, following
         at_force = state if load == force else at_force
     if searching or at_force is None:
-        raise ContactError(
-            f"not all ridges touch at up to {SEARCH_FACTOR:g} times the force without friction"
-        )
+        words = f"not all ridges touch at up to {SEARCH_FACTOR:g} times the force without friction"
+        raise ContactError(words)
     return replace(at_force, residual=residual), all_touch
 
 

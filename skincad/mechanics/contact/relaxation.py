@@ -40,7 +40,9 @@ def relaxed(
     """Return the equilibrium in which the pad comes to rest under `drive`, from a state with none nearby.
     Raises ContactError where it doesn't, and GrossSlip as `newton` does."""
     body, hold = pad.body.damped
-    slowed, state = replace(pad, body=body, tangents=[]), _not_yet_moved(before)
+    slowed = replace(pad, body=body, tangents=[])
+    still = replace(before.contact, slipped=np.zeros_like(before.contact.slipped))
+    state = FrictionalState(before.values, still)
     damping, careful = FIRST, 0
     for _ in range(STEPS):
         if damping < WEAK:
@@ -65,11 +67,6 @@ def relaxed(
         damping *= CAREFUL if careful else WEAKER
         careful = max(0, careful - 1)
     raise ContactError(f"a tip's corner snaps and does not come to rest in {STEPS} steps")
-
-
-def _not_yet_moved(state: FrictionalState) -> FrictionalState:
-    """The state as a step's beginning."""
-    return FrictionalState(state.values, replace(state.contact, slipped=np.zeros_like(state.contact.slipped)))
 
 
 def _newton(

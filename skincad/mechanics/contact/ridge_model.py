@@ -83,12 +83,16 @@ def _settle(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding
     """
     together = float(by_one.sum())
     low, forces, waiting = low.copy(), np.empty_like(low), np.arange(force.size)
+    end = model.indentation[:, -1]  # of the tables, which are continued straight
+    slope = (model.force[-1] - model.force[-2]) / (end - model.indentation[:, -2])
     carried = np.outer(np.maximum(by_one, 0) / together, force)
     approach = low.mean(axis=0) + force / together
     for _ in range(SWEEPS):
         before = carried.copy()
         for i, row in enumerate(model.coupling):
-            carried[i] = _self_force(model, i, approach - low[i] - row @ carried)
+            indent = approach - low[i] - row @ carried
+            inside = np.interp(indent, model.indentation[i], model.force)  # 0 where it does not touch
+            carried[i] = inside + slope[i] * np.maximum(indent - end[i], 0.0)
         missing = force - carried.sum(axis=0)
         approach = approach + 0.7 * missing / together
         moved = np.abs(carried - before).max(axis=0) + np.abs(missing)
@@ -100,11 +104,3 @@ def _settle(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding
             low, carried, waiting = low[:, still], carried[:, still], waiting[still]
             approach, force, moved = approach[still], force[still], moved[still]
     raise ContactError(f"the ridge model does not settle ({(moved / force).max():.1e}); take fewer ridges")
-
-
-def _self_force(model: RidgeModel, ridge: int, indent: Array) -> Array:
-    """Force of a ridge at these indentations: its table, continued straight beyond its end."""
-    table, force = model.indentation[ridge], model.force
-    slope = (force[-1] - force[-2]) / (table[-1] - table[-2])
-    inside = np.interp(indent, table, force)  # 0 where it does not touch
-    return np.asarray(inside + slope * np.maximum(indent - table[-1], 0.0))

@@ -80,8 +80,15 @@ def tipping_ridge(body: Body, state: Array, linear: LinearisedBody, contact: Nod
     kinds = [_weakest(body, state, kind, contact) for kind in (linear, antisymmetric) if kind is not None]
     step, _ = max(kinds, key=lambda kind: kind[1])
     nodes = body.rest.nodes
-    nearest = np.abs(nodes.position[:, 0] - body.x_of_largest_displacement(step)).argmin()
+    nearest = np.abs(nodes.position[:, 0] - x_of_largest_displacement(body, step)).argmin()
     return int(nodes.ridge[nearest])
+
+
+def x_of_largest_displacement(body: Body, step: Array) -> float:
+    """Return x at rest of the place on the boundary that a step `(n,)` moves furthest."""
+    loops = [loop for section in body.outlines(step) for loop in section]
+    moves = np.concatenate([loop.moved - loop.rest for loop in loops])
+    return float(np.concatenate([loop.rest for loop in loops])[np.hypot(*moves.T).argmax(), 0])
 
 
 def _weakest(body: Body, state: Array, linear: LinearisedBody, contact: NodalContact) -> tuple[Array, float]:

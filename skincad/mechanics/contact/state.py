@@ -10,6 +10,7 @@ lines the equations of a step stay linear, and the lines are one more set to be 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -18,57 +19,7 @@ from numpy.typing import NDArray
 from skincad.base.arrays import Array, Index, Mask
 from skincad.mechanics.problem import ContactError
 
-NONE = np.zeros(0)
 NO_LINES = np.zeros(0, dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False)
-class FrictionLaw:
-    """A point that sticks bears `static`, one that slides `kinetic` times the force `borne`. Without
-    breakpoints that is the normal force; with them `static` is 1, and `pressure`, `stress` `(k + 1,)` MPa,
-    both from 0 on, are of points of `area` `(m,)` mm2."""
-
-    static: float
-    kinetic: float
-    has_breakpoints: bool
-    area: Array
-    pressure: Array
-    stress: Array
-
-    def borne(self, normal: Array) -> Array:
-        """Return the force `(m,)` N, static friction's of a law with breakpoints, at normal forces `(m,)`
-        N."""
-        if not self.has_breakpoints:
-            return normal
-        return self.area * np.interp(normal / self.area, self.pressure, self.stress)
-
-    def line(self, normal: Array) -> Index:
-        """Return on which line each point lies `(m,)`, 0 up to the first breakpoint; nothing without any."""
-        if not self.has_breakpoints:
-            return NO_LINES
-        return np.searchsorted(self.pressure[1:], normal / self.area)
-
-    def sliding(self, line: Index, way: Array) -> tuple[Array, Array | None]:
-        """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
-        is 1 and to -x where it is -1; None where no law has an offset."""
-        if not self.has_breakpoints:
-            return self.kinetic * way, None
-        slopes = np.append(np.diff(self.stress) / np.diff(self.pressure), 0.0)
-        offsets = self.stress - slopes * self.pressure
-        along = self.kinetic * way
-        return along * slopes[line], along * offsets[line] * self.area
-
-
-def law_of(cone: FrictionCoefficients, area: Array | None) -> FrictionLaw:
-    """Return the law of points of `area` `(m,)` mm2, which Coulomb's does not ask for."""
-    if not cone.breakpoints:
-        return FrictionLaw(cone.static, cone.kinetic, False, NONE, NONE, NONE)
-    if area is None:
-        raise ContactError("friction by shear stress asks for the area of each contact point")
-    pressure, stress = np.array([(0.0, 0.0), *cone.breakpoints]).T
-    return FrictionLaw(1.0, cone.kinetic / cone.static, True, area, pressure, stress)
-
-
 Status = NDArray[np.int8]
 
 OPEN, STICK, RIGHT, LEFT = 0, 1, 2, 3  # RIGHT: slips with t to +x, as the plate drags it; LEFT to -x
@@ -82,11 +33,47 @@ class FrictionCoefficients:
     `breakpoints` are pairs of a pressure and the shear stress that static friction bears at it, both MPa and
     rising: straight from 0 on, by `static`, from breakpoint to breakpoint, and constant beyond the last.
     Without any the law is Coulomb's. Kinetic friction is the same part of static friction everywhere.
+    A point that sticks bears `sticks`, one that slides `slides` times the force `borne`.
     """
 
     static: float
     kinetic: float
     breakpoints: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def sticks(self) -> float:
+        """What a point that sticks bears at most of the force `borne`."""
+        return 1.0 if self.breakpoints else self.static
+
+    @property
+    def slides(self) -> float:
+        """What a point that slides bears of the force `borne`."""
+        return self.kinetic / self.static if self.breakpoints else self.kinetic
+
+    @cached_property
+    def _lines(self) -> tuple[Array, Array, Array, Array]:
+        """Pressures and shear stresses at which lines begin, MPa, their slopes, and their offsets, MPa."""
+        pressure, stress = np.array([(0.0, 0.0), *self.breakpoints]).T
+        slopes = np.append(np.diff(stress) / np.diff(pressure), 0.0)
+        return pressure, stress, slopes, stress - slopes * pressure
+
+    def borne(self, normal: Array, area: Array) -> Array:
+        """Return the normal forces `(m,)` N or, with breakpoints, what static friction bears at them, N, at
+        points of `area` `(m,)` mm2."""
+        return area * np.interp(normal / area, *self._lines[:2]) if self.breakpoints else normal
+
+    def line(self, normal: Array, area: Array) -> Index:
+        """Return on which line each point lies `(m,)`, 0 up to the first breakpoint; nothing without any."""
+        return np.searchsorted(self._lines[0][1:], normal / area) if self.breakpoints else NO_LINES
+
+    def sliding(self, line: Index, way: Array, area: Array) -> tuple[Array, Array | None]:
+        """Return slope and offset N `(m,)` of what drags points that slide on these lines, to +x where `way`
+        is 1 and to -x where it is -1; None where no law has an offset."""
+        along = self.slides * way
+        if not self.breakpoints:
+            return along, None
+        _, _, slopes, offsets = self._lines
+        return along * slopes[line], along * offsets[line] * area
 
     def capped(self, share: float) -> FrictionCoefficients:
         """Return the law that bears no more than this share of `static` times the pressure, else as much."""
@@ -107,23 +94,18 @@ class FrictionCoefficients:
 @dataclass(frozen=True)
 class Drive:
     """What the plate does at a step's end: normal force, N, and tangential force, N, or travel, mm, both
-    along the plate at its `angle` about y, rad, positive where it rises towards +x."""
+    along the plate at its `angle` about y, rad, positive where it rises towards +x.
+
+    Of a plate with mass the forces fall by its inertia, `stiffness` N/mm times the distance of its approach
+    and travel from those `ahead`, mm. Counting from there avoids cancellation for a heavy plate.
+    """
 
     normal: float
     tangential: float | None = None
     travel: float | None = None
     angle: float = 0.0
-
-
-@dataclass(frozen=True)
-class Inert:
-    """Inertia of a plate with mass in a step: the forces fall by `stiffness` N/mm times the distance of the
-    plate's approach and travel from these two, mm. Counting from there avoids cancellation for a heavy
-    plate."""
-
-    stiffness: float
-    approach: float
-    travel: float
+    stiffness: float = 0.0
+    ahead: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,9 +121,9 @@ class ContactState:
     anchor: Array
     status: Status
     slipped: Array
-    approach: float
-    travel: float
-    residual: float
+    approach: float = 0.0
+    travel: float = 0.0
+    residual: float = 0.0
     gross: bool = False  # all that touches slips, the last point having just begun
     angle: float = 0.0  # of the plate, rad
 
@@ -190,7 +172,7 @@ class Compliance:
     gap: Array
     free: Array
     solved: dict[bytes, Any] = field(default_factory=dict)
-    area: Array | None = None
+    area: Array = field(default_factory=lambda: np.zeros(0))
     tag: bytes = b""
 
     def swung(self, swing: Swing) -> Compliance:
@@ -202,13 +184,12 @@ class Compliance:
 @dataclass(frozen=True, eq=False)
 class Swing:
     """What masses add to a step: `compliance` `(2 m, 2 m)` mm/N and displacements `free` `(2 m,)` mm of the
-    contact points, beside those of a pad without masses; the plate's inertia, None without a mass, and the
-    effective forces on it, `drive`. `tag` names the step's length."""
+    contact points, beside those of a pad without masses; `drive` has the plate's inertia and the effective
+    forces on it. `tag` names the step's length."""
 
     compliance: Array
     free: Array
     drive: Drive
-    inert: Inert | None
     tag: bytes
 
     def sunk(self, force: Array) -> Array:
@@ -220,13 +201,4 @@ class Swing:
 def at_rest(points: int) -> ContactState:
     """Return the unloaded start of `points` points."""
     zero = np.zeros(points)
-    return ContactState(
-        normal=zero,
-        tangential=zero,
-        anchor=zero,
-        status=np.zeros(points, dtype=np.int8),
-        slipped=zero,
-        approach=0.0,
-        travel=0.0,
-        residual=0.0,
-    )
+    return ContactState(zero, zero, zero, np.zeros(points, dtype=np.int8), zero)

@@ -75,8 +75,8 @@ class TipState(ContactState):
 def unloaded(tips: Tips) -> TipState:
     """Return the unloaded start."""
     zero = np.zeros(tips.gap.size)
-    status = np.zeros(zero.size, dtype=np.int8)
-    return TipState(zero, zero, np.zeros((2, zero.size)), status, zero, 0.0, 0.0, 0.0, sideways=zero)
+    anchor, status = np.zeros((2, zero.size)), np.zeros(zero.size, dtype=np.int8)
+    return TipState(zero, zero, anchor, status, zero, sideways=zero)
 
 
 def advance(tips: Tips, before: TipState, drive: Drive, coefficient: float) -> TipState:

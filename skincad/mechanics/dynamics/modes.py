@@ -24,10 +24,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from skincad.base.arrays import Array, Index
 from skincad.base.machine import one_blas_thread
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.dynamics.pad import linear
 from skincad.mechanics.dynamics.ringing import RETARDATION
 from skincad.mechanics.dynamics.steps import PadEquations
-from skincad.mechanics.film.stick import Half, PadPiece
+from skincad.mechanics.film.stick import Half
 
 FEWEST, MOST = 20, 160  # modes sought of a half
 HIGHEST = 1 / RETARDATION  # rad/s; what swings faster is damped within a swing
@@ -160,20 +161,13 @@ def resolved(modes: Modes, compliance: Array, dt: float) -> Modes:
     return modes.first(count)
 
 
-@dataclass(frozen=True, eq=False)
-class ModeStep:
-    """A step of modes: place and speed `(2,)` after it are `stays` `(r, 2, 2)` times those before, plus
-    `before` and `after` `(r, 2)` times the force at its start and end. `compliance` `(2 m, 2 m)` mm/N is what
-    the step adds to the points' static one."""
+def mode_step(modes: Modes, dt: float) -> tuple[Array, Array, Array, Array]:
+    """Return the exact step of `dt` s for forces straight in time.
 
-    stays: Array
-    before: Array
-    after: Array
-    compliance: Array
-
-
-def mode_step(modes: Modes, dt: float) -> ModeStep:
-    """Return the exact step of `dt` s for forces straight in time."""
+    Place and speed `(2,)` after it are the first, `(r, 2, 2)`, times those before, plus the second and third,
+    `(r, 2)`, times the force at its start and end. The last, `(2 m, 2 m)` mm/N, is what the step adds to the
+    points' static compliance.
+    """
     count = modes.frequency.size
     stays, before, after = np.zeros((count, 2, 2)), np.zeros((count, 2)), np.zeros((count, 2))
     for k, (w, d) in enumerate(zip(modes.frequency, modes.damping, strict=True)):
@@ -183,4 +177,4 @@ def mode_step(modes: Modes, dt: float) -> ModeStep:
         stays[k], rise = whole[:2, :2], whole[:2, 3] / dt
         before[k], after[k] = whole[:2, 2] - rise, rise
     more = (modes.points * (after[:, 0] - modes.frequency**-2)) @ modes.points.T
-    return ModeStep(stays, before, after, (more + more.T) / 2)
+    return stays, before, after, (more + more.T) / 2

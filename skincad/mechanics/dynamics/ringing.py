@@ -17,7 +17,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import Silicone
-from skincad.mechanics.validity import mean_width, through_base
+from skincad.mechanics.validity import through_base
 from skincad.shape.skin import skin_of
 
 
@@ -33,7 +33,7 @@ def layer_period(design: Design) -> float:
     """Return the slowest period of a skin as a layer of its thickness and of its mean height, s; ridges
     count with the share of the base that they cover, layers with the time in which a wave runs through."""
     skin, own = skin_of(design), silicone(design)
-    ridges = float(np.mean(skin.heights)) * mean_width(design) / skin.pitch
+    ridges = float(np.mean(skin.heights)) * skin.profile.mean_width / skin.pitch
 
     def part(thickness: float, stuff: Silicone) -> float:
         shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
@@ -88,5 +88,5 @@ FREE_TOP = 4 / math.pi**2  # of a layer's mass, at its top, gives its quarter wa
 def skin_mass(design: Design) -> float:
     """Return the mass of a skin, g, taken as a flat block with straight-flanked ridges."""
     skin = design.skin
-    area = skin.width * skin.thickness + sum(skin_of(design).heights) * mean_width(design)
+    area = skin.width * skin.thickness + sum(skin_of(design).heights) * skin_of(design).profile.mean_width
     return 1e-6 * silicone(design).density * area * skin.length

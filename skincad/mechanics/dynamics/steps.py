@@ -36,7 +36,6 @@ from skincad.mechanics.contact.state import (
     Drive,
     FrictionCoefficients,
     GrossSlip,
-    Inert,
     at_rest,
 )
 from skincad.mechanics.film.stick import Half, points_flexibility
@@ -137,10 +136,10 @@ class DynamicState(PlateMotion):
 TONNE = 1e-6  # of a gram
 
 
-def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> tuple[Inert | None, Drive]:
-    """The plate's inertia over a step, and the effective forces on it."""
+def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> Drive:
+    """The effective forces on the plate over a step, with its inertia."""
     if not s.moves or not state.matter.plate:
-        return None, drive
+        return drive
     mass, dt = TONNE * state.matter.plate, s.dt
     place, speed, rate = state.plate
     ahead = place + dt * speed + dt**2 * (0.5 - s.beta) * rate
@@ -148,56 +147,35 @@ def plate_inertia(state: PlateMotion, drive: Drive, s: Scheme) -> tuple[Inert | 
     was = np.array([state.drive.normal, state.drive.tangential or 0.0])
     borne = np.array([state.contact.normal.sum(), state.contact.tangential.sum()])
     force = now + s.before * (was - borne) - mass * s.lag / (1 - s.late) * rate
-    effective = Drive(float(force[0]), None if drive.travel is not None else float(force[1]), drive.travel)
-    return Inert(mass * s.force, float(ahead[0]), float(ahead[1])), effective
+    pull, place = None if drive.travel is not None else float(force[1]), (float(ahead[0]), float(ahead[1]))
+    return Drive(float(force[0]), pull, drive.travel, stiffness=mass * s.force, ahead=place)
 
 
 def state_after(
-    state: Motion,
-    drive: Drive,
-    contact: ContactState,
-    s: Scheme,
-    pushing: tuple[Inert | None, Drive],
-    **skin: Any,
+    state: Motion, drive: Drive, contact: ContactState, s: Scheme, pushing: Drive, **skin: Any
 ) -> Motion:
     """Return the state after a step to `drive` that ends in this contact, `pushing` as of `plate_inertia`;
     `skin` are its fields that are no `PlateMotion`'s."""
-    plate = _plate_after(state, drive, contact, s, pushing)
+    place, speed, rate = np.array([contact.approach, contact.travel]), np.zeros(2), np.zeros(2)
+    borne = np.array([contact.normal.sum(), contact.tangential.sum()])
+    if pushing.stiffness:  # from the plate's unbalanced force
+        missing = np.array([pushing.normal, pushing.tangential or 0.0]) - borne
+        rate = missing / pushing.stiffness / (s.beta * s.dt**2)
+        speed = state.plate[1] + s.dt * ((1 - s.gamma) * state.plate[2] + s.gamma * rate)
+        if drive.travel is not None:
+            rate[1], speed[1] = 0.0, (contact.travel - state.plate[0, 1]) / s.dt
     # the mean force times the slip of the points on the plate: without damping of high modes that closes the
     # energy balance to rounding, open points included
     mean = (state.contact.tangential + contact.tangential) / 2
     friction = -float(mean @ (contact.anchor - state.contact.anchor))
-    after = replace(state, contact=contact, plate=plate, drive=drive, friction=friction, **skin)
-    return replace(after, work=_plate_work(state, after))
-
-
-def _plate_after(
-    state: PlateMotion, drive: Drive, contact: ContactState, s: Scheme, pushing: tuple[Inert | None, Drive]
-) -> Array:
-    """The plate's place, speed and acceleration `(3, 2)` after a step, from its unbalanced force."""
-    inert, force = pushing
-    place = np.array([contact.approach, contact.travel])
-    if inert is None:
-        return np.stack([place, np.zeros(2), np.zeros(2)])
-    missing = np.array(
-        [force.normal - contact.normal.sum(), (force.tangential or 0.0) - contact.tangential.sum()]
-    )
-    rate = missing / inert.stiffness / (s.beta * s.dt**2)
-    speed = state.plate[1] + s.dt * ((1 - s.gamma) * state.plate[2] + s.gamma * rate)
-    if drive.travel is not None:
-        rate[1], speed[1] = 0.0, (contact.travel - state.plate[0, 1]) / s.dt
-    return np.stack([place, speed, rate])
-
-
-def _plate_work(before: PlateMotion, after: PlateMotion) -> float:
-    """Work of the plate's drives in a step, mJ, by the mean force; driven in x, by the skin's force."""
-    one, other = before.drive, after.drive
-    down, along = after.plate[0] - before.plate[0]
-    if other.travel is None:
-        pull = ((one.tangential or 0.0) + (other.tangential or 0.0)) / 2
-    else:
-        pull = float(before.contact.tangential.sum() + after.contact.tangential.sum()) / 2
-    return (one.normal + other.normal) / 2 * float(down) + pull * float(along)
+    # of the drives, by the mean force; driven in x, by the skin's
+    down, along = place - state.plate[0]
+    pull = float(state.contact.tangential.sum() + contact.tangential.sum()) / 2
+    if drive.travel is None:
+        pull = ((state.drive.tangential or 0.0) + (drive.tangential or 0.0)) / 2
+    work = (state.drive.normal + drive.normal) / 2 * float(down) + pull * float(along)
+    plate = np.stack([place, speed, rate])
+    return replace(state, contact=contact, plate=plate, drive=drive, friction=friction, work=work, **skin)
 
 
 def plate_kinetic(state: PlateMotion) -> float:
@@ -243,16 +221,13 @@ def remembered(store: dict[Key, Value], key: Key, value: Callable[[], Value]) ->
     return store[key]
 
 
-@dataclass(frozen=True, eq=False)
-class Operators:
-    """What does not change from step to step: `small` of each half. Of each branch `gained` is its gain per
-    displacement, `decay` the share that stays."""
+# What does not change from step to step of one length: the method, each half's factors, and the skin
+Operators = tuple[Scheme, tuple[Condensation, ...], Compliance]
 
-    scheme: Scheme
-    small: tuple[Condensation, ...]
-    skin: Compliance
-    gained: tuple[float, ...]
-    decay: tuple[float, ...]
+
+def _branches(dt: float, matter: Matter) -> list[tuple[float, float]]:
+    """Of each relaxing branch the share that stays over `dt` s, and its gain per displacement."""
+    return [(stays := exp(-dt / time), g * (1 - stays) / (dt / time)) for g, time in matter.relaxing]
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,17 +257,9 @@ class PadEquations:
     def start(self) -> DynamicState:
         """Return the unloaded start."""
         zero = np.zeros((self.stiff.shape[0], len(self.halves)))
-        return DynamicState(
-            contact=at_rest(self.gap.size),
-            plate=np.zeros((3, 2)),
-            drive=Drive(0.0, 0.0),
-            u=zero,
-            v=zero,
-            a=zero,
-            rate=zero,
-            elastic_force=zero,
-            memory=(),
-        )
+        skin: dict[str, Any] = dict.fromkeys(("u", "v", "a", "rate", "elastic_force"), zero)
+        plate, contact = np.zeros((3, 2)), at_rest(self.gap.size)
+        return DynamicState(contact=contact, plate=plate, drive=Drive(0.0, 0.0), memory=(), **skin)
 
     def step(
         self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients, matter: Matter
@@ -311,18 +278,29 @@ class PadEquations:
         return in_parts(advance, start, drive, dt)
 
     def _one(self, state: DynamicState, drive: Drive, dt: float, cone: FrictionCoefficients) -> DynamicState:
-        ops = self.factorised(dt, state.matter)
-        past, slower = self._history(state, ops)
-        free = np.stack([ops.small[i].solve(past[:, i]) for i in range(len(self.halves))], axis=1)
+        s, small, condensed = self.factorised(dt, state.matter)
+        branches = [(*of, h) for of, h in zip(_branches(dt, state.matter), state.memory, strict=True)]
+        past, slower = self._history(state, s, branches)
+        free = np.stack([one.solve(past[:, i]) for i, one in enumerate(small)], axis=1)
         at_points = sum(half.points @ free[:, i] for i, half in enumerate(self.halves))
-        skin = replace(ops.skin, free=np.asarray(at_points))
-        inert, pushing = plate_inertia(state, drive, ops.scheme)
+        skin = replace(condensed, free=np.asarray(at_points))
+        pushing = plate_inertia(state, drive, s)
 
         def after(contact: ContactState) -> DynamicState:
-            return self._after(state, drive, contact, free, slower, ops, (inert, pushing))
+            """The state that the contact forces lead to."""
+            pushed = self.contact_force(contact)
+            u = free + np.stack([one.solve(pushed[:, i]) for i, one in enumerate(small)], axis=1)
+            moved = u - state.u
+            v = rate = s.speed * u - slower
+            a = (v - state.v) / (s.gamma * dt) - (1 - s.gamma) / s.gamma * state.a if s.moves else state.a
+            v = v if s.moves else moved / dt
+            memory, force = tuple(stays * h + b * moved for stays, b, h in branches), self.stiff @ u
+            skin = {"u": u, "v": v, "a": a, "rate": rate, "elastic_force": force, "memory": memory}
+            following = state_after(state, drive, contact, s, pushing, **skin)
+            return replace(following, viscous=self._viscous(state, following, dt))
 
         try:
-            return after(solve_contact(skin, state.contact, pushing, cone, inert))
+            return after(solve_contact(skin, state.contact, pushing, cone))
         except GrossSlip as end:
             raise GrossSlip(after(end.last), str(end)) from None
 
@@ -332,21 +310,20 @@ class PadEquations:
 
     def _operators(self, dt: float, matter: Matter) -> Operators:
         method = scheme(dt, matter.damped)
-        left = tuple(exp(-dt / time) for _, time in matter.relaxing)
-        fresh = tuple(
-            g * (1 - stays) / (dt / time) for (g, time), stays in zip(matter.relaxing, left, strict=True)
-        )
+        fresh = [gained for _, gained in _branches(dt, matter)]
         whole = self.stiff + (method.speed * matter.rate + sum(fresh)) * self.soft + method.force * self.mass
         matrix = sparse.csr_matrix(whole)
         small = tuple(condense(matrix, half.inner, half.contact) for half in self.halves)
         parts = (points_flexibility(half.points, one) for half, one in zip(self.halves, small, strict=True))
         compliance, free = self.share * np.asarray(sum(parts)), np.zeros(2 * self.gap.size)
         skin = Compliance(compliance, self.gap, free, area=self.area)
-        return Operators(method, small, skin, fresh, left)
+        return method, small, skin
 
-    def _history(self, state: DynamicState, ops: Operators) -> tuple[Array, Array]:
+    def _history(
+        self, state: DynamicState, s: Scheme, branches: list[tuple[float, float, Array]]
+    ) -> tuple[Array, Array]:
         """The forces `(n, halves)` of earlier states, and `speed` times u less the velocity."""
-        s, dt, matter = ops.scheme, ops.scheme.dt, state.matter
+        dt, matter = s.dt, state.matter
         if s.moves:
             ahead = state.u + dt * state.v + dt**2 * (0.5 - s.beta) * state.a
             slower = s.speed * ahead - state.v - dt * (1 - s.gamma) * state.a
@@ -356,7 +333,6 @@ class PadEquations:
             slower = s.speed * state.u + 0.5 * state.v
             force = np.zeros_like(state.u)
         if matter.rate or matter.relaxing:
-            branches = zip(ops.decay, ops.gained, state.memory, strict=True)
             past = matter.rate * slower - sum(stays * h - b * state.u for stays, b, h in branches)
             force = force + self.soft @ (past - s.before * state.unrelaxed)
         return force, slower
@@ -365,45 +341,6 @@ class PadEquations:
         """Forces `(n, halves)` on the unknowns of the part, N."""
         force = self.share * state.force
         return np.stack([half.points.T @ force for half in self.halves], axis=1)
-
-    def _after(
-        self,
-        state: DynamicState,
-        drive: Drive,
-        contact: ContactState,
-        free: Array,
-        slower: Array,
-        ops: Operators,
-        pushing: tuple[Inert | None, Drive],
-    ) -> DynamicState:
-        """The state that the contact forces lead to."""
-        s, dt = ops.scheme, ops.scheme.dt
-        pushed = self.contact_force(contact)
-        u = free + np.stack([small.solve(pushed[:, i]) for i, small in enumerate(ops.small)], axis=1)
-        rate = s.speed * u - slower
-        if s.moves:
-            v = rate
-            a = (v - state.v) / (s.gamma * dt) - (1 - s.gamma) / s.gamma * state.a
-        else:
-            v, a = (u - state.u) / dt, state.a
-        memory = tuple(
-            stays * h + b * (u - state.u)
-            for stays, b, h in zip(ops.decay, ops.gained, state.memory, strict=True)
-        )
-        after = state_after(
-            state,
-            drive,
-            contact,
-            s,
-            pushing,
-            u=u,
-            v=v,
-            a=a,
-            rate=rate,
-            elastic_force=self.stiff @ u,
-            memory=memory,
-        )
-        return replace(after, viscous=self._viscous(state, after, dt))
 
     def _viscous(self, before: DynamicState, after: DynamicState, dt: float) -> float:
         """Viscous dissipation in a step, mJ, exact for dashpots and strains straight in time."""

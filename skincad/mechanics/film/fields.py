@@ -17,8 +17,9 @@ from skincad.base.arrays import Array
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import Patch, StripBody
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.bodies.plane_body import undetected_contact
-from skincad.mechanics.film.stick import Half, PadPiece, StickSolution, load_scale
+from skincad.mechanics.film.stick import Half, StickSolution
 
 PIECES = 2  # a triangle's edge around a ridge is drawn in so many
 REACH = 2.2  # of the unit, a ridge's contact length: the ridge, its root and what is under it
@@ -58,13 +59,10 @@ def _patch(
     here = patches[0]
     if len(patches) > 1:
         image = patches[1]  # about x = 0, drawn where the piece is
-        here = Patch(
-            np.concatenate([here.place, image.place * [-1, 1]]),
-            np.concatenate([here.shift, image.shift * [-1, 1]]),
-            np.concatenate([here.stress, image.stress * [1, -1, 1, 1]]),
-            np.concatenate([here.triangles, image.triangles + len(here.place)]),
-            np.concatenate([here.film, image.film]),
-        )
+        turned = image.place * [-1, 1], image.shift * [-1, 1], image.stress * [1, -1, 1, 1]
+        rest = image.triangles + len(here.place), image.film
+        both = zip(vars(here).values(), (*turned, *rest), strict=True)
+        here = Patch(*(np.concatenate(pair) for pair in both))
     return replace(here, place=here.place * unit, shift=here.shift * unit, stress=here.stress * modulus)
 
 
@@ -87,27 +85,14 @@ class WholeState:
 
     def deformed_section(self, force: Array, plate: float, angle: float) -> DeformedSection:
         """Return the field under forces `(2 m,)` N in x, then in z, below a plate at (0, `plate`) mm."""
-        patch = _patch(self.piece, self.body, self._moved(force), np.zeros(2), math.inf, 1)
+        patch = _patch(self.piece, self.body, self.moved(force), np.zeros(2), math.inf, 1)
         return DeformedSection(**vars(patch), plate=plate, angle=angle)
 
-    def fault(
-        self,
-        force: Array,
-        plate: float,
-        angle: float,
-        give: tuple[Array, Array] | None = None,
-        besides: Sequence[Array] = (),
-    ) -> str | None:
-        """Return a description of contact in this state that the model does not detect, or None.
-
-        `give`: x, mm, and extra sinking of the skin there, mm, that the field does not have. `besides`:
-        displacements `(n,)` mm, by parity, that these forces do not hold, as of masses.
-        """
-        return collision(self.piece, self.body, self._moved(force, besides), plate, angle, give)
-
-    def _moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
-        """Displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest mirrors."""
-        on_piece = force / load_scale(self.piece)[0]
+    def moved(self, force: Array, besides: Sequence[Array] = ()) -> list[Array]:
+        """Return the displacements `(n,)` of the piece, in units; of a mirrored pad also those that the rest
+        mirrors. `besides` are displacements `(n,)` mm, by parity, that these forces do not hold, as of
+        masses."""
+        on_piece = force / self.piece.scale
         displacements = [
             small.solve(half.points.T @ on_piece)
             for half, small in zip(self.halves, self.factors, strict=True)
@@ -137,7 +122,8 @@ def collision(
     """Return a description of contact that the models do not detect, or None.
 
     `moved` are displacements `(n,)`, in units, of the piece and, of a mirrored pad, of its image; the plate
-    is the line through (0, `plate`) mm at `angle` rad; `give` as in `WholeState.fault`.
+    is the line through (0, `plate`) mm at `angle` rad. `give`: x, mm, and extra sinking of the skin there,
+    mm, that the field does not have.
     """
 
     def over(way: int, x: Array) -> Array:

@@ -11,7 +11,7 @@ moment by which a plate that keeps its angle holds a ridge upright. Another load
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -24,14 +24,11 @@ from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation
 from skincad.mechanics.bodies.film_field import StripBody
-from skincad.mechanics.bodies.mesh import default_sizes, triangles
+from skincad.mechanics.bodies.mesh import PadPiece, default_sizes, piece_of, triangles
 from skincad.mechanics.film.stick import (
-    PadPiece,
     condensed_piece,
     level,
-    load_scale,
     load_state,
-    piece_of,
     press_state,
     pull_load,
     with_fine_edges,
@@ -58,12 +55,12 @@ class FilmResponse:
     strips: tuple[tuple[int, str], ...]
     normal: Array
     tangential: Array
-    error: Array
     contact: Array
     ridge_force: Array
     ridge_force_per_pull: Array
-    at_other_forces: Array
     unknowns: int
+    error: Array = field(default_factory=lambda: np.empty(0))
+    at_other_forces: Array = field(default_factory=lambda: np.empty(0))
 
     def stress(self, normal: Array, tangential: Array) -> Array:
         """Return the stresses `(strips, 3)` MPa under forces `(ridges,)` N on the ridges."""
@@ -141,7 +138,7 @@ def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: f
     """The response by how the plate's force, N, is distributed over the crowns; NaN of ridges that do not
     touch."""
     state, bonded, _ = press_state(piece, body, small, force)
-    scale, strips = load_scale(piece)[0], piece.whole.section.slots
+    scale, strips = piece.scale, piece.whole.section.slots
     pull = pull_load(piece, body, small, bonded) * scale
     shape = len(piece.pad.ridges), len(strips), 3
     normal, tangential, contact = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[0], np.nan)
@@ -165,10 +162,8 @@ def _response_at(piece: PadPiece, body: StripBody, small: Condensation, force: f
         strips=tuple((s.feature, s.side) for s in strips),
         normal=normal,
         tangential=tangential,
-        error=np.zeros((2, shape[0], 3)),
         contact=contact,
         ridge_force=state.normal,
         ridge_force_per_pull=per_pull,
-        at_other_forces=np.zeros((1, 2, shape[0], 3)),
         unknowns=body.system.unknowns,
     )

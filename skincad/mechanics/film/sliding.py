@@ -17,12 +17,11 @@ from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.film.fields import WholeState
 from skincad.mechanics.film.stick import (
     Half,
-    PadPiece,
     in_strip_axes,
-    load_scale,
     on_whole,
     points_flexibility,
 )
@@ -66,9 +65,7 @@ def sliding(piece: PadPiece, mesh: object, order: int, films: bool) -> ContactPa
         limit = f"a scene takes at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
         raise SizeError("ridge.count", limit, unknowns, "take fewer ridges")
     body = film_field.body(curved, order, pad.materials)
-    functionals = (
-        film_field.average_rows(body, pad.materials, piece.slots, piece.thickness, unit) if films else None
-    )
+    functionals = film_field.average_rows(body, piece) if films else None
     system, points = body.system, whole_points(piece, body)
     compliance = np.zeros((2 * points.x.size, 2 * points.x.size))
     strips = np.zeros((len(piece.whole.section.slots) if films else 0, 3, 2 * points.x.size))
@@ -146,7 +143,7 @@ def whole_points(piece: PadPiece, body: StripBody) -> WholePoints:
     return WholePoints(
         of=of,
         left=left,
-        share=load_scale(piece)[1],
+        share=1 / piece.sides,
         x=np.where(left, -x[of], x[of]),
         gap=gap - gap.min(),
         area=weight[of] * piece.unit * piece.pad.length,

@@ -14,35 +14,23 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from time import perf_counter
 
 import numpy as np
 from scipy import linalg, optimize, sparse
 
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.machine import one_blas_thread
+from skincad.base.progress import Stopwatch
 from skincad.mechanics.bodies import elements, film_field
 from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.film_field import StripBody
-from skincad.mechanics.bodies.mesh import half_of, unit_of
+from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.contact.frictionless import press
-from skincad.mechanics.problem import ContactError, Pad, check_balance, rise
+from skincad.mechanics.problem import ContactError, check_balance, rise
 from skincad.shape.curves import Segment
 from skincad.shape.feature import SensorPlace
 
 CENTRE_TOLERANCE = 1e-9  # of the pad's width; centres of mirrored strips agree to that
-
-
-@dataclass(frozen=True)
-class PadPiece:
-    """What is meshed of a pad: its half where `mirrored`. `slots` are the places of the meshed strips, mm."""
-
-    whole: Pad
-    pad: Pad
-    mirrored: bool
-    slots: tuple[SensorPlace, ...]
-    thickness: float
-    unit: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,45 +88,32 @@ class StickSolution:
         return self.normal_state.plus(self.pull_state, tangential) if self.pull_state else self.normal_state
 
 
-def piece_of(pad: Pad, thickness: float, halved: bool = True) -> PadPiece:
-    """Return what is to be meshed of a pad with strips of this thickness, mm, in its section's slots.
-
-    That is the half of a mirror-symmetric one, unless `halved` says otherwise.
-    """
-    half, slots = half_of(pad) if halved else None, pad.section.slots
-    if half is None:
-        return PadPiece(pad, pad, False, slots, thickness, unit_of(pad))
-    right = tuple(s for s in slots if s.centre.x > 0)
-    return PadPiece(pad, half, True, right, thickness, unit_of(half))
-
-
 @one_blas_thread()
 def level(piece: PadPiece, mesh: object, order: int, force: float, pull: bool) -> StickSolution:
     """Solve one order on netgen's mesh of the piece: pressed by `force` N, and pulled if asked."""
-    clock = [perf_counter()]
-    pad = piece.pad
-    curved = elements.curved(mesh, order)
-    body = film_field.body(curved, order, pad.materials)
-    clock.append(perf_counter())
-    symmetric, antisymmetric = body.on_cut if piece.mirrored else (np.empty(0, np.int64),) * 2
-    small = condensed_piece(body, symmetric)
-    small_odd = small if not piece.mirrored else condensed_piece(body, antisymmetric) if pull else None
-    clock.append(perf_counter())
-    push_state, bonded, residual = press_state(piece, body, small, force)
-    pull_state = None
-    if pull and small_odd is not None:
-        pull_state, balance = _pull(piece, body, small_odd, bonded)
-        residual = max(residual, balance)
-    clock.append(perf_counter())
-    stages = dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True))
+    watch, balance = Stopwatch(), 0.0
+    with watch.stage("assemble"):
+        body = film_field.body(elements.curved(mesh, order), order, piece.pad.materials)
+    with watch.stage("condense"):
+        symmetric, antisymmetric = body.on_cut if piece.mirrored else (np.empty(0, np.int64),) * 2
+        small = condensed_piece(body, symmetric)
+        small_odd = condensed_piece(body, antisymmetric) if piece.mirrored and pull else small
+    with watch.stage("contact"):
+        push_state, bonded, residual = press_state(piece, body, small, force)
+        pull_state = None
+        if pull:  # the bonded points moved as one until the plate's tangential force is 1 N
+            load = pull_load(piece, body, small_odd, bonded)
+            moved, wanted = small_odd.solve(body.points.T @ load), np.array([1.0, 0.0]) / piece.scale
+            balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
+            pull_state = load_state(piece, body, moved, load, -1)
     return StickSolution(
         piece=piece,
         normal_state=push_state,
         pull_state=pull_state,
         bonded=bonded,
         unknowns=body.system.unknowns,
-        residual=residual,
-        seconds=stages,
+        residual=max(residual, balance),
+        seconds=watch.stages,
         body=body,
     )
 
@@ -159,12 +134,6 @@ def points_flexibility(points: sparse.csr_matrix, small: Condensation) -> Array:
     return np.asarray((flexibility + flexibility.T) / 2)
 
 
-def load_scale(piece: PadPiece) -> tuple[float, float]:
-    """Return the force on the whole pad, N, per unit force on the piece, and the piece's share of it."""
-    share = 0.5 if piece.mirrored else 1.0
-    return piece.pad.young_modulus * piece.unit * piece.pad.length / share, share
-
-
 def press_state(
     piece: PadPiece, body: StripBody, small: Condensation, force: float
 ) -> tuple[LoadState, Mask, float]:
@@ -173,22 +142,13 @@ def press_state(
     m = nodes.weight.size
     x, z = nodes.position.T
     gap = (piece.whole.top / unit - z) + rise(plate, x * unit) / unit
-    wanted = force / load_scale(piece)[0]
+    wanted = force / piece.scale
     contact = press(points_flexibility(body.points[m:], small), gap - gap.min(), wanted)
     load = np.concatenate([np.zeros(m), -contact.force])
     moved = small.solve(body.points.T @ load)
     balance = _balance(body, moved, np.array([0.0, -wanted]), 1 if piece.mirrored else None)
     state = load_state(piece, body, moved, load, 1)
     return state, contact.force > 0, max(contact.residual, balance)
-
-
-def _pull(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> tuple[LoadState, float]:
-    """State and residual of the bonded points moved as one until the plate's tangential force is 1 N."""
-    load = pull_load(piece, body, small, bonded)
-    moved = small.solve(body.points.T @ load)
-    wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
-    balance = _balance(body, moved, wanted, 0 if piece.mirrored else None)
-    return load_state(piece, body, moved, load, -1), balance
 
 
 def pull_load(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mask) -> Array:
@@ -205,7 +165,7 @@ def pull_load(piece: PadPiece, body: StripBody, small: Condensation, bonded: Mas
         by_mode = linalg.solve(flexibility[np.ix_(sticking, sticking)], modes, assume_a="pos")
     except linalg.LinAlgError:
         raise ContactError("the bonded flexibility is singular; take a coarser contact mesh") from None
-    wanted = np.array([1.0, 0.0]) / load_scale(piece)[0]
+    wanted = np.array([1.0, 0.0]) / piece.scale
     load = np.zeros(2 * m)
     load[sticking] = by_mode @ np.linalg.solve(modes.T @ by_mode, wanted[: modes.shape[1]])
     return load
@@ -229,19 +189,17 @@ def _balance(body: StripBody, moved: Array, force: Array, only: int | None) -> f
 def load_state(piece: PadPiece, body: StripBody, moved: Array, load: Array, parity: int) -> LoadState:
     """Return the whole pad's state for displacements `(n,)` under forces `(2 m,)` on the piece."""
     film_field.set_state(body, moved)
-    stress = film_field.averages(body, piece.slots, piece.thickness, piece.unit) * piece.pad.young_modulus
-    nodes, (scale, share) = body.system.nodes, load_scale(piece)
+    stress = film_field.averages(body, piece) * piece.pad.young_modulus
+    nodes, force = body.system.nodes, load * piece.scale / piece.sides
     m = nodes.weight.size
     numbers = piece.whole.ridges
-    pull, push = np.zeros(len(numbers)), np.zeros(len(numbers))
     at = np.searchsorted(numbers, nodes.ridge)
-    np.add.at(pull, at, load[:m] * scale * share)
-    np.add.at(push, at, -load[m:] * scale * share)
+    pull, push = (np.bincount(at, part, len(numbers)).astype(np.float64) for part in (force[:m], -force[m:]))
     if piece.mirrored:  # pressing mirrors the force in z and turns the one in x; pulling the other way round
         push, pull = push + parity * push[::-1], pull - parity * pull[::-1]
     strips = on_whole(piece, in_strip_axes(stress, piece.slots), parity)
     sides = np.array([1.0, parity]) if piece.mirrored else np.ones(1)
-    return LoadState(strips, push, pull, np.outer(sides, -load[m:] * scale * share), np.outer(sides, moved))
+    return LoadState(strips, push, pull, np.outer(sides, -force[m:]), np.outer(sides, moved))
 
 
 def in_strip_axes(stress: Array, slots: Sequence[SensorPlace]) -> Array:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from skincad.base.adaptivity import Refinement, refine, unmet
+from skincad.base.adaptivity import refine, unmet
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_goals, require_number
 from skincad.base.estimate import Estimate
@@ -23,10 +23,10 @@ from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Slot
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
-from skincad.mechanics.bodies.mesh import Sizes, default_sizes, triangles
+from skincad.mechanics.bodies.mesh import MeshRefinement, PadPiece, Sizes, default_sizes, piece_of, triangles
 from skincad.mechanics.check import LARGEST_FORCE, require_force
 from skincad.mechanics.film.fields import RidgeField, collision, ridge_field
-from skincad.mechanics.film.stick import PadPiece, StickSolution, level, piece_of, with_fine_edges
+from skincad.mechanics.film.stick import StickSolution, level, with_fine_edges
 from skincad.mechanics.problem import Pad, SizeError, check_pad, pad_of
 from skincad.mechanics.validity import SMALL_STRAIN, limits, slope_warnings
 from skincad.shape.skin import skin_of
@@ -127,33 +127,13 @@ TAIL = 2.0  # differences of orders; the true error is up to 1.4 of them (measur
 PATH_NOTE = "full stick is an assumption, and the order of the forces counts: normal first, then tangential"
 
 
-@dataclass(frozen=True)
-class FilmRefinement:
-    """Orders `order - 1` and `order` on a mesh; a strip's corners get edges of `tip` of its thickness.
-
-    A strip in silicone is a stiff inclusion whose corners are singular. Ungraded, its stress is 10 % too
-    high at order 4 still; `grading` is the growth of the triangles away from them.
-    """
-
-    fineness: float
-    order: int
-    tip: float
-    grading: float
-
-    def sizes(self, piece: PadPiece) -> Sizes:
-        """Return the mesh's edge sizes for a piece."""
-        usual = default_sizes(piece.pad, self.fineness)
-        return replace(usual, tip=self.tip * piece.thickness, grading=self.grading)
-
-
+# A strip in silicone is a stiff inclusion whose corners are singular. Ungraded, its stress is 10 % too high
+# at order 4 still
 REFINEMENTS = (
-    FilmRefinement(0.5, 4, 1 / 30, 0.5),
-    FilmRefinement(1.0, 4, 1 / 100, 0.4),
-    FilmRefinement(1.0, 5, 1 / 200, 0.3),
+    MeshRefinement(0.5, 4, tip=1 / 30, grading=0.5),
+    MeshRefinement(1.0, 4, tip=1 / 100, grading=0.4),
+    MeshRefinement(1.0, 5, tip=1 / 200, grading=0.3),
 )
-
-
-_RefinementSolution = tuple[StickSolution, StickSolution]  # both orders of a refinement, the higher first
 
 
 def solve(
@@ -173,38 +153,37 @@ def solve(
     watch, pull, plain = Stopwatch(progress), any(tangential), piece_of(pad, thickness)
     spent: dict[str, float] = {}
 
-    def solve_level(piece: PadPiece, mesh: object, order: int, pulled: bool) -> StickSolution:
-        solution = level(piece, mesh, order, force, pulled)
+    def solve_level(piece: PadPiece, order: int, pulled: bool) -> StickSolution:
+        solution = level(piece, piece.mesh, order, force, pulled)
         for stage, seconds in solution.seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds
         return solution
 
-    with watch.stage("mesh"):
-        mesh = triangles(plain.pad, default_sizes(plain.pad, EDGE_SEARCH[0]))
-    # later meshes are finer: a pad too large here is refused before anything is solved
-    if (contact := contact_unknowns(mesh, REFINEMENTS[0].order)) > MOST_CONTACT_UNKNOWNS:
-        raise _too_large(contact)
-    first = solve_level(plain, mesh, EDGE_SEARCH[1], False)
-
-    def solve_refinement(
-        refinement: FilmRefinement, before: Refinement[FilmRefinement, _RefinementSolution, Any] | None
-    ) -> _RefinementSolution:
-        finer = with_fine_edges(plain, first if before is None else before.answer[0])
+    def meshed(piece: PadPiece, sizes: Sizes, order: int) -> PadPiece:
         with watch.stage("mesh"):
-            mesh = triangles(finer.pad, refinement.sizes(finer))
-        if (contact := contact_unknowns(mesh, refinement.order)) > MOST_CONTACT_UNKNOWNS:
-            raise _too_large(contact)
+            mesh = triangles(piece.pad, sizes)
+        contact = 2 * elements.contact_unknowns(elements.curved(mesh, 1), order)  # in both directions
+        if contact > MOST_CONTACT_UNKNOWNS:
+            limit = f"films' stresses take at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
+            raise SizeError("ridge.count", limit, contact, "take fewer ridges")
+        return replace(piece, mesh=mesh)
+
+    # later meshes are finer: a pad too large here is refused before anything is solved
+    coarsest = meshed(plain, default_sizes(plain.pad, EDGE_SEARCH[0]), REFINEMENTS[0].order)
+    first = solve_level(coarsest, EDGE_SEARCH[1], False)
+
+    def solve_refinement(refinement: MeshRefinement, before: Any) -> tuple[StickSolution, StickSolution]:
+        finer = with_fine_edges(plain, first if before is None else before.answer[0])
+        finer = meshed(finer, refinement.sizes(finer), refinement.order)
         if progress:
             progress(f"film stress: fineness {refinement.fineness:g}, order {refinement.order}")
-        lower, best = (
-            solve_level(finer, mesh, order, pull) for order in (refinement.order - 1, refinement.order)
-        )
+        lower, best = (solve_level(finer, k, pull) for k in (refinement.order - 1, refinement.order))
         return best, lower
 
     def estimate(
-        _: FilmRefinement, solution: _RefinementSolution, __: object
+        _: MeshRefinement, both: tuple[StickSolution, StickSolution], __: object
     ) -> tuple[list[FilmStress], float]:
-        results = [estimated_stress(*solution, force, t) for t in tangential]
+        results = [estimated_stress(*both, force, t) for t in tangential]
         return results, max(relative_error(state) for state in results)
 
     reached = refine(solve_refinement, REFINEMENTS, estimate, tol, began=watch.started, ends=(SizeError,))
@@ -221,16 +200,6 @@ def solve(
         replace(state, seconds=seconds, warnings=(*short, *state.warnings), fields=fields, fault=wrong)
         for state, fields, wrong in zip(reached.assessment, shown, faults, strict=True)
     ]
-
-
-def contact_unknowns(mesh: Any, order: int) -> int:
-    """Return the unknowns of points that may touch, on a section's mesh: both directions count."""
-    return 2 * elements.contact_unknowns(elements.curved(mesh, 1), order)
-
-
-def _too_large(contact: int) -> SizeError:
-    limit = f"films' stresses take at most {MOST_CONTACT_UNKNOWNS} contact unknowns"
-    return SizeError("ridge.count", limit, contact, "take fewer ridges")
 
 
 def _values(solution: StickSolution, tangential: float) -> dict[str, Array]:
@@ -374,11 +343,9 @@ def film_stresses(
     notes = [LEFT_OUT_NOTE, *slope_warnings(design)]
     if design.film_state == "ignored":
         notes.append("the film is ignored: this is the silicone's stress in its place")
-    results = [
-        replace(state, name=design.name, film=design.film_state, warnings=(*state.warnings, *notes))
-        for state in states
-    ]
-    return tuple(_in_range(design, state) for state in results)
+    name, film = design.name, design.film_state
+    known = (replace(state, name=name, film=film, warnings=(*state.warnings, *notes)) for state in states)
+    return tuple(_in_range(design, state) for state in known)
 
 
 def filled_pad(design: Design) -> tuple[Pad, float]:
@@ -424,16 +391,12 @@ def _filled_slot(design: Design) -> Slot:
     """The slot of each film, if stress crosses it."""
     slot = skin_of(design).slot
     if slot is None:
-        raise InputError(
-            "slot", "is missing: a film's stress needs its place", remedy="add [slot] and [film]"
-        )
+        rule = "is missing: a film's stress needs its place"
+        raise InputError("slot", rule, remedy="add [slot] and [film]")
     if design.film_state == "loose":
-        raise InputError(
-            "contact.film",
-            "leaves the slots empty, and no stress crosses an empty slot",
-            design.film_state,
-            "add a [film] and say 'bonded', or say 'ignored'",
-        )
+        rule = "leaves the slots empty, and no stress crosses an empty slot"
+        remedy = "add a [film] and say 'bonded', or say 'ignored'"
+        raise InputError("contact.film", rule, design.film_state, remedy)
     return slot
 
 

@@ -23,10 +23,10 @@ from scipy import linalg
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import prisms
-from skincad.mechanics.bodies.mesh import PadMesh, half_of, meshed_piece
+from skincad.mechanics.bodies.mesh import PadPiece, half_of, meshed_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.correction import Correction, Errors
 from skincad.mechanics.models.solid import (
@@ -35,7 +35,6 @@ from skincad.mechanics.models.solid import (
     condensed_pad,
     forms_of,
     solve_level,
-    timed,
 )
 from skincad.mechanics.problem import (
     Answer,
@@ -99,29 +98,30 @@ def free_ends(
     crest_offsets: tuple[float, ...] = (),
 ) -> Correction:
     """Return the change at `force` N from plane strain to free ends; `crest_offsets` as in Request."""
-    meshed = timed(
-        seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(crest_offsets))
+    watch = Stopwatch(stages=seconds)
+    with watch.stage("mesh"):
+        meshed = meshed_piece(pad, coarse_sizes(pad, 1.0), whole=bool(crest_offsets))
+    with watch.stage("assemble"):
+        forms = forms_of(meshed, ORDER)
+    plane, solid = (
+        solve_level(meshed, forms, layers, force, seconds, crest_offsets=crest_offsets)
+        for layers in (None, along)
     )
-    forms = timed(seconds, "assemble", lambda: forms_of(meshed, ORDER))
-    plane = solve_level(meshed, forms, None, force, seconds, crest_offsets=crest_offsets)
-    solid = solve_level(meshed, forms, along, force, seconds, crest_offsets=crest_offsets)
     return Correction(plane, solid, ERRORS)
 
 
 ROUNDING = 1e-9  # relative; a larger negative eigenvalue means ends stiffer than plane strain
 
 
-def added_compliance(design: Design, along: Layers = LAYERS) -> Array:
+def added_compliance(design: Design) -> Array:
     """Return the extra sinking of ridge i by free ends, mm, per N on ridge j `(ridges, ridges)`.
 
     Small strain. Raises ContactError where the two solids contradict each other.
     """
-    seconds: dict[str, float] = {}
     pad = plain_pad(design)
     meshed = meshed_piece(pad, coarse_sizes(pad, 1.0), whole=True)
     forms = forms_of(meshed, ORDER)
-    plane, solid = (_by_ridge(meshed, forms, layers, seconds) for layers in (None, along))
-    more = solid - plane
+    more = _by_ridge(meshed, forms, LAYERS) - _by_ridge(meshed, forms, None)
     if half_of(pad) is not None:  # the mesh is not its own mirror image, the pad is
         more = (more + more[::-1, ::-1]) / 2
     if np.linalg.eigvalsh(more).min() < -ROUNDING * np.abs(more).max():
@@ -129,11 +129,9 @@ def added_compliance(design: Design, along: Layers = LAYERS) -> Array:
     return more
 
 
-def _by_ridge(
-    meshed: PadMesh, forms: prisms.SectionForms, along: Layers | None, seconds: dict[str, float]
-) -> Array:
+def _by_ridge(meshed: PadPiece, forms: prisms.SectionForms, along: Layers | None) -> Array:
     """How far each ridge goes down as one, mm, per N on another `(ridges, ridges)`."""
-    small, scale = condensed_pad(meshed, forms, along, seconds)
+    small, scale = condensed_pad(meshed, forms, along, {})
     nodes = small.seen.nodes
     numbers = np.array(meshed.whole.ridges)
     rows = nodes.rows.tocsc()

@@ -7,12 +7,14 @@ strain (solid_finite_strain.py), friction (friction.py).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
+from skincad.mechanics.bodies.mesh import PadPiece
+from skincad.mechanics.contact.frictionless import Ridges, all_touch_force, press
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, wider_by
 
 
@@ -31,24 +33,50 @@ NONE = Errors(0.0, 0.0, 0.0)
 @dataclass(frozen=True)
 class LevelAnswer:
     """The verdict's numbers of one mesh for the whole pad, mm and N; `ridge_force` is `(ridges,)`, and
-    `all_touch_force` None where it is out of range.
-
-    `pressure` `(m,)` in MPa, `x` and `y` `(m,)` in mm are those of the piece of a solid that is meshed.
-    """
+    `all_touch_force` None where it is out of range."""
 
     all_touch_force: float | None
     approach: float
     ridge_force: Array
     unknowns: int
     residual: float
-    x: Array = field(default_factory=lambda: np.empty(0))
-    y: Array = field(default_factory=lambda: np.empty(0))
-    pressure: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def touching(self) -> int:
         """Number of ridges that carry force somewhere along y."""
         return int(np.count_nonzero(self.ridge_force > 0))
+
+
+def level_answer(
+    meshed: PadPiece,
+    ridges: Ridges,
+    forces: Array,
+    approach: float,
+    first: float | None,
+    *,
+    scale: float,
+    unknowns: int,
+    residual: float,
+) -> LevelAnswer:
+    """Return the numbers of a contact with `forces` `(m,)` at its points and of the force at which all touch,
+    `first`, from the piece's units; a force of 1 in them is `scale` N on the whole pad."""
+    return LevelAnswer(
+        all_touch_force=None if first is None else first * scale,
+        approach=approach * meshed.unit,
+        ridge_force=meshed.on_whole(ridges.sums(forces) * scale),
+        unknowns=unknowns,
+        residual=residual,
+    )
+
+
+def frictionless_level(
+    meshed: PadPiece, ridges: Ridges, force: float, scale: float, unknowns: int, error: float = 0.0
+) -> LevelAnswer:
+    """Return the numbers of a pad pressed without friction at `force` N; `error` is the body's residual."""
+    state = press(ridges.flexibility, ridges.gap, force / scale)
+    first, residual = all_touch_force(ridges, force / scale), max(state.residual, error)
+    by_force = state.force, state.approach, first
+    return level_answer(meshed, ridges, *by_force, scale=scale, unknowns=unknowns, residual=residual)
 
 
 @dataclass(frozen=True)
@@ -116,11 +144,8 @@ class Correction:
 
         A negligible one is replaced by the level's own, known to NEGLIGIBLE of the force.
         """
-        value, first, last = (
-            fine.all_touch_force.value,
-            self.before.all_touch_force,
-            self.after.all_touch_force,
-        )
+        value = fine.all_touch_force.value
+        first, last = self.before.all_touch_force, self.after.all_touch_force
         if value is None or first is None or last is None:
             return Estimate(None, None, "N")
         if min(value, first) <= NEGLIGIBLE * force:

@@ -12,20 +12,19 @@ Beyond it a force is refused. Below 1e-6 N rounding passes the residual's bound 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from time import perf_counter
+from dataclasses import replace
 
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
-from skincad.mechanics.bodies.mesh import PadMesh
-from skincad.mechanics.bodies.plane_body import NeoHookeBody, transferred
+from skincad.mechanics.bodies.mesh import PadPiece
+from skincad.mechanics.bodies.plane_body import transferred
 from skincad.mechanics.contact.newton import (
     DivergedError,
     PadTangent,
@@ -34,7 +33,8 @@ from skincad.mechanics.contact.newton import (
     press_to,
     press_until_all_touch,
 )
-from skincad.mechanics.models.linear import PlaneSolution, pressures, refine, scale_of
+from skincad.mechanics.models.correction import level_answer
+from skincad.mechanics.models.linear import PlaneSolution, pressures, refine
 from skincad.mechanics.problem import Answer, Pad, Request, check_flat, focused, pad_of
 
 # Relative change by the small-strain law at the clamped ends (plane_body.body), taken as twice the change
@@ -68,18 +68,9 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     return result.widened(EDGE_THRESHOLD, FACE_STATE if pad.face else EDGE_STATE, share)
 
 
-@dataclass(frozen=True)
-class LevelStates:
-    """A level's two states, for the next order to start from."""
-
-    body: NeoHookeBody
-    at_force: PressedState
-    touching: PressedState | None
-
-
 @one_blas_thread()
 def level(
-    meshed: PadMesh,
+    meshed: PadPiece,
     order: int,
     force: float,
     crest_offsets: tuple[float, ...] = (),
@@ -87,44 +78,42 @@ def level(
 ) -> PlaneSolution:
     """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm, from
     the states of a level `before` on the same mesh. Crest offsets need a mesh of the whole pad."""
-    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
-    states: LevelStates | None = before.states if before else None
-    clock = [perf_counter()]
-    mesh = states.body.mesh if states else elements.curved(meshed.mesh, order)
-    mesh.Curve(max(3, order))
-    low = np.array(crest_offsets) / unit if crest_offsets else None
-    body = plane_body.body(mesh, order, pad.materials, pad.laws, pad.revolved, pad.face)
-    problem = PressedPad(body, pad.top / unit, low)
-    clock.append(perf_counter())
-    guess = transferred(states.body, states.at_force.values, body) if states else None
-    state = at_force(problem, force / scale, scale, guess)
-    clock.append(perf_counter())
-    if before and before.out_of_range:  # a higher order would only search for longer
-        touching, beyond_reason = None, before.out_of_range
-    else:
-        guess = None
-        if states and states.touching:
-            # the step between two forces is smooth; what the orders differ by at the corners is in `state`
-            step = states.touching.values - states.at_force.values
-            guess = state.values + transferred(states.body, step, body)
-        touching, beyond_reason = all_touch(problem, state, scale, guess)
-    clock.append(perf_counter())
-    threshold = 0.0 if state.ridges.numbers.size == 1 else None
+    pad, unit, scale = meshed.whole, meshed.unit, meshed.scale
+    states = before.states if before else None
+    watch, guess, step = Stopwatch(), None, None
+    with watch.stage("assemble"):
+        mesh = states[0].mesh if states else elements.curved(meshed.mesh, order)
+        mesh.Curve(max(3, order))
+        low = np.array(crest_offsets) / unit if crest_offsets else None
+        body = plane_body.body(mesh, order, pad.materials, pad.laws, pad.revolved, pad.face)
+        problem = PressedPad(body, pad.top / unit, low)
+    with watch.stage("newton"):
+        if states:
+            guess = transferred(states[0], states[1].values, body)
+        state = at_force(problem, force / scale, scale, guess)
+    with watch.stage("threshold"):
+        if before and before.out_of_range:  # a higher order would only search for longer
+            first, touching, beyond_reason = None, None, before.out_of_range
+        else:
+            if states and states[2]:
+                # the step between two forces is smooth; what orders differ by at the corners is in `state`
+                change = transferred(states[0], states[2].values - states[1].values, body)
+                step = state.values + change
+            first, touching, beyond_reason = all_touch(problem, state, scale, step)
     x, pressure = pressures(meshed, body.rest.nodes, state.contact.force)
+    residual = max(s.contact.residual for s in (state, touching) if s)
+    forces, unknowns = (state.contact.force, state.contact.approach, first), body.rest.unknowns
+    answer = level_answer(meshed, state.ridges, *forces, scale=scale, unknowns=unknowns, residual=residual)
     return PlaneSolution(
-        all_touch_force=touching.force * scale if touching else threshold,
-        approach=state.approach * unit,
-        ridge_force=meshed.on_whole(state.ridges.sums(state.contact.force) * scale),
+        **vars(answer),
         x=x,
         pressure=pressure,
-        unknowns=body.rest.unknowns,
-        residual=max(max(s.residual, s.contact.residual) for s in (state, touching) if s),
-        seconds=dict(zip(("assemble", "newton", "threshold"), np.diff(clock).tolist(), strict=True)),
+        seconds=watch.stages,
         ridges=state.ridges,
         unit=unit,
         scale=scale,
         out_of_range=beyond_reason,
-        states=LevelStates(body, state, touching),
+        states=(body, state, touching),
     )
 
 
@@ -140,36 +129,31 @@ def at_force(
     reached = 0.0
     try:
         state = press_to(problem, force, guess, rest)
-        wrong = problem.body.undetected_contact(state.values, problem.top - state.approach)
+        wrong = problem.body.undetected_contact(state.values, problem.top - state.contact.approach)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached
     if wrong is None:
         return state
     range_ = f" (up to about {reached * scale:.3g} N)" if reached else ""
-    raise InputError(
-        "force",
-        f"must lie within the finite-strain model's range{range_}: {wrong}",
-        force * scale,
-        "take a smaller force, or a harder silicone or wider ridges",
-    )
+    rule = f"must lie within the finite-strain model's range{range_}: {wrong}"
+    remedy = "take a smaller force, or a harder silicone or wider ridges"
+    raise InputError("force", rule, force * scale, remedy)
 
 
 def all_touch(
     problem: PressedPad, state: PressedState, scale: float, guess: Array | None = None
-) -> tuple[PressedState | None, str]:
-    """Return the state at which all ridges touch, or None and why; None too for a single ridge, which needs
-    none. `state` is one nearby."""
+) -> tuple[float | None, PressedState | None, str]:
+    """Return the force at which all ridges touch with its state, or None and why there is none; 0 for a
+    single ridge, which needs no state. `state` is one nearby."""
     if state.ridges.numbers.size == 1:
-        return None, ""
+        return 0.0, None, ""
     reached = state.force
     try:
         touching = press_until_all_touch(problem, state, guess)
-        wrong = problem.body.undetected_contact(touching.values, problem.top - touching.approach)
+        wrong = problem.body.undetected_contact(touching.values, problem.top - touching.contact.approach)
         if wrong is None:
-            return touching, ""
+            return touching.force, touching, ""
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached or reached
-    return None, (
-        "the force at which all ridges touch is beyond the finite-strain model's range "
-        f"(looked up to {reached * scale:.3g} N): {wrong}"
-    )
+    words = "the force at which all ridges touch is beyond the finite-strain model's range "
+    return None, None, f"{words}(looked up to {reached * scale:.3g} N): {wrong}"

@@ -14,10 +14,9 @@ from __future__ import annotations
 
 from dataclasses import astuple, replace
 
-from skincad.base.arrays import Array
 from skincad.base.machine import one_blas_thread
 from skincad.mechanics.bodies import elements
-from skincad.mechanics.bodies.mesh import default_sizes, meshed_piece
+from skincad.mechanics.bodies.mesh import PadPiece, default_sizes, meshed_piece
 from skincad.mechanics.contact.frictionless import all_touch_force, press, seen_by_plate
 from skincad.mechanics.contact.press_path import (
     StickingPad,
@@ -26,8 +25,12 @@ from skincad.mechanics.contact.press_path import (
     sticking_pad_of,
 )
 from skincad.mechanics.left_out import FRICTION, LeftOut
-from skincad.mechanics.models.correction import Correction, Errors, LevelAnswer
-from skincad.mechanics.models.linear import scale_of
+from skincad.mechanics.models.correction import (
+    Correction,
+    Errors,
+    LevelAnswer,
+    level_answer,
+)
 from skincad.mechanics.models.solid import Layers, coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Answer, Pad, SizeError
 
@@ -62,15 +65,14 @@ def solve(
     """Return the change at `force` N by friction; raises ContactError where the press with friction fails."""
     with one_blas_thread():
         meshed = meshed_piece(pad, default_sizes(pad, fineness), whole=True)
-        unit, scale = meshed.unit, scale_of(meshed)
         curved = elements.curved(meshed.mesh, order)
         system = elements.symmetric_system(elements.assemble(curved, order, pad.materials, pad.revolved))
         points = system.nodes.weight.size
         if points > MOST_POINTS:
             words = f"is computed with friction for at most {MOST_POINTS} contact points"
             raise SizeError("ridge.count", words, points, "take fewer ridges")
-        seen = sticking_pad_of(pad, system, unit, crest_offsets)
-        both = _presses(seen, coefficient, force, steps, unit, scale, system.unknowns)
+        seen = sticking_pad_of(pad, system, meshed.unit, crest_offsets)
+        both = _presses(meshed, seen, coefficient, force, steps, meshed.scale, system.unknowns)
     return Correction(*both, BASE_ERRORS, ERRORS_BY_CHANGE)
 
 
@@ -91,34 +93,31 @@ def solve_solid(
     with one_blas_thread():
         ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit, crest_offsets)
         seen = sticking(ridges, small.seen, small.in_plane, whole=not meshed.mirrored)
-        both = _presses(seen, coefficient, force, steps, meshed.unit, scale, small.unknowns)
-    without, gripped = (replace(one, ridge_force=meshed.on_whole(one.ridge_force)) for one in both)
-    return Correction(without, gripped, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
+        both = _presses(meshed, seen, coefficient, force, steps, scale, small.unknowns)
+    return Correction(*both, SOLID_ERRORS, SOLID_ERRORS_BY_CHANGE, ends=True)
 
 
 def _presses(
+    meshed: PadPiece,
     seen: StickingPad,
     coefficient: float,
     force: float,
     steps: int,
-    unit: float,
     scale: float,
     unknowns: int,
 ) -> tuple[LevelAnswer, LevelAnswer]:
-    """A pad pressed without and with friction at `force` N; its units are `unit` mm and `scale` N."""
+    """A pad pressed without and with friction at `force` N; a force of 1 in its units is `scale` N."""
     ridges, load = seen.ridges, force / scale
-    first = all_touch_force(ridges, load)
-    smooth = press(ridges.flexibility, ridges.gap, load)
-    gripped, last = press_with_friction(seen, coefficient, load, first, steps)
-
-    def coarse(all_touch: float | None, normal: Array, approach: float, residual: float) -> LevelAnswer:
-        threshold = None if all_touch is None else all_touch * scale
-        return LevelAnswer(threshold, approach * unit, ridges.sums(normal) * scale, unknowns, residual)
-
-    return (
-        coarse(first, smooth.force, smooth.approach, smooth.residual),
-        coarse(last, gripped.normal, gripped.approach, gripped.residual),
+    first, smooth = all_touch_force(ridges, load), press(ridges.flexibility, ridges.gap, load)
+    state, last = press_with_friction(seen, coefficient, load, first, steps)
+    without, gripped = (
+        level_answer(meshed, ridges, *forces, scale=scale, unknowns=unknowns, residual=contact.residual)
+        for contact, forces in (
+            (smooth, (smooth.force, smooth.approach, first)),
+            (state, (state.normal, state.approach, last)),
+        )
     )
+    return without, gripped
 
 
 def with_friction(
@@ -140,13 +139,10 @@ def with_friction(
         unknown += LOST.share * strain.share
     elif strain:
         part, unknown = PLANE_PART * part, unknown + changes.share
-    middle = LevelAnswer(
-        before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2),
-        before.approach * (1 + sum(approaches) / 2),
-        before.ridge_force + part * (after.ridge_force - before.ridge_force),
-        after.unknowns,
-        after.residual,
-    )
+    first = before.all_touch_force and before.all_touch_force * (1 + sum(forces) / 2)
+    down = before.approach * (1 + sum(approaches) / 2)
+    shares = before.ridge_force + part * (after.ridge_force - before.ridge_force)
+    middle = replace(after, all_touch_force=first, approach=down, ridge_force=shares)
     half = Errors((approaches[1] - approaches[0]) / 2, (forces[1] - forces[0]) / 2, unknown)
     errors = friction.errors
     left = LeftOut(effect=FRICTION, threshold=half.threshold, approach=half.approach, share=half.share)

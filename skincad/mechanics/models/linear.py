@@ -19,11 +19,18 @@ from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
-from skincad.mechanics.bodies.mesh import PadMesh, default_sizes, plane_piece, triangles, unit_of
+from skincad.mechanics.bodies.mesh import (
+    MeshRefinement,
+    PadPiece,
+    default_sizes,
+    plane_piece,
+    triangles,
+    unit_of,
+)
 from skincad.mechanics.bodies.plane_body import signed_area, undetected_contact
 from skincad.mechanics.contact.frictionless import (
     NodalContact,
@@ -35,7 +42,7 @@ from skincad.mechanics.contact.frictionless import (
     seen_by_plate,
 )
 from skincad.mechanics.contact.ridge_model import ridge_model
-from skincad.mechanics.models.correction import LevelAnswer
+from skincad.mechanics.models.correction import LevelAnswer, level_answer
 from skincad.mechanics.problem import (
     NEGLIGIBLE,
     Answer,
@@ -69,7 +76,7 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
         # an edge's last point is the next one's first
         touches = outline.touches | np.roll(outline.touches, 1)
         there = np.where(touches, np.interp(rest[:, 0], x, pressure), 0.0)
-        loops.append(DeformedLoop(rest, outline.moved * solution.unit, np.maximum(there, 0.0)))
+        loops.append(DeformedLoop(rest, outline.moved * solution.unit, touches, np.maximum(there, 0.0)))
     if not loops:
         return ()
     outer = max(loops, key=lambda loop: abs(signed_area(loop.rest)))
@@ -82,7 +89,8 @@ def deformed_section(solution: PlaneSolution) -> tuple[DeformedPiece, ...]:
 def _reversed(loop: DeformedLoop, x: float = 1.0) -> DeformedLoop:
     """The loop run backwards, its x times a number: of its image at x = 0 by -1."""
     axes = np.array([x, 1.0])
-    return DeformedLoop(loop.rest[::-1] * axes, loop.moved[::-1] * axes, loop.pressure[::-1])
+    touches, pressure = loop.touches[::-1], loop.pressure[::-1]
+    return DeformedLoop(loop.rest[::-1] * axes, loop.moved[::-1] * axes, touches, pressure)
 
 
 def relative_error(answer: Answer, force: float, unit: float) -> float:
@@ -113,8 +121,11 @@ MOST_CONTACT_UNKNOWNS = 9_000  # of 8,400 all in all 4.5 GB, at order 4; about 4
 @dataclass(frozen=True, kw_only=True)
 class PlaneSolution(LevelAnswer):
     """The solution on one mesh at one order, with the state of the meshed piece: `ridges`, whether it is a
-    `mirrored` half, and of one in plane strain `half`, its stiffness for loads of either parity."""
+    `mirrored` half, and of one in plane strain `half`, its stiffness for loads of either parity. `x` mm and
+    `pressure` MPa `(m,)` are the meshed contact points'."""
 
+    x: Array
+    pressure: Array
     seconds: dict[str, float]
     ridges: Ridges
     unit: float  # of the piece, mm
@@ -122,7 +133,7 @@ class PlaneSolution(LevelAnswer):
     fault: str = ""  # undetected contact of the skin with itself or the plate
     half: elements.ContactStiffness | None = None
     mirrored: bool = False
-    outlines: tuple[elements.Outline, ...] = ()  # of the piece, at rest and under the force, in units
+    outlines: tuple[DeformedLoop, ...] = ()  # of the piece, at rest and under the force, in units
     # the fault at another force, N
     pressed: Callable[[float], str] | None = field(default=None, compare=False, repr=False)
     out_of_range: str = ""  # why the all-touch force is None, where a model ends before it
@@ -130,23 +141,17 @@ class PlaneSolution(LevelAnswer):
 
 
 # Of a mesh, an order, a force on the pad, crest offsets, and the level before on the same mesh, if any
-LevelSolver = Callable[[PadMesh, int, float, tuple[float, ...], PlaneSolution | None], PlaneSolution]
+LevelSolver = Callable[[PadPiece, int, float, tuple[float, ...], PlaneSolution | None], PlaneSolution]
 
 
-def scale_of(meshed: PadMesh) -> float:
-    """Return the force on the whole pad, N, for a force of 1 on the piece, in its units."""
-    along = meshed.unit if meshed.whole.revolved else meshed.whole.length
-    return meshed.whole.young_modulus * meshed.unit * along * meshed.sides
-
-
-def contact_unknowns(meshed: PadMesh, order: int) -> int:
+def contact_unknowns(meshed: PadPiece, order: int) -> int:
     """Return how many contact unknowns the whole pad has at this order: the yield asks for all of them."""
     return elements.contact_unknowns(elements.curved(meshed.mesh, 1), order) * meshed.sides
 
 
 @one_blas_thread()
 def level(
-    meshed: PadMesh,
+    meshed: PadPiece,
     order: int,
     force: float,
     crest_offsets: tuple[float, ...] = (),
@@ -154,20 +159,20 @@ def level(
 ) -> PlaneSolution:
     """Solve one order at `force` N on the pad, crests lower than the section's by `crest_offsets` mm. Those
     need a mesh of the whole pad."""
-    pad, unit, scale = meshed.whole, meshed.unit, scale_of(meshed)
-    clock = [perf_counter()]
-    curved = elements.curved(meshed.mesh, order)
-    contact = contact_unknowns(meshed, order)
-    if contact > MOST_CONTACT_UNKNOWNS:
-        raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
-    assembled = elements.assemble(curved, order, pad.materials, pad.revolved)
-    system = elements.symmetric_system(assembled)
-    clock.append(perf_counter())
-    small = condense(system.matrix, system.interior, system.contact)
-    clock.append(perf_counter())
+    pad, unit, scale = meshed.whole, meshed.unit, meshed.scale
+    watch = Stopwatch()
+    with watch.stage("assemble"):
+        curved = elements.curved(meshed.mesh, order)
+        contact = contact_unknowns(meshed, order)
+        if contact > MOST_CONTACT_UNKNOWNS:
+            raise too_large(contact, MOST_CONTACT_UNKNOWNS, "linear")
+        assembled = elements.assemble(curved, order, pad.materials, pad.revolved)
+        system = elements.symmetric_system(assembled)
+    with watch.stage("condense"):
+        small = condense(system.matrix, system.interior, system.contact)
     ridges = seen_by_plate(pad, system, small.flexibility, unit, crest_offsets)
 
-    def pressed(force: float) -> tuple[NodalContact, Array, list[elements.Outline], str | None]:
+    def pressed(force: float) -> tuple[NodalContact, Array, list[DeformedLoop], str | None]:
         state = press(ridges.flexibility, ridges.gap, force / scale)
         load = np.zeros(system.lift.size)
         load[system.contact] = -(system.nodes.rows.T @ state.force)
@@ -176,20 +181,18 @@ def level(
         plate = height_above(pad, ridges, system, state.approach, unit)
         return state, moved, outlines, undetected_contact(outlines, plate, mirrored=meshed.mirrored)
 
-    state, moved, outlines, wrong = pressed(force)
-    threshold = all_touch_force(ridges, force / scale)
-    residual = max(state.residual, _balance(system, moved, force / scale))
-    clock.append(perf_counter())
+    with watch.stage("contact"):
+        state, moved, outlines, wrong = pressed(force)
+        first = all_touch_force(ridges, force / scale)
+        residual = max(state.residual, _balance(system, moved, force / scale))
     x, pressure = pressures(meshed, system.nodes, state.force)
+    forces, unknowns = (state.force, state.approach, first), system.unknowns
+    answer = level_answer(meshed, ridges, *forces, scale=scale, unknowns=unknowns, residual=residual)
     return PlaneSolution(
-        all_touch_force=None if threshold is None else threshold * scale,
-        approach=state.approach * unit,
-        ridge_force=meshed.on_whole(ridges.sums(state.force) * scale),
+        **vars(answer),
         x=x,
         pressure=pressure,
-        unknowns=system.unknowns,
-        residual=residual,
-        seconds=dict(zip(("assemble", "condense", "contact"), np.diff(clock).tolist(), strict=True)),
+        seconds=watch.stages,
         ridges=ridges,
         unit=unit,
         scale=scale,
@@ -201,7 +204,7 @@ def level(
     )
 
 
-def pressures(meshed: PadMesh, nodes: elements.Sample, force: Array) -> tuple[Array, Array]:
+def pressures(meshed: PadPiece, nodes: elements.Sample, force: Array) -> tuple[Array, Array]:
     """Return x, mm, and the pressure, MPa, of contact points under forces `(m,)` in units: one on the axis of
     a turned section stands for no area, and is left out."""
     off = nodes.weight > 0
@@ -236,12 +239,8 @@ def self_contact(solution: PlaneSolution, force: float, ridge_limit: float) -> S
 
 def too_large(contact: int, most: int, model: str) -> SizeError:
     """Return a model's refusal of a pad with so many contact unknowns, more than `most`."""
-    return SizeError(
-        "ridge.count",
-        f"the {model} model takes at most {most} contact unknowns",
-        contact,
-        "take fewer ridges, or the reduced or winkler model",
-    )
+    rule = f"the {model} model takes at most {most} contact unknowns"
+    return SizeError("ridge.count", rule, contact, "take fewer ridges, or the reduced or winkler model")
 
 
 def _balance(system: elements.ContactStiffness, moved: Array, force: float) -> float:
@@ -269,29 +268,16 @@ CREST_TOLERANCE = 1e-9  # mm; crests that differ by less lie as designed
 AFTER_MESH, AFTER_ORDER = 6.0, 3.4
 
 
-@dataclass(frozen=True)
-class PlaneRefinement:
-    """Orders `order - 1` and `order` on a mesh; `usual` is the relative error that it usually reaches.
-
-    `price` is its time on top of the refinements before, as a multiple of the first one's (measured on four
-    templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2).
-    """
-
-    fineness: float
-    order: int
-    usual: float
-    price: float
-
-
 NEVER_ALL_TOUCH = (
     "taken as small, no strain makes all ridges touch: some stay clear however hard it is pressed"
 )
+# Prices measured on four templates: 0.7 to 1.3, 0.9 to 2.3, 2.1 to 5.8, 3.2 to 4.2
 REFINEMENTS = (
-    PlaneRefinement(0.5, 3, 6e-3, 1.0),
-    PlaneRefinement(1.0, 3, 2e-3, 1.2),
-    PlaneRefinement(1.0, 4, 1e-3, 2.0),
-    PlaneRefinement(2.0, 4, 4e-4, 4.5),
-    PlaneRefinement(2.0, 5, 0.0, 4.0),
+    MeshRefinement(0.5, 3, 1.0, usual=6e-3),
+    MeshRefinement(1.0, 3, 1.2, usual=2e-3),
+    MeshRefinement(1.0, 4, 2.0, usual=1e-3),
+    MeshRefinement(2.0, 4, 4.5, usual=4e-4),
+    MeshRefinement(2.0, 5, 4.0),
 )
 
 
@@ -336,14 +322,11 @@ def refine(
     """
     most = MOST_CONTACT_UNKNOWNS if most is None else most
     check_pad(pad)
-    if (
-        request.crest_offsets and np.ptp(request.crest_offsets) <= CREST_TOLERANCE
-    ):  # the first touch is later, and that is all
-        request = replace(request, crest_offsets=())
-    whole = bool(request.crest_offsets)  # crests of one part are not mirrored
+    if request.crest_offsets and np.ptp(request.crest_offsets) <= CREST_TOLERANCE:
+        request = replace(request, crest_offsets=())  # the first touch is later, and that is all
     check_coarsest(pad, most, model)
     budget = request.budget
-    levels = _Levels(pad, request, at, model, progress, whole, most, perf_counter())
+    levels = _Levels(pad, request, at, model, progress, most, perf_counter())
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     reached = adaptivity.refine(
         levels.solved,
@@ -370,18 +353,18 @@ class _Levels:
     at: LevelSolver
     model: str
     progress: Progress | None
-    whole: bool
     most: int
     began: float
     seconds: dict[str, float] = field(default_factory=dict)
-    meshes: dict[float, PadMesh] = field(default_factory=dict)
+    meshes: dict[float, PadPiece] = field(default_factory=dict)
     levels: dict[tuple[float, int], PlaneSolution] = field(default_factory=dict)
 
-    def solved(self, refinement: PlaneRefinement, before: object) -> PlaneSolution:
+    def solved(self, refinement: MeshRefinement, before: object) -> PlaneSolution:
         """Solve both orders on a mesh; raises SizeError first if it is too large."""
         if refinement.fineness not in self.meshes:
             started = perf_counter()
-            self.meshes[refinement.fineness] = plane_piece(self.pad, refinement.fineness, whole=self.whole)
+            whole = bool(self.request.crest_offsets)  # crests of one part are not mirrored
+            self.meshes[refinement.fineness] = plane_piece(self.pad, refinement.fineness, whole=whole)
             _add(self.seconds, {"mesh": perf_counter() - started})
             self._check_fits(self.levels, AFTER_MESH * (perf_counter() - started))
         mesh = self.meshes[refinement.fineness]
@@ -404,7 +387,7 @@ class _Levels:
         return replace(self.levels[refinement.fineness, refinement.order], states=None)
 
     def estimated(
-        self, refinement: PlaneRefinement, best: PlaneSolution, before: PlaneSolution | None
+        self, refinement: MeshRefinement, best: PlaneSolution, before: PlaneSolution | None
     ) -> tuple[Answer, float]:
         """The refinement's answer and its largest relative error."""
         lower = self.levels[refinement.fineness, refinement.order - 1]

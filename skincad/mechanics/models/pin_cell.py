@@ -19,9 +19,10 @@ from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.harmonics import pulled, pushed
-from skincad.mechanics.bodies.mesh import PadMesh, plane_piece
+from skincad.mechanics.bodies.mesh import PadPiece, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
+from skincad.mechanics.validity import crown_radius
 from skincad.shape.skin import skin_of
 
 # Thicknesses of the base beyond a pin's foot. A row of pins is felt as by the plane model one thickness away
@@ -73,29 +74,12 @@ def lone(design: Design, height: float, thickness: float) -> Design:
     cell."""
     pin = skin_of(design).profile
     width = 2 * (pin.feet[0].x + REACH * thickness)
-    skin = design.skin.model_copy(
-        update={
-            "curvature_radius": 1e8,
-            "curvature_radius_y": None,
-            "thickness": thickness,
-            "outline": "round",
-            "width": width,
-            "length": width,
-        }
-    )
-    table = design.features.model_copy(
-        update={
-            "pattern": "square",
-            "columns": 1,
-            "rows": 1,
-            "rings": None,
-            "margin": None,
-            "height": height,
-            "heights": None,
-            "levelling": None,
-            "pocket": None,
-        }
-    )
+    flat = {"curvature_radius": 1e8, "curvature_radius_y": None, "thickness": thickness}
+    disc_of_base = {"outline": "round", "width": width, "length": width}
+    alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height}
+    nothing = dict.fromkeys(("rings", "margin", "heights", "levelling", "pocket"))
+    skin = design.skin.model_copy(update=flat | disc_of_base)
+    table = design.features.model_copy(update=alone | nothing)
     return design.model_copy(update={"name": "cell", "skin": skin, "pin": table})
 
 
@@ -114,17 +98,11 @@ def pin_cell(cell: Design) -> PinCell:
     return PinCell(cell, axial, across, radius, by_push, by_pull)
 
 
-def _meshed(cell: Design) -> tuple[PadMesh, float]:
+def _meshed(cell: Design) -> tuple[PadPiece, float]:
     """The cell's mesh, fine within the radius of its tip, mm, over which loads are spread."""
     shape = skin_of(cell).profile
     loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
     return plane_piece(replace(pad_of(cell), focus=loaded if shape.crown else 0.0), FINENESS), loaded
-
-
-def crown_radius(design: Design) -> float:
-    """Return the radius, mm, of the pins' spherical tips; infinite for flat ones."""
-    shape = skin_of(design).profile
-    return shape.tip_width**2 / (8 * shape.crown) + shape.crown / 2 if shape.crown else math.inf
 
 
 def hertz(force: Array, radius: float, modulus: float) -> Array:
@@ -156,7 +134,7 @@ def pin_curve(cell: Design) -> tuple[Array, Array]:
     return force, np.where(light, sparse, indentation)
 
 
-def _compliances(meshed: PadMesh, cell: Design, loaded: float) -> tuple[float, Array, Array, Array, Array]:
+def _compliances(meshed: PadPiece, cell: Design, loaded: float) -> tuple[float, Array, Array, Array, Array]:
     """Compliances of the tip under loads over `loaded` mm of it, and the base's displacements, of PinCell."""
     pad, unit = meshed.whole, meshed.unit
     mesh = elements.curved(meshed.mesh, ORDER)

@@ -39,8 +39,9 @@ from skincad.mechanics.bodies.mesh import plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import added_compliance
 from skincad.mechanics.models.correction import Errors
-from skincad.mechanics.models.pin_cell import PinCell, crown_radius, disc, lone, pin_cell, pin_curve
+from skincad.mechanics.models.pin_cell import PinCell, disc, lone, pin_cell, pin_curve
 from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
+from skincad.mechanics.validity import crown_radius, crown_rises
 from skincad.shape.skin import section, skin_of
 
 REACH = 4.0, 1.5  # thicknesses of the base, and lengths of the skin, between a feature and the cell's end
@@ -238,9 +239,8 @@ def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
     everyone, tips = np.arange(skin.count), tip_compliances(design, cells)
     alone = tips[:, 2, 2]
     if stuck:
-        alone = alone - (tips[:, 2, :2] * np.linalg.solve(tips[:, :2, :2], tips[:, :2, 2:])[..., 0]).sum(
-            axis=1
-        )
+        held = np.linalg.solve(tips[:, :2, :2], tips[:, :2, 2:])[..., 0]
+        alone = alone - (tips[:, 2, :2] * held).sum(axis=1)
     entries = np.concatenate([values, values, alone - stiffest.axial])
     index = np.concatenate([first, second, everyone]), np.concatenate([second, first, everyone])
     tops, (force, indentation) = pin_tops(design), pin_curve(stiffest.design)
@@ -344,14 +344,7 @@ def base_thicknesses(design: Design) -> Array:
 def pin_tops(design: Design) -> Array:
     """Return the height of each pin's highest point `(n,)` mm: on its crown, or where it leans more on the
     crown's edge."""
-    skin = skin_of(design)
-    shape, radius = skin.profile, crown_radius(design)
-    tip, lean = np.array([placed.tip[2] for placed in skin.placed]), np.array(skin.leans)
-    edge = shape.tip_width / 2 * np.sin(lean) - shape.crown * np.cos(lean)
-    if not math.isfinite(radius):
-        return np.asarray(tip + edge)
-    on_crown = 2 * radius * np.sin(lean / 2) ** 2
-    return np.asarray(np.where(radius * np.sin(lean) <= shape.tip_width / 2, tip + on_crown, tip + edge))
+    return np.array([placed.tip[2] for placed in skin_of(design).placed]) + crown_rises(design)
 
 
 def _nodes(values: Array, most: int) -> Array:
@@ -387,31 +380,25 @@ def repeated(coupling: Array, many: int) -> sparse.csr_matrix:
     A pair is coupled as the cell's of the same distance, by the mean of both features' places there: as near
     to an end, or in the middle. Beyond half the cell nothing is felt.
     """
-    few = len(coupling)
-    place, reach = _places(few, many), few // 2
+    few, number, reach = len(coupling), np.arange(many), len(coupling) // 2
+    from_end = many - 1 - number
+    # which of the cell's features each is like: as near to an end, or the middle one
+    place = np.where(number < reach, number, np.where(from_end < reach, few - 1 - from_end, reach))
+
+    def coupled(at: Index, distance: int) -> Array:
+        """The cell's coupling of features `at` `(k,)` with those so far on; 0 beyond its end."""
+        there = at + distance
+        inside = (there >= 0) & (there < few)
+        return np.where(inside, coupling[at, np.where(inside, there, 0)], 0.0)
+
     rows, columns, values = [], [], []
     for offset in range(-reach, reach + 1):
         first = np.arange(max(0, -offset), many - max(0, offset))
-        pairs = ((place[first], offset), (place[first + offset], -offset))
         rows.append(first)
         columns.append(first + offset)
-        values.append(sum(_coupled(coupling, at, distance) for at, distance in pairs) / 2)
+        values.append((coupled(place[first], offset) + coupled(place[first + offset], -offset)) / 2)
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
     return sparse.csr_matrix(entries, shape=(many, many))
-
-
-def _coupled(coupling: Array, at: Index, distance: int) -> Array:
-    """The cell's coupling of features `at` `(k,)` with those so far on; 0 beyond its end."""
-    there = at + distance
-    inside = (there >= 0) & (there < len(coupling))
-    return np.where(inside, coupling[at, np.where(inside, there, 0)], 0.0)
-
-
-def _places(few: int, many: int) -> Index:
-    """Which of the cell's features each of `many` is like `(many,)`: as near to an end, or the middle one."""
-    number, half = np.arange(many), few // 2
-    from_end = many - 1 - number
-    return np.where(number < half, number, np.where(from_end < half, few - 1 - from_end, half))
 
 
 def at_approach(model: FeatureModel, approach: float) -> tuple[Array, Array]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -18,12 +17,20 @@ from skincad.base.adaptivity import Refinement, by_price, refine
 from skincad.base.arrays import Array
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies import elements, prisms
-from skincad.mechanics.bodies.mesh import FOCUS_EDGES, PadMesh, Sizes, height_of, meshed_piece, unit_of
-from skincad.mechanics.contact.frictionless import NodalContact, all_touch_force, press, seen_by_plate
-from skincad.mechanics.models.correction import LevelAnswer
+from skincad.mechanics.bodies.mesh import (
+    FOCUS_EDGES,
+    MeshRefinement,
+    PadPiece,
+    Sizes,
+    height_of,
+    meshed_piece,
+    unit_of,
+)
+from skincad.mechanics.contact.frictionless import seen_by_plate
+from skincad.mechanics.models.correction import LevelAnswer, frictionless_level
 from skincad.mechanics.models.linear import relative_error, shortfalls
 from skincad.mechanics.problem import (
     Answer,
@@ -67,13 +74,13 @@ def coarse_sizes(pad: Pad, fineness: float) -> Sizes:
     )
 
 
-def forms_of(meshed: PadMesh, order: int) -> prisms.SectionForms:
+def forms_of(meshed: PadPiece, order: int) -> prisms.SectionForms:
     """Return the section's integrals at an order."""
-    return prisms.section_forms(elements.curved(meshed.mesh, order), order, meshed.piece.materials)
+    return prisms.section_forms(elements.curved(meshed.mesh, order), order, meshed.pad.materials)
 
 
 def solve_level(
-    meshed: PadMesh,
+    meshed: PadPiece,
     forms: prisms.SectionForms,
     along: Layers | None,
     force: float,
@@ -87,24 +94,13 @@ def solve_level(
     Crests lower than the section's by `crest_offsets` mm need the whole pad's mesh.
     """
     small, scale = condensed_pad(meshed, forms, along, seconds, clamped_end=clamped_end)
-    pad, seen = meshed.whole, small.seen
-
-    def at_force() -> LevelAnswer:
-        ridges = seen_by_plate(pad, seen, small.flexibility, meshed.unit, crest_offsets)
-        state = press(ridges.flexibility, ridges.gap, force / scale)
-        first = all_touch_force(ridges, force / scale)
-        residual = max(state.residual, small.rigid_body_error)
-        return level_of(
-            meshed, seen.nodes, small.along, state, state.approach, first, scale, small.unknowns, residual
-        )
-
-    with one_blas_thread():
-        solution: LevelAnswer = timed(seconds, "contact", at_force)
-    return solution
+    with one_blas_thread(), Stopwatch(stages=seconds).stage("contact"):
+        ridges = seen_by_plate(meshed.whole, small.seen, small.flexibility, meshed.unit, crest_offsets)
+        return frictionless_level(meshed, ridges, force, scale, small.unknowns, small.rigid_body_error)
 
 
 def condensed_pad(
-    meshed: PadMesh,
+    meshed: PadPiece,
     forms: prisms.SectionForms,
     along: Layers | None,
     seconds: dict[str, float],
@@ -117,60 +113,28 @@ def condensed_pad(
     half = meshed.whole.length / 2 / meshed.unit
     line = prisms.constant() if along is None else layers_of(meshed, along)
     check_size(forms, line, 3 if in_plane else 1)
-    with one_blas_thread():
-        small: prisms.Solid = timed(
-            seconds,
-            "condense",
-            lambda: prisms.condensed(
-                forms, line, plane=along is None, clamped_end=clamped_end, in_plane=in_plane
-            ),
-        )
+    with one_blas_thread(), Stopwatch(stages=seconds).stage("condense"):
+        small = prisms.condensed(forms, line, plane=along is None, clamped_end=clamped_end, in_plane=in_plane)
     check_balance(small.rigid_body_error)
     length = 2 * half if along is None else 2.0
     return small, meshed.whole.young_modulus * meshed.unit**2 * length * meshed.sides
 
 
-def level_of(
-    meshed: PadMesh,
-    nodes: elements.Sample,
-    along: Array,
-    state: NodalContact,
-    approach: float,
-    threshold: float | None,
-    scale: float,
-    unknowns: int,
-    residual: float,
-) -> LevelAnswer:
-    """Return the solution in mm and N from the piece's units, for contact `nodes` at y = `along`."""
-    unit = meshed.unit
-    shares = np.array([state.force[nodes.ridge == r].sum() for r in np.unique(nodes.ridge)]) * scale
-    return LevelAnswer(
-        all_touch_force=None if threshold is None else threshold * scale,
-        approach=approach * unit,
-        ridge_force=meshed.on_whole(shares),
-        x=nodes.position[:, 0] * unit,
-        y=along * unit,
-        pressure=state.force / nodes.weight * meshed.whole.young_modulus,
-        unknowns=unknowns,
-        residual=residual,
-    )
-
-
-def layers_of(meshed: PadMesh, along: Layers) -> prisms.AlongY:
+def layers_of(meshed: PadPiece, along: Layers) -> prisms.AlongY:
     """Return the functions along y of these prisms, on half of the pad's length."""
     return prisms.line(borders_of(meshed, along), along.order, bend=bend_of(meshed))
 
 
-def borders_of(meshed: PadMesh, along: Layers) -> Array:
+def borders_of(meshed: PadPiece, along: Layers) -> Array:
     """Return the layers' borders `(layers + 1,)` on half of the pad's length, in units; alike on a pad whose
     contact ends somewhere along y."""
     growth = along.growth if meshed.whole.bend is None else 1.0
     return prisms.graded(
-        meshed.whole.length / 2 / meshed.unit, along.last * meshed.height / meshed.unit, growth
+        meshed.whole.length / 2 / meshed.unit, along.last * height_of(meshed.whole) / meshed.unit, growth
     )
 
 
-def bend_of(meshed: PadMesh) -> Bend | None:
+def bend_of(meshed: PadPiece) -> Bend | None:
     """Return the pad's bend in the piece's units."""
     return None if meshed.whole.bend is None else meshed.whole.bend.over(meshed.unit)
 
@@ -180,20 +144,9 @@ def check_size(forms: prisms.SectionForms, line: prisms.AlongY, directions: int 
     unknowns = 3 * forms.clamped.size * line.at.size
     contact = directions * forms.plane.contact.size * line.at.size
     if unknowns > MOST_UNKNOWNS or contact > MOST_CONTACT:
-        raise SizeError(
-            "ridge.count",
-            f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact",
-            max(unknowns, contact),
-            "take fewer ridges, a shorter skin or the linear model",
-        )
-
-
-def timed(seconds: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:
-    """Return what `work` returns, its time added to the stage's."""
-    started = perf_counter()
-    result = work()
-    seconds[stage] = seconds.get(stage, 0.0) + perf_counter() - started
-    return result
+        rule = f"three dimensions take at most {MOST_UNKNOWNS} unknowns and {MOST_CONTACT} in contact"
+        remedy = "take fewer ridges, a shorter skin or the linear model"
+        raise SizeError("ridge.count", rule, max(unknowns, contact), remedy)
 
 
 DEFAULT_TOLERANCE = 1e-2  # relative; finite strain changes more (docs/evidence/facts.md)
@@ -202,24 +155,12 @@ SECTION_TAIL = 0.6
 LAYERS_TAIL = 1.0  # what is left after the finer layers, against their difference to the coarser
 
 
-@dataclass(frozen=True)
-class SolidRefinement:
-    """A section mesh at `order - 1` and `order`, and layers against finer ones.
-
-    `fineness` 1 is the coarsest mesh; `price` is its time as a multiple of the first refinement's.
-    """
-
-    fineness: float
-    order: int
-    layers: Layers
-    finer: Layers
-    price: float
-
-
-REFINEMENTS = (
-    SolidRefinement(1.0, 3, Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4), 1.0),
-    SolidRefinement(1.5, 3, Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4), 5.0),
-)
+# A section mesh, fineness 1 the coarsest, and by fineness the layers on it and the finer ones
+REFINEMENTS = MeshRefinement(1.0, 3), MeshRefinement(1.5, 3, 5.0)
+LAYERS = {
+    1.0: (Layers(0.6, 2.0, 4), Layers(0.3, 1.8, 4)),
+    1.5: (Layers(0.3, 1.8, 4), Layers(0.15, 1.8, 4)),
+}
 
 
 def answer(design: Design, request: Request, progress: Progress | None = None) -> Answer:
@@ -237,7 +178,7 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
     force, budget = request.force, request.budget
     wanted = request.tol or (DEFAULT_TOLERANCE if budget is None else 0.0)
     seconds: dict[str, float] = {}
-    reached: Refinement[SolidRefinement, Answer, Answer] = refine(
+    reached: Refinement[MeshRefinement, Answer, Answer] = refine(
         lambda refinement, _: _refine(pad, refinement, force, seconds, progress),
         REFINEMENTS,
         lambda _, answer, __: (answer, relative_error(answer, force, unit_of(pad))),
@@ -252,18 +193,21 @@ def solve(pad: Pad, request: Request, progress: Progress | None = None) -> Answe
 
 
 def _refine(
-    pad: Pad, refinement: SolidRefinement, force: float, seconds: dict[str, float], progress: Progress | None
+    pad: Pad, refinement: MeshRefinement, force: float, seconds: dict[str, float], progress: Progress | None
 ) -> Answer:
     if progress:
         progress(f"solid model: fineness {refinement.fineness:g}, order {refinement.order}")
-    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, refinement.fineness)))
-    lower_forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order - 1))
-    forms = timed(seconds, "assemble", lambda: forms_of(meshed, refinement.order))
-    for section, line in ((lower_forms, refinement.finer), (forms, refinement.layers)):
+    watch = Stopwatch(stages=seconds)
+    with watch.stage("mesh"):
+        meshed = meshed_piece(pad, coarse_sizes(pad, refinement.fineness))
+    with watch.stage("assemble"):
+        lower_forms, forms = (forms_of(meshed, order) for order in (refinement.order - 1, refinement.order))
+    layers, finer_layers = LAYERS[refinement.fineness]
+    for section, line in ((lower_forms, finer_layers), (forms, layers)):
         check_size(section, layers_of(meshed, line))  # of all that the refinement solves, before the first
-    lower = solve_level(meshed, lower_forms, refinement.layers, force, seconds)
-    finer = solve_level(meshed, lower_forms, refinement.finer, force, seconds)
-    best = solve_level(meshed, forms, refinement.layers, force, seconds)
+    lower = solve_level(meshed, lower_forms, layers, force, seconds)
+    finer = solve_level(meshed, lower_forms, finer_layers, force, seconds)
+    best = solve_level(meshed, forms, layers, force, seconds)
     return estimated_answer(best, lower, finer)
 
 

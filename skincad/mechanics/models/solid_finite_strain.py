@@ -17,15 +17,14 @@ import numpy as np
 
 from skincad.base.errors import InputError
 from skincad.base.machine import one_blas_thread
-from skincad.base.progress import Progress
+from skincad.base.progress import Progress, Stopwatch
 from skincad.inputs.design import Design
-from skincad.mechanics.bodies.mesh import PadMesh, meshed_piece
+from skincad.mechanics.bodies.mesh import PadPiece, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody, solid_body
-from skincad.mechanics.contact.frictionless import NodalContact, Ridges, all_touch_force, press
 from skincad.mechanics.contact.newton import PressedPad, at_rest
 from skincad.mechanics.models import corrected, solid
 from skincad.mechanics.models.corrected import ORDER, plain_pad
-from skincad.mechanics.models.correction import Correction, Errors, LevelAnswer
+from skincad.mechanics.models.correction import Correction, Errors, frictionless_level, level_answer
 from skincad.mechanics.models.finite_strain import all_touch, at_force
 from skincad.mechanics.models.solid import (
     Layers,
@@ -33,8 +32,6 @@ from skincad.mechanics.models.solid import (
     borders_of,
     coarse_sizes,
     forms_of,
-    level_of,
-    timed,
 )
 from skincad.mechanics.problem import Answer, Pad, Request, SizeError, check_flat, check_pad, focused
 
@@ -116,56 +113,37 @@ def solve(
     """Return the change at `force` N from small to finite strain; raises InputError as `answer`, and for too
     large a pad. `crest_offsets` as in Request."""
     check_pad(pad)
-    whole = bool(crest_offsets)  # crests of one part are not mirrored
-    meshed = timed(seconds, "mesh", lambda: meshed_piece(pad, coarse_sizes(pad, fineness), whole=whole))
+    watch = Stopwatch(stages=seconds)
+    with watch.stage("mesh"):  # crests of one part are not mirrored
+        meshed = meshed_piece(pad, coarse_sizes(pad, fineness), whole=bool(crest_offsets))
+    drops = np.array(crest_offsets) / meshed.unit if crest_offsets else None
     with one_blas_thread():
-        body: SolidBody = timed(seconds, "assemble", lambda: body_of(meshed, along))
-        return _change(meshed, body, force, seconds, crest_offsets)
+        with watch.stage("assemble"):
+            body = body_of(meshed, along)
+            problem = PressedPad(body, meshed.whole.top / meshed.unit, drops)
+            # force on the whole pad, N, for a force of 1 on the piece
+            scale, unknowns = pad.young_modulus * meshed.unit**2 * 2 * meshed.sides, int(body.free.sum())
+        with watch.stage("small strain"):
+            rest = at_rest(problem)
+            small = frictionless_level(meshed, rest.ridges, force, scale, unknowns)
+        with watch.stage("newton"):
+            state = at_force(problem, force / scale, scale, rest=rest)
+        with watch.stage("threshold"):
+            first, touching, beyond_reason = all_touch(problem, state, scale)
+    contact, residual = state.contact, max(s.contact.residual for s in (state, touching) if s)
+    forces = contact.force, contact.approach, first
+    finite = level_answer(meshed, state.ridges, *forces, scale=scale, unknowns=unknowns, residual=residual)
+    return Correction(small, finite, ERRORS, out_of_range=beyond_reason)
 
 
-def body_of(meshed: PadMesh, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
+def body_of(meshed: PadPiece, along: Layers, order: int = ORDER, *, clamped_end: bool = False) -> SolidBody:
     """Return the body of a meshed piece, of `order` in the section."""
     forms = forms_of(meshed, order)
     borders, bend = borders_of(meshed, along), bend_of(meshed)
     unknowns = 3 * forms.clamped.size * ((borders.size - 1) * along.order + 1)
     if unknowns > MOST_UNKNOWNS:
-        raise SizeError(
-            "ridge.count",
-            f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns",
-            unknowns,
-            "take fewer ridges, a shorter skin or the corrected model",
-        )
-    laws = meshed.piece.laws
+        rule = f"three dimensions at finite strain take at most {MOST_UNKNOWNS} unknowns"
+        remedy = "take fewer ridges, a shorter skin or the corrected model"
+        raise SizeError("ridge.count", rule, unknowns, remedy)
+    laws = meshed.pad.laws
     return solid_body(forms, borders, along.order, clamped_end=clamped_end, laws=laws, bend=bend)
-
-
-def _change(
-    meshed: PadMesh,
-    body: SolidBody,
-    force: float,
-    seconds: dict[str, float],
-    crest_offsets: tuple[float, ...],
-) -> Correction:
-    drops = np.array(crest_offsets) / meshed.unit if crest_offsets else None
-    problem = PressedPad(body, meshed.whole.top / meshed.unit, drops)
-    # force on the whole pad, N, for a force of 1 on the piece
-    scale = meshed.whole.young_modulus * meshed.unit**2 * 2 * meshed.sides
-
-    def solution(state: NodalContact, approach: float, first: float | None, residual: float) -> LevelAnswer:
-        nodes, unknowns = body.rest.nodes, int(body.free.sum())
-        return level_of(meshed, nodes, body.along, state, approach, first, scale, unknowns, residual)
-
-    def at_small_strain(ridges: Ridges) -> LevelAnswer:
-        state = press(ridges.flexibility, ridges.gap, force / scale)
-        first = all_touch_force(ridges, force / scale)
-        return solution(state, state.approach, first, state.residual)
-
-    rest = timed(seconds, "small strain", lambda: at_rest(problem))
-    small = timed(seconds, "small strain", lambda: at_small_strain(rest.ridges))
-    state = timed(seconds, "newton", lambda: at_force(problem, force / scale, scale, rest=rest))
-    touching, beyond_reason = timed(seconds, "threshold", lambda: all_touch(problem, state, scale))
-    one = state.ridges.numbers.size == 1  # it touches at once
-    threshold = touching.force if touching else (0.0 if one else None)
-    residual = max(max(s.residual, s.contact.residual) for s in (state, touching) if s)
-    finite = solution(state.contact, state.approach, threshold, residual)
-    return Correction(small, finite, ERRORS, out_of_range=beyond_reason)

@@ -26,72 +26,37 @@ class ContactModel:
     """`where` is module and function of its `answer(design, request, progress, *answers it builds on)`.
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
-    yamada-2002, whose strips ask for a fine section. It takes skins of `families`, discs only if it `turns`.
-    Flags say whether it supports `shaped_plates`, `measured` crests and `doubly_curved` skins, and whether
-    the pad itself is `meshed`: only then there is a yield, friction is computed, and its time tells that of
-    others.
+    yamada-2002, whose strips ask for a fine section. It judges skins of `families` and, beside flat plates
+    and straight rectangular skins, what it `takes`. Only if the pad itself is `meshed` there is a yield,
+    friction is computed, and its time tells that of others.
     """
 
     where: str
     price: float
     leaves_out: tuple[str, ...] = ()
     builds_on: tuple[str, ...] = ()
-    shaped_plates: bool = False
-    measured: bool = False
-    doubly_curved: bool = False
+    takes: tuple[str, ...] = ()
     meshed: bool = True
     families: tuple[str, ...] = ("ridge", "flat")
-    turns: bool = False
 
 
-_ROOM = "skincad.mechanics.models."
-TURNING = "ridge", "flat", "ring", "pin"  # a section in plane strain, or turned about its middle
+SHAPED, MEASURED, DOUBLY, ROUND = "shaped plates", "measured crests", "double curvature", "discs"
+SMALL, ALL = (FINITE_STRAIN,), ("ridge", "flat", "ring", "pin")
 MODELS = {
-    "winkler": ContactModel(
-        f"{_ROOM}winkler:answer",
-        2e-3,
-        shaped_plates=True,
-        doubly_curved=True,
-        meshed=False,
-        families=("ridge",),
-    ),
-    "reduced": ContactModel(
-        f"{_ROOM}reduced:answer",
-        5.0,
-        (FINITE_STRAIN,),
-        meshed=False,
-        families=("ridge", "pin"),
-        turns=True,
-    ),
+    "winkler": ContactModel("winkler:answer", 2e-3, (), (), (SHAPED, DOUBLY), False, ("ridge",)),
+    "reduced": ContactModel("reduced:answer", 5.0, SMALL, (), (ROUND,), False, ("ridge", "pin")),
     "linear": ContactModel(
-        f"{_ROOM}linear:answer",
-        1.0,
-        (FREE_ENDS, FINITE_STRAIN),
-        shaped_plates=True,
-        measured=True,
-        families=TURNING,
-        turns=True,
+        "linear:answer", 1.0, (FREE_ENDS, *SMALL), takes=(SHAPED, MEASURED, ROUND), families=ALL
     ),
-    "corrected": ContactModel(
-        f"{_ROOM}corrected:answer",
-        2.0,
-        (FINITE_STRAIN,),
-        ("linear",),
-        shaped_plates=True,
-        measured=True,
-    ),
+    "corrected": ContactModel("corrected:answer", 2.0, SMALL, ("linear",), (SHAPED, MEASURED)),
     "finite-strain": ContactModel(
-        f"{_ROOM}finite_strain:answer", 3.0, (FREE_ENDS,), measured=True, families=TURNING, turns=True
+        "finite_strain:answer", 3.0, (FREE_ENDS,), takes=(MEASURED, ROUND), families=ALL
     ),
     "corrected-finite-strain": ContactModel(
-        f"{_ROOM}solid_finite_strain:on_corrected", 5.0, builds_on=("corrected",), measured=True
+        "solid_finite_strain:on_corrected", 5.0, builds_on=("corrected",), takes=(MEASURED,)
     ),
-    "solid": ContactModel(
-        f"{_ROOM}solid:answer", 15.0, (FINITE_STRAIN,), shaped_plates=True, doubly_curved=True
-    ),
-    "solid-finite-strain": ContactModel(
-        f"{_ROOM}solid_finite_strain:answer", 10.0, builds_on=("solid",), doubly_curved=True
-    ),
+    "solid": ContactModel("solid:answer", 15.0, SMALL, takes=(SHAPED, DOUBLY)),
+    "solid-finite-strain": ContactModel("solid_finite_strain:answer", 10.0, (), ("solid",), (DOUBLY,)),
 }
 AUTO = tuple(MODELS)  # cheapest first
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
@@ -134,23 +99,25 @@ def unsupported_reason(name: str, design: Design, measured: bool) -> str:
 
 def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
     model, shape, skin = model_named(name), design.contact.plate.shape, skin_of(design)
-    if skin.family not in model.families or (design.skin.round and not model.turns):
-        takes = [family for family in model.families if model.turns or family not in ("ring", "pin")]
-        disc = "" if model.turns else " on a rectangular skin"
+    if skin.family not in model.families or (design.skin.round and ROUND not in model.takes):
+        discs = ROUND in model.takes
+        takes = [family for family in model.families if discs or family not in ("ring", "pin")]
+        disc = "" if discs else " on a rectangular skin"
         yield f"{skin.family}: is not judged by the {name} model, which takes {' or '.join(takes)}{disc}"
     if name != "reduced" and _is_pins(design):
         yield f"pin: must be one, on a round skin, for the {name} model"
-    if shape != "flat" and (design.skin.round or not model.shaped_plates):
+    if shape != "flat" and (design.skin.round or SHAPED not in model.takes):
         what = "a round skin" if design.skin.round else f"the {name} model"
         yield f"contact.plate.shape: must be 'flat' for {what}"
-    if design.skin.curvature_radius_y is not None and not model.doubly_curved and skin.symmetry != "revolved":
+    doubly = design.skin.curvature_radius_y is not None and skin.symmetry != "revolved"
+    if doubly and DOUBLY not in model.takes:
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
         yield f"skin.curvature_radius_y: {words}"
     if name == "reduced" and skin.symmetry == "extruded" and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"
     if name == "reduced" and skin.symmetry == "extruded" and design.shot:
         yield "shot: must not be given with [ridge] for the reduced model, which takes one silicone there"
-    if measured and not model.measured:
+    if measured and MEASURED not in model.takes:
         yield f"measured: is not judged by the {name} model"
 
 
@@ -200,5 +167,5 @@ def run(
 def load(name: str) -> Callable[..., Answer]:
     """Import and return a model's function."""
     module, _, function = MODELS[name].where.partition(":")
-    answer: Callable[..., Answer] = getattr(import_module(module), function)
+    answer: Callable[..., Answer] = getattr(import_module(f"skincad.mechanics.models.{module}"), function)
     return answer

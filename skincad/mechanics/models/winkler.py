@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 
@@ -32,7 +31,13 @@ from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.problem import Answer, Request, rise
-from skincad.mechanics.validity import LARGEST_SLOPE, LARGEST_STRAIN, base_softness, plane_modulus
+from skincad.mechanics.validity import (
+    LARGEST_SLOPE,
+    LARGEST_STRAIN,
+    base_softness,
+    crown_rises,
+    plane_modulus,
+)
 from skincad.shape.skin import skin_of
 
 # Half-widths against the linear model at usual sizes
@@ -50,21 +55,6 @@ APPROACH_MARGIN = 0.3  # of the approach, beside what the tips add: its error wh
 EDGE_COMPLIANCE = 2.5  # of a crown's give: an edge is a quarter of space
 FILLET_ROUNDING = 0.15  # of a fillet's radius, by which it rounds a tip off
 SHARE_MARGIN = 0.05  # of the mean share, beside what other springs would share
-
-
-@dataclass(frozen=True)
-class Widths:
-    """Half-widths: of the all-touch force and of the approach relative to them, of a share relative to the
-    mean share.
-
-    `stiffer` and `softer` are the factors on the springs between which the shares are taken.
-    """
-
-    threshold: float
-    approach: float
-    share: float
-    stiffer: float
-    softer: float
 
 
 def compliances(design: Design, height: float | None = None) -> tuple[float, float]:
@@ -137,27 +127,18 @@ def crown_height_spread(design: Design) -> float:
     """Return by how much the highest points of leaning crowns differ in their height over the summits on the
     axes, mm: springs count from the summits.
 
-    A crown of radius r that leans by a rises 2 r sin(a / 2)^2 over its summit, up to its edge. Of ridges
-    alike that is a part of their crest differences that THRESHOLD_ERROR holds; levelled crests have little
-    else.
+    Of ridges alike that is a part of their crest differences that THRESHOLD_ERROR holds; levelled crests have
+    little else.
     """
-    skin = skin_of(design)
-    if not skin.uneven:
-        return 0.0
-    tip, crown = skin.profile.tip_width, skin.profile.crown
-    leans = [abs(lean) for lean in skin.leans]
-    radius = tip**2 / (8 * crown) + crown / 2 if crown else math.inf
-    rises = [
-        2 * radius * math.sin(lean / 2) ** 2
-        if radius * math.sin(lean) <= tip / 2
-        else tip / 2 * math.sin(lean) - crown * math.cos(lean)
-        for lean in leans
-    ]
-    return max(rises) - min(rises)
+    return float(np.ptp(crown_rises(design))) if skin_of(design).uneven else 0.0
 
 
-def half_widths(design: Design, line: Array, approach: float, carrying: float, last: float) -> Widths:
-    """Return the half-widths of a verdict.
+def half_widths(
+    design: Design, line: Array, approach: float, carrying: float, last: float
+) -> tuple[float, float, float, float, float]:
+    """Return the half-widths of a verdict: of the all-touch force and of the approach relative to them, of a
+    share relative to the mean share; and the factors on stiffer and softer springs between which shares are
+    taken.
 
     `line` `(ridges,)` mm is each ridge's largest force per length over E', `approach` mm, `carrying` how many
     ridges carry, each by the share of its length, `last` mm the depth of the first when the last one touches.
@@ -178,14 +159,15 @@ def half_widths(design: Design, line: Array, approach: float, carrying: float, l
     reached = max(usual, APPROACH_MARGIN + tips, 1 - 1 / base_factor)
     share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
     stiffest = max(1 + threshold, STIFFENING_MARGIN * base_factor)
-    return Widths(threshold, reached, share, stiffest, 1 / (1 + max(reached, at_last)))
+    return threshold, reached, share, stiffest, 1 / (1 + max(reached, at_last))
 
 
-def share_error(widths: Widths, shares: Array, others: tuple[Array, ...]) -> float:
-    """Return the error of each of the `shares` `(ridges,)` N from those of stiffer and softer springs."""
+def share_error(usual: float, shares: Array, others: list[Array]) -> float:
+    """Return the error of each of the `shares` `(ridges,)` N from those of stiffer and softer springs; the
+    `usual` one is relative to their mean."""
     mean = float(shares.mean())
     difference = max(float(np.abs(other - shares).max()) for other in others)
-    return max(widths.share * mean, difference + SHARE_MARGIN * mean)
+    return max(usual * mean, difference + SHARE_MARGIN * mean)
 
 
 NODES = 10  # Gauss points along half a ridge; exact to rounding below 90 degrees
@@ -307,20 +289,17 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     depth = np.maximum(approach - gaps, 0.0)
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
     line = depth * relative_stiffness(design) / math.fsum(compliances(design))
-    widths = half_widths(design, line, approach, float(touched.sum()), last)
-    missed = widths.threshold * threshold
-    missed += (1 + widths.threshold) * (
-        float(line_forces(design, last + crown_height_spread(design)).sum()) - threshold
-    )
-    reached = widths.approach * approach
-    others = [line_forces(design, _approach(design, force, f), f) for f in (widths.stiffer, widths.softer)]
+    carrying = float(touched.sum())
+    of_force, of_approach, of_share, *factors = half_widths(design, line, approach, carrying, last)
+    on_crowns = float(line_forces(design, last + crown_height_spread(design)).sum())
+    missed = of_force * threshold + (1 + of_force) * (on_crowns - threshold)
+    reached = of_approach * approach
+    others = [line_forces(design, _approach(design, force, f), f) for f in factors]
     for moved in _step_moved(design):
-        others += [
-            line_forces(moved, _approach(moved, force, f), f) for f in (1, widths.stiffer, widths.softer)
-        ]
-        missed = max(missed, (1 + widths.threshold) * all_touch_force(moved) - threshold)
-        reached = max(reached, (1 + widths.approach) * _approach(moved, force) - approach)
-    error = share_error(widths, shares, tuple(others))
+        others += [line_forces(moved, _approach(moved, force, f), f) for f in (1, *factors)]
+        missed = max(missed, (1 + of_force) * all_touch_force(moved) - threshold)
+        reached = max(reached, (1 + of_approach) * _approach(moved, force) - approach)
+    error = share_error(of_share, shares, others)
     return Answer(
         touching=int(np.count_nonzero(shares > 0)),
         all_touch_force=Estimate(threshold, missed, "N"),
@@ -364,11 +343,8 @@ def _out_of_range(design: Design, approach: float) -> str:
     if strain > LARGEST_STRAIN:
         return f"a ridge's middle is strained by {strain:.2g} (the range ends at {LARGEST_STRAIN:g})"
     slope = _end_slope(design, approach)
-    return (
-        f"the contact's end slopes by {slope:.2g} (the range ends at {LARGEST_SLOPE:g})"
-        if slope > LARGEST_SLOPE
-        else ""
-    )
+    words = f"the contact's end slopes by {slope:.2g} (the range ends at {LARGEST_SLOPE:g})"
+    return words if slope > LARGEST_SLOPE else ""
 
 
 def _end_slope(design: Design, approach: float) -> float:

@@ -250,7 +250,7 @@ class _ContactRuns:
     def _solid_levels(self) -> None:
         """The solid's coarsest levels, which its model adds up."""
         pad, first_level = solid_pad_of(self.design), solid.REFINEMENTS[0]
-        for layers, label in zip((first_level.layers, first_level.finer), SOLID_LEVELS, strict=True):
+        for layers, label in zip(solid.LAYERS[first_level.fineness], SOLID_LEVELS, strict=True):
             setting = f"order {first_level.order - 1}, {label} layers"
             self._tell(_layers(label))
 

@@ -22,7 +22,7 @@ from skincad.mechanics import finite_strain as finite_strain_bound
 from skincad.mechanics import left_out as bounds
 from skincad.mechanics.bodies import elements, plane_body, solid_law
 from skincad.mechanics.models import finite_strain, linear
-from skincad.shape import Point, Section, Segment
+from skincad.shape import Point, Section, Segment, cell_section
 from tests.designs import rings
 
 MODULUS, INCOMPRESSIBLE = 0.7, 0.4999
@@ -118,7 +118,7 @@ def test_the_energy_of_an_even_stretch_is_the_laws(
     across, up, ratio = 1.3, 0.7, 0.4
     piece = plane_piece(replace(disc(3.0, 2.0, ratio), law=law))
     body = plane_body.body(
-        elements.curved(piece.mesh, 2), 2, {"skin": (1.0, ratio)}, piece.piece.laws, revolved=True
+        elements.curved(piece.mesh, 2), 2, {"skin": (1.0, ratio)}, piece.pad.laws, revolved=True
     )
     field = ng.GridFunction(body.space)
     swell = across**2 * up - 1
@@ -165,9 +165,9 @@ def test_one_pin_alone_stands_on_a_disc() -> None:
         2 / 3 * math.pi,
     )  # the pin: a cylinder, half a ball
     assert volume == pytest.approx(base + shaft + cap, rel=1e-7)  # the base of 1e8 mm falls by 1e-7 mm
-    assert problem.pin_cell(design, 4.5).section.area == pytest.approx(pad.section.area, rel=1e-7)
+    assert cell_section(design, 4.5).area == pytest.approx(pad.section.area, rel=1e-7)
     with pytest.raises(InputError, match=r"skin\.width: must leave base round a pin's foot"):
-        problem.pin_cell(design, 0.9)
+        cell_section(design, 0.9)
     with pytest.raises(InputError, match=r"skin\.outline: must be 'round'"):
         pad_of(design.with_(skin={"outline": "rectangle"}))
     with pytest.raises(InputError, match="pin: must be one"):

@@ -24,7 +24,6 @@ from skincad.mechanics import (
     Pad,
     Sizes,
     halved,
-    law_of,
     piece_of,
     sliding,
     solve_contact,
@@ -513,7 +512,7 @@ def test_a_capped_law_bears_the_smaller_of_both(
     """The sets that it leads to are where the search for a steep law's goes on."""
     area, normal = np.full(40, 2.0), np.linspace(0.0, 8.0, 40)
     cone = FrictionCoefficients(1.0, 0.5, breakpoints)
-    whole, part = law_of(cone, area), law_of(cone.capped(share), area)
-    wanted = np.minimum(share * normal, whole.static * whole.borne(normal))
-    assert part.static * part.borne(normal) == pytest.approx(wanted, rel=1e-13)
-    assert part.kinetic / part.static == pytest.approx(0.5, rel=1e-14)
+    part = cone.capped(share)
+    wanted = np.minimum(share * normal, cone.sticks * cone.borne(normal, area))
+    assert part.sticks * part.borne(normal, area) == pytest.approx(wanted, rel=1e-13)
+    assert part.slides / part.sticks == pytest.approx(0.5, rel=1e-14)

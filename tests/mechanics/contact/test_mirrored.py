@@ -10,9 +10,18 @@ import pytest
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, Mesh, MeshPoint, Pnt
 
 from skincad.inputs import Design
-from skincad.mechanics import Pad, Request, half_of, height_of, pad_of, plane_piece, ridge_model, unit_of
+from skincad.mechanics import (
+    Pad,
+    PadPiece,
+    Request,
+    half_of,
+    height_of,
+    pad_of,
+    plane_piece,
+    ridge_model,
+    unit_of,
+)
 from skincad.mechanics.bodies import elements, plane_body
-from skincad.mechanics.bodies import mesh as meshes
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import linear
 from tests.mechanics.designs import THREE, filleted, reference, yamada
@@ -49,15 +58,15 @@ def straight(mesh: Any, image: dict[str, str] | None = None) -> Any:
     return mirrored
 
 
-def both(pad: Pad, fineness: float = 0.25) -> tuple[meshes.PadMesh, meshes.PadMesh]:
+def both(pad: Pad, fineness: float = 0.25) -> tuple[PadPiece, PadPiece]:
     """The half of a pad, and the whole of it on the same triangles and their images, in the half's unit."""
     half = plane_piece(pad, fineness)
     assert half.mirrored
     numbers = pad.ridges
     image = {f"contact{a}": f"contact{b}" for a, b in zip(numbers, reversed(numbers), strict=True)}
     image |= {name: name for name in ("back", "free", "inside")}
-    whole = meshes.PadMesh(pad, pad, False, half.unit, height_of(pad), straight(half.mesh, image))
-    return meshes.PadMesh(pad, half.piece, True, half.unit, half.height, straight(half.mesh)), whole
+    whole = PadPiece(pad, pad, False, half.unit, straight(half.mesh, image))
+    return PadPiece(pad, half.pad, True, half.unit, straight(half.mesh)), whole
 
 
 CASES = {
@@ -132,7 +141,7 @@ def test_what_is_not_its_own_image_is_meshed_whole() -> None:
     assert not plane_piece(bent(design), 0.25).mirrored
     assert not plane_piece(pad, 0.25, whole=True).mirrored
     piece = plane_piece(pad, 0.25)
-    assert piece.unit == unit_of(piece.piece)
+    assert piece.unit == unit_of(piece.pad)
     with pytest.raises(ValueError, match="zip"):
         linear.level(piece, ORDER, FORCE, (0.0, 0.01, 0.0))
     low = linear.solve(pad, Request(FORCE, 0.05, crest_offsets=(0.0, 0.0, 0.03)))
@@ -142,8 +151,8 @@ def test_what_is_not_its_own_image_is_meshed_whole() -> None:
 
 def test_what_crosses_the_middle_of_a_half_meets_its_image() -> None:
     piece = plane_piece(pad_of(CASES["even"]()), 0.25)
-    system = elements.assemble(elements.curved(piece.mesh, ORDER), ORDER, piece.piece.materials)
-    above = 2 * piece.height / piece.unit
+    system = elements.assemble(elements.curved(piece.mesh, ORDER), ORDER, piece.pad.materials)
+    above = 2 * height_of(piece.whole) / piece.unit
     vertices = np.arange(system.mesh.nv)  # in a hierarchical basis 1 at each vertex is a translation
     for shift, wrong in (
         (-2 * plane_body.THROUGH, "two ridges meet in the middle"),

@@ -80,7 +80,9 @@ def test_the_ridge_that_tips_over_is_named() -> None:
     what = pad(3)
     state = newton.press_to(what, 4.0 / SCALE)
     _, _, mode = spectra(what, state)
-    nearest = np.abs(what.body.rest.nodes.position[:, 0] - what.body.x_of_largest_displacement(mode)).argmin()
+    nearest = np.abs(
+        what.body.rest.nodes.position[:, 0] - stability.x_of_largest_displacement(what.body, mode)
+    ).argmin()
     linear = what.body.linearised(state.values, what.body.residual(state.values))
     tipping = stability.tipping_ridge(what.body, state.values, linear, state.contact)
     ridge = int(what.body.rest.nodes.ridge[nearest])

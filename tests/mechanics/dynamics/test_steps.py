@@ -32,7 +32,6 @@ from skincad.mechanics import (
     triangles,
     unit_of,
 )
-from skincad.mechanics.dynamics import pad as moving_pad
 from skincad.mechanics.dynamics import steps as dynamics
 from skincad.shape import area
 from tests.mechanics import closed_forms
@@ -260,7 +259,7 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
     pad, (piece, mesh, small) = pad_in_motion(), meshed()
     assert (pad.gap == sliding(piece, mesh, 3, False).gap).all()
     assert (pad.ridge == small.ridge).all()
-    compliance = pad.factorised(1.0, Matter()).skin.compliance
+    compliance = pad.factorised(1.0, Matter())[2].compliance
     assert compliance == pytest.approx(small.compliance, abs=1e-8 * np.abs(small.compliance).max())
     state = pad.step(pad.start(), Drive(1.2, 0.0), 1.0, ROUGH, Matter())
     force = np.concatenate([state.contact.tangential, -state.contact.normal])
@@ -273,7 +272,7 @@ def test_at_rest_it_is_the_condensed_pad() -> None:
 def test_it_weighs_what_its_section_does() -> None:
     """Area of skin and films by their densities, to 1e-6: the mesh follows the arcs to order 3."""
     piece, mesh, _ = meshed()
-    moving = moving_pad.moving_matrices(piece, mesh, 3, False)
+    moving = linear(piece, mesh, 3, False, massless_contact=False)
     lift = moving.body.system.lift[: moving.mass.shape[0]]
     films = sum(abs(area(loop)) for loop in piece.pad.strips)
     skin = abs(area(piece.pad.section.outline)) - films
@@ -291,9 +290,9 @@ def test_a_clamped_layer_sways_at_its_shear_frequency(ratio: float) -> None:
     """sqrt(G / rho) / (4 h). 0.5 %: a layer of 100 by 1 has free ends."""
     pad = replace(block(100.0, 1.0, ratio), density=1000.0)
     piece = piece_of(pad, 0.0)
-    moving = moving_pad.moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
-    fixed = moving.body.on_cut[1] if piece.mirrored else np.empty(0, dtype=np.int64)
-    free = np.setdiff1d(moving.free, fixed)
+    moving = linear(piece, triangles(piece.pad, Sizes(*[0.5] * 4)), 2, False, massless_contact=False)
+    half = next(half for half in moving.halves if half.parity != 1)
+    free = np.sort(np.concatenate([half.inner, half.contact]))
     stiff, mass = (matrix[free][:, free] for matrix in (moving.stiff, moving.mass))
     wanted = shear_frequency(pad.young_modulus / (2 * (1 + ratio)), 1000.0, 1.0)
     squares, modes = eigsh(stiff, 4, mass, sigma=(2 * math.pi * wanted) ** 2)
@@ -309,7 +308,7 @@ def test_all_of_a_shear_relaxes_and_of_a_swelling_nothing(ratio: float) -> None:
     """Twice the energies of u = (z, 0) and (x, z): the square of the strain without its mean, times 2 G.
     To rounding: the fields are linear."""
     piece = piece_of(replace(block(3.0, 1.0, ratio), density=1000.0), 0.0)
-    moving = moving_pad.moving_matrices(piece, triangles(piece.pad, Sizes(0.5, 0.5, 0.5, 0.5)), 2, False)
+    moving = linear(piece, triangles(piece.pad, Sizes(*[0.5] * 4)), 2, False, massless_contact=False)
     space = moving.body.system.space.components[0]
     shear = piece.pad.young_modulus / (2 * (1 + ratio))
     volume = 3.0 * 1.0 * piece.pad.length / (2 if piece.mirrored else 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -66,8 +66,7 @@ def test_pad_is_its_own_mirror_image() -> None:
 def test_the_half_agrees_with_the_whole() -> None:
     """Another mesh and no mirror conditions: a shear of all points and a press, to 0.5 % of mesh."""
     piece, _, half = meshed()
-    slots, unit = piece.whole.section.slots, mech.unit_of(piece.whole)
-    whole = mech.PadPiece(piece.whole, piece.whole, False, slots, piece.thickness, unit)
+    whole = mech.piece_of(piece.whole, piece.thickness, halved=False)
     pad = mech.sliding(whole, mech.triangles(whole.pad, stress.REFINEMENTS[0].sizes(whole)), ORDER, True)
     answers = []
     for one in (half, pad):
@@ -102,11 +101,11 @@ def test_contact_points_move_as_the_condensed_pads() -> None:
 
 def test_strips_feel_what_the_condensed_pad_says() -> None:
     part, _, pad = meshed()
-    sides = pad.whole._moved(force())
+    sides = pad.whole.moved(force())
     stresses = []
     for moved in sides:
         film_field.set_state(pad.whole.body, moved)
-        average = film_field.averages(pad.whole.body, part.slots, part.thickness, part.unit)
+        average = film_field.averages(pad.whole.body, part)
         stresses.append(
             stick.on_whole(part, stick.in_strip_axes(average * part.pad.young_modulus, part.slots), 1)
         )
@@ -118,14 +117,15 @@ def test_strips_feel_what_the_condensed_pad_says() -> None:
 
 def test_a_plate_through_the_flanks_is_a_fault() -> None:
     part, _, pad = meshed()
-    top, none, x = part.whole.top, 0 * force(), np.array([-1.0, 1.0])
-    assert pad.whole.fault(none, top, 0.0) is None
+    top, x, whole = part.whole.top, np.array([-1.0, 1.0]), pad.whole
+    collision = partial(mech.collision, part, whole.body, whole.moved(0 * force()))
+    assert collision(top, 0.0) is None
     # the plate falls towards -x: what is met lies in the mirrored half
     for height, angle in ((top - 0.4, 0.0), (top, 0.3), (top, -0.3)):
-        assert "meets the plate" in pad.whole.fault(none, height, angle)
+        assert "meets the plate" in collision(height, angle)
     # no longer where the ends let every ridge down by as much
-    assert pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.4))) is None
-    assert "meets the plate" in pad.whole.fault(none, top - 0.4, 0.0, (x, np.full(2, 0.01)))
+    assert collision(top - 0.4, 0.0, (x, np.full(2, 0.4))) is None
+    assert "meets the plate" in collision(top - 0.4, 0.0, (x, np.full(2, 0.01)))
 
 
 FORCE = 0.3  # N
@@ -207,7 +207,7 @@ def test_a_cut_curve_is_the_curve(degrees: float, backwards: bool) -> None:
 def test_the_top_is_cut_a_step_either_side_of_where_contact_ends(unit: float) -> None:
     """Points of a block's top in any order, of which those from -0.5 to 0.5 mm stick."""
     pad: mech.Pad = block(4.0, 1.0, 0.3)
-    piece = mech.PadPiece(pad, pad, False, (), 0.0, unit)
+    piece = mech.PadPiece(pad, pad, False, unit)
     x = np.array([0.5, -2.0, 2.0, -1.0, 1.5, -0.5, 0.0])
     nodes = SimpleNamespace(position=np.column_stack([x, np.ones(7)]) / unit, ridge=np.ones(7, dtype=int))
     body = SimpleNamespace(system=SimpleNamespace(nodes=nodes))
@@ -233,7 +233,7 @@ def test_each_ridge_is_cut_by_its_own_points() -> None:
     solution: Any = SimpleNamespace(
         body=SimpleNamespace(system=SimpleNamespace(nodes=nodes)), bonded=np.array([True, True, True, False])
     )
-    cut = stick.with_fine_edges(mech.PadPiece(pad, pad, False, (), 0.0, 1.0), solution).pad.section.outline
+    cut = stick.with_fine_edges(mech.PadPiece(pad, pad, False, 1.0), solution).pad.section.outline
     assert [(s.feature, round(s.start.x, 9)) for s in cut] == [
         (2, 4.0),
         (2, 3.8),

@@ -229,7 +229,7 @@ def test_the_silicones_traction_around_a_film_carries_its_mean_stress() -> None:
     refinement = film_refinements.REFINEMENTS[0]
     mesh = mech.triangles(
         pad,
-        refinement.sizes(stick.PadPiece(pad, pad, False, pad.section.slots, thickness, mech.unit_of(pad))),
+        refinement.sizes(mech.PadPiece(pad, pad, False, mech.unit_of(pad), thickness=thickness)),
     )
     stiff = {"skin": (1.0, pad.poisson_ratio), "film": (pad.film_modulus / pad.young_modulus, pad.film_ratio)}
     body = pressed_body(pad, mesh, 4, 1.2, stiff)
@@ -358,14 +358,14 @@ def under_load(
 
 
 def stuck(
-    piece: stick.PadPiece, push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bool]
+    piece: mech.PadPiece, push: stick.LoadState, pulled: stick.LoadState | None, bonded: list[bool]
 ) -> stick.StickSolution:
     return stick.StickSolution(piece, push, pulled, np.array(bonded), 10, 1e-9, {}, None)
 
 
-def two_ridges(mirrored: bool) -> stick.PadPiece:
+def two_ridges(mirrored: bool) -> mech.PadPiece:
     pad = mech.pad_of(three().with_(ridge={"count": 2}))
-    return stick.PadPiece(pad, pad, mirrored, pad.section.slots, 0.028, 1.0)
+    return mech.PadPiece(pad, pad, mirrored, 1.0, thickness=0.028)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

@@ -102,14 +102,14 @@ def test_newton_converges_quadratically(monkeypatch: pytest.MonkeyPatch) -> None
     kept = pressing.newton(pad, np.zeros(pad.body.free.size), lambda *_: 0.25)
     monkeypatch.setattr(pressing, "NEAR", 0.0)
     state = pressing.newton(pad, np.zeros(pad.body.free.size), lambda *_: 0.25)
-    assert kept.approach == pytest.approx(state.approach, rel=1e-9)  # the residual
+    assert kept.contact.approach == pytest.approx(state.contact.approach, rel=1e-9)  # the residual
     assert len(kept.history) >= len(state.history)
     assert len(state.history) <= 6
     before, here, after = np.log10(np.array(state.history[:4])[-3:])
     assert here < -2
     assert after / here > 1.7
     assert before > here
-    assert state.residual <= pressing.RESIDUAL
+    assert state.history[-1] <= pressing.RESIDUAL
 
 
 @pytest.mark.slow
@@ -210,7 +210,7 @@ def test_neighbours_that_meet_are_found() -> None:
     """A state moved by hand so that flanks overlap: the model has no contact there."""
     pad = coarse(filleted().with_(**THREE))
     state = pressing.press_to(pad, 0.03)
-    plate = pad.top - state.approach
+    plate = pad.top - state.contact.approach
     pressed_loops, far_loops = (elements.outlines(pad.body.rest, m * state.values) for m in (1, 40))
     assert plane_body.undetected_contact(pressed_loops, lambda x: 0 * x + plate) is None
     assert "meets the plate" in (
@@ -293,7 +293,7 @@ def test_a_scene_without_friction_is_the_models_state() -> None:
         state = pressing.press_to(
             pressing.PressedPad(body, pad.top / unit), 0.8 / (pad.young_modulus * unit * pad.length)
         )
-        approach.append(state.approach * unit)
+        approach.append(state.contact.approach * unit)
     assert depth == pytest.approx(approach[0], rel=1e-8)
     assert depth * 1.00003 < approach[1] < approach[2] * 0.999  # without the slots, without the law
 
@@ -328,16 +328,15 @@ def test_strips_stress_is_the_laws() -> None:
     """Cauchy's, J sigma = P F^T, resolved along and across the strip as it then lies."""
     design = yamada().with_(ridge={"count": 1}, skin={"width": 3.0})
     piece = mech.piece_of(*mech.filled_pad(design), halved=False)
-    both = {"skin": (1.0, 0.3), "film": (1.0, 0.3)}
-    what = whole(replace(piece.pad, poisson_ratio=0.3), 0.25)
+    pad = replace(piece.pad, poisson_ratio=0.3, film_modulus=piece.pad.young_modulus, film_ratio=0.3)
+    what = whole(pad, 0.25)
     gradient = np.array([[0.2, 0.3], [-0.1, 0.15]])
     stretch, shear, bulk = np.eye(2) + gradient, 1 / 2.6, 1 / 1.2
     swell = np.linalg.det(stretch) - 1
     pressure = bulk * swell
     state = affine(what, gradient, pressure)
     for law in (Ogden(mu=[0.3, 0.1], alpha=[3.5, -2.0]), Gent(mu=0.2, j_m=2.0), NEO, None):
-        laws = {"skin": law, "film": law} if law else {}
-        strips = mech.strip_stress(what.body, 2, both, piece.slots, piece.thickness, piece.unit, laws)
+        strips = mech.strip_stress(what.body, 2, replace(piece, pad=replace(pad, law=law)))
         # q enters as q cof F beside what has none, in units of E
         nominal = plane_stress(law or NEO, gradient) / (law or NEO).shear * shear
         cauchy = nominal @ stretch.T / (1 + swell) + pressure * np.eye(2)

@@ -29,7 +29,14 @@ from skincad.mechanics.models.linear import REFINEMENTS, PlaneSolution, relative
 
 def plane(force: float | None, approach: float, shares: tuple[float, ...], residual: float = 0.0) -> Any:
     at_work: Any = None
-    state = {"seconds": {"contact": 1.0}, "ridges": at_work, "unit": 1.0, "scale": 1.0}
+    state = {
+        "x": np.empty(0),
+        "pressure": np.empty(0),
+        "seconds": {"contact": 1.0},
+        "ridges": at_work,
+        "unit": 1.0,
+        "scale": 1.0,
+    }
     return PlaneSolution(force, approach, np.array(shares), 10, residual, **state)
 
 

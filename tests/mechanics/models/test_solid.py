@@ -13,7 +13,7 @@ from skincad import check, load
 from skincad import mechanics as mech
 from skincad.base import InputError
 from skincad.inputs import Design
-from skincad.mechanics.bodies import mesh, prisms
+from skincad.mechanics.bodies import prisms
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.models import corrected, linear, solid
 from tests.mechanics import closed_forms
@@ -33,8 +33,8 @@ def coarse(
     return mech.solve_level(meshed, mech.forms_of(meshed, order), along, force, {}, **how)
 
 
-def whole_of(pad: mech.Pad, sizes: mech.Sizes) -> mesh.PadMesh:
-    return mesh.PadMesh(pad, pad, False, mech.unit_of(pad), mech.height_of(pad), mech.triangles(pad, sizes))
+def whole_of(pad: mech.Pad, sizes: mech.Sizes) -> mech.PadPiece:
+    return mech.PadPiece(pad, pad, False, mech.unit_of(pad), mech.triangles(pad, sizes))
 
 
 @cache
@@ -86,9 +86,14 @@ def test_clamped_ends_are_plane_strain(film: bool) -> None:
 @pytest.mark.parametrize("order", [2, 3])
 def test_patch_uniform_compression(order: int) -> None:
     """At nu = 0 the clamped back holds nothing sideways: the block shortens uniformly, rounding only."""
-    solution = coarse(block(3.0, 2.0, 0.0), order, FEW, 0.5)
+    pad = block(3.0, 2.0, 0.0)
+    solution = coarse(pad, order, FEW, 0.5)
     assert solution.approach == pytest.approx(closed_forms.column_approach(0.5, 2.0, 6.0, 0.7), rel=1e-9)
-    assert solution.pressure == pytest.approx(0.5 / 6.0, rel=1e-7)
+    meshed = mech.meshed_piece(pad, mech.coarse_sizes(pad, 1.0))
+    small, scale = mech.condensed_pad(meshed, mech.forms_of(meshed, order), FEW, {})
+    ridges = frictionless.seen_by_plate(pad, small.seen, small.flexibility, meshed.unit)
+    state = mech.press(ridges.flexibility, ridges.gap, 0.5 / scale)
+    assert 0.7 * state.force / small.seen.nodes.weight == pytest.approx(0.5 / 6.0, rel=1e-7)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from scipy import optimize
 
 from skincad import mechanics as mech
 from skincad.base import InputError
-from skincad.mechanics.bodies import elements, mesh, plane_body, prisms, solid_law
+from skincad.mechanics.bodies import elements, plane_body, prisms, solid_law
 from skincad.mechanics.contact import frictionless
 from skincad.mechanics.contact import newton as pressing
 from skincad.mechanics.models import solid_finite_strain
@@ -22,7 +22,7 @@ FEW = mech.Layers(0.6, 2.0, 2)
 SMALL: dict[str, Any] = {"ridge": {"count": 3}, "skin": {"width": 5.0, "length": 6.0}}
 
 
-def meshed_of(pad: mech.Pad, fineness: float = 1.0, *, whole: bool = False) -> mesh.PadMesh:
+def meshed_of(pad: mech.Pad, fineness: float = 1.0, *, whole: bool = False) -> mech.PadPiece:
     return mech.meshed_piece(pad, mech.coarse_sizes(pad, fineness), whole=whole)
 
 
@@ -89,7 +89,12 @@ def test_a_block_shortens_as_the_closed_form() -> None:
     ratio = 0.9 / 6.0 / 0.35
     stretch = (np.sqrt(ratio**2 + 4) - ratio) / 2
     assert solution.approach == pytest.approx(2.0 * (1 - stretch), rel=1e-8)  # Newton's residual
-    assert solution.pressure == pytest.approx(0.9 / 6.0, rel=1e-6)
+    meshed = meshed_of(pad)
+    body = mech.body_of(meshed, FEW)
+    contact = pressing.press_to(
+        pressing.PressedPad(body, pad.top / meshed.unit), 0.9 / (0.7 * meshed.unit**2 * 2 * meshed.sides)
+    ).contact
+    assert 0.7 * contact.force / body.rest.nodes.weight == pytest.approx(0.9 / 6.0, rel=1e-6)
 
 
 def test_a_move_is_newtons() -> None:
@@ -133,7 +138,7 @@ def test_clamped_ends_are_the_plane_neo_hookean_pad(monkeypatch: pytest.MonkeyPa
     clamped = pressing.press_to(pressing.PressedPad(body, top), force * half)
     flat = plane_body.body(elements.curved(meshed.mesh, 2), 2, pad.materials)
     plane = pressing.press_to(pressing.PressedPad(flat, top), force)
-    assert clamped.approach == pytest.approx(plane.approach, rel=1e-4)
+    assert clamped.contact.approach == pytest.approx(plane.contact.approach, rel=1e-4)
     assert np.abs(clamped.values[2 * body.displacements // 3 : body.displacements]).max() <= 1e-9  # u_y
 
 

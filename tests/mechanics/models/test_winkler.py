@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -269,11 +270,13 @@ def test_fillets_round_a_tip_off_as_far_as_it_is_wide() -> None:
     assert 0.05 * 0.1 < approaches[1] < (1 - math.sqrt(0.5)) * 0.1
 
 
-def widths(design: Design, depth: float, carrying: float, last: float) -> winkler.Widths:
+def widths(design: Design, depth: float, carrying: float, last: float) -> SimpleNamespace:
     """The half-widths where the fifth ridge is the most loaded, by its depth over the give."""
     line = np.zeros(design.ridge.count)
     line[4] = depth / sum(winkler.compliances(design))
-    return winkler.half_widths(design, line, depth, carrying, last)
+    names = "threshold", "approach", "share", "stiffer", "softer"
+    values = winkler.half_widths(design, line, depth, carrying, last)
+    return SimpleNamespace(**dict(zip(names, values, strict=True)))
 
 
 def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
@@ -329,9 +332,8 @@ def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
 
 
 def test_a_shares_bar_is_the_usual_or_how_far_other_springs_are() -> None:
-    bar = winkler.Widths(0.8, 0.5, 0.5, 2.0, 0.5)
     shares = np.array([1.0, 2.0, 3.0])
     near, far = shares + np.array([0.1, 0.0, -0.1]), shares + np.array([-2.0, 1.0, 1.0])
-    assert winkler.share_error(bar, shares, (near, near)) == 1.0  # half of the mean
-    for others in ((near, far), (far, near)):
-        assert winkler.share_error(bar, shares, others) == pytest.approx(2.0 + 0.05 * 2.0, rel=1e-12)
+    assert winkler.share_error(0.5, shares, [near, near]) == 1.0  # half of the mean
+    for others in ([near, far], [far, near]):
+        assert winkler.share_error(0.5, shares, others) == pytest.approx(2.0 + 0.05 * 2.0, rel=1e-12)

@@ -172,7 +172,7 @@ def test_data_are_drawn_without_the_offset_that_was_fitted() -> None:
 def states() -> tuple[FilmStress, ...]:
     design = skincad.load("yamada-2002").with_(ridge={"count": 3}, skin={"width": 5.0})
     with pytest.MonkeyPatch.context() as patch:  # what is drawn need not be accurate
-        patch.setattr(stress, "REFINEMENTS", (stress.FilmRefinement(0.3, 2, 1 / 10, 0.5),))
+        patch.setattr(stress, "REFINEMENTS", (stress.MeshRefinement(0.3, 2, tip=1 / 10, grading=0.5),))
         return film_stresses(design, 2.0, (0.0, 0.5), show=(1, 2))
 
 
