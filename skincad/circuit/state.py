@@ -5,8 +5,8 @@ digits of the slow rates as the fastest is faster: 1e10 times leaves six of sixt
 digits the slow ones keep all of double's for rates 1e60 apart, and a 6 x 6 matrix takes some 20 ms.
 
 States: those of the response, a ratio of polynomials in s (controllable canonical form: Kailath, Linear
-Systems, 1980, sec. 2.1). The film's charge is the input, so that no derivative is taken. Exact first-order
-hold by the matrix exponential (Van Loan 1978): stable at any step for any passive network, however stiff.
+Systems, 1980, sec. 2.1). The charge runs straight from sample to sample, so its rate is their difference.
+Exact by the matrix exponential (Van Loan 1978): stable at any step for any passive network, however stiff.
 """
 
 from __future__ import annotations
@@ -59,55 +59,51 @@ ROUNDING = 1e-12  # of a step's largest factor above 1
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = a x + b q, vout = c x + d q: a `(n, n)` 1/s, b, c `(n,)`; q the charge in C, vout in V.
+    """x' = a x + b q', vout = c x + d q: a `(n, n)` 1/s, b, c `(n,)`; q the charge in C, vout in V.
 
-    `rest` `(n,)` is the state that a charge of 1 C leaves when it has stood for ever.
+    The states are 0 at rest, under any charge: a large one that stands costs a small output no digits.
     """
 
     a: Real
     b: Real
     c: Real
     d: float
-    rest: Real
 
 
 @dataclass(frozen=True)
 class Stepper:
-    """One exact step in a triangular basis: z+ = step z + now q + then q+; vout = Re(out z) + through q."""
+    """One exact step in a triangular basis: z+ = step z + push (q+ - q); vout = Re(out z) + through q."""
 
     rate: float  # Hz
     step: Complex  # (n, n), upper triangular
-    now: Complex  # (n,)
-    then: Complex  # (n,)
+    push: Complex  # (n,)
     out: Complex  # (n,)
     through: float
-    rest: Complex  # (n,), the state at rest under a charge of 1 C
 
 
 def state_space(network: Network) -> StateSpace:
-    """Return the state equations of the network's response.
+    """Return the state equations of the network's response H: those of (H(s) - H(0)) / s.
 
-    Raises RefusedError where an output follows the charge's rate at once, where a charge at rest leaves no
-    state, and for constants that no double can hold.
+    Raises RefusedError where an output follows the charge's rate at once, where a charge that stands leaves
+    no rest, and for constants that no double can hold.
     """
     (whole, size), (part, twos) = polynomial(network, None), polynomial(network, BY_LOAD)
     order = whole.size - 1
     if not whole[0] or part.size > whole.size:
         raise RefusedError("the network has no state equations: a loop of capacitors, or a loose node")
     with np.errstate(all="ignore"):  # refused below
-        below = np.asarray(whole / whole[order])
         above = np.zeros_like(whole)
-        above[: part.size] = part / whole[order] * np.exp2(np.longdouble(twos - size)) / network.charge
-        a, c = np.eye(order, k=1), (above - above[order] * below)[:order].astype(float)
-        a[-1] = -below[:order]
+        above[: part.size] = part * np.exp2(np.longdouble(twos - size)) / network.charge
+        still, a = above[0] / whole[0], np.eye(order, k=1)
+        c = np.asarray((above - still * whole)[1:] / whole[order], float)
+        a[-1] = -whole[:order] / whole[order]
     if not (np.isfinite(a).all() and np.isfinite(c).all()):
         raise RefusedError("the network's constants are too far apart for double precision")
-    first, last = np.eye(order)[[0, -1]]
-    return StateSpace(a, last, c, float(above[order]), first / float(below[0]))
+    return StateSpace(a, np.eye(order)[-1], c, float(still))
 
 
 def stepper(network: Network, rate: float) -> Stepper:
-    """Return the exact step of the network at `rate` Hz.
+    """Return the exact step of the network at `rate` Hz, for a charge that runs straight between samples.
 
     Raises InputError for a rate that is not above 0, RefusedError where the step cannot be had in double
     precision.
@@ -116,38 +112,20 @@ def stepper(network: Network, rate: float) -> Stepper:
         raise InputError("rate", "must be above 0 Hz and finite", rate)
     system = state_space(network)
     order = system.b.size
-    whole = np.zeros((order + 2, order + 2))
+    whole = np.zeros((order + 1, order + 1))
     with np.errstate(over="ignore", invalid="ignore"):  # the exponential refuses what is not finite
-        size = sizes(system, rate)
-        whole[:order, :order] = system.a * size[None, :] / size[:, None] / rate
-        whole[:order, order] = system.b / size / rate
-    whole[order, order + 1] = 1.0
+        whole[:order, :order], (units, _) = matrix_balance(system.a / rate, permute=False, separate=True)
+        whole[:order, order] = system.b / units
     powers = exponential(whole)
-    triangle, basis = schur(powers[:order, :order], output="complex")
+    # in units in which all states are of one size, seen from the charge and by the output too, rounding stays
+    # relative: the output's median error is 4e-14 for 40 networks at 4 rates (measured against 150 digits)
+    powers[order] = [*(system.c * units), 0.0]
+    balanced = matrix_balance(powers, permute=False)[0]
+    triangle, basis = schur(balanced[:order, :order], output="complex")
     if not np.abs(np.diag(triangle)).max() <= 1.0 + ROUNDING:
         raise RefusedError(f"the network's step at {rate:g} Hz grows: its constants are too far apart")
-    back, slope = basis.conj().T, powers[:order, order + 1]
-    return Stepper(
-        rate=rate,
-        step=triangle,
-        now=back @ (powers[:order, order] - slope),
-        then=back @ slope,
-        out=(system.c * size) @ basis,
-        through=system.d,
-        rest=back @ (system.rest / size),
-    )
-
-
-def sizes(system: StateSpace, rate: float) -> Real:
-    """The states' units in which all are of one size in a step, seen from the charge and by the output too.
-
-    In these rounding stays relative: at most 3e-10 of the output, for 70 networks whose rates lie up to 1e10
-    apart (measured against 150 digits).
-    """
-    step, push = system.a / rate, system.b[:, None] / rate
-    whole = np.block([[step, push], [system.c[None, :], np.zeros((1, 1))]])
-    units = matrix_balance(whole, permute=False, separate=True)[1][0]
-    return np.asarray(units[:-1] / units[-1])
+    push, out = basis.conj().T @ balanced[:order, order], balanced[order, :order] @ basis
+    return Stepper(rate=rate, step=triangle, push=push, out=out, through=system.d)
 
 
 def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, Complex]:
@@ -159,10 +137,10 @@ def run(s: Stepper, charge: Real, state: Complex | None = None) -> tuple[Real, C
     """
     charge = _checked(charge)
     if state is None:
-        state = s.rest * charge[0]
+        state = np.zeros(s.push.size, complex)
     path = np.empty((state.size, charge.size), complex)
     for k in range(state.size - 1, -1, -1):  # triangular: each state by those after it
-        forcing = s.now[k] * charge[:-1] + s.then[k] * charge[1:]
+        forcing = s.push[k] * np.diff(charge)
         for j in range(k + 1, state.size):
             forcing = forcing + s.step[k, j] * path[j, :-1]
         path[k, 0] = state[k]

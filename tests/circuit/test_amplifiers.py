@@ -75,13 +75,13 @@ def test_shipped_topologies_are_solved_by_hand_and_constants_say_units() -> None
 @pytest.mark.parametrize("topology", HANDS)
 def test_the_elements_have_the_response_by_hand_and_by_states(topology: str, kind: str) -> None:
     """In phase too, on random sets. 1e-12: some ten factors a product; 1e-10: a sum of rows by hand where A
-    Ropo is near Rf."""
+    Ropo is near Rf. States are solved at jw in units of one size: 1e-9."""
     for c in sets(kind, 20):
         elements = network(c, topology=topology)
         gains = response(elements, BAND)
         within = 1e-10 if c.gain_bandwidth else 1e-12
         np.testing.assert_allclose(gains, HANDS[topology](c, BAND), rtol=within)
-        np.testing.assert_allclose(state_response(elements, c.d33, BAND), gains, rtol=1e-12)
+        np.testing.assert_allclose(state_response(elements, c.d33, BAND), gains, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("kind", "within"), [("plain", 1e-8), ("capacitor", 1e-7)])
@@ -274,8 +274,8 @@ def test_what_an_output_follows_at_once_goes_through_a_loop_of_capacitors_is_ref
     ends = Element("Epv", ("pv", "load", "0"), 2.0), Element("Evout", ("vout", "film", "0"), 1.0)
     divider = Network((*ends, Element("C", ("pv", "film"), 1e-9), Element("R", ("film", "0"), 1e6)), 1.0)
     s = state_space(divider)
-    assert (s.a.item(), s.b.item() * s.c.item(), s.d) == pytest.approx((-1e3, -2e3, 2.0))
-    assert s.c.item() * s.rest.item() == pytest.approx(-2.0)
+    # by the charge's rate: 2 s / (s + 1000) is s times 2 / (s + 1000), and nothing at rest
+    assert (s.a.item(), s.b.item() * s.c.item(), s.d) == pytest.approx((-1e3, 2.0, 0.0))
     voltage = output(divider, np.r_[np.zeros(1), np.ones(50)], 1e5)
     assert voltage[-1] == pytest.approx(2.0 * 100 * -math.expm1(-1e-2) * math.exp(-49e-2), rel=1e-9)
     loop = (Element("Epv", ("pv", "load", "0"), 1.0), Element("C", ("pv", "vout"), 1e-9))
